@@ -1,0 +1,1 @@
+"""Measured data in; what the simulation gets wrong, why, and what the extended model gains out."""

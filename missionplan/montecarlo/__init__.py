@@ -1,0 +1,1 @@
+"""Named random streams, blocks of trials, fan-out and streaming statistics."""

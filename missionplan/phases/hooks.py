@@ -1,0 +1,126 @@
+"""Where effects enter the phases' models: no-op bases that every effect of the catalogue refines.
+
+An effect is a frozen data class whose fields are its parameters, floats or arrays over trials, in SI units;
+zero strength is neutral. A phase is given a tuple of effects and combines their hooks: velocities, lifts,
+delays and variances add, factors multiply. Parameters as arrays let one call of a phase carry one Jacobian
+column, start or dive a trial.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Scalars = float | Array
+"""A number, or an array over trials."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """What an effect on a transit may know of the legs under way.
+
+    Attributes
+    ----------
+    t_start, duration : array, shape (n,)
+        Start of the leg since the mission's start, and its planned length [s].
+    start : array, shape (2, n)
+        True position at the start, east and north of the coordinates' origin [m].
+    along : array, shape (2, n)
+        Unit vector of the course steered (east, north).
+    speed : float or array, shape (n,)
+        Speed through the water [m/s].
+    latitude : float
+        Of the coordinates' origin [rad]; nan when the mission has none.
+    """
+
+    t_start: Array
+    duration: Array
+    start: Array
+    along: Array
+    speed: Scalars
+    latitude: float = float("nan")
+
+
+class TransitEffect:
+    """An effect on a transit. Each hook returns its neutral element unless the effect refines it."""
+
+    def velocity(self, leg: Leg) -> Array | float:
+        """Velocity that the vehicle does not know of, mean over the leg, shape (2, n) [m/s]."""
+        return 0.0
+
+    def surface_velocity(self, t: Array, duration: Array, position: Array) -> Array | float:
+        """Drift velocity at the surface beyond the site's current, shape (2, n) [m/s]."""
+        return 0.0
+
+    def fix_variance(self) -> Scalars:
+        """Extra variance of a fix, each axis [m²]."""
+        return 0.0
+
+    def error_scale(self, normals: Array) -> Array | float:
+        """Factor on the leg's random velocity error, from standard normals of shape (2, n)."""
+        return 1.0
+
+    @property
+    def is_random(self) -> bool:
+        """Whether `step` or `error_scale` needs normals of its own for each leg."""
+        return False
+
+    def step(self, memory: Any, elapsed: Array, normals: Array) -> tuple[Any, Array | float]:
+        """Carry a random velocity from leg to leg.
+
+        Parameters
+        ----------
+        memory
+            What the last call returned; None before the first leg.
+        elapsed : array, shape (n,)
+            Time from the middle of the last leg to the middle of this one [s].
+        normals : array, shape (2, n)
+            Standard normals of this effect for this leg.
+
+        Returns
+        -------
+        memory, velocity : Any, array of shape (2, n)
+            Memory for the next leg (arrays with trials last), and this leg's velocity error [m/s].
+        """
+        return memory, 0.0
+
+
+class DescentEffect:
+    """An effect on a descent. Each hook returns its neutral element unless the effect refines it.
+
+    Times count from the anchor's separation unless said otherwise; depth is the vehicle's nose [m].
+    """
+
+    def lone_drag_factor(self) -> Scalars:
+        """Factor on the anchor's drag while it falls alone."""
+        return 1.0
+
+    def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
+        """Factor on both bodies' drag once the line is taut; speed through the water [m/s]."""
+        return 1.0
+
+    def wet_weight_factor(self, since_separation: Scalars) -> Scalars:
+        """Factor on the anchor's wet weight."""
+        return 1.0
+
+    def lift(self, depth: Scalars) -> Scalars:
+        """Upward force on the vehicle once the line is taut [N]."""
+        return 0.0
+
+    def mass_factor(self) -> Scalars:
+        """Factor on the joint mass, added masses included, in the snatch too."""
+        return 1.0
+
+    def water_velocity(self) -> Scalars:
+        """Downward velocity of the water around the vehicle once the line is taut [m/s]."""
+        return 0.0
+
+    def delay(self, line_length: Scalars) -> Scalars:
+        """Time by which everything that follows the separation comes late on the clock of the log [s]."""
+        return 0.0
+
+    def reading(self, t: Array, depth: Array) -> Array:
+        """Depth that the sensor reads, from the true depth on the same uniform time grid (trials last) [m]."""
+        return depth

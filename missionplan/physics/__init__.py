@@ -1,0 +1,1 @@
+"""Pure functions of SI floats and arrays: one physical effect, one function."""

@@ -1,0 +1,1 @@
+"""Frozen results of the studies, with their tables."""

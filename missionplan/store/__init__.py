@@ -1,0 +1,1 @@
+"""Files on disk: written beside and renamed into place; finished blocks of trials."""

@@ -1,0 +1,74 @@
+"""Report folders: written beside and renamed into place, never over somebody's files."""
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from missionplan.errors import InputError, Problem, RunError
+
+
+def write_atomically(path: Path, content: str | bytes) -> None:
+    """Write a file beside its place and rename it into place, so that a reader never sees half of it.
+
+    Raises
+    ------
+    RunError
+        When the disk is full, the folder has gone or may not be written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(content.encode() if isinstance(content, str) else content)
+            Path(name).chmod(0o644)
+            os.replace(name, path)
+        except BaseException:
+            Path(name).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise RunError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def check_new_folder(folder: Path, *, force: bool = False) -> None:
+    """Refuse a folder that holds something already, before any work is done.
+
+    Raises
+    ------
+    InputError
+        When it is a file, or not empty and `force` is not given.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise InputError([Problem("is a file; a folder was expected", file=str(folder))])
+    if folder.is_dir() and any(folder.iterdir()) and not force:
+        raise InputError([Problem("is not empty", file=str(folder), hint="--force writes over it")])
+
+
+@contextmanager
+def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
+    """Yield a temporary folder beside `folder`; on success it takes `folder`'s place, on failure nothing is left.
+
+    With `force`, files of the same name in an existing folder are replaced and others are kept.
+    """
+    check_new_folder(folder, force=force)
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
+    except OSError as error:
+        raise RunError(f"cannot write in {folder.parent}: {error.strerror or error}") from error
+    try:
+        temporary.chmod(0o755)
+        yield temporary
+        if folder.is_dir() and any(folder.iterdir()):
+            shutil.copytree(temporary, folder, dirs_exist_ok=True)
+        else:
+            if folder.is_dir():
+                folder.rmdir()
+            temporary.rename(folder)
+    except OSError as error:
+        raise RunError(f"cannot write {folder}: {error.strerror or error}") from error
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)

@@ -1,0 +1,1 @@
+"""Questions asked of a mission: one module a question."""
