@@ -1,0 +1,187 @@
+"""YAML with line marks, loaded safely: bounded in size, depth and nodes, duplicate keys refused."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from missionplan.errors import InputError, Problem
+
+MAX_BYTES = 1_000_000
+MAX_DEPTH = 24
+MAX_NODES = 50_000
+"""Nodes after aliases are expanded: a file of a few lines can otherwise unfold to billions."""
+
+Path_ = tuple[str | int, ...]
+"""Key path into a document: mapping keys and list indices."""
+
+
+@dataclass
+class Document:
+    """Plain data of a YAML file and, for each key path, the file and line it stands on."""
+
+    data: Any
+    marks: dict[Path_, tuple[str, int]] = field(default_factory=dict)
+
+    def mark(self, path: Path_) -> tuple[str, int | None]:
+        """File and line of a key path, or of its nearest ancestor that stands in a file."""
+        for length in range(len(path), -1, -1):
+            if path[:length] in self.marks:
+                return self.marks[path[:length]]
+        return "", None
+
+    def problem(self, path: Path_, message: str, hint: str = "") -> Problem:
+        """Build a problem that points at a key path."""
+        file, line = self.mark(path)
+        return Problem(message, file, line, key_path(path), hint)
+
+    def graft(self, path: Path_, other: "Document") -> None:
+        """Put another document in the place of the value at `path`."""
+        parent = self.data
+        for key in path[:-1]:
+            parent = parent[key]
+        parent[path[-1]] = other.data
+        for inner, mark in other.marks.items():
+            self.marks[path + inner] = mark
+
+
+def key_path(path: Path_) -> str:
+    """Write a key path as users do: ``phases[0].transit.speed``."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
+    return text
+
+
+def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
+    """Read a UTF-8 text file, in words when it cannot be read.
+
+    Raises
+    ------
+    InputError
+        When it is missing, a folder, unreadable, too large or not UTF-8.
+    """
+    try:
+        if path.is_dir():
+            raise InputError([Problem("is a folder; a file was expected", shown)])
+        if path.stat().st_size > max_bytes:
+            raise InputError([Problem(f"is larger than {max_bytes / 1e6:g} MB", shown)])
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError([Problem("no such file", shown, hint=_nearest_file(path))]) from None
+    except UnicodeDecodeError as error:
+        raise InputError([Problem(f"is not UTF-8 text (byte {error.start})", shown)]) from None
+    except OSError as error:
+        raise InputError([Problem(f"cannot be read: {error.strerror or error}", shown)]) from None
+
+
+def _nearest_file(path: Path) -> str:
+    from difflib import get_close_matches
+
+    if not path.parent.is_dir():
+        return f"there is no folder {path.parent}"
+    names = [entry.name for entry in path.parent.iterdir()]
+    close = get_close_matches(path.name, names, n=1)
+    return f"did you mean {close[0]}?" if close else ""
+
+
+def load_document(path: Path, shown: str | None = None) -> Document:
+    """Load one YAML document with its line marks.
+
+    Parameters
+    ----------
+    path : Path
+        File to read.
+    shown : str, optional
+        How messages name the file; default as given.
+
+    Raises
+    ------
+    InputError
+        All problems of the file's syntax: duplicate keys, keys that are no text, too deep, too large.
+    """
+    shown = str(path) if shown is None else shown
+    text = read_text(path, shown)
+    try:
+        _check_depth(text, shown)
+        node = yaml.compose(text, Loader=yaml.SafeLoader)
+    except yaml.MarkedYAMLError as error:
+        line = error.problem_mark.line + 1 if error.problem_mark else None
+        words = " ".join(part for part in (error.context, error.problem) if part)
+        raise InputError([Problem(f"is not valid YAML: {words}", shown, line)]) from None
+    except yaml.YAMLError as error:
+        raise InputError([Problem(f"is not valid YAML: {error}", shown)]) from None
+    if node is None:
+        raise InputError([Problem("is empty", shown)])
+    builder = _Builder(shown)
+    document = Document(builder.build(node, ()), builder.marks)
+    if builder.problems:
+        raise InputError(builder.problems)
+    return document
+
+
+def _check_depth(text: str, shown: str) -> None:
+    """Walk the event stream, which does not recurse, before anything that does."""
+    depth = 0
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+            if depth > MAX_DEPTH:
+                line = event.start_mark.line + 1
+                raise InputError([Problem(f"is nested deeper than {MAX_DEPTH} levels", shown, line)])
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+
+
+class _Builder:
+    """Turns a node tree into plain data, counting nodes as aliases unfold."""
+
+    def __init__(self, shown: str) -> None:
+        self.shown = shown
+        self.marks: dict[Path_, tuple[str, int]] = {}
+        self.problems: list[Problem] = []
+        self._nodes = 0
+        self._scalars = yaml.SafeLoader("")
+
+    def build(self, node: yaml.Node, path: Path_) -> Any:
+        self._nodes += 1
+        line = node.start_mark.line + 1
+        if self._nodes > MAX_NODES or len(path) > MAX_DEPTH:
+            message = f"unfolds to more than {MAX_NODES} values (aliases that repeat aliases?)"
+            raise InputError([Problem(message, self.shown, line)])
+        self.marks.setdefault(path, (self.shown, line))
+        if isinstance(node, yaml.MappingNode):
+            return self._mapping(node, path)
+        if isinstance(node, yaml.SequenceNode):
+            return [self.build(child, (*path, index)) for index, child in enumerate(node.value)]
+        return self._scalar(node, path)
+
+    def _scalar(self, node: yaml.Node, path: Path_) -> Any:
+        try:
+            return self._scalars.construct_object(node)  # type: ignore[no-untyped-call]
+        except (yaml.YAMLError, ValueError) as error:
+            line = node.start_mark.line + 1
+            words = getattr(error, "problem", None) or str(error)
+            self.problems.append(Problem(f"cannot be read: {words}", self.shown, line, key_path(path)))
+            return None
+
+    def _mapping(self, node: yaml.MappingNode, path: Path_) -> Mapping[str, Any]:
+        result: dict[str, Any] = {}
+        first_line: dict[str, int] = {}
+        for key_node, value_node in node.value:
+            key, line = key_node.value, key_node.start_mark.line + 1
+            if not isinstance(key_node, yaml.ScalarNode) or key_node.tag == "tag:yaml.org,2002:merge":
+                message = "a key must be a plain word (merge keys are not supported)"
+                self.problems.append(Problem(message, self.shown, line, key_path(path)))
+                continue
+            here = (*path, key)
+            if key in result:
+                message = f"the key stands twice; first on line {first_line[key]}"
+                self.problems.append(Problem(message, self.shown, line, key_path(here)))
+                continue
+            first_line[key] = line
+            self.marks[here] = (self.shown, line)
+            result[key] = self.build(value_node, here)
+        return result

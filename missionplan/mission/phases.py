@@ -1,0 +1,90 @@
+"""Phases of a mission as the file writes them."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from missionplan.mission import quantities as q
+from missionplan.mission.section import Section, complain
+from missionplan.mission.site import Position
+from missionplan.mission.units import QuantityParser
+from missionplan.montecarlo.distributions import Quantity
+
+_FORCE = QuantityParser("N", low=0.0, open_low=True)
+
+
+class LegTable(Section):
+    """Leg length against distance left, piecewise linear."""
+
+    table: tuple[tuple[q.FixedDistance, q.FixedLength], ...]
+
+    @model_validator(mode="after")
+    def _increasing(self) -> "LegTable":
+        left = [row[0] for row in self.table]
+        if not left or any(b <= a for a, b in zip(left, left[1:], strict=False)):
+            raise complain("expected rows with increasing distance left", ("table",))
+        return self
+
+
+DMax = Annotated[
+    Annotated[q.PositiveLength, Tag("<length>")] | Annotated[LegTable, Tag("<table>")],
+    Discriminator(lambda value: "<table>" if isinstance(value, LegTable) or _has_table(value) else "<length>"),
+]
+
+
+def _has_table(value: Any) -> bool:
+    return isinstance(value, dict) and "table" in value
+
+
+class TransitPhase(Section):
+    """A transit by dead reckoning with surfacings."""
+
+    kind: Literal["transit"] = Field(default="transit", exclude=True)
+    name: str = "transit"
+    start: Position | None = Field(default=None, alias="from")
+    to: Position
+    depth: q.Distance = 0.0
+    speed: q.PositiveSpeed
+    d_max: DMax
+    arrival_radius: q.PositiveLength
+
+
+class MoorPhase(Section):
+    """Anchor release, descent, hold, galvanic release and ascent."""
+
+    kind: Literal["moor"] = Field(default="moor", exclude=True)
+    name: str = "moor"
+    radius: q.PositiveLength
+    design_current: Annotated[
+        Annotated[tuple[q.FixedSpeed, ...], Tag("<layers>")] | Annotated[q.FixedSpeed, Tag("<one>")] | None,
+        Discriminator(lambda value: "<layers>" if isinstance(value, list | tuple) else "<one>"),
+    ] = None
+    anchor_wet_weight: Annotated[Quantity | Literal["sized"], q.or_word(_FORCE, "sized")] = "sized"
+    line_length: q.PositiveLength
+    release_time: q.Duration = 0.0
+    hold: q.Duration = 0.0
+    galvanic_release: q.Duration = 0.0
+    carry_net_buoyancy: bool = False
+
+
+class PhaseEntry(Section):
+    """One item of `phases`: a single key that says the kind."""
+
+    transit: TransitPhase | None = None
+    moor: MoorPhase | None = None
+
+    @model_validator(mode="after")
+    def _exactly_one(self) -> "PhaseEntry":
+        if len(self.model_fields_set) != 1:
+            raise complain(f"expected one of the phases {', '.join(type(self).model_fields)} in each item")
+        return self
+
+    @property
+    def phase(self) -> "Phase":
+        """The phase itself."""
+        phase = self.transit or self.moor
+        assert phase is not None
+        return phase
+
+
+Phase = TransitPhase | MoorPhase

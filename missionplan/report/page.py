@@ -1,0 +1,166 @@
+"""One self-contained HTML page: what a report is made of, before and after rendering."""
+
+import io
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jinja2 import Environment, PackageLoader
+from markupsafe import Markup
+
+from missionplan.results.base import Provenance, to_yaml
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as MatplotlibFigure
+
+INK, GRID = "#222222", "#dddddd"
+"""Colours of the figure style that the page replaces by its own, light or dark."""
+
+BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#666666"
+"""Okabe–Ito colours, in the order of the style's cycle."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure: file name without ending, SVG text, what is to be seen (alt text), and a caption."""
+
+    name: str
+    svg: str
+    alt: str
+    caption: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of ready text: column heads, rows, and a caption. The first column holds names."""
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    caption: str = ""
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Text in fixed pitch: a mission file, a command."""
+
+    text: str
+
+
+Block = str | Figure | Table | Listing
+"""A paragraph of plain text, a figure, a table or a listing."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading that is a finding, and what shows it."""
+
+    heading: str
+    blocks: Sequence[Block]
+
+
+@dataclass(frozen=True)
+class Page:
+    """A report: the answer in a sentence, the figure that shows it, the numbers that matter, then sections.
+
+    Attributes
+    ----------
+    title : str
+        What was asked.
+    answer : str
+        The answer, in a sentence or two of plain words.
+    figure : Figure or None
+        The one figure that shows it.
+    numbers : sequence of (label, value)
+        Two or three numbers, with their intervals and units.
+    sections : sequence of Section
+        Everything else.
+    verdict : str
+        "good", "bad" or "" : how the answer is marked.
+    """
+
+    title: str
+    answer: str
+    figure: Figure | None
+    numbers: Sequence[tuple[str, str]]
+    sections: Sequence[Section]
+    verdict: str = ""
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """The same result for a terminal: a sentence and a compact table."""
+
+    sentence: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """A page as HTML, and its figures as SVG by name."""
+
+    html: str
+    figures: dict[str, str]
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Use the project's figure style, without a display and without touching the caller's settings."""
+    import matplotlib as mpl
+
+    path = files("missionplan.report") / "style.mplstyle"
+    with mpl.rc_context(fname=Path(str(path))):
+        yield
+
+
+def to_figure(figure: "MatplotlibFigure", name: str, alt: str, caption: str = "") -> Figure:
+    """Turn a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot) into SVG text."""
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Title": None, "Format": None, "Type": None})
+    return Figure(name, buffer.getvalue(), alt, caption)
+
+
+def inline(figure: Figure) -> Markup:
+    """SVG for inlining: ids of its own, the page's colours, alternative text, scaling with the column."""
+    svg = figure.svg[figure.svg.index("<svg") :]
+    svg = re.sub(r'\b(id="|xlink:href="#|href="#|url\(#)', rf"\1{figure.name}-", svg)
+    svg = re.sub(INK, "currentColor", svg, flags=re.IGNORECASE)
+    svg = re.sub(GRID, "var(--grid)", svg, flags=re.IGNORECASE)
+    svg = re.sub(r'<svg([^>]*?) width="[^"]*"', r"<svg\1", re.sub(r'<svg([^>]*?) height="[^"]*"', r"<svg\1", svg, count=1), count=1)
+    label = Markup.escape(figure.alt)
+    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"', 1))
+
+
+def render_page(page: Page, provenance: Provenance) -> Rendered:
+    """Render a page with its provenance at the end."""
+    environment = Environment(
+        loader=PackageLoader("missionplan.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["inline"] = inline
+    environment.tests["text"] = lambda block: isinstance(block, str)
+    environment.tests["figure"] = lambda block: isinstance(block, Figure)
+    environment.tests["table"] = lambda block: isinstance(block, Table)
+    html = environment.get_template("page.html").render(
+        page=page,
+        provenance=provenance,
+        summary=provenance.summary(),
+        mission_yaml=to_yaml(provenance.data),
+        rerun=rerun_command(provenance),
+    )
+    shown = [page.figure] if page.figure else []
+    shown += [block for section in page.sections for block in section.blocks if isinstance(block, Figure)]
+    return Rendered(html, {figure.name: figure.svg for figure in shown})
+
+
+def rerun_command(provenance: Provenance) -> str:
+    """Write the command that makes the result again from the folder's own `mission.yaml`."""
+    options = [f"--{name.replace('_', '-')} {value}" for name, value in provenance.options.items() if _is_given(value)]
+    return " ".join(["missionplan", provenance.command, "mission.yaml", f"--seed {provenance.seed}", *options])
+
+
+def _is_given(value: Any) -> bool:
+    return value is not None and not isinstance(value, bool)

@@ -1,0 +1,153 @@
+"""What every result of a study has: provenance, a summary, tables, and a folder to be saved in."""
+
+import json
+import math
+import platform
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from importlib import import_module
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, ClassVar
+
+import pandas as pd
+import yaml
+
+from missionplan.store.folder import new_folder, write_atomically
+
+_LIBRARIES = ("numpy", "scipy", "pandas", "matplotlib", "joblib", "pydantic", "pint")
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a result comes from: enough to make it again.
+
+    Attributes
+    ----------
+    command : str
+        The command line's name of the study.
+    mission : str
+        The mission's name.
+    file : str
+        Mission file, as given.
+    seed, trials : int
+        Of the Monte Carlo; zero trials where none was run.
+    options : Mapping
+        The study's options.
+    elapsed_s : float
+        Wall time of the study [s].
+    data : Mapping
+        The mission file's data with includes in place.
+    notices : tuple of str
+        What the reader should know of the input: distributions truncated, values out of a model's range.
+    created : datetime
+        When the study ended, UTC.
+    """
+
+    command: str
+    mission: str
+    file: str
+    seed: int
+    trials: int
+    options: Mapping[str, Any]
+    elapsed_s: float
+    data: Mapping[str, Any]
+    notices: tuple[str, ...] = ()
+    created: datetime = field(default_factory=lambda: datetime.now(UTC))
+
+    def summary(self) -> dict[str, Any]:
+        """Fields that every `summary.json` has."""
+        return {
+            "command": self.command,
+            "mission": self.mission,
+            "seed": self.seed,
+            "trials": self.trials,
+            "version": version("missionplan"),
+            "options": dict(self.options),
+            "elapsed_s": round(self.elapsed_s, 3),
+            "file": self.file,
+            "created_utc": self.created.isoformat(timespec="seconds"),
+            "python": platform.python_version(),
+            "libraries": {name: version(name) for name in _LIBRARIES},
+            "notices": list(self.notices),
+        }
+
+
+class Result(ABC):
+    """A study's answer. Subclasses are frozen data classes with a field `provenance`."""
+
+    report: ClassVar[str]
+    """Module of `missionplan.report` that renders it."""
+    provenance: Provenance
+
+    @abstractmethod
+    def summary(self) -> dict[str, Any]:
+        """The dictionary of `summary.json`: SI, units ending the keys."""
+
+    @abstractmethod
+    def to_frame(self) -> pd.DataFrame:
+        """The study's main table."""
+
+    @abstractmethod
+    def files(self) -> dict[str, str | bytes]:
+        """Tables and other files of the report folder, by name."""
+
+    def save(self, folder: str | Path, *, force: bool = False) -> Path:
+        """Write the report folder: `report.html`, `summary.json`, `mission.yaml`, `figures/` and the tables.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Where to; it must be absent or empty.
+        force : bool
+            Write over files of the same names.
+
+        Raises
+        ------
+        InputError
+            When the folder holds something and `force` is not given.
+        RunError
+            When it cannot be written.
+        """
+        folder = Path(folder)
+        rendered = import_module("missionplan.report.render").render(self)
+        contents: dict[str, str | bytes] = {
+            "report.html": rendered.html,
+            "summary.json": to_json(self.summary()),
+            "mission.yaml": to_yaml(self.provenance.data),
+            **{f"figures/{name}.svg": svg for name, svg in rendered.figures.items()},
+            **self.files(),
+        }
+        with new_folder(folder, force=force) as temporary:
+            for name, content in contents.items():
+                write_atomically(temporary / name, content)
+        return folder
+
+
+def to_json(summary: Mapping[str, Any]) -> str:
+    """Write a summary as JSON; a number that does not exist is null."""
+    return json.dumps(_plain(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def to_yaml(data: Mapping[str, Any]) -> str:
+    """Write a mission's data as YAML, keys in the order of the file."""
+    return yaml.safe_dump(_plain(data), sort_keys=False, allow_unicode=True, width=120)
+
+
+def to_csv(frame: pd.DataFrame) -> str:
+    """Write a table as CSV, without an index."""
+    return str(frame.to_csv(index=False, lineterminator="\n"))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
