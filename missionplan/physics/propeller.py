@@ -1,0 +1,310 @@
+"""Thrust and torque of a fixed-pitch propeller with axial-flow dynamics (Blanke, Lindegaard & Fossen 2000).
+
+Shaft rates are in rad/s throughout. The paper's constants hold for revolutions a second, with the advance ratio
+J = 2π u_a/(n D) of an n in rad/s (its Fig. 3); they are converted once, in `from_open_water`.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from missionplan.physics.arrays import Scalars, magnitude
+
+Damping = Literal["surge", "momentum"]
+
+
+@dataclass(frozen=True)
+class Propeller:
+    """A propeller and the water that it sets in motion.
+
+    Attributes
+    ----------
+    diameter : float
+        Of the disc [m].
+    thrust_nn, thrust_nu : float or array
+        T_n|n| [N s²/rad²] and T°_|n|u of the flow in the disc (negative) [N s²/(rad m)], Eq. 28.
+    torque_nn, torque_nu : float or array
+        Q_n|n| [N m s²/rad²] and Q°_|n|u of the flow in the disc (negative) [N s²/rad], Eq. 22.
+    axial_flow_factor : float
+        a: in steady state the flow in the disc is (1 + a) times the advance speed.
+    wake_fraction, thrust_deduction : float
+        w of Eq. 27 and t of Eq. 26.
+    shaft_inertia : float
+        Of motor, shaft and propeller [kg m²].
+    flow_mass : float
+        Of the water in the control volume, m_f [kg].
+    flow_damping_linear, flow_damping_quadratic : float
+        d_f0 [kg/s] and d_f [kg/m] of Eq. 30.
+    """
+
+    diameter: float
+    thrust_nn: Scalars
+    thrust_nu: Scalars
+    torque_nn: Scalars
+    torque_nu: Scalars
+    axial_flow_factor: float
+    wake_fraction: float
+    thrust_deduction: float
+    shaft_inertia: float
+    flow_mass: float
+    flow_damping_linear: float
+    flow_damping_quadratic: float
+
+    @property
+    def flow_ratio(self) -> float:
+        """Steady flow in the disc over the vehicle's speed, (1 + a)(1 - w)."""
+        return (1.0 + self.axial_flow_factor) * (1.0 - self.wake_fraction)
+
+
+def disc_area(diameter: float) -> float:
+    """Area of the propeller disc [m²] from its diameter [m]."""
+    return math.pi / 4.0 * diameter**2
+
+
+def surge_flow_damping(
+    resistance_linear: float,
+    resistance_quadratic: float,
+    axial_flow_factor: float,
+    wake_fraction: float,
+    thrust_deduction: float,
+) -> tuple[float, float]:
+    """Axial-flow damping that makes the steady flow (1 + a)(1 - w) times the speed, Eqs. 34 and 35.
+
+    It ties the water in the disc to the hull's resistance. For the paper's Table 1 it gives 2777.8 kg/m, nineteen
+    times the 2ρA_p = 144.9 kg/m of momentum theory (Eq. 12); the two agree for a resistance near 26 kg/m.
+
+    Parameters
+    ----------
+    resistance_linear, resistance_quadratic : float
+        -X_u [kg/s] and -X_u|u| [kg/m] of Eq. 29.
+    axial_flow_factor, wake_fraction, thrust_deduction : float
+        a, w and t.
+
+    Returns
+    -------
+    linear, quadratic : float
+        d_f0 [kg/s] and d_f [kg/m].
+    """
+    a, w, t = axial_flow_factor, wake_fraction, thrust_deduction
+    linear = resistance_linear / ((1.0 - t) * (1.0 + a) * (1.0 - w))
+    quadratic = resistance_quadratic / ((1.0 - t) * (1.0 + a) * a * (1.0 - w) ** 2)
+    return linear, quadratic
+
+
+def from_open_water(
+    diameter: float,
+    thrust_coefficient: tuple[float, float],
+    torque_coefficient: tuple[float, float],
+    *,
+    density: float,
+    axial_flow_factor: float = 0.0,
+    wake_fraction: float = 0.0,
+    thrust_deduction: float = 0.0,
+    shaft_inertia: float = math.inf,
+    flow_mass: float | None = None,
+    flow_damping: tuple[float, float] | None = None,
+) -> Propeller:
+    """Convert open-water characteristics K_T = α₀ + α₁J, K_Q = β₀ + β₁J, Eqs. 19 to 23.
+
+    Parameters
+    ----------
+    diameter : float
+        Of the disc [m].
+    thrust_coefficient, torque_coefficient : (float, float)
+        (α₀, α₁) and (β₀, β₁); the slopes are negative. J is the advance speed over rev/s times diameter.
+    density : float
+        Of the water [kg/m³].
+    axial_flow_factor, wake_fraction, thrust_deduction : float
+        a, w and t.
+    shaft_inertia : float
+        Of motor, shaft and propeller [kg m²]; infinite (the default) holds the shaft rate.
+    flow_mass : float, optional
+        m_f [kg]; default ρ A_p D. The paper leaves its factor γ open.
+    flow_damping : (float, float), optional
+        d_f0 [kg/s] and d_f [kg/m]; default 0 and 2ρA_p, momentum theory (Eq. 12).
+
+    Returns
+    -------
+    Propeller
+        With constants for rad/s: T_nn 0.08923, Q_nn 0.003950, (1 + a) T°_nu -4.1558 for the paper's Table 1.
+    """
+    turn = 2.0 * math.pi
+    area = disc_area(diameter)
+    linear, quadratic = (0.0, 2.0 * density * area) if flow_damping is None else flow_damping
+    scale = 1.0 + axial_flow_factor
+    return Propeller(
+        diameter=diameter,
+        thrust_nn=density * diameter**4 * thrust_coefficient[0] / turn**2,
+        thrust_nu=density * diameter**3 * thrust_coefficient[1] / turn / scale,
+        torque_nn=density * diameter**5 * torque_coefficient[0] / turn**2,
+        torque_nu=density * diameter**4 * torque_coefficient[1] / turn / scale,
+        axial_flow_factor=axial_flow_factor,
+        wake_fraction=wake_fraction,
+        thrust_deduction=thrust_deduction,
+        shaft_inertia=shaft_inertia,
+        flow_mass=density * area * diameter if flow_mass is None else flow_mass,
+        flow_damping_linear=linear,
+        flow_damping_quadratic=quadratic,
+    )
+
+
+def advance_ratio(advance_speed: Scalars, shaft_rate: Scalars, diameter: float) -> Scalars:
+    """J = 2π u_a/(n D), from the advance speed [m/s] and shaft rate [rad/s] (abscissa of Fig. 3)."""
+    return 2.0 * math.pi * advance_speed / (shaft_rate * diameter)
+
+
+def thrust(propeller: Propeller, shaft_rate: Scalars, axial_flow: Scalars) -> Scalars:
+    """Thrust at a shaft rate and a flow in the disc, Eq. 28.
+
+    T = T_n|n||n|n + T°_|n|u|n|u_p with T° < 0 (the minus of Eq. 20 would count the sign twice). Odd in (n, u_p):
+    valid ahead and astern, not where the flow has separated from the blades.
+
+    Parameters
+    ----------
+    shaft_rate : float or array
+        n [rad/s].
+    axial_flow : float or array
+        u_p, the speed of the water through the disc [m/s].
+
+    Returns
+    -------
+    float or array
+        Thrust, positive ahead [N].
+    """
+    return magnitude(shaft_rate) * (propeller.thrust_nn * shaft_rate + propeller.thrust_nu * axial_flow)
+
+
+def torque(propeller: Propeller, shaft_rate: Scalars, axial_flow: Scalars) -> Scalars:
+    """Torque that the water asks of the shaft [N m], Eq. 22; arguments as in `thrust`."""
+    return magnitude(shaft_rate) * (propeller.torque_nn * shaft_rate + propeller.torque_nu * axial_flow)
+
+
+def thrust_coefficient(propeller: Propeller, advance: Scalars, density: float) -> Scalars:
+    """Open-water K_T at an advance ratio, Eq. 19: steady thrust over ρ (n/2π)² D⁴ (checked: K_T(0) = 0.4243)."""
+    flow = (1.0 + propeller.axial_flow_factor) * advance * propeller.diameter / (2.0 * math.pi)
+    return (propeller.thrust_nn + propeller.thrust_nu * flow) * (2.0 * math.pi) ** 2 / (density * propeller.diameter**4)
+
+
+def torque_coefficient(propeller: Propeller, advance: Scalars, density: float) -> Scalars:
+    """Open-water K_Q at an advance ratio, Eq. 19: steady torque over ρ (n/2π)² D⁵ (checked: K_Q(0) = 0.0626)."""
+    flow = (1.0 + propeller.axial_flow_factor) * advance * propeller.diameter / (2.0 * math.pi)
+    return (propeller.torque_nn + propeller.torque_nu * flow) * (2.0 * math.pi) ** 2 / (density * propeller.diameter**5)
+
+
+def open_water_efficiency(propeller: Propeller, advance: Scalars, density: float) -> Scalars:
+    """η₀ = J K_T/(2π K_Q): thrust power over shaft power."""
+    ratio = thrust_coefficient(propeller, advance, density) / torque_coefficient(propeller, advance, density)
+    return advance * ratio / (2.0 * math.pi)
+
+
+def flow_acceleration(propeller: Propeller, shaft_rate: Scalars, axial_flow: Scalars, speed: Scalars) -> Scalars:
+    """Acceleration of the water in the disc, Eqs. 27, 30 and 31.
+
+    m_f u̇_p = T - d_f0 u_p - d_f|u_p|(u_p - (1 - w)u); with d_f0 = 0 and d_f = 2ρA_p it is Eq. 12.
+
+    Parameters
+    ----------
+    shaft_rate, axial_flow, speed : float or array
+        n [rad/s], u_p and the vehicle's speed u [m/s].
+
+    Returns
+    -------
+    float or array
+        u̇_p [m/s²].
+    """
+    slip = axial_flow - (1.0 - propeller.wake_fraction) * speed
+    damping = (
+        propeller.flow_damping_linear * axial_flow + propeller.flow_damping_quadratic * magnitude(axial_flow) * slip
+    )
+    return (thrust(propeller, shaft_rate, axial_flow) - damping) / propeller.flow_mass
+
+
+def steady_axial_flow(propeller: Propeller, shaft_rate: Scalars, speed: Scalars) -> Scalars:
+    """Flow in the disc once it has settled: the closed form of `flow_acceleration` = 0.
+
+    Solved for a turning shaft whose flow goes its own way (u_p has the sign of n), which holds at rest and
+    whenever speed and shaft rate agree in sign.
+
+    Parameters
+    ----------
+    shaft_rate, speed : float or array
+        n [rad/s] and the vehicle's speed [m/s].
+
+    Returns
+    -------
+    float or array
+        u_p [m/s].
+    """
+    turn, sign = magnitude(shaft_rate), np.sign(shaft_rate)
+    inflow = sign * (1.0 - propeller.wake_fraction) * speed
+    quadratic = propeller.flow_damping_quadratic
+    linear = propeller.flow_damping_linear - propeller.thrust_nu * turn - quadratic * inflow
+    constant = propeller.thrust_nn * turn**2
+    root = np.sqrt(linear**2 + 4.0 * quadratic * constant)
+    return sign * (root - linear) / (2.0 * quadratic)
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """What the propeller has to move: R(u) = R₁u + R₂u|u| (Eq. 29 with the sign of a resistance), and a mass.
+
+    Attributes
+    ----------
+    mass : float or array
+        Of the vehicle, axial added mass included [kg].
+    linear, quadratic : float or array
+        -X_u [kg/s] and -X_u|u| [kg/m].
+    """
+
+    mass: Scalars
+    linear: Scalars
+    quadratic: Scalars
+
+    def force(self, speed: Scalars) -> Scalars:
+        """Resistance at a speed through the water [N]."""
+        return self.linear * speed + self.quadratic * magnitude(speed) * speed
+
+
+TABLE_1_RESISTANCE = Resistance(mass=1050.0, linear=0.2, quadratic=500.0)
+"""The vehicle of Table 1: 1000 kg and 5 % added mass."""
+
+
+def table_1(damping: Damping = "surge") -> Propeller:
+    """Build the paper's example from Table 1, with the T° and Q° that its own a = 0.25 gives.
+
+    m_f = ρ A_p l with γ = 1 (21.74 kg) is assumed; the paper leaves γ open.
+
+    Parameters
+    ----------
+    damping : {"surge", "momentum"}
+        Axial-flow damping by Eqs. 34 and 35, or by Eq. 12.
+    """
+    hull = TABLE_1_RESISTANCE
+    paper = {"axial_flow_factor": 0.25, "wake_fraction": 0.2, "thrust_deduction": 0.1}
+    flow_damping = (
+        surge_flow_damping(float(hull.linear), float(hull.quadratic), **paper) if damping == "surge" else None
+    )
+    return from_open_water(
+        0.30,
+        (0.4243, -0.9435),
+        (0.0626, -0.1212),
+        density=1025.0,
+        shaft_inertia=1.0,
+        flow_mass=1025.0 * disc_area(0.30) * 0.30,
+        flow_damping=flow_damping,
+        **paper,
+    )
+
+
+def as_printed(damping: Damping = "surge") -> Propeller:
+    """Build the paper's example with Table 2's constants, whose T° and Q° are those of a = 0.1, not of Table 1's a."""
+    turn = 2.0 * math.pi
+    return replace(
+        table_1(damping),
+        thrust_nn=3.523 / turn**2,
+        thrust_nu=-23.74 / turn,
+        torque_nn=0.1559 / turn**2,
+        torque_nu=-0.9148 / turn,
+    )

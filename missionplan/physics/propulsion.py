@@ -1,0 +1,273 @@
+"""Shaft, axial flow and surge together (Blanke et al. 2000, Eqs. 24 to 31), and what a planner needs of them.
+
+The dynamic model is stepped; the quasi-steady one, in which the flow in the disc is (1 + a)(1 - w) times the
+vehicle's speed, has closed forms for cruising and for speeding up after each surfacing.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from missionplan.physics.arrays import Array, Scalars, magnitude
+from missionplan.physics.propeller import Propeller, Resistance, flow_acceleration, thrust, torque
+
+State = tuple[Scalars, Scalars, Scalars]
+"""Shaft rate [rad/s], flow in the disc [m/s], speed through the water [m/s]."""
+
+
+def rates(propeller: Propeller, resistance: Resistance, state: State, motor_torque: Scalars) -> State:
+    """Time derivatives of shaft rate, flow in the disc and speed, Eqs. 24, 26, 30 and 31.
+
+    The shaft is J_m ω̇ = Q_m - Q with ω in rad/s; Eq. 24's last term is -Q°|n|u_p. Surge is
+    (m - X_u̇)u̇ = (1 - t)T - R(u): Eqs. 26 and 29 as printed together make resistance propel.
+
+    Parameters
+    ----------
+    state : tuple
+        Shaft rate, flow in the disc and speed: floats or arrays over trials.
+    motor_torque : float or array
+        Q_m [N m].
+    """
+    shaft_rate, axial_flow, speed = state
+    push = (1.0 - propeller.thrust_deduction) * thrust(propeller, shaft_rate, axial_flow)
+    return (
+        (motor_torque - torque(propeller, shaft_rate, axial_flow)) / propeller.shaft_inertia,
+        flow_acceleration(propeller, shaft_rate, axial_flow, speed),
+        (push - resistance.force(speed)) / resistance.mass,
+    )
+
+
+@dataclass(frozen=True)
+class PropulsionRun:
+    """A simulated run: every array has shape (steps + 1,) or (steps + 1, n), times [s] (steps + 1,).
+
+    `shaft_rate` [rad/s], `axial_flow` and `speed` [m/s], `thrust` [N], `torque` asked by the water [N m].
+    """
+
+    time: Array
+    shaft_rate: Array
+    axial_flow: Array
+    speed: Array
+    thrust: Array
+    torque: Array
+
+
+def simulate(
+    propeller: Propeller,
+    resistance: Resistance,
+    motor_torque: Array,
+    time_step: float,
+    start: State = (0.0, 0.0, 0.0),
+) -> PropulsionRun:
+    """Run the three states from rest under a motor torque held over each step (fixed-step Runge-Kutta).
+
+    Parameters
+    ----------
+    motor_torque : array, shape (steps,) or (steps, n)
+        Q_m over each step [N m].
+    time_step : float
+        Step [s]. The flow in the disc is the fast state: keep below about 2 m_f/(d_f |u_p|).
+    start : tuple
+        Shaft rate, flow in the disc and speed at the start.
+
+    Raises
+    ------
+    FloatingPointError
+        When the step is too long for the flow in the disc and the run diverges.
+    """
+    shape = (len(motor_torque) + 1, *np.shape(motor_torque)[1:])
+    history = np.empty((3, *shape))
+    state: State = start
+    history[:, 0] = np.array([np.broadcast_to(value, shape[1:]) for value in state])
+    with np.errstate(over="ignore", invalid="ignore"):
+        for step, applied in enumerate(motor_torque.tolist() if motor_torque.ndim == 1 else motor_torque):
+            state = _runge_kutta_step(propeller, resistance, state, applied, time_step)
+            history[:, step + 1] = state
+    if not np.all(np.isfinite(history)):
+        raise FloatingPointError(f"the run diverged: a step of {time_step} s is too long for the flow in the disc")
+    shaft_rate, axial_flow, speed = history
+    return PropulsionRun(
+        time=time_step * np.arange(shape[0]),
+        shaft_rate=shaft_rate,
+        axial_flow=axial_flow,
+        speed=speed,
+        thrust=np.asarray(thrust(propeller, shaft_rate, axial_flow)),
+        torque=np.asarray(torque(propeller, shaft_rate, axial_flow)),
+    )
+
+
+def _runge_kutta_step(propeller: Propeller, resistance: Resistance, state: State, applied: Scalars, h: float) -> State:
+    def moved(slope: State, step: float) -> State:
+        return (state[0] + step * slope[0], state[1] + step * slope[1], state[2] + step * slope[2])
+
+    k1 = rates(propeller, resistance, state, applied)
+    k2 = rates(propeller, resistance, moved(k1, h / 2.0), applied)
+    k3 = rates(propeller, resistance, moved(k2, h / 2.0), applied)
+    k4 = rates(propeller, resistance, moved(k3, h), applied)
+    mean = [(a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in zip(k1, k2, k3, k4, strict=True)]
+    return moved((mean[0], mean[1], mean[2]), h)
+
+
+def eq_36_torque(time_step: float, final_time: float = 100.0) -> Array:
+    """Motor torque of the paper's simulation [N m]: 5, -5 and 2.5 N m; t_f = 100 s is assumed."""
+    time = time_step * (np.arange(round(final_time / time_step)) + 0.5)
+    return np.select([time <= 0.3 * final_time, time <= 0.6 * final_time], [5.0, -5.0], 2.5)
+
+
+@dataclass(frozen=True)
+class Surge:
+    """Coefficients of m u̇ = A - B u - C u²: quasi-steady surge ahead at a held shaft rate; floats or arrays.
+
+    `push` A [N], `slope` B [kg/s] and `curve` C [kg/m] over the `mass` [kg].
+    """
+
+    mass: Scalars
+    push: Scalars
+    slope: Scalars
+    curve: Scalars
+
+    @property
+    def stiffness(self) -> Scalars:
+        """√(B² + 4AC) [kg/s]: over the mass it is the rate at which speed settles."""
+        root: Scalars = np.sqrt(self.slope**2 + 4.0 * self.push * self.curve)
+        return root
+
+    @property
+    def speed(self) -> Scalars:
+        """Speed at which thrust and resistance balance [m/s]."""
+        return 2.0 * self.push / (self.slope + self.stiffness)
+
+
+def quasi_steady_surge(propeller: Propeller, resistance: Resistance, shaft_rate: Scalars) -> Surge:
+    """Collect surge at a held shaft rate n > 0 [rad/s] when the flow in the disc keeps to (1 + a)(1 - w)u.
+
+    Closed form of Eqs. 26 to 28 in steady state: C u² + B u = A with A = (1 - t)T_nn n² and
+    B = R₁ - (1 - t)T°(1 + a)(1 - w) n.
+    """
+    share = 1.0 - propeller.thrust_deduction
+    return Surge(
+        mass=resistance.mass,
+        push=share * propeller.thrust_nn * shaft_rate**2,
+        slope=resistance.linear - share * propeller.thrust_nu * propeller.flow_ratio * shaft_rate,
+        curve=resistance.quadratic,
+    )
+
+
+def cruise_speed(propeller: Propeller, shaft_rate: Scalars, drag: Callable[[Scalars], Scalars]) -> Scalars:
+    """Speed through the water that a shaft rate gives against any law of drag.
+
+    Parameters
+    ----------
+    shaft_rate : float or array
+        n > 0 [rad/s].
+    drag : callable
+        Drag [N] from speed [m/s]; nearly quadratic, so that its coefficient C = drag/u² may be iterated.
+
+    Returns
+    -------
+    float or array
+        u [m/s], to 1e-10 of itself.
+
+    Raises
+    ------
+    ArithmeticError
+        When a hundred iterations do not settle it.
+    """
+    speed: Scalars = np.ones_like(np.asarray(shaft_rate))
+    for _ in range(100):
+        resistance = Resistance(mass=1.0, linear=0.0, quadratic=drag(speed) / speed**2)
+        last, speed = speed, quasi_steady_surge(propeller, resistance, shaft_rate).speed
+        if np.all(magnitude(speed - last) <= 1e-10 * speed):
+            return speed
+    raise ArithmeticError("the speed for this shaft rate did not settle: is the drag nearly quadratic?")
+
+
+def shaft_rate_for(propeller: Propeller, drag: Scalars, speed: Scalars) -> Scalars:
+    """Shaft rate that holds a speed [m/s] against a drag [N], the inverse of `cruise_speed` [rad/s]."""
+    share = 1.0 - propeller.thrust_deduction
+    slope = -share * propeller.thrust_nu * propeller.flow_ratio * speed
+    quadratic = share * propeller.thrust_nn
+    rate: Scalars = (slope + np.sqrt(slope**2 + 4.0 * quadratic * drag)) / (2.0 * quadratic)
+    return rate
+
+
+def shaft_power(propeller: Propeller, shaft_rate: Scalars, speed: Scalars) -> Scalars:
+    """Power that the water takes from the shaft under way, Qω with the flow settled [W]."""
+    return shaft_rate * torque(propeller, shaft_rate, propeller.flow_ratio * speed)
+
+
+@dataclass(frozen=True)
+class SpeedUp:
+    """What a vehicle has done a time after it set off from rest: `speed` [m/s], `distance` [m], shaft `work` [J]."""
+
+    speed: Scalars
+    distance: Scalars
+    work: Scalars
+
+
+def speed_up(propeller: Propeller, resistance: Resistance, shaft_rate: Scalars, time: Scalars) -> SpeedUp:
+    """Set off from rest at a held shaft rate, as after each surfacing: the closed form of `quasi_steady_surge`.
+
+    With λ = √(B² + 4AC)/m, U the cruising speed and r = C U²/A: u = U(1 - e^(-λt))/(1 + r e^(-λt)).
+
+    Parameters
+    ----------
+    shaft_rate : float or array
+        n > 0 [rad/s].
+    time : float or array
+        Since setting off [s].
+    """
+    surge = quasi_steady_surge(propeller, resistance, shaft_rate)
+    cruise, rate = surge.speed, surge.stiffness / surge.mass
+    ratio = surge.curve * cruise**2 / surge.push
+    fading = np.exp(-rate * np.asarray(time))
+    delay = (1.0 + ratio) / (ratio * rate) * np.log((1.0 + ratio) / (1.0 + ratio * fading))
+    distance = cruise * (time - delay)
+    work = shaft_rate**2 * (
+        propeller.torque_nn * shaft_rate * time + propeller.torque_nu * propeller.flow_ratio * distance
+    )
+    return SpeedUp(cruise * (1.0 - fading) / (1.0 + ratio * fading), distance, work)
+
+
+def distance_lost(propeller: Propeller, resistance: Resistance, shaft_rate: Scalars) -> Scalars:
+    """Distance by which a leg from rest falls short of cruising all along, the limit of `speed_up` [m]."""
+    surge = quasi_steady_surge(propeller, resistance, shaft_rate)
+    ratio = surge.curve * surge.speed**2 / surge.push
+    return surge.speed * (1.0 + ratio) * np.log1p(ratio) / (ratio * surge.stiffness / surge.mass)
+
+
+def speed_error(
+    propeller: Propeller,
+    resistance: Resistance,
+    shaft_rate: Scalars,
+    duration: Scalars,
+    *,
+    thrust_factor: Scalars = 1.0,
+    drag_factor: Scalars = 1.0,
+) -> Scalars:
+    """Mean velocity error along the course over a leg when speed is inferred from the shaft rate.
+
+    The vehicle believes in the cruising speed of the nominal propeller and hull from the first second on; it truly
+    sets off from rest, with its own thrust and drag.
+
+    Parameters
+    ----------
+    shaft_rate : float or array
+        n > 0 [rad/s].
+    duration : float or array
+        Of the leg [s].
+    thrust_factor, drag_factor : float or array
+        True over nominal thrust constants and resistance.
+
+    Returns
+    -------
+    float or array
+        True minus inferred mean speed [m/s].
+    """
+    believed = quasi_steady_surge(propeller, resistance, shaft_rate).speed
+    true_propeller = replace(
+        propeller, thrust_nn=propeller.thrust_nn * thrust_factor, thrust_nu=propeller.thrust_nu * thrust_factor
+    )
+    true_resistance = Resistance(resistance.mass, resistance.linear * drag_factor, resistance.quadratic * drag_factor)
+    return speed_up(true_propeller, true_resistance, shaft_rate, duration).distance / duration - believed
