@@ -1,0 +1,38 @@
+"""A vehicle that is drawn down broadside before it noses over."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import DescentEffect, Scalars
+
+
+@dataclass(frozen=True)
+class BroadsideStart(DescentEffect):
+    """Both bodies' drag times ``1 + extra_drag·exp(−t/time)``, t since the line is taut."""
+
+    extra_drag: Scalars = 0.0
+    time: Scalars = 1.5
+
+    def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
+        """Return the factor on both bodies' drag."""
+        return 1.0 + self.extra_drag * np.exp(-np.maximum(since_taut, 0.0) / self.time)
+
+
+INFO = EffectInfo(
+    id="broadside-start",
+    phase="descent",
+    tier="physical",
+    effect=BroadsideStart,
+    parameters={
+        "extra_drag": Parameter(
+            "", "extra drag when the line goes taut, as a factor", 0.0, 60.0, scale=4.0, spike=0.05
+        ),
+        "time": Parameter("s", "time constant of the nose going down", 0.1, 30.0, median=2.0, factor=1.9, default=1.5),
+    },
+    what="The line draws a level vehicle down: until it has nosed over, its side and not its nose meets the water.",
+    sizes="Cross-flow drag of a slender hull is 10 to 30 times its axial drag; noses go down in 1 to 5 s.",
+    confused_with=("added-mass", "slow-flooding"),
+    told_apart_by="Pitch in the log; a dive released nose down; anchors of different weight.",
+)

@@ -1,0 +1,43 @@
+"""A compass that is off by a constant angle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import Array, Leg, Scalars, TransitEffect
+
+
+def turned(leg: Leg, angle: Scalars) -> Array:
+    """Velocity error of a vehicle whose course is turned clockwise by an angle, shape (2, n) [m/s]."""
+    east, north = leg.along
+    sine, less = np.sin(angle), np.cos(angle) - 1.0
+    return leg.speed * np.stack([north * sine + east * less, north * less - east * sine])
+
+
+@dataclass(frozen=True)
+class CompassBias(TransitEffect):
+    """The course made through the water is turned clockwise by `angle` [rad] from the one believed."""
+
+    angle: Scalars = 0.0
+
+    def velocity(self, leg: Leg) -> Array:
+        """Return the velocity error of each leg, shape (2, n) [m/s]."""
+        return turned(leg, self.angle)
+
+
+INFO = EffectInfo(
+    id="compass-bias",
+    phase="transit",
+    tier="physical",
+    effect=CompassBias,
+    parameters={
+        "angle": Parameter(
+            "rad", "angle of the true course from the believed one, clockwise", -0.8, 0.8, scale=0.08, spike=0.0026
+        )
+    },
+    what="Misalignment of the compass, wrong declination, magnetisation that turns with the hull.",
+    sizes="1 to 10°; the spike is 0.15°. Either sign.",
+    confused_with=("compass-deviation", "mean-current"),
+    told_apart_by="Legs on at least three headings.",
+)

@@ -1,0 +1,39 @@
+"""A compass whose error goes round with the heading."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.compass_bias import turned
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import Array, Leg, Scalars, TransitEffect
+
+
+@dataclass(frozen=True)
+class CompassDeviation(TransitEffect):
+    """The course is turned clockwise by ``amplitude·cos(heading − phase)`` [rad], heading clockwise from north."""
+
+    amplitude: Scalars = 0.0
+    phase: Scalars = 0.0
+
+    def velocity(self, leg: Leg) -> Array:
+        """Return the velocity error of each leg, shape (2, n) [m/s]."""
+        east, north = leg.along
+        return turned(leg, self.amplitude * (np.cos(self.phase) * north + np.sin(self.phase) * east))
+
+
+INFO = EffectInfo(
+    id="compass-deviation",
+    phase="transit",
+    tier="physical",
+    effect=CompassDeviation,
+    parameters={
+        "amplitude": Parameter("rad", "greatest deviation", 0.0, 0.8, scale=0.08, spike=0.0026),
+        "phase": Parameter("rad", "heading at which the deviation is greatest, clockwise from north"),
+    },
+    what="Hard iron beside the compass: the error is a sine of the heading (semicircular deviation).",
+    sizes="2 to 15° for a compass that was not swung.",
+    confused_with=("compass-bias", "mean-current", "speed-scale"),
+    told_apart_by="Legs all round the compass.",
+    polar=(("amplitude", "phase"),),
+)

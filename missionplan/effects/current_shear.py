@@ -1,0 +1,53 @@
+"""A current that changes across the area."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import Array, Leg, Scalars, TransitEffect
+
+
+@dataclass(frozen=True)
+class CurrentShear(TransitEffect):
+    """Current linear in position, zero at the coordinates' origin, at the middle of each leg.
+
+    ``east_by_north`` is the growth of the east component for each metre to the north [1/s], and so on: the rows of
+    the 2 × 2 gradient are (east_by_east, east_by_north) and (north_by_east, north_by_north).
+    """
+
+    east_by_east: Scalars = 0.0
+    east_by_north: Scalars = 0.0
+    north_by_east: Scalars = 0.0
+    north_by_north: Scalars = 0.0
+
+    def velocity(self, leg: Leg) -> Array:
+        """Return the velocity error of each leg, shape (2, n) [m/s]."""
+        x, y = leg.start + 0.5 * leg.duration * leg.speed * leg.along
+        return np.stack(
+            [self.east_by_east * x + self.east_by_north * y, self.north_by_east * x + self.north_by_north * y]
+        )
+
+
+INFO = EffectInfo(
+    id="current-shear",
+    phase="transit",
+    tier="physical",
+    effect=CurrentShear,
+    parameters={
+        f"{component}_by_{axis}": Parameter(
+            "1/s",
+            f"growth of the {component} current for each metre toward {axis}",
+            -1e-2,
+            1e-2,
+            scale=5e-5,
+            spike=2e-7,
+        )
+        for component in ("east", "north")
+        for axis in ("east", "north")
+    },
+    what="The edge of a jet, a river mouth, the shelf: the current is another one at the other end of the area.",
+    sizes="0.1 m/s over 1 to 10 km: 1e-5 to 1e-4 1/s.",
+    confused_with=("mean-current", "tidal-current", "persistent-error"),
+    told_apart_by="Legs that visit the same place at different times.",
+)

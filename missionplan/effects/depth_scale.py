@@ -1,0 +1,35 @@
+"""A depth sensor whose scale is off."""
+
+from dataclasses import dataclass
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import Array, DescentEffect, Scalars
+
+
+@dataclass(frozen=True)
+class DepthScale(DescentEffect):
+    """Reading times ``1 + fraction``."""
+
+    fraction: Scalars = 0.0
+
+    def reading(self, t: Array, depth: Array) -> Array:
+        """Return the depth that the sensor reads [m]."""
+        return depth * (1.0 + self.fraction)
+
+
+INFO = EffectInfo(
+    id="depth-scale",
+    phase="descent",
+    tier="physical",
+    effect=DepthScale,
+    parameters={
+        "fraction": Parameter(
+            "", "relative error of the reading, too deep positive", -0.5, 0.5, scale=0.06, spike=0.003
+        )
+    },
+    what="Wrong sensor range, or pressure turned into depth with the wrong density.",
+    sizes="Fresh for sea water is 2.6 %; uncalibrated sensors are off by 1 to 10 %.",
+    confused_with=("drag-bias", "vertical-current"),
+    told_apart_by="Readings at a known depth (a lead line, the seafloor at touchdown).",
+    changes_plan=False,
+)

@@ -1,0 +1,40 @@
+"""Drag that the formulas misjudge by a constant factor."""
+
+from dataclasses import dataclass
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import DescentEffect, Scalars
+
+
+@dataclass(frozen=True)
+class DragBias(DescentEffect):
+    """Both bodies' drag times ``1 + fraction``, the anchor's lone fall too."""
+
+    fraction: Scalars = 0.0
+
+    def lone_drag_factor(self) -> Scalars:
+        """Return the factor on the anchor's drag while it falls alone."""
+        return 1.0 + self.fraction
+
+    def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
+        """Return the factor on both bodies' drag."""
+        return 1.0 + self.fraction
+
+
+INFO = EffectInfo(
+    id="drag-bias",
+    phase="descent",
+    tier="physical",
+    effect=DragBias,
+    parameters={
+        "fraction": Parameter("", "relative error of the drag, more drag positive", -0.7, 2.0, scale=0.3, spike=0.02)
+    },
+    what=(
+        "Form factor, roughness, fins, line and fittings: the drag coefficient of the whole train is wrong by a factor."
+    ),
+    sizes="Component build-ups of streamlined bodies miss by 10 to 40 %; Table I of Briggs et al. asks for 60 to 80 %.",
+    confused_with=("depth-scale", "vertical-current", "trapped-gas", "drag-crisis"),
+    told_apart_by=(
+        "A depth calibration; dives with much less anchor weight (a current shifts every speed alike, drag does not)."
+    ),
+)

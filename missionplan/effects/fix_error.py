@@ -1,0 +1,36 @@
+"""Fixes that are worse than the mission says."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import Scalars, TransitEffect
+
+
+@dataclass(frozen=True)
+class FixError(TransitEffect):
+    """Extra standard deviation `sd` [m] of every fix, each axis."""
+
+    sd: Scalars = 0.0
+
+    def fix_variance(self) -> Scalars:
+        """Return the extra variance of a fix, each axis [m²]."""
+        return np.square(self.sd)
+
+
+INFO = EffectInfo(
+    id="fix-error",
+    phase="transit",
+    tier="statistical",
+    effect=FixError,
+    parameters={
+        "sd": Parameter("m", "extra standard deviation of a fix, each axis", 0.0, 2000.0, median=25.0, factor=2.0)
+    },
+    what="Few satellites, waves over the antenna, old ephemerides: fixes scatter more than assumed.",
+    sizes="10 to 100 m for a first fix with a wet antenna at the waterline.",
+    confused_with=("heavy-tails",),
+    told_apart_by=(
+        "Legs of very different duration: a fix error matters on short legs alone; a minute of fixes on a bench."
+    ),
+)

@@ -1,0 +1,56 @@
+"""A current that turns with the local inertial period."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.oscillation import mean_phasor, wave
+from missionplan.phases.hooks import Array, Leg, Scalars, TransitEffect
+
+EARTH_ROTATION = 7.2921159e-5
+"""Angular velocity of the Earth [rad/s]."""
+
+
+@dataclass(frozen=True)
+class InertialCurrent(TransitEffect):
+    """Current of constant speed `amplitude` [m/s] that turns clockwise in the northern hemisphere.
+
+    At the mission's start it flows toward the angle `phase` [rad], counted counter-clockwise from east. Its angular
+    frequency is f = 2Ω sin(latitude): period 12 h/sin(latitude) of a sidereal day, 25.97 h at 27.4° N.
+    """
+
+    amplitude: Scalars = 0.0
+    phase: Scalars = 0.0
+
+    def velocity(self, leg: Leg) -> Array:
+        """Return the mean inertial velocity over each leg, shape (2, n) [m/s].
+
+        Raises
+        ------
+        ValueError
+            When the coordinates' origin has no latitude.
+        """
+        if not np.isfinite(leg.latitude):
+            raise ValueError("inertial-current needs the latitude of site.origin")
+        cosine, sine = mean_phasor(leg, 2.0 * EARTH_ROTATION * np.sin(leg.latitude))
+        return np.stack(
+            [wave(cosine, sine, self.amplitude, self.phase), wave(-sine, cosine, self.amplitude, self.phase)]
+        )
+
+
+INFO = EffectInfo(
+    id="inertial-current",
+    phase="transit",
+    tier="physical",
+    effect=InertialCurrent,
+    parameters={
+        "amplitude": Parameter("m/s", "speed of the turning current", 0.0, 3.0, scale=0.15, spike=0.002),
+        "phase": Parameter("rad", "direction at the mission's start, counter-clockwise from east"),
+    },
+    what="Water set moving by a wind that has ceased turns under the Earth's rotation alone.",
+    sizes="0.05 to 0.5 m/s for days after a storm.",
+    confused_with=("tidal-current", "persistent-error", "mean-current"),
+    told_apart_by="A record of two inertial periods or more; both components, which are in quadrature.",
+    polar=(("amplitude", "phase"),),
+)

@@ -1,0 +1,110 @@
+"""What a file of the catalogue says about its effect."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf
+from typing import Literal
+
+from missionplan.phases.hooks import DescentEffect, Scalars, TransitEffect
+
+Phase = Literal["transit", "descent"]
+Tier = Literal["physical", "statistical"]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of an effect, its unit, its possible range and the sizes at which it occurs.
+
+    A *strength* is zero when the effect is absent; its plausible sizes are a normal distribution about zero with
+    standard deviation `scale`. A *shape* (a time constant, a depth) is positive and has no neutral value; its
+    plausible sizes are log-normal about `median`, 68 % within × or ÷ `factor`. A *phase* goes with an amplitude.
+
+    Attributes
+    ----------
+    unit : str
+        SI unit as written in a mission file; empty for a bare number.
+    doc : str
+        What it is, with its sign convention.
+    low, high : float
+        Physical range: a fitted value outside is not this effect [unit].
+    scale : float
+        Standard deviation of the plausible sizes of a strength; 0 for a shape or a phase [unit].
+    spike : float
+        What one is honestly unsure of in the base model, before any misfit: standard deviation [unit].
+    median, factor : float
+        Plausible sizes of a shape [unit, 1].
+    default : float
+        Value when the mission file leaves it out [unit].
+    field : str
+        Field of the data class, where a hook already bears the parameter's name; default the same name.
+    """
+
+    unit: str
+    doc: str
+    low: float = -inf
+    high: float = inf
+    scale: float = 0.0
+    spike: float = 0.0
+    median: float = 0.0
+    factor: float = 1.0
+    default: float = 0.0
+    field: str = ""
+
+    @property
+    def is_shape(self) -> bool:
+        """Whether the parameter is positive with log-normal plausible sizes."""
+        return self.median > 0.0
+
+
+@dataclass(frozen=True)
+class EffectInfo:
+    """An entry of the catalogue.
+
+    Attributes
+    ----------
+    id : str
+        Stable name in mission files and results.
+    phase : str
+        Phase it acts on.
+    tier : str
+        ``physical`` names a cause; ``statistical`` describes what the errors do without saying why.
+    effect : type
+        The data class that refines the phase's hooks.
+    parameters : mapping
+        Name of each field of the data class → `Parameter`.
+    what : str
+        What it is physically and how it enters the model.
+    sizes : str
+        Plausible sizes and signs, and where they come from.
+    confused_with : tuple of str
+        Effects that look alike.
+    told_apart_by : str
+        What measurement would tell them apart.
+    changes_plan : bool
+        False for effects on a reading only.
+    polar : tuple
+        Pairs (amplitude, phase) of parameters: linear together as a·cos φ and a·sin φ.
+    """
+
+    id: str
+    phase: Phase
+    tier: Tier
+    effect: type[TransitEffect] | type[DescentEffect]
+    parameters: Mapping[str, Parameter]
+    what: str
+    sizes: str
+    confused_with: tuple[str, ...]
+    told_apart_by: str
+    changes_plan: bool = True
+    polar: tuple[tuple[str, str], ...] = ()
+
+    def make(self, values: Mapping[str, Scalars]) -> TransitEffect | DescentEffect:
+        """Build the effect from parameters by their names; those left out take their defaults.
+
+        Raises
+        ------
+        KeyError
+            When the effect has no such parameter.
+        """
+        given = {name: parameter.default for name, parameter in self.parameters.items()} | dict(values)
+        return self.effect(**{self.parameters[name].field or name: value for name, value in given.items()})

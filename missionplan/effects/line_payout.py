@@ -1,0 +1,35 @@
+"""Line that pays out more slowly than the anchor falls."""
+
+from dataclasses import dataclass
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import DescentEffect, Scalars
+
+
+@dataclass(frozen=True)
+class LinePayout(DescentEffect):
+    """Everything after the separation comes late by `delay_per_length` for each metre of line."""
+
+    delay_per_length: Scalars = 0.0
+
+    def delay(self, line_length: Scalars) -> Scalars:
+        """Return the delay [s]."""
+        return self.delay_per_length * line_length
+
+
+INFO = EffectInfo(
+    id="line-payout",
+    phase="descent",
+    tier="physical",
+    effect=LinePayout,
+    parameters={"delay_per_length": Parameter("s/m", "delay for each metre of line", 0.0, 5.0, scale=0.2, spike=0.004)},
+    what=(
+        "Friction or tangling on the spool: the line runs out more slowly than the free fall of the anchor "
+        "would draw it."
+    ),
+    sizes="From nothing to about half a second a metre; a delay is positive. Assumed from hand-wound spools.",
+    confused_with=("clock-offset",),
+    told_apart_by=(
+        "Dives with a much longer or shorter line; with one length it cannot be told from a clock offset at all."
+    ),
+)

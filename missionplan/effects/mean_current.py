@@ -1,0 +1,39 @@
+"""A steady current that the mission does not hold."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import Array, Leg, Scalars, TransitEffect
+
+
+@dataclass(frozen=True)
+class MeanCurrent(TransitEffect):
+    """Steady velocity (`east`, `north`) [m/s] at the run depth."""
+
+    east: Scalars = 0.0
+    north: Scalars = 0.0
+
+    def velocity(self, leg: Leg) -> Array:
+        """Return the velocity error of each leg, shape (2, n) [m/s]."""
+        return np.stack([self.east + 0.0 * leg.t_start, self.north + 0.0 * leg.t_start])
+
+
+_COMPONENT = "component of the current, toward positive"
+INFO = EffectInfo(
+    id="mean-current",
+    phase="transit",
+    tier="physical",
+    effect=MeanCurrent,
+    parameters={
+        "east": Parameter("m/s", f"east {_COMPONENT}", -3.0, 3.0, scale=0.15, spike=0.004),
+        "north": Parameter("m/s", f"north {_COMPONENT}", -3.0, 3.0, scale=0.15, spike=0.004),
+    },
+    what="A current that stays the same over the whole record, on top of the site's current.",
+    sizes="0.02 to 0.5 m/s in coastal water.",
+    confused_with=("speed-scale", "compass-bias", "current-shear", "persistent-error"),
+    told_apart_by=(
+        "Legs on several headings: a current pushes the same way on all of them, a sensor error turns with the vehicle."
+    ),
+)

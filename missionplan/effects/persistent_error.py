@@ -1,0 +1,51 @@
+"""A velocity error that lasts from leg to leg."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import Array, Scalars, TransitEffect
+
+
+@dataclass(frozen=True)
+class PersistentError(TransitEffect):
+    """Ornstein–Uhlenbeck velocity of standard deviation `sigma` [m/s] on each axis and correlation time `time` [s]."""
+
+    sigma: Scalars = 0.0
+    time: Scalars = 7200.0
+
+    @property
+    def is_random(self) -> bool:
+        """It needs normals of its own for each leg."""
+        return True
+
+    def step(self, memory: Any, elapsed: Array, normals: Array) -> tuple[Array, Array]:
+        """Carry the velocity over `elapsed` by the exact transition of the process; stationary at first."""
+        if memory is None:
+            velocity = self.sigma * normals
+        else:
+            kept = np.exp(-elapsed / self.time)
+            velocity = kept * memory + self.sigma * np.sqrt(-np.expm1(-2.0 * elapsed / self.time)) * normals
+        return velocity, velocity
+
+    def covariance(self, t: Array) -> Array:
+        """Covariance of one component between the middles of legs, ``sigma²·exp(−|Δt|/time)``, shape (n, n) [m²/s²]."""
+        return np.asarray(self.sigma**2 * np.exp(-np.abs(t[:, None] - t[None, :]) / self.time))
+
+
+INFO = EffectInfo(
+    id="persistent-error",
+    phase="transit",
+    tier="statistical",
+    effect=PersistentError,
+    parameters={
+        "sigma": Parameter("m/s", "standard deviation on each axis", 0.0, 3.0, median=0.06, factor=2.5),
+        "time": Parameter("s", "correlation time", 60.0, 1e7, median=10000.0, factor=4.0, default=7200.0),
+    },
+    what="The error of one leg is like that of the leg before: eddies, slow currents, a compass that drifts.",
+    sizes="Mesoscale and tidal currents: 0.02 to 0.3 m/s over 1 to 100 h.",
+    confused_with=("random-walk", "tidal-current", "inertial-current", "current-shear", "mean-current"),
+    told_apart_by="A longer record, or a current meter beside the track, would give the physical cause.",
+)

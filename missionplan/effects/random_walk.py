@@ -1,0 +1,46 @@
+"""A velocity error that wanders off."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import Array, Scalars, TransitEffect
+
+
+@dataclass(frozen=True)
+class RandomWalk(TransitEffect):
+    """Velocity that is zero on the first leg and gathers variance ``rate²`` a second on each axis."""
+
+    rate: Scalars = 0.0
+
+    @property
+    def is_random(self) -> bool:
+        """It needs normals of its own for each leg."""
+        return True
+
+    def step(self, memory: Any, elapsed: Array, normals: Array) -> tuple[Array, Array]:
+        """Add the step of the time that has passed between the middles of the legs."""
+        velocity = 0.0 * normals if memory is None else memory + self.rate * np.sqrt(elapsed) * normals
+        return velocity, velocity
+
+    def covariance(self, t: Array) -> Array:
+        """Covariance of one component between the middles of legs, ``rate²·min(t, t′)``, shape (n, n) [m²/s²]."""
+        since = t - np.min(t)
+        return np.asarray(self.rate**2 * np.minimum(since[:, None], since[None, :]))
+
+
+INFO = EffectInfo(
+    id="random-walk",
+    phase="transit",
+    tier="statistical",
+    effect=RandomWalk,
+    parameters={
+        "rate": Parameter("m/s**1.5", "growth: standard deviation after one second", 0.0, 1.0, median=5e-4, factor=3.0)
+    },
+    what="The error drifts without bound: a gyro or a calibration that ages, water that changes along the way.",
+    sizes="0.01 to 0.1 m/s after an hour: 2e-4 to 2e-3 m/s per root second.",
+    confused_with=("persistent-error", "current-shear", "mean-current", "tidal-current"),
+    told_apart_by="A record several times as long: a persistent error stays within bounds, a walk does not.",
+)

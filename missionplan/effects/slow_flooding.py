@@ -1,0 +1,38 @@
+"""Air in the anchor that gives way to water slowly."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import DescentEffect, Scalars
+
+
+@dataclass(frozen=True)
+class SlowFlooding(DescentEffect):
+    """Anchor's wet weight times ``1 − fraction·exp(−t/time)``, t since the separation."""
+
+    fraction: Scalars = 0.0
+    time: Scalars = 5.0
+
+    def wet_weight_factor(self, since_separation: Scalars) -> Scalars:
+        """Return the factor on the anchor's wet weight."""
+        return 1.0 - self.fraction * np.exp(-np.maximum(since_separation, 0.0) / self.time)
+
+
+INFO = EffectInfo(
+    id="slow-flooding",
+    phase="descent",
+    tier="physical",
+    effect=SlowFlooding,
+    parameters={
+        "fraction": Parameter("", "share of the wet weight missing at first", 0.0, 1.0, scale=0.3, spike=0.005),
+        "time": Parameter("s", "time constant of the flooding", 0.2, 60.0, median=4.0, factor=2.2, default=5.0),
+    },
+    what="The tube of the anchor floods through small holes: it starts light and reaches its wet weight exponentially.",
+    sizes=(
+        "The free volume of the tube against its wet weight allows 0 to 60 %; holes of some mm empty it in 1 to 15 s."
+    ),
+    confused_with=("added-mass", "broadside-start", "trapped-gas"),
+    told_apart_by="Anchors with large flooding holes, or a dive with the anchor flooded before release.",
+)

@@ -1,0 +1,34 @@
+"""A speed through the water that is believed wrongly."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import Array, Leg, Scalars, TransitEffect
+
+
+@dataclass(frozen=True)
+class SpeedScale(TransitEffect):
+    """True speed through the water is the believed one times ``1 + fraction``."""
+
+    fraction: Scalars = 0.0
+
+    def velocity(self, leg: Leg) -> Array:
+        """Return the velocity error of each leg, shape (2, n) [m/s]."""
+        return np.asarray(self.fraction * leg.speed * leg.along)
+
+
+INFO = EffectInfo(
+    id="speed-scale",
+    phase="transit",
+    tier="physical",
+    effect=SpeedScale,
+    parameters={
+        "fraction": Parameter("", "relative error, faster than believed positive", -0.6, 0.6, scale=0.08, spike=0.002)
+    },
+    what="Revolutions turned into speed with a wrong factor: fouling, propeller, battery voltage.",
+    sizes="2 to 20 %; either sign.",
+    confused_with=("mean-current", "compass-deviation"),
+    told_apart_by="Legs there and back on one line.",
+)

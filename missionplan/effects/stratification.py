@@ -1,0 +1,43 @@
+"""Denser water below a pycnocline, which lifts the vehicle."""
+
+from dataclasses import dataclass
+
+from scipy.special import expit
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import DescentEffect, Scalars
+
+
+@dataclass(frozen=True)
+class Stratification(DescentEffect):
+    """Extra upward force that grows to `lift_below` [N] through a layer `thickness` thick about `depth` [m].
+
+    The profile is ``½·(1 + tanh(2(z − depth)/thickness))``: 76 % of the step lies within the thickness.
+    """
+
+    lift_below: Scalars = 0.0
+    depth: Scalars = 10.0
+    thickness: Scalars = 2.0
+
+    def lift(self, depth: Scalars) -> Scalars:
+        """Return the upward force [N]."""
+        return self.lift_below * expit(4.0 * (depth - self.depth) / self.thickness)
+
+
+INFO = EffectInfo(
+    id="stratification",
+    phase="descent",
+    tier="physical",
+    effect=Stratification,
+    parameters={
+        "lift": Parameter(
+            "N", "extra upward force below the layer", 0.0, 20.0, scale=1.5, spike=0.02, field="lift_below"
+        ),
+        "depth": Parameter("m", "middle of the layer", 0.5, 500.0, median=9.0, factor=2.0, default=10.0),
+        "thickness": Parameter("m", "thickness of the layer", 0.05, 100.0, median=2.5, factor=2.0, default=2.0),
+    },
+    what="The vehicle is ballasted at the surface; below the pycnocline the denser water buoys it up.",
+    sizes="Δρ of 1 to 20 kg/m³ on 10 L: 0.1 to 2 N. Water is denser below, so the lift is positive.",
+    confused_with=("trapped-gas", "drag-bias", "drag-crisis"),
+    told_apart_by="A density profile (CTD), or dives past the layer with a light anchor.",
+)

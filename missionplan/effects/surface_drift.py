@@ -1,0 +1,36 @@
+"""Drift at the surface that the site's current does not hold: wind and waves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import Array, Scalars, TransitEffect
+
+
+@dataclass(frozen=True)
+class SurfaceDrift(TransitEffect):
+    """Steady drift (`east`, `north`) [m/s] while at the surface."""
+
+    east: Scalars = 0.0
+    north: Scalars = 0.0
+
+    def surface_velocity(self, t: Array, duration: Array, position: Array) -> Array:
+        """Return the drift velocity, shape (2, n) [m/s]."""
+        return np.stack([self.east + 0.0 * t, self.north + 0.0 * t])
+
+
+INFO = EffectInfo(
+    id="surface-drift",
+    phase="transit",
+    tier="physical",
+    effect=SurfaceDrift,
+    parameters={
+        "east": Parameter("m/s", "east component, toward positive", -3.0, 3.0, scale=0.25, spike=0.01),
+        "north": Parameter("m/s", "north component, toward positive", -3.0, 3.0, scale=0.25, spike=0.01),
+    },
+    what="Windage and Stokes drift move the vehicle between surfacing and its fix, beyond the current.",
+    sizes="About 3 % of the wind's speed: 0.1 to 0.5 m/s.",
+    confused_with=("mean-current",),
+    told_apart_by="Surface times that vary: two fixes some minutes apart at one surfacing.",
+)

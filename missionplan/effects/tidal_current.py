@@ -1,0 +1,92 @@
+"""A tidal current of the constituents M2, S2, K1 and O1."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.oscillation import mean_phasor, wave
+from missionplan.phases.hooks import Array, Leg, Scalars, TransitEffect
+
+PERIODS = {"m2": 12.4206012 * 3600.0, "s2": 12.0 * 3600.0, "k1": 23.9344696 * 3600.0, "o1": 25.8193417 * 3600.0}
+"""Periods of the constituents [s]."""
+
+
+@dataclass(frozen=True)
+class TidalCurrent(TransitEffect):
+    """Sum over constituents of ``amplitude·cos(ωt − phase)`` in each component, t from the mission's start.
+
+    ``m2_east`` is an amplitude [m/s] and ``m2_east_phase`` its phase [rad]: the current is greatest toward east at
+    ωt = phase.
+    """
+
+    m2_east: Scalars = 0.0
+    m2_east_phase: Scalars = 0.0
+    m2_north: Scalars = 0.0
+    m2_north_phase: Scalars = 0.0
+    s2_east: Scalars = 0.0
+    s2_east_phase: Scalars = 0.0
+    s2_north: Scalars = 0.0
+    s2_north_phase: Scalars = 0.0
+    k1_east: Scalars = 0.0
+    k1_east_phase: Scalars = 0.0
+    k1_north: Scalars = 0.0
+    k1_north_phase: Scalars = 0.0
+    o1_east: Scalars = 0.0
+    o1_east_phase: Scalars = 0.0
+    o1_north: Scalars = 0.0
+    o1_north_phase: Scalars = 0.0
+
+    def velocity(self, leg: Leg) -> Array:
+        """Return the mean tidal velocity over each leg, shape (2, n) [m/s]."""
+        total = np.zeros((2, np.size(leg.t_start)))
+        for name, period in PERIODS.items():
+            cosine, sine = mean_phasor(leg, 2.0 * np.pi / period)
+            for axis, component in enumerate((f"{name}_east", f"{name}_north")):
+                amplitude, phase = getattr(self, component), getattr(self, f"{component}_phase")
+                total[axis] += wave(cosine, sine, amplitude, phase)
+        return total
+
+
+def resolvable(duration: float) -> tuple[str, ...]:
+    """Name the constituents that a record can tell apart.
+
+    Rayleigh's criterion: two constituents need a record as long as their beat (14.8 days for M2 and S2, 13.7 days for
+    K1 and O1). M2 is tried on any record of half its period, K1 from one day.
+
+    Parameters
+    ----------
+    duration : float
+        Length of the record [s].
+    """
+    beat_semidiurnal = 1.0 / (1.0 / PERIODS["s2"] - 1.0 / PERIODS["m2"])
+    beat_diurnal = 1.0 / (1.0 / PERIODS["k1"] - 1.0 / PERIODS["o1"])
+    needed = {"m2": 0.5 * PERIODS["m2"], "s2": beat_semidiurnal, "k1": PERIODS["k1"], "o1": beat_diurnal}
+    return tuple(name for name, least in needed.items() if duration >= least)
+
+
+def _parameters() -> dict[str, Parameter]:
+    entries = {}
+    for name in PERIODS:
+        for component in ("east", "north"):
+            entries[f"{name}_{component}"] = Parameter(
+                "m/s", f"{component} amplitude of {name.upper()}", 0.0, 3.0, scale=0.12, spike=0.002
+            )
+            entries[f"{name}_{component}_phase"] = Parameter(
+                "rad", f"phase of {name.upper()} toward {component}: time of the greatest current, times ω"
+            )
+    return entries
+
+
+INFO = EffectInfo(
+    id="tidal-current",
+    phase="transit",
+    tier="physical",
+    effect=TidalCurrent,
+    parameters=_parameters(),
+    what="Tidal ellipses: each component of the current oscillates with the periods of moon and sun.",
+    sizes="0.02 to 0.5 m/s on shelves and in inlets; a few cm/s or less in the deep ocean.",
+    confused_with=("inertial-current", "persistent-error", "current-shear"),
+    told_apart_by="A record of two periods or more; two weeks to part M2 from S2 and K1 from O1.",
+    polar=tuple((f"{name}_{d}", f"{name}_{d}_phase") for name in PERIODS for d in ("east", "north")),
+)

@@ -1,0 +1,44 @@
+"""A gas bubble carried by the vehicle, compressed as it goes down."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import DescentEffect, Scalars
+
+ATMOSPHERE = 10.1
+"""Depth of water that adds one atmosphere of pressure [m]; 10.07 m in sea water, 10.33 m in fresh."""
+
+
+@dataclass(frozen=True)
+class TrappedGas(DescentEffect):
+    """Upward force `lift_at_surface` [N], halved at about 10 m by Boyle's law (isothermal)."""
+
+    lift_at_surface: Scalars = 0.0
+
+    def lift(self, depth: Scalars) -> Scalars:
+        """Return the upward force [N]."""
+        return self.lift_at_surface / (1.0 + np.maximum(depth, 0.0) / ATMOSPHERE)
+
+
+INFO = EffectInfo(
+    id="trapped-gas",
+    phase="descent",
+    tier="physical",
+    effect=TrappedGas,
+    parameters={
+        "lift": Parameter(
+            "N", "upward force of the bubble at the surface", 0.0, 20.0, scale=1.5, spike=0.02, field="lift_at_surface"
+        )
+    },
+    what=(
+        "Air under fairings or in the sail lifts the vehicle and is compressed with depth: the dive speeds "
+        "up as it goes."
+    ),
+    sizes="0.1 to 0.4 L of air, 1 to 4 N; always upward.",
+    confused_with=("stratification", "drag-bias", "slow-flooding"),
+    told_apart_by=(
+        "A dive twice as deep, or one with the vehicle purged by hand; a lift matters more the lighter the anchor."
+    ),
+)

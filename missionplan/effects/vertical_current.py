@@ -1,0 +1,34 @@
+"""Water that moves up or down as a whole."""
+
+from dataclasses import dataclass
+
+from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.phases.hooks import DescentEffect, Scalars
+
+
+@dataclass(frozen=True)
+class VerticalCurrent(DescentEffect):
+    """Water that goes down with `speed` [m/s] and carries the vehicle."""
+
+    speed: Scalars = 0.0
+
+    def water_velocity(self) -> Scalars:
+        """Return the downward velocity of the water [m/s]."""
+        return self.speed
+
+
+INFO = EffectInfo(
+    id="vertical-current",
+    phase="descent",
+    tier="physical",
+    effect=VerticalCurrent,
+    parameters={"speed": Parameter("m/s", "of the water, down positive", -1.0, 1.0, scale=0.12, spike=0.003)},
+    what=(
+        "Up- or downwelling along a slope, Langmuir circulation, internal waves: the train falls relative to the water."
+    ),
+    sizes="0.02 to 0.3 m/s in coastal water; more is not known there. Either sign.",
+    confused_with=("drag-bias", "depth-scale"),
+    told_apart_by=(
+        "Dives with 0.4 times the anchor's weight: a current shifts slow and fast dives alike, drag does not."
+    ),
+)

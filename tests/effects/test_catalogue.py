@@ -1,0 +1,105 @@
+"""The catalogue as a whole: the contract's names, neutral at zero strength, linear where the diagnosis counts on it."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from missionplan.effects import CATALOGUE, effects_of
+from missionplan.phases.hooks import DescentEffect, Leg, TransitEffect
+
+CONTRACT = {
+    "drag-bias": ["fraction"],
+    "line-payout": ["delay_per_length"],
+    "slow-flooding": ["fraction", "time"],
+    "trapped-gas": ["lift"],
+    "stratification": ["lift", "depth", "thickness"],
+    "broadside-start": ["extra_drag", "time"],
+    "added-mass": ["fraction"],
+    "sensor-lag": ["time"],
+    "clock-offset": ["time"],
+    "depth-scale": ["fraction"],
+    "vertical-current": ["speed"],
+    "drag-crisis": ["fraction", "speed", "width"],
+    "mean-current": ["east", "north"],
+    "inertial-current": ["amplitude", "phase"],
+    "compass-bias": ["angle"],
+    "compass-deviation": ["amplitude", "phase"],
+    "speed-scale": ["fraction"],
+    "surface-drift": ["east", "north"],
+    "persistent-error": ["sigma", "time"],
+    "random-walk": ["rate"],
+    "fix-error": ["sd"],
+    "heavy-tails": ["dof"],
+}
+
+
+def legs(n=7, latitude=0.5):
+    rng = np.random.default_rng(3)
+    heading = rng.uniform(0, 2 * np.pi, n)
+    return Leg(
+        t_start=np.sort(rng.uniform(0, 1e5, n)),
+        duration=rng.uniform(300, 3000, n),
+        start=rng.normal(0, 4000, (2, n)),
+        along=np.stack([np.sin(heading), np.cos(heading)]),
+        speed=np.full(n, 1.5),
+        latitude=latitude,
+    )
+
+
+def test_names_are_the_contract():
+    assert len(CATALOGUE) == 24
+    assert len(effects_of("descent")) == len(effects_of("transit")) == 12
+    for name, parameters in CONTRACT.items():
+        assert list(CATALOGUE[name].parameters) == parameters
+
+
+@pytest.mark.parametrize("info", CATALOGUE.values(), ids=lambda info: info.id)
+def test_entry_is_complete(info):
+    assert info.what
+    assert info.sizes
+    assert info.told_apart_by
+    assert set(info.confused_with) <= set(CATALOGUE)
+    assert {p.field or name for name, p in info.parameters.items()} == {f.name for f in dataclasses.fields(info.effect)}
+    for first, second in info.polar:
+        assert {first, second} <= set(info.parameters)
+
+
+@pytest.mark.parametrize("info", effects_of("descent"), ids=lambda info: info.id)
+def test_descent_effect_is_neutral_at_zero_strength(info):
+    effect = info.make({})
+    assert isinstance(effect, DescentEffect)
+    t = np.linspace(0.0, 10.0, 101)
+    depth = np.stack([1.2 * t, 0.9 * t], axis=1)
+    assert effect.lone_drag_factor() == 1.0
+    np.testing.assert_array_equal(np.broadcast_to(effect.drag_factor(t, 1.3), t.shape), 1.0)
+    np.testing.assert_array_equal(np.broadcast_to(effect.wet_weight_factor(t), t.shape), 1.0)
+    np.testing.assert_array_equal(np.broadcast_to(effect.lift(t), t.shape), 0.0)
+    assert effect.mass_factor() == 1.0
+    assert effect.water_velocity() == effect.delay(5.0) == 0.0
+    np.testing.assert_array_equal(effect.reading(t, depth), depth)
+
+
+@pytest.mark.parametrize("info", effects_of("transit"), ids=lambda info: info.id)
+def test_transit_effect_is_neutral_at_zero_strength(info):
+    effect = info.make({})
+    assert isinstance(effect, TransitEffect)
+    normals = np.random.default_rng(1).normal(size=(2, 7))
+    leg = legs()
+    assert np.all(np.asarray(effect.velocity(leg)) == 0.0)
+    assert np.all(np.asarray(effect.surface_velocity(leg.t_start, leg.duration, leg.start)) == 0.0)
+    assert effect.fix_variance() == 0.0
+    assert np.all(np.asarray(effect.error_scale(normals)) == 1.0)
+    memory, velocity = effect.step(None, leg.duration, normals)
+    _, later = effect.step(memory, leg.duration, normals)
+    assert np.all(np.asarray(velocity) == 0.0)
+    assert np.all(np.asarray(later) == 0.0)
+
+
+@pytest.mark.parametrize("name", ["tidal-current", "inertial-current", "mean-current", "current-shear", "speed-scale"])
+def test_velocity_is_linear_in_strength(name):
+    info = CATALOGUE[name]
+    strengths = {key: 0.01 * p.scale for key, p in info.parameters.items() if p.scale}
+    single = info.make(strengths).velocity(legs())
+    double = info.make({key: 2 * value for key, value in strengths.items()}).velocity(legs())
+    np.testing.assert_allclose(double, 2 * np.asarray(single), rtol=1e-12)

@@ -1,0 +1,67 @@
+"""Effects on a descent by their closed forms and limits."""
+
+import numpy as np
+import pytest
+
+from missionplan.effects.broadside_start import BroadsideStart
+from missionplan.effects.clock_offset import ClockOffset
+from missionplan.effects.drag_bias import DragBias
+from missionplan.effects.drag_crisis import DragCrisis
+from missionplan.effects.line_payout import LinePayout
+from missionplan.effects.sensor_lag import SensorLag
+from missionplan.effects.slow_flooding import SlowFlooding
+from missionplan.effects.stratification import Stratification
+from missionplan.effects.trapped_gas import ATMOSPHERE, TrappedGas
+
+
+def test_drag_bias_acts_on_both_phases_of_the_fall():
+    assert DragBias(0.2).lone_drag_factor() == DragBias(0.2).drag_factor(3.0, 1.0) == 1.2
+
+
+def test_flooding_starts_light_and_ends_at_the_wet_weight():
+    flooding = SlowFlooding(0.4, 3.0)
+    assert flooding.wet_weight_factor(0.0) == pytest.approx(0.6)
+    assert flooding.wet_weight_factor(3.0) == pytest.approx(1.0 - 0.4 / np.e)
+    assert flooding.wet_weight_factor(1e3) == 1.0
+
+
+def test_gas_is_halved_under_one_atmosphere_of_water():
+    gas = TrappedGas(2.0)
+    assert gas.lift(0.0) == 2.0
+    assert gas.lift(ATMOSPHERE) == 1.0
+
+
+def test_stratification_is_a_step_of_given_thickness():
+    step = Stratification(1.0, depth=8.0, thickness=2.0)
+    assert step.lift(8.0) == 0.5
+    assert step.lift(9.0) - step.lift(7.0) == pytest.approx(np.tanh(1.0))
+    assert step.lift(30.0) == pytest.approx(1.0)
+
+
+def test_broadside_drag_falls_off():
+    start = BroadsideStart(5.0, 2.0)
+    assert start.drag_factor(0.0, 1.0) == 6.0
+    assert start.drag_factor(2.0, 1.0) == pytest.approx(1.0 + 5.0 / np.e)
+
+
+def test_drag_falls_beyond_the_critical_speed():
+    crisis = DragCrisis(0.4, speed=1.2, width=0.1)
+    assert crisis.drag_factor(0.0, 1.2) == pytest.approx(0.8)
+    assert crisis.drag_factor(0.0, 0.3) == pytest.approx(1.0)
+    assert crisis.drag_factor(0.0, 3.0) == pytest.approx(0.6)
+
+
+def test_delays():
+    assert LinePayout(0.2).delay(6.0) == pytest.approx(1.2)
+    assert ClockOffset(-0.3).delay(6.0) == -0.3
+
+
+@pytest.mark.parametrize("step", [0.02, 0.5])
+def test_lag_behind_a_steady_fall(step):
+    """On a ramp the exact answer is z − v·τ·(1 − exp(−t/τ)), whatever the grid."""
+    t = np.arange(0.0, 6.0, step)
+    lags = np.array([0.0, 0.3, 1.5])
+    depth = 1.4 * t[:, None] * np.ones(3)
+    safe = np.where(lags > 0.0, lags, 1.0)
+    expected = depth - 1.4 * lags * -np.expm1(-t[:, None] / safe)
+    np.testing.assert_allclose(SensorLag(lags).reading(t, depth), expected, atol=1e-12)

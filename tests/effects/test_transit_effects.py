@@ -1,0 +1,97 @@
+"""Effects on a transit by their closed forms."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from missionplan.effects.compass_bias import CompassBias
+from missionplan.effects.compass_deviation import CompassDeviation
+from missionplan.effects.current_shear import CurrentShear
+from missionplan.effects.inertial_current import InertialCurrent
+from missionplan.effects.speed_scale import SpeedScale
+from missionplan.effects.surface_drift import SurfaceDrift
+from missionplan.effects.tidal_current import PERIODS, TidalCurrent, resolvable
+from missionplan.phases.hooks import Leg
+
+
+def leg(t=0.0, duration=1000.0, start=(0.0, 0.0), heading=0.0, speed=1.5, latitude=np.nan):
+    return Leg(
+        np.array([t]),
+        np.array([duration]),
+        np.array(start)[:, None],
+        np.array([[np.sin(heading)], [np.cos(heading)]]),
+        speed,
+        latitude,
+    )
+
+
+def test_compass_bias_turns_clockwise():
+    northward = CompassBias(np.radians(90.0)).velocity(leg(speed=2.0))
+    np.testing.assert_allclose(np.array([[0.0], [2.0]]) + northward, [[2.0], [0.0]], atol=1e-12)
+
+
+@given(st.floats(-0.5, 0.5), st.floats(0.0, 6.28))
+def test_compass_bias_keeps_the_speed(angle, heading):
+    one = leg(heading=heading)
+    made = one.speed * one.along + CompassBias(angle).velocity(one)
+    assert np.hypot(*made)[0] == pytest.approx(1.5)
+
+
+def test_deviation_is_a_cosine_of_the_heading():
+    deviation = CompassDeviation(0.1, phase=np.radians(30.0))
+    at_phase = deviation.velocity(leg(heading=np.radians(30.0)))
+    np.testing.assert_allclose(at_phase, CompassBias(0.1).velocity(leg(heading=np.radians(30.0))))
+    np.testing.assert_allclose(deviation.velocity(leg(heading=np.radians(120.0))), 0.0, atol=1e-12)
+
+
+def test_speed_scale_is_along_the_course():
+    np.testing.assert_allclose(SpeedScale(0.1).velocity(leg(heading=np.pi / 2)), [[0.15], [0.0]], atol=1e-12)
+
+
+def test_inertial_current_turns_clockwise_in_the_north_with_the_period_of_the_latitude():
+    latitude = np.radians(27.4)
+    quarter = 25.97 * 3600.0 / 4.0
+    north = InertialCurrent(0.2, 0.0).velocity(leg(t=quarter, duration=1e-3, latitude=latitude))
+    np.testing.assert_allclose(north, [[0.0], [-0.2]], atol=2e-3)
+    south = InertialCurrent(0.2, 0.0).velocity(leg(t=quarter, duration=1e-3, latitude=-latitude))
+    np.testing.assert_allclose(south, [[0.0], [0.2]], atol=2e-3)
+
+
+def test_inertial_current_needs_a_latitude():
+    with pytest.raises(ValueError, match=r"site\.origin"):
+        InertialCurrent(0.2).velocity(leg())
+
+
+def test_tide_is_the_mean_over_the_leg():
+    tide = TidalCurrent(m2_east=0.3, m2_east_phase=0.4, o1_north=0.1, o1_north_phase=2.0)
+    start, duration = 5000.0, 9000.0
+    result = tide.velocity(leg(t=start, duration=duration))
+
+    def mean(amplitude, phase, period):
+        integral = quad(lambda t: amplitude * np.cos(2 * np.pi * t / period - phase), start, start + duration)[0]
+        return integral / duration
+
+    np.testing.assert_allclose(result[0], mean(0.3, 0.4, PERIODS["m2"]))
+    np.testing.assert_allclose(result[1], mean(0.1, 2.0, PERIODS["o1"]))
+
+
+@pytest.mark.parametrize(
+    ("days", "names"),
+    [(0.1, ()), (0.5, ("m2",)), (2.0, ("m2", "k1")), (14.0, ("m2", "k1", "o1")), (15.0, ("m2", "s2", "k1", "o1"))],
+)
+def test_constituents_by_record_length(days, names):
+    assert resolvable(days * 86400.0) == names
+
+
+def test_shear_acts_at_the_middle_of_the_leg():
+    shear = CurrentShear(east_by_north=1e-5)
+    result = shear.velocity(leg(start=(100.0, 2000.0), heading=0.0, duration=1000.0, speed=1.5))
+    np.testing.assert_allclose(result, [[1e-5 * 2750.0], [0.0]])
+
+
+def test_surface_drift_is_steady():
+    one = leg()
+    drift = SurfaceDrift(0.2, -0.1).surface_velocity(one.t_start, one.duration, one.start)
+    np.testing.assert_allclose(drift, [[0.2], [-0.1]])
