@@ -9,7 +9,7 @@ import numpy as np
 from missionplan.errors import Problem
 from missionplan.mission.loading import Document, Path_
 from missionplan.mission.mission import Mission, Requirement
-from missionplan.mission.phases import TransitPhase
+from missionplan.mission.phases import MoorPhase, TransitPhase
 from missionplan.mission.requirements import check_requirement
 from missionplan.mission.site import Geographic
 
@@ -33,7 +33,9 @@ def _check_phases(mission: Mission, document: Document) -> list[Problem]:
     for index, phase in enumerate(mission.phases):
         path = _phase_path(mission, index)
         if phase.name == "total" or counts[phase.name] > 1:
-            problems.append(document.problem((*path, "name"), f"given {phase.name!r}; each phase needs a name of its own"))
+            problems.append(
+                document.problem((*path, "name"), f"given {phase.name!r}; each phase needs a name of its own")
+            )
         if not isinstance(phase, TransitPhase):
             continue
         if index == 0 and phase.start is None:
@@ -63,19 +65,18 @@ def _check_site(mission: Mission, document: Document) -> list[Problem]:
     for index, layer in enumerate(mission.site.current):
         if isinstance(layer.down_to, float):
             if layer.down_to <= above:
-                path = ("site", "current", index, "down_to")
-                problems.append(document.problem(path, "layers go from the surface down; this one ends above the last"))
+                message = "layers go from the surface down; this one ends above the last"
+                problems.append(document.problem(("site", "current", index, "down_to"), message))
             above = layer.down_to
     layers = mission.site.current
     if layers and isinstance(mission.site.depth, float) and 0.0 < above < mission.site.depth - 1e-6:
         message = f"the deepest layer ends at {above:.4g} m, the seafloor is at {mission.site.depth:.4g} m"
         problems.append(document.problem(("site", "current"), message))
-    for index, phase in enumerate(mission.moors):
-        given = phase.design_current
+    for index, phase in enumerate(mission.phases):
+        given = phase.design_current if isinstance(phase, MoorPhase) else None
         if isinstance(given, tuple) and len(given) != len(layers):
-            place = [i for i, other in enumerate(mission.phases) if other is phase][index and 0]
-            path = (*_phase_path(mission, place), "design_current")
-            problems.append(document.problem(path, f"has {len(given)} speeds; site.current has {len(layers)} layers"))
+            message = f"has {len(given)} speeds; site.current has {len(layers)} layers"
+            problems.append(document.problem((*_phase_path(mission, index), "design_current"), message))
     return problems
 
 
@@ -87,7 +88,9 @@ def _check_correlations(mission: Mission, document: Document) -> list[Problem]:
             if name not in uncertain:
                 close = get_close_matches(name, list(uncertain), n=1)
                 path = ("correlations", index, "between", side)
-                message = f"given {name!r}, expected a quantity that is a distribution: {', '.join(uncertain) or 'none is'}"
+                message = (
+                    f"given {name!r}, expected a quantity that is a distribution: {', '.join(uncertain) or 'none is'}"
+                )
                 problems.append(document.problem(path, message, f"did you mean {close[0]}?" if close else ""))
     if not problems and mission.correlations:
         names = list(uncertain)
@@ -96,7 +99,9 @@ def _check_correlations(mission: Mission, document: Document) -> list[Problem]:
             i, j = (names.index(name) for name in correlation.between)
             matrix[i, j] = matrix[j, i] = correlation.rho
         if np.linalg.eigvalsh(matrix).min() < 1e-10:
-            problems.append(document.problem(("correlations",), "together these correlations are impossible (or exactly ±1)"))
+            problems.append(
+                document.problem(("correlations",), "together these correlations are impossible (or exactly ±1)")
+            )
     return problems
 
 

@@ -55,7 +55,7 @@ def _read_entry(item: Any, index: int, problems: list[tuple[tuple[str | int, ...
             problems.append(((index, effect, name), words))
             continue
         try:
-            parameters[name] = QuantityParser(known[name].unit)(text)
+            parameters[name] = QuantityParser(known[name].unit, low=known[name].low, high=known[name].high)(text)
         except PydanticCustomError as error:
             for below, words in (error.context or {})["problems"]:
                 problems.append(((index, effect, name, *below), words))

@@ -93,17 +93,24 @@ def _resolve(
 def translate(details: list[ErrorDetails], document: Document, model: type[BaseModel]) -> list[Problem]:
     """Turn pydantic's errors into problems with lines, key paths and the nearest valid key."""
     problems: list[Problem] = []
+    mistyped: set[Path_] = set()
+    missing: list[Path_] = []
     for detail in details:
         path = tuple(part for part in detail["loc"] if not str(part).startswith("<"))
         context = detail.get("ctx") or {}
         if "problems" in context:
             problems += [document.problem((*path, *below), words) for below, words in context["problems"]]
         elif detail["type"] == "missing":
-            problems.append(document.problem(path, f"missing; expected {_expected(path, model)}"))
+            missing.append(path)
         elif detail["type"] == "extra_forbidden":
-            problems.append(_unknown_key(path, document, model))
+            problem, meant = _unknown_key(path, document, model)
+            problems.append(problem)
+            mistyped.add((*path[:-1], meant))
         else:
             problems.append(document.problem(path, f"given {_shown(detail['input'])}, {_words(detail['msg'])}"))
+    for path in missing:
+        if path not in mistyped:
+            problems.append(document.problem(path, f"missing; expected {_expected(path, model)}"))
     return problems
 
 
@@ -159,11 +166,12 @@ def _section_in(annotation: Any) -> type[BaseModel] | None:
     return None
 
 
-def _unknown_key(path: Path_, document: Document, model: type[BaseModel]) -> Problem:
+def _unknown_key(path: Path_, document: Document, model: type[BaseModel]) -> tuple[Problem, str]:
+    """Problem of a key that no section has there, and the key that was probably meant."""
     known = list(_fields(path[:-1], model))
     close = get_close_matches(str(path[-1]), known, n=1)
     hint = f"did you mean {close[0]}?" if close else f"known here: {', '.join(known)}"
-    return document.problem(path, "unknown key", hint)
+    return document.problem(path, "unknown key", hint), close[0] if close else ""
 
 
 def _expected(path: Path_, model: type[BaseModel]) -> str:
@@ -172,4 +180,5 @@ def _expected(path: Path_, model: type[BaseModel]) -> str:
         parser = getattr(item, "func", None)
         if isinstance(parser, QuantityParser):
             return parser.expected
-    return "this key"
+    section = _section_in(getattr(field, "annotation", None))
+    return f"a mapping with {', '.join(_by_name(section))}" if section else "a value here"

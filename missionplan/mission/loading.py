@@ -129,7 +129,7 @@ def _check_depth(text: str, shown: str) -> None:
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
             if depth > MAX_DEPTH:
-                line = event.start_mark.line + 1
+                line = event.start_mark.line + 1 if event.start_mark else None
                 raise InputError([Problem(f"is nested deeper than {MAX_DEPTH} levels", shown, line)])
         elif isinstance(event, yaml.CollectionEndEvent):
             depth -= 1
@@ -160,7 +160,7 @@ class _Builder:
 
     def _scalar(self, node: yaml.Node, path: Path_) -> Any:
         try:
-            return self._scalars.construct_object(node)  # type: ignore[no-untyped-call]
+            return self._scalars.construct_object(node)
         except (yaml.YAMLError, ValueError) as error:
             line = node.start_mark.line + 1
             words = getattr(error, "problem", None) or str(error)

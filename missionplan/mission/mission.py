@@ -6,13 +6,23 @@ from typing import Annotated, Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Discriminator, Field, PrivateAttr, Tag, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    Discriminator,
+    Field,
+    PrivateAttr,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from missionplan.mission import quantities as q
 from missionplan.mission.effects import EffectEntry, read_effects
 from missionplan.mission.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
 from missionplan.mission.section import Section, complain
 from missionplan.mission.site import Site
+from missionplan.mission.units import QuantityParser
 from missionplan.mission.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
 
@@ -24,8 +34,8 @@ class VelocityError(Section):
 
     mean: tuple[q.SignedSpeed, q.SignedSpeed] = (0.0, 0.0)
     sigma: q.Speed | None = None
-    covariance_rows: tuple[tuple[q.FixedVariance, q.FixedVariance], tuple[q.FixedVariance, q.FixedVariance]] | None = Field(
-        default=None, alias="covariance"
+    covariance_rows: tuple[tuple[q.FixedVariance, q.FixedVariance], tuple[q.FixedVariance, q.FixedVariance]] | None = (
+        Field(default=None, alias="covariance")
     )
 
     @model_validator(mode="after")
@@ -72,24 +82,21 @@ class Navigation(Section):
 class SweepGrid(Section):
     """Grid of d_max: `points` values from `start` to `stop`, of the distance or as lengths."""
 
-    start: Any = Field(alias="from")
-    stop: Any = Field(alias="to")
-    points: Annotated[int, Field(ge=2, le=10_000)]
     of: Literal["distance"] | None = None
+    start: Annotated[float, Field(alias="from")]
+    stop: Annotated[float, Field(alias="to")]
+    points: Annotated[int, Field(ge=2, le=10_000)]
+
+    @field_validator("start", "stop", mode="plain")
+    @classmethod
+    def _in_units(cls, value: Any, info: ValidationInfo) -> Quantity:
+        unit = "" if info.data.get("of") else "m"
+        return QuantityParser(unit, low=0.0, open_low=True, fixed=True)(value)
 
     @model_validator(mode="after")
-    def _in_units(self) -> "SweepGrid":
-        parser = q.QuantityParser("" if self.of else "m", low=0.0, open_low=True, fixed=True)
-        values = []
-        for key, value in (("from", self.start), ("to", self.stop)):
-            try:
-                values.append(cast(float, parser(value)))
-            except q.PydanticCustomError as error:
-                raise complain(str((error.context or {})["words"]), (key,)) from None
-        if values[0] >= values[1]:
+    def _in_order(self) -> "SweepGrid":
+        if self.start >= self.stop:
             raise complain("expected from below to")
-        object.__setattr__(self, "start", values[0])
-        object.__setattr__(self, "stop", values[1])
         return self
 
 
@@ -201,6 +208,14 @@ class Mission(Section):
             elif name != "sweep":
                 _collect(value, name, found)
         return found
+
+    def notices(self) -> tuple[str, ...]:
+        """What the reader should know: distributions that were cut at the physical range of their quantity."""
+        return tuple(
+            f"{path}: {value.mass_cut:.2g} of the distribution lies outside the physical range and was cut off"
+            for path, value in self.uncertain().items()
+            if value.mass_cut > 1e-12
+        )
 
     def uncertain(self) -> dict[str, Distribution]:
         """The quantities that are distributions, by key path."""

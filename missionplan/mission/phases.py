@@ -1,5 +1,6 @@
 """Phases of a mission as the file writes them."""
 
+import itertools
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -21,7 +22,7 @@ class LegTable(Section):
     @model_validator(mode="after")
     def _increasing(self) -> "LegTable":
         left = [row[0] for row in self.table]
-        if not left or any(b <= a for a, b in zip(left, left[1:], strict=False)):
+        if not left or any(b <= a for a, b in itertools.pairwise(left)):
             raise complain("expected rows with increasing distance left", ("table",))
         return self
 
@@ -49,16 +50,19 @@ class TransitPhase(Section):
     arrival_radius: q.PositiveLength
 
 
+DesignCurrent = Annotated[
+    Annotated[tuple[q.FixedSpeed, ...], Tag("<layers>")] | Annotated[q.FixedSpeed, Tag("<one>")],
+    Discriminator(lambda value: "<layers>" if isinstance(value, list | tuple) else "<one>"),
+]
+
+
 class MoorPhase(Section):
     """Anchor release, descent, hold, galvanic release and ascent."""
 
     kind: Literal["moor"] = Field(default="moor", exclude=True)
     name: str = "moor"
     radius: q.PositiveLength
-    design_current: Annotated[
-        Annotated[tuple[q.FixedSpeed, ...], Tag("<layers>")] | Annotated[q.FixedSpeed, Tag("<one>")] | None,
-        Discriminator(lambda value: "<layers>" if isinstance(value, list | tuple) else "<one>"),
-    ] = None
+    design_current: DesignCurrent | None = None
     anchor_wet_weight: Annotated[Quantity | Literal["sized"], q.or_word(_FORCE, "sized")] = "sized"
     line_length: q.PositiveLength
     release_time: q.Duration = 0.0

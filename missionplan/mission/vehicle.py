@@ -17,7 +17,9 @@ class Hull(Section):
 
     length: q.PositiveLength
     diameter: q.PositiveLength
-    form_factor: Annotated[Quantity | Literal["briggs", "hoerner"], q.or_word(_FORM_FACTOR, "briggs", "hoerner")] = "briggs"
+    form_factor: Annotated[Quantity | Literal["briggs", "hoerner"], q.or_word(_FORM_FACTOR, "briggs", "hoerner")] = (
+        "briggs"
+    )
     added_mass: q.Number | None = None
 
 

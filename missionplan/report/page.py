@@ -20,7 +20,15 @@ if TYPE_CHECKING:
 INK, GRID = "#222222", "#dddddd"
 """Colours of the figure style that the page replaces by its own, light or dark."""
 
-BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#666666"
+BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = (
+    "#0072B2",
+    "#D55E00",
+    "#009E73",
+    "#CC79A7",
+    "#E69F00",
+    "#56B4E9",
+    "#666666",
+)
 """Okabe–Ito colours, in the order of the style's cycle."""
 
 
@@ -120,7 +128,9 @@ def style() -> Iterator[None]:
 def to_figure(figure: "MatplotlibFigure", name: str, alt: str, caption: str = "") -> Figure:
     """Turn a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot) into SVG text."""
     buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Title": None, "Format": None, "Type": None})
+    figure.savefig(
+        buffer, format="svg", metadata={"Date": None, "Creator": None, "Title": None, "Format": None, "Type": None}
+    )
     return Figure(name, buffer.getvalue(), alt, caption)
 
 
@@ -130,7 +140,12 @@ def inline(figure: Figure) -> Markup:
     svg = re.sub(r'\b(id="|xlink:href="#|href="#|url\(#)', rf"\1{figure.name}-", svg)
     svg = re.sub(INK, "currentColor", svg, flags=re.IGNORECASE)
     svg = re.sub(GRID, "var(--grid)", svg, flags=re.IGNORECASE)
-    svg = re.sub(r'<svg([^>]*?) width="[^"]*"', r"<svg\1", re.sub(r'<svg([^>]*?) height="[^"]*"', r"<svg\1", svg, count=1), count=1)
+    svg = re.sub(
+        r'<svg([^>]*?) width="[^"]*"',
+        r"<svg\1",
+        re.sub(r'<svg([^>]*?) height="[^"]*"', r"<svg\1", svg, count=1),
+        count=1,
+    )
     label = Markup.escape(figure.alt)
     return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"', 1))
 
