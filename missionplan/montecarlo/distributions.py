@@ -1,0 +1,302 @@
+"""Distributions of uncertain quantities, each a non-decreasing transform of one standard normal.
+
+Drawing through normals makes common random numbers, correlations (a Cholesky factor on the normals) and truncation
+(restricting the normal) the same few lines for every distribution.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+from typing_extensions import override
+
+Array = NDArray[np.float64]
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(200)
+_FAR = 12.0  # standard deviations beyond which a normal holds nothing that a float can tell
+
+
+class NormalTransform(ABC):
+    """What every distribution does beside its `mean` and `sd`, which are those after any truncation."""
+
+    @abstractmethod
+    def from_normal(self, z: Array) -> Array:
+        """Transform standard normals, any shape, into draws of the same shape."""
+
+    @abstractmethod
+    def mass_below(self, value: float) -> float:
+        """Probability of a draw at or below a value."""
+
+    @property
+    def mass_cut(self) -> float:
+        """Probability that a truncation to the physical range took away; 0 where there was none."""
+        return 0.0
+
+    def truncated(self, low: float = -math.inf, high: float = math.inf) -> "Distribution":
+        """Truncate to the physical range of a quantity.
+
+        Returns the distribution itself when all of it lies inside; else `mass_cut` of the result says how much
+        did not.
+
+        Raises
+        ------
+        ValueError
+            When nothing of the distribution lies inside.
+        """
+        whole = cast("Distribution", self)
+        below, above = _tails(whole, low, high)
+        if below + above <= 0.0:
+            return whole
+        if below + above >= 1.0:
+            raise ValueError(f"no part of the distribution lies between {low:g} and {high:g}")
+        return Truncated(whole, low, high)
+
+
+@dataclass(frozen=True)
+class Normal(NormalTransform):
+    """Normal distribution of given mean and standard deviation."""
+
+    mean: float
+    sd: float
+
+    @override
+    def from_normal(self, z: Array) -> Array:
+        return self.mean + self.sd * z
+
+    @override
+    def mass_below(self, value: float) -> float:
+        return float(ndtr((value - self.mean) / self.sd)) if self.sd > 0.0 else float(self.mean <= value)
+
+
+@dataclass(frozen=True)
+class TruncatedNormal(NormalTransform):
+    """Normal distribution restricted to an interval, as a mission writes it.
+
+    Attributes
+    ----------
+    parent_mean, parent_sd : float
+        Mean and standard deviation before truncation; `mean` and `sd` are those after it.
+    low, high : float
+        Interval; infinite where open.
+    """
+
+    parent_mean: float
+    parent_sd: float
+    low: float = -math.inf
+    high: float = math.inf
+
+    @property
+    def _bounds(self) -> tuple[float, float]:
+        return (self.low - self.parent_mean) / self.parent_sd, (self.high - self.parent_mean) / self.parent_sd
+
+    @property
+    def mean(self) -> float:
+        """Mean after any truncation."""
+        return _restricted_moments(Normal(self.parent_mean, self.parent_sd).from_normal, *self._bounds)[0]
+
+    @property
+    def sd(self) -> float:
+        """Standard deviation after any truncation."""
+        return _restricted_moments(Normal(self.parent_mean, self.parent_sd).from_normal, *self._bounds)[1]
+
+    @override
+    def from_normal(self, z: Array) -> Array:
+        inside = self.parent_mean + self.parent_sd * _restricted(z, *self._bounds)
+        return np.clip(inside, self.low, self.high)
+
+    @override
+    def mass_below(self, value: float) -> float:
+        return _restricted_mass_below((value - self.parent_mean) / self.parent_sd, *self._bounds)
+
+
+@dataclass(frozen=True)
+class Uniform(NormalTransform):
+    """Uniform distribution between two bounds."""
+
+    low: float
+    high: float
+
+    @property
+    def mean(self) -> float:
+        """Mean after any truncation."""
+        return 0.5 * (self.low + self.high)
+
+    @property
+    def sd(self) -> float:
+        """Standard deviation after any truncation."""
+        return (self.high - self.low) / math.sqrt(12.0)
+
+    @override
+    def from_normal(self, z: Array) -> Array:
+        return self.low + (self.high - self.low) * ndtr(z)
+
+    @override
+    def mass_below(self, value: float) -> float:
+        return min(1.0, max(0.0, (value - self.low) / (self.high - self.low)))
+
+
+@dataclass(frozen=True)
+class LogNormal(NormalTransform):
+    """Log-normal distribution: 68 % of draws lie within × or ÷ `factor` of the median."""
+
+    median: float
+    factor: float
+
+    @property
+    def mean(self) -> float:
+        """Mean after any truncation."""
+        return self.median * math.exp(0.5 * math.log(self.factor) ** 2)
+
+    @property
+    def sd(self) -> float:
+        """Standard deviation after any truncation."""
+        return self.mean * math.sqrt(math.expm1(math.log(self.factor) ** 2))
+
+    @override
+    def from_normal(self, z: Array) -> Array:
+        return self.median * np.exp(math.log(self.factor) * z)
+
+    @override
+    def mass_below(self, value: float) -> float:
+        return float(ndtr(math.log(value / self.median) / math.log(self.factor))) if value > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class Choices(NormalTransform):
+    """One of several values, all equally likely (a value given twice is twice as likely).
+
+    Attributes
+    ----------
+    values : tuple of float
+    cut : float
+        Probability of the values that a truncation has taken out already.
+    """
+
+    values: tuple[float, ...]
+    cut: float = 0.0
+
+    @property
+    def mean(self) -> float:
+        """Mean after any truncation."""
+        return math.fsum(self.values) / len(self.values)
+
+    @property
+    def sd(self) -> float:
+        """Standard deviation after any truncation."""
+        return float(np.std(self.values))
+
+    @override
+    def from_normal(self, z: Array) -> Array:
+        ordered = np.sort(np.asarray(self.values, dtype=float))
+        index = np.minimum((ndtr(z) * len(ordered)).astype(np.intp), len(ordered) - 1)
+        return ordered[index]
+
+    @override
+    def mass_below(self, value: float) -> float:
+        return sum(choice <= value for choice in self.values) / len(self.values)
+
+    @property
+    @override
+    def mass_cut(self) -> float:
+        return self.cut
+
+    @override
+    def truncated(self, low: float = -math.inf, high: float = math.inf) -> "Distribution":
+        kept = tuple(value for value in self.values if low <= value <= high)
+        if not kept:
+            raise ValueError(f"no part of the distribution lies between {low:g} and {high:g}")
+        return Choices(kept, 1.0 - (1.0 - self.cut) * len(kept) / len(self.values))
+
+
+@dataclass(frozen=True)
+class Truncated(NormalTransform):
+    """Any distribution, cut to the physical range of its quantity."""
+
+    parent: "Distribution"
+    low: float
+    high: float
+
+    @property
+    def _bounds(self) -> tuple[float, float]:
+        below, above = _tails(self.parent, self.low, self.high)
+        return float(ndtri(below)), -float(ndtri(above))
+
+    @property
+    @override
+    def mass_cut(self) -> float:
+        return sum(_tails(self.parent, self.low, self.high))
+
+    @property
+    def mean(self) -> float:
+        """Mean after any truncation."""
+        return _restricted_moments(self.parent.from_normal, *self._bounds)[0]
+
+    @property
+    def sd(self) -> float:
+        """Standard deviation after any truncation."""
+        return _restricted_moments(self.parent.from_normal, *self._bounds)[1]
+
+    @override
+    def from_normal(self, z: Array) -> Array:
+        return np.clip(self.parent.from_normal(_restricted(z, *self._bounds)), self.low, self.high)
+
+    @override
+    def mass_below(self, value: float) -> float:
+        low, high = self._bounds
+        return _restricted_mass_below(float(ndtri(self.parent.mass_below(value))), low, high)
+
+
+Distribution = Normal | TruncatedNormal | Uniform | LogNormal | Choices | Truncated
+"""A scalar distribution: one draw a trial."""
+
+Quantity = float | Distribution
+"""What a mission file may give for a quantity: a number, or a distribution of it."""
+
+
+def mean_of(quantity: Quantity) -> float:
+    """Give the mean of a distribution, or the number itself."""
+    return quantity.mean if isinstance(quantity, Distribution) else quantity
+
+
+def sd_of(quantity: Quantity) -> float:
+    """Give the standard deviation of a distribution; 0 for a number."""
+    return quantity.sd if isinstance(quantity, Distribution) else 0.0
+
+
+def _tails(distribution: Distribution, low: float, high: float) -> tuple[float, float]:
+    """Probabilities strictly below `low` and above `high`."""
+    below = distribution.mass_below(math.nextafter(low, -math.inf)) if low > -math.inf else 0.0
+    above = 1.0 - distribution.mass_below(high) if high < math.inf else 0.0
+    return below, above
+
+
+def _restricted(z: Array, low: float, high: float) -> Array:
+    """Map standard normals to normals restricted to an interval, through their probabilities."""
+    if low > 0.0:  # the lower tail holds the digits that the upper one rounds away
+        return -_restricted(-z, -high, -low)
+    p_low, p_high = ndtr(low), ndtr(high)
+    restricted: Array = ndtri(p_low + (p_high - p_low) * ndtr(z))
+    return np.clip(restricted, low, high)
+
+
+def _restricted_mass_below(z: float, low: float, high: float) -> float:
+    if low > 0.0:
+        return 1.0 - _restricted_mass_below(-z, -high, -low)
+    return float((ndtr(min(max(z, low), high)) - ndtr(low)) / (ndtr(high) - ndtr(low)))
+
+
+def _restricted_moments(transform: Callable[[Array], Array], low: float, high: float) -> tuple[float, float]:
+    """Mean and sd of a transform of a normal restricted to an interval, by Gauss–Legendre quadrature."""
+    start, end = max(low, min(high, 0.0) - _FAR), min(high, max(low, 0.0) + _FAR)
+    z = 0.5 * (start + end) + 0.5 * (end - start) * _NODES
+    nearest = min(max(0.0, start), end)
+    weight = _WEIGHTS * np.exp(0.5 * (nearest**2 - z**2))
+    weight /= weight.sum()
+    values = transform(z)
+    mean = float(weight @ values)
+    return mean, math.sqrt(float(weight @ (values - mean) ** 2))

@@ -1,0 +1,53 @@
+import numpy as np
+import pytest
+
+from missionplan.montecarlo.streams import BLOCK, LegNormals, block_count, block_size, stream
+
+
+def test_a_draw_depends_on_seed_name_and_block_only():
+    reference = stream(1, "ingress.velocity_error", 3).standard_normal(8)
+    stream(1, "something.else", 3).standard_normal(100)
+    assert np.array_equal(stream(1, "ingress.velocity_error", 3).standard_normal(8), reference)
+    for other in (
+        stream(2, "ingress.velocity_error", 3),
+        stream(1, "egress.velocity_error", 3),
+        stream(1, "ingress.velocity_error", 4),
+    ):
+        assert not np.any(other.standard_normal(8) == reference)
+
+
+def test_draws_stay_what_they_were():
+    """A seed printed in an old report must still give that report's trials."""
+    drawn = stream(1, "ingress.velocity_error", 0).standard_normal(3)
+    assert drawn == pytest.approx([-1.789988300235136, -0.6543872003570455, 1.5668695786459872], abs=1e-15)
+
+
+def test_two_quantities_are_uncorrelated():
+    blocks = range(16)
+    first = np.concatenate([stream(5, "moor.release_time", block).standard_normal(BLOCK) for block in blocks])
+    second = np.concatenate([stream(5, "moor.galvanic_release", block).standard_normal(BLOCK) for block in blocks])
+    limit = 4.0 / np.sqrt(first.size)
+    assert abs(np.corrcoef(first, second)[0, 1]) < limit
+    assert abs(np.corrcoef(first[BLOCK:], first[:-BLOCK])[0, 1]) < limit
+    assert abs(first.mean()) < limit
+
+
+def test_leg_normals_do_not_depend_on_the_order_of_asking():
+    forwards, jumping = LegNormals(1, "ingress.velocity_error", 0), LegNormals(1, "ingress.velocity_error", 0)
+    last = jumping.leg(5).copy()
+    for number in range(6):
+        assert np.array_equal(forwards.leg(number), jumping.leg(number))
+    assert np.array_equal(forwards.leg(5), last)
+    assert forwards.leg(0).shape == (2, BLOCK)
+    with pytest.raises(ValueError, match="read-only"):
+        forwards.leg(0)[0, 0] = 1.0
+
+
+@pytest.mark.parametrize(("trials", "sizes"), [(1, [1]), (BLOCK, [BLOCK]), (BLOCK + 1, [BLOCK, 1]), (0, [])])
+def test_blocks_hold_all_trials(trials, sizes):
+    assert [block_size(trials, block) for block in range(block_count(trials))] == sizes
+
+
+def test_a_negative_seed_is_refused():
+    with pytest.raises(ValueError):
+        stream(-1, "a", 0)
