@@ -1,0 +1,257 @@
+"""An anchor that can be built: heavy enough flooded, neutral and in trim when attached (Briggs et al., Eqs. 15–17).
+
+Positions are measured from the anchor's tip, aft positive: a hemisphere of radius r, then a tube of length C, in whose
+end the vehicle's hemispherical nose sits.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from missionplan.physics.arrays import Scalars
+from missionplan.physics.buoyancy import STANDARD_GRAVITY
+
+
+@dataclass(frozen=True)
+class Part:
+    """A solid part: mass [kg], density of its material [kg/m³], and its centre [m] from the tip or from the back."""
+
+    mass: float
+    density: float
+    centre: float
+
+
+@dataclass(frozen=True)
+class Construction:
+    """What the anchor is made of, before its length and trim ring are known.
+
+    Attributes
+    ----------
+    front : Part
+        Its centre from the tip.
+    back : Part
+        Its centre forward of the tube's end.
+    tube_mass_per_length, tube_density : float
+        λ [kg/m] and material [kg/m³] of the tube.
+    trim_density : float
+        Of the ring's material [kg/m³].
+    """
+
+    front: Part
+    back: Part
+    tube_mass_per_length: float
+    tube_density: float
+    trim_density: float
+
+
+@dataclass(frozen=True)
+class AnchorProblem:
+    """What an anchor has to satisfy.
+
+    Attributes
+    ----------
+    radius : float
+        r of hemisphere and tube [m].
+    overlap_volume : float
+        V_lost, taken by the vehicle's nose inside the anchor [m³].
+    nose_radius : float
+        Of the vehicle's hemispherical nose [m].
+    water_density : float
+        ρ [kg/m³].
+    construction : Construction
+    """
+
+    radius: float
+    overlap_volume: float
+    nose_radius: float
+    water_density: float
+    construction: Construction
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A condition that the anchor fails: which, by how much [kg or m], and what it means in words."""
+
+    condition: str
+    amount: float
+    words: str
+
+
+@dataclass(frozen=True)
+class AnchorDesign:
+    """The anchor that satisfies the two mass equations and the trim, feasible or not.
+
+    Attributes
+    ----------
+    problem : AnchorProblem
+    wet_weight : float
+        W [N].
+    cylinder_length : float
+        C [m].
+    trim_mass, trim_position : float
+        Of the ring [kg], and its centre from the tip [m] (nan when the ring's mass is 0).
+    dry_mass, displaced_mass : float
+        Both sides of Eq. 17 [kg].
+    centre_of_gravity, centre_of_buoyancy : float
+        Of the unflooded anchor and of the added displacement, from the tip [m].
+    failures : tuple of Failure
+        Empty when the anchor can be built.
+    """
+
+    problem: AnchorProblem
+    wet_weight: float
+    cylinder_length: float
+    trim_mass: float
+    trim_position: float
+    dry_mass: float
+    displaced_mass: float
+    centre_of_gravity: float
+    centre_of_buoyancy: float
+    failures: tuple[Failure, ...] = ()
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the anchor can be built."""
+        return not self.failures
+
+    @property
+    def length(self) -> float:
+        """From the tip to the tube's end, r + C [m]."""
+        return self.problem.radius + self.cylinder_length
+
+    @property
+    def flooded_mass(self) -> float:
+        """With the water inside [kg]."""
+        return self.dry_mass + self.wet_weight / STANDARD_GRAVITY
+
+
+def cap_height(volume: float, radius: float) -> float:
+    """Height h [m] of a spherical cap of a volume π h²(3R - h)/3 [m³], from the sphere's radius R [m].
+
+    Raises
+    ------
+    ValueError
+        When the volume is more than half the sphere: more than the nose holds.
+    """
+    half = 2.0 / 3.0 * math.pi * radius**3
+    if not 0.0 <= volume <= half * (1.0 + 1e-12):
+        raise ValueError(f"the nose holds at most {half:.3g} m³, the overlap is {volume:.3g} m³")
+    # h³ - 3R h² + 3V/π = 0 by the trigonometric solution of the cubic; its middle root is the cap's.
+    cosine = 1.0 - 1.5 * volume / (math.pi * radius**3)
+    return max(0.0, radius * (1.0 - 2.0 * math.cos((math.acos(max(-1.0, min(1.0, cosine))) + math.pi) / 3.0)))
+
+
+def cap_centroid(height: float, radius: float) -> float:
+    """Centroid of a spherical cap, from its tip: R - 3(2R - h)²/(4(3R - h)) [m], with height h and radius R [m]."""
+    return radius - 3.0 * (2.0 * radius - height) ** 2 / (4.0 * (3.0 * radius - height))
+
+
+def added_displacement(problem: AnchorProblem, cylinder_length: Scalars) -> Scalars:
+    """∇_anchor = ⅔πr³ + Cπr² - V_lost [m³] (Eq. 16)."""
+    r = problem.radius
+    return 2.0 / 3.0 * math.pi * r**3 + cylinder_length * math.pi * r**2 - problem.overlap_volume
+
+
+def displacement_centroid(problem: AnchorProblem, cylinder_length: float) -> float:
+    """Centroid of the added displacement, from the tip [m]; the overlap is a cap of the vehicle's nose."""
+    r, c = problem.radius, cylinder_length
+    height = cap_height(problem.overlap_volume, problem.nose_radius)
+    overlap_at = r + c - height + cap_centroid(height, problem.nose_radius)
+    moment = 2.0 / 3.0 * math.pi * r**3 * (5.0 / 8.0 * r) + math.pi * r**2 * c * (r + c / 2.0)
+    moment -= problem.overlap_volume * overlap_at
+    return float(moment / added_displacement(problem, c))
+
+
+def cylinder_and_trim(problem: AnchorProblem, weight: Scalars) -> tuple[Scalars, Scalars]:
+    """Tube length and ring mass from the two linear equations of an anchor.
+
+    Dry (Eqs. 16–17, as masses: Eq. 17 lacks g): λC + m_t - ρπr²C = ρ(⅔πr³ - V_lost) - m_front - m_back.
+    Wet (Eq. 15): Σ m_i (1 - ρ/ρ_i) g = W.
+
+    Parameters
+    ----------
+    problem : AnchorProblem
+    weight : float or array, shape (n,)
+        Wet weight W [N].
+
+    Returns
+    -------
+    cylinder_length, trim_mass : float or array, shape (n,)
+        C [m] and m_t [kg], of either sign.
+
+    Raises
+    ------
+    ValueError
+        When the two equations are parallel: no tube and ring of these materials can meet them separately.
+    """
+    made, rho, r = problem.construction, problem.water_density, problem.radius
+    sunk_tube = made.tube_mass_per_length * (1.0 - rho / made.tube_density)
+    sunk_trim = 1.0 - rho / made.trim_density
+    afloat = made.tube_mass_per_length - rho * math.pi * r**2
+    determinant = afloat * sunk_trim - sunk_tube
+    if abs(determinant) <= 1e-12 * (abs(afloat * sunk_trim) + abs(sunk_tube)):
+        raise ValueError("tube and trim ring enter the dry and the wet balance in the same ratio: no unique anchor")
+    dry = rho * (2.0 / 3.0 * math.pi * r**3 - problem.overlap_volume) - made.front.mass - made.back.mass
+    wet = weight / STANDARD_GRAVITY
+    for part in (made.front, made.back):
+        wet = wet - part.mass * (1.0 - rho / part.density)
+    return (dry * sunk_trim - wet) / determinant, (afloat * wet - sunk_tube * dry) / determinant
+
+
+def dry_mass(problem: AnchorProblem, weight: Scalars) -> Scalars:
+    """Mass of the unflooded anchor of a wet weight [N], equal to the mass that it displaces attached [kg] (Eq. 17)."""
+    length, _ = cylinder_and_trim(problem, weight)
+    return problem.water_density * added_displacement(problem, length)
+
+
+def solve_anchor(problem: AnchorProblem, weight: float) -> AnchorDesign:
+    """Find the anchor of a wet weight: tube length, trim ring and the ring's place.
+
+    Parameters
+    ----------
+    problem : AnchorProblem
+    weight : float
+        Wet weight W [N].
+
+    Returns
+    -------
+    AnchorDesign
+        With the conditions that it fails, if any; `anchor_remedies.find_remedies` says what would mend them.
+    """
+    length, trim = (float(value) for value in cylinder_and_trim(problem, weight))
+    made, r = problem.construction, problem.radius
+    masses = np.array([made.front.mass, made.tube_mass_per_length * length, made.back.mass])
+    centres = np.array([made.front.centre, r + length / 2.0, r + length - made.back.centre])
+    displaced = problem.water_density * float(added_displacement(problem, length))
+    centroid = displacement_centroid(problem, length) if displaced > 0.0 else math.nan
+    mass = float(masses.sum()) + trim
+    ring_at = (mass * centroid - float(masses @ centres)) / trim if trim != 0.0 else math.nan
+    gravity = (float(masses @ centres) + (trim * ring_at if trim != 0.0 else 0.0)) / mass
+    design = AnchorDesign(problem, weight, length, trim, ring_at, mass, displaced, gravity, centroid)
+    return replace(design, failures=_failures(design))
+
+
+def _failures(design: AnchorDesign) -> tuple[Failure, ...]:
+    r, end = design.problem.radius, design.length
+    found = []
+    if design.cylinder_length <= 0.0:
+        words = f"the tube would have a length of {design.cylinder_length * 1e3:.1f} mm"
+        found.append(Failure("cylinder_length > 0", -design.cylinder_length, words))
+    if design.trim_mass < 0.0:
+        words = f"the trim ring would weigh {design.trim_mass:.3f} kg: the other parts are already too heavy"
+        found.append(Failure("trim_mass >= 0", -design.trim_mass, words))
+    if found:
+        return tuple(found)
+    if not math.isfinite(design.trim_position):
+        offset = design.centre_of_gravity - design.centre_of_buoyancy
+        words = f"without a ring, the centre of gravity lies {offset * 1e3:.1f} mm aft of the centre of buoyancy"
+        return () if abs(offset) < 1e-4 else (Failure("centre_of_gravity = centre_of_buoyancy", offset, words),)
+    ahead, behind = r - design.trim_position, design.trim_position - end
+    if max(ahead, behind) > 0.0:
+        side = (
+            f"{ahead * 1e3:.1f} mm ahead of the tube" if ahead > 0.0 else f"{behind * 1e3:.1f} mm behind the tube's end"
+        )
+        words = f"the trim ring would have to sit {side}"
+        found.append(Failure("ring inside the tube", max(ahead, behind), words))
+    return tuple(found)

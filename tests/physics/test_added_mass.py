@@ -1,0 +1,30 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from missionplan.physics.added_mass import anchor_added_mass, lamb_axial_coefficient
+
+
+@pytest.mark.parametrize(("fineness", "k1"), [(1.0, 0.5), (2.0, 0.210), (3.0, 0.122), (9.26, 0.0233)])
+def test_lambs_table(fineness, k1):
+    assert lamb_axial_coefficient(fineness) == pytest.approx(k1, abs=5e-4)
+
+
+def test_series_near_the_sphere_joins_the_closed_form():
+    near, far = lamb_axial_coefficient(np.array([1.00503, 1.00504]))
+    assert near == pytest.approx(far, abs=1e-5)
+
+
+@given(st.floats(1.0, 50.0), st.floats(1.001, 2.0))
+def test_slender_bodies_carry_less_water_along(fineness, factor):
+    assert 0.0 < lamb_axial_coefficient(fineness * factor) < lamb_axial_coefficient(fineness) <= 0.5
+
+
+def test_oblate_bodies_are_refused():
+    with pytest.raises(ValueError, match="at least its diameter"):
+        lamb_axial_coefficient(0.9)
+
+
+def test_anchor_of_the_prototype():
+    assert anchor_added_mass(0.060325, 1026.0) == pytest.approx(2.38 * 1026.0 * 0.060325**3, rel=1e-3)
