@@ -81,7 +81,7 @@ def _in_parallel(
             parallel = joblib.Parallel(return_as="generator", batch_size=1, pre_dispatch="3*n_jobs")
         results: Any = parallel(joblib.delayed(task)(item) for item in items)
         try:
-            for result in results:  # not `yield from`, which would close `results` before the filter below is set
+            for result in results:  # noqa: UP028  (`yield from` would close it before the filter below)
                 yield result
         except KeyboardInterrupt:
             _kill_workers(backend)
