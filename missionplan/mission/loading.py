@@ -135,6 +135,9 @@ def _check_depth(text: str, shown: str) -> None:
             depth -= 1
 
 
+_COLLECTIONS = ("tag:yaml.org,2002:map", "tag:yaml.org,2002:seq")
+
+
 class _Builder:
     """Turns a node tree into plain data, counting nodes as aliases unfold."""
 
@@ -152,6 +155,9 @@ class _Builder:
             message = f"unfolds to more than {MAX_NODES} values (aliases that repeat aliases?)"
             raise InputError([Problem(message, self.shown, line)])
         self.marks.setdefault(path, (self.shown, line))
+        if not isinstance(node, yaml.ScalarNode) and node.tag not in _COLLECTIONS:
+            self.problems.append(Problem(f"the tag {node.tag} is not supported", self.shown, line, key_path(path)))
+            return None
         if isinstance(node, yaml.MappingNode):
             return self._mapping(node, path)
         if isinstance(node, yaml.SequenceNode):

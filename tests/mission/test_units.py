@@ -1,0 +1,121 @@
+"""Quantities with units."""
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic_core import PydanticCustomError
+
+from missionplan.mission.units import QuantityError, QuantityParser, parse_number_with_unit
+from missionplan.montecarlo.distributions import Choices, LogNormal, Normal, TruncatedNormal, Uniform
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("75 ft", "m", 22.86),
+        ("0.4 kn", "m/s", 0.4 * 1852 / 3600),
+        ("10 min", "s", 600.0),
+        ("11.8 N", "N", 11.8),
+        ("0.2 lbf", "N", 0.8896443230521),
+        ("20 degC", "degC", 20.0),
+        ("68 degF", "degC", 20.0),
+        ("4 nmi", "m", 7408.0),
+        ("60 W*h", "J", 216000.0),
+        ("4.75 in", "m", 0.12065),
+        ("0.3 L", "m^3", 3e-4),
+        ("1.02e-6 m^2/s", "m^2/s", 1.02e-6),
+        ("90 deg", "rad", math.pi / 2),
+        ("1010 kg/m^3", "kg/m^3", 1010.0),
+        ("-.5 m", "m", -0.5),
+    ],
+)
+def test_units_are_converted(text: str, unit: str, value: float) -> None:
+    assert parse_number_with_unit(text, unit) == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "given_", [75, 75.0, "75", "", "m", "5 lightbulbs", "5 s", None, True, [1], "nan m", "1e999 m", "5 m; 6", "9" * 99]
+)
+def test_what_is_no_length_is_refused(given_: Any) -> None:
+    with pytest.raises(QuantityError):
+        parse_number_with_unit(given_, "m")
+
+
+def test_an_unknown_unit_names_the_nearest() -> None:
+    with pytest.raises(QuantityError, match=r"did you mean m\^2/s\?"):
+        parse_number_with_unit("1 m^2/ss", "m^2/s")
+
+
+def test_spread_of_a_temperature_is_a_difference() -> None:
+    assert QuantityParser("degC")({"mean": "68 degF", "sd": "1.8 degF"}) == Normal(
+        pytest.approx(20.0), pytest.approx(1.0)
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        ({"mean": "10 s", "sd": "3 s"}, Normal(10.0, 3.0)),
+        ({"mean": "10 s", "sd": "3 s", "low": "0 s"}, TruncatedNormal(10.0, 3.0, 0.0)),
+        ({"mean": "10 s", "sd": "3 s", "low": "0 s", "high": "1 min"}, TruncatedNormal(10.0, 3.0, 0.0, 60.0)),
+        ({"low": "1 s", "high": "2 s"}, Uniform(1.0, 2.0)),
+        ({"median": "10 s", "factor": 2}, LogNormal(10.0, 2.0)),
+        ({"choices": ["1 s", "2 min"]}, Choices((1.0, 120.0))),
+    ],
+)
+def test_distributions(value: dict[str, Any], expected: object) -> None:
+    assert QuantityParser("s")(value) == expected
+
+
+def test_all_problems_of_a_distribution_are_reported() -> None:
+    with pytest.raises(PydanticCustomError) as caught:
+        QuantityParser("s")({"mean": 10, "sd": "3 m"})
+    assert [below for below, _ in (caught.value.context or {})["problems"]] == [("mean",), ("sd",)]
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        {"mean": "1 s"},
+        {"mean": "1 s", "sd": "-1 s"},
+        {"low": "2 s", "high": "1 s"},
+        {"median": "1 s", "factor": 0.5},
+        {"median": "1 s", "factor": "2 s"},
+        {"choices": []},
+        {"choices": "1 s"},
+        {"mean": "1 s", "sd": "0 s", "low": "0 s"},
+        {},
+    ],
+)
+def test_impossible_distributions(value: dict[str, Any]) -> None:
+    with pytest.raises(PydanticCustomError):
+        QuantityParser("s")(value)
+
+
+def test_physical_range() -> None:
+    parser = QuantityParser("m", low=0.0, open_low=True)
+    with pytest.raises(PydanticCustomError, match="more than 0 m"):
+        parser("0 m")
+    with pytest.raises(PydanticCustomError, match="mean"):
+        parser({"mean": "-5 m", "sd": "1 m"})
+    cut = parser({"mean": "1 m", "sd": "1 m"})
+    assert not isinstance(cut, float)
+    assert cut.mass_cut == pytest.approx(0.158655, rel=1e-4)
+
+
+@given(st.floats(-1e12, 1e12).filter(lambda x: abs(x) > 1e-12), st.sampled_from(["m", "km", "ft", "in", "nmi", "cm"]))
+def test_round_trip_through_text(value: float, unit: str) -> None:
+    metres = parse_number_with_unit(f"{value!r} {unit}", "m")
+    one = parse_number_with_unit(f"1 {unit}", "m")
+    assert metres == pytest.approx(value * one, rel=1e-12)
+
+
+@given(st.text(max_size=40))
+def test_any_text_is_read_or_refused_in_words(text: str) -> None:
+    try:
+        assert math.isfinite(parse_number_with_unit(text, "m"))
+    except QuantityError as error:
+        assert str(error).startswith("given")
