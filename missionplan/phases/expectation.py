@@ -1,0 +1,187 @@
+"""Expected time of a transit in legs, without Monte Carlo.
+
+For isotropic zero-mean velocity errors, drawn anew for each leg and not compensated, all that matters of a position is
+the distance d left to the target. A leg of length ℓ(d) towards it ends at a Rice-distributed distance d′ about
+|d − ℓ| with scale σℓ/U, so that the expected time to go solves
+
+    J(d) = ℓ/U + t_s + E[J(d′); d′ > r_x],    J = 0 for d ≤ r_x.
+
+The equation is linear: the expected distance run R and the expected surfacings N are solved for apart,
+J = R/U + t_s N. Checked against Monte Carlo for σ/U from 0.005 to 0.4.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.phases.hooks import Array
+from missionplan.phases.radial import MAX_PANELS, TAIL, Panels, expectation_matrix, graded_panels, solve_ascending
+
+Policy = Callable[[Array], Array]
+"""Leg length [m] for each distance left [m]."""
+
+MAX_RATIO = 0.7
+"""Largest σ/U accepted: at 1/√2 a leg's mean-square error is as long as the leg itself."""
+NO_ERROR = 1e-5
+"""Below this fraction of the arrival radius, the error of a leg over the whole distance is none."""
+MAX_LEGS = 100_000
+"""Legs after which a transit without error counts as one that never arrives."""
+PANEL_SCALES = 2.5
+"""Widest panel about a feature of J, in the feature's width."""
+PANEL_RATIO = 0.6
+"""Widest panel elsewhere, in the distance to the nearest feature."""
+
+
+@dataclass(frozen=True)
+class TransitExpectation:
+    """Expected course of a transit.
+
+    Attributes
+    ----------
+    distance : float
+        To the target at the start [m].
+    speed, surfacing_time : float
+        Speed through the water [m/s] and time at the surface after each leg [s].
+    distance_run : float
+        Expected length of all legs together [m].
+    surfacings : float
+        Expected number of legs, hence of surfacings, the arrival's included.
+    """
+
+    distance: float
+    speed: float
+    surfacing_time: float
+    distance_run: float
+    surfacings: float
+
+    @property
+    def duration(self) -> float:
+        """Expected time, the arrival's surfacing included [s]."""
+        return self.distance_run / self.speed + self.surfacing_time * self.surfacings
+
+    @property
+    def cost(self) -> float:
+        """Expected c of Briggs et al., Eq. 25, the arrival surfacing not charged; −1 for a start that has arrived."""
+        charged = max(self.surfacings - 1.0, 0.0) * self.surfacing_time
+        return (self.distance_run + charged * self.speed) / self.distance - 1.0
+
+
+def expected_transit(
+    distance: float, d_max: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float
+) -> TransitExpectation:
+    """Expected transit with legs of at most `d_max`: ℓ = min(d, d_max).
+
+    Parameters
+    ----------
+    distance : float
+        To the target at the start [m].
+    d_max : float
+        Maximum leg length [m].
+    speed : float
+        Through the water [m/s].
+    arrival_radius : float
+        r_x, within which the vehicle has arrived [m].
+    sigma : float
+        Standard deviation of each component of a leg's velocity error [m/s].
+    surfacing_time : float
+        t_s, at the surface after each leg [s].
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of its range, or the error so large that legs do not bring the vehicle nearer.
+    """
+    _check(distance, d_max, speed, arrival_radius, sigma, surfacing_time)
+    k = sigma / speed
+
+    def legs(d: Array) -> Array:
+        return np.minimum(d, d_max)
+
+    if distance <= arrival_radius or k * distance <= NO_ERROR * arrival_radius:
+        run, surfacings = _without_error(legs, distance, arrival_radius)
+    else:
+        panels = _panels_of_d_max(distance, d_max, arrival_radius, k)
+        run, surfacings = _with_error(legs, panels, distance, k)
+    return TransitExpectation(distance, speed, surfacing_time, run, surfacings)
+
+
+def expected_cost(
+    distance: float, d_max: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float
+) -> float:
+    """Expected cost c (Briggs et al., Eq. 25) of legs of at most `d_max`; arguments as of `expected_transit`."""
+    return expected_transit(distance, d_max, speed, arrival_radius, sigma, surfacing_time).cost
+
+
+def _check(
+    distance: float, d_max: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float
+) -> None:
+    positive = {"distance": distance, "d_max": d_max, "speed": speed, "arrival_radius": arrival_radius}
+    for name, value in positive.items():
+        if not value > 0 or not np.isfinite(value):
+            raise ValueError(f"{name} must be positive and finite, not {value:g}")
+    for name, value in {"sigma": sigma, "surfacing_time": surfacing_time}.items():
+        if not value >= 0 or not np.isfinite(value):
+            raise ValueError(f"{name} must be finite and not negative, not {value:g}")
+    if sigma / speed > MAX_RATIO:
+        raise ValueError(
+            f"a velocity error of {sigma:g} m/s is too large beside a speed of {speed:g} m/s: "
+            f"above {MAX_RATIO:g} times the speed a leg does not bring the vehicle nearer in the mean square"
+        )
+
+
+def _without_error(legs: Policy, distance: float, arrival_radius: float) -> tuple[float, float]:
+    """Distance run and surfacings when every leg ends where it was aimed."""
+    left, run = distance, 0.0
+    for surfacings in range(MAX_LEGS):
+        if left <= arrival_radius:
+            return run, float(surfacings)
+        leg = float(legs(np.array([left]))[0])
+        left, run = abs(left - leg), run + leg
+    raise ValueError(f"not arrived after {MAX_LEGS} legs: d_max is too short for the distance")
+
+
+def _with_error(legs: Policy, panels: Panels, distance: float, k: float) -> tuple[float, float]:
+    """Expected distance run and surfacings from `distance`, with panels that reach as far as legs may lead."""
+    nodes = panels.nodes
+    d = np.append(nodes, distance)
+    leg = legs(d)
+    matrix = expectation_matrix(panels, np.abs(d - leg), k * leg)
+    ones = np.ones_like(leg)
+    to_go = solve_ascending(matrix[:-1], np.stack([leg, ones], axis=1)[:-1])
+    run, surfacings = np.array([leg[-1], 1.0]) + (matrix[-1:] @ to_go)[0]
+    return float(run), float(surfacings)
+
+
+def _panels_of_d_max(distance: float, d_max: float, arrival_radius: float, k: float) -> Panels:
+    """Panels graded towards the features of J.
+
+    One more leg is needed beyond d = j d_max + r_x, where J steps up over the width k d_max √j that j legs' errors
+    give, and the leg stops growing at d_max, which leaves a kink there and, blurred, at each further j d_max.
+    """
+    scale = k * d_max
+
+    def width(d: Array) -> Array:
+        legs = np.maximum(np.round((d - 0.5 * arrival_radius) / d_max), 1.0)
+        offset = d - legs * d_max
+        to_feature = np.minimum(np.abs(offset), np.abs(offset - arrival_radius))
+        widest = np.maximum(PANEL_SCALES * scale * np.sqrt(legs), PANEL_RATIO * to_feature)
+        return np.where(d < d_max, PANEL_RATIO * d, widest)
+
+    top = max(_farthest(distance, d_max, k), 2.0 * arrival_radius)
+    if top / d_max > MAX_PANELS:
+        raise ValueError(f"d_max of {d_max:g} m is too short for a distance of {distance:g} m")
+    steps = d_max * np.arange(1, np.floor(top / d_max) + 1)
+    edges = np.concatenate([steps, steps + arrival_radius])
+    inside = edges[(edges > arrival_radius) & (edges < top)]
+    return graded_panels(np.append(inside, [arrival_radius, top]), width)
+
+
+def _farthest(distance: float, d_max: float, k: float) -> float:
+    """Distance left that is exceeded with negligible probability after the first leg."""
+    leg = min(distance, d_max)
+    if TAIL * k < 1.0:  # every leg ends nearer than it began
+        return distance - leg + TAIL * k * leg
+    # With d_max the distance is a walk of drift −d_max and step scale k d_max: P(rise > z) < exp(−2z/(k² d_max)).
+    # Without, it is at worst a product of Rayleigh variables with E[(d′/d)²] = 2k² < 1.
+    return min(max(distance, d_max) + (TAIL * k + 12.0 * k**2) * d_max, 1e6 * distance)
