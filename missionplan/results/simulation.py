@@ -1,0 +1,248 @@
+"""Outcome of `simulate`: what each phase did over all trials, what fails the mission, and what uncertainty matters."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.results.base import Provenance, Result, to_csv
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Histogram:
+    """Counts of a quantity in bins of equal width, over all trials.
+
+    Attributes
+    ----------
+    edges : array, shape (bins + 1,)
+        In SI.
+    counts : array, shape (bins,)
+        The first and last bin also hold what lies beyond them.
+    """
+
+    edges: Array
+    counts: Array
+
+
+@dataclass(frozen=True)
+class PhaseOutcome:
+    """What one phase did.
+
+    Attributes
+    ----------
+    name, kind : str
+        As in the mission; the whole mission is ``total``.
+    quantities : mapping of str to Statistic
+        By the names of `summary.json`, units ending the name.
+    events : mapping of str to Probability
+        Such as ``arrived``; of all trials, so that a trial that never came to the phase counts as no.
+    histograms : mapping of str to Histogram
+        Of the quantities.
+    start, end : Statistic
+        Mission time at which the phase began and ended, of the trials that came to it [s].
+    """
+
+    name: str
+    kind: str
+    quantities: Mapping[str, Statistic]
+    events: Mapping[str, Probability]
+    histograms: Mapping[str, Histogram]
+    start: Statistic
+    end: Statistic
+
+
+@dataclass(frozen=True)
+class Attrition:
+    """A step of the waterfall of P(success): the trials still good after it, and what was lost at it.
+
+    Attributes
+    ----------
+    step : str
+        Such as ``ingress: not arrived`` or ``moor: struck the seafloor``.
+    lost, surviving : Probability
+        Of all trials.
+    """
+
+    step: str
+    lost: Probability
+    surviving: Probability
+
+
+@dataclass(frozen=True)
+class RequirementOutcome:
+    """A requirement of the mission, judged.
+
+    Attributes
+    ----------
+    quantity : str
+        As the mission writes it, such as ``moor.offset``.
+    bound : 'at_most', 'at_least' or None
+        None for an event.
+    limit : float or None
+        In SI.
+    unit : str
+        SI unit of the limit.
+    required : float
+        Probability asked for.
+    probability : Probability
+        Reached, with its interval.
+    met, undecided : bool
+        Whether value ≥ required; whether the interval holds both answers.
+    """
+
+    quantity: str
+    bound: Literal["at_most", "at_least"] | None
+    limit: float | None
+    unit: str
+    required: float
+    probability: Probability
+    met: bool
+    undecided: bool
+
+    def summary(self) -> dict[str, Any]:
+        """Entry of `summary.json`."""
+        bound = {self.bound: self.limit} if self.bound else {}
+        return {
+            "quantity": self.quantity,
+            **bound,
+            "required": self.required,
+            "probability": self.probability.summary(),
+            "met": self.met,
+            "undecided": self.undecided,
+        }
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """How much one uncertain input matters for one key figure.
+
+    Attributes
+    ----------
+    output, source : str
+        Key figure, such as ``moor.offset_m``; uncertain input, such as ``moor.release_time``.
+    rank_correlation : float
+        Spearman's.
+    first_order : float
+        First-order Sobol index, estimated from the given sample: share of the variance that knowing the input removes.
+    standard_error : float
+        Of the index.
+    """
+
+    output: str
+    source: str
+    rank_correlation: float
+    first_order: float
+    standard_error: float
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """Some trials in plan, for maps: the first of the run.
+
+    Attributes
+    ----------
+    position : array, shape (points, 2, trials)
+        East and north of the origin at the start and at each fix, anchor drop, touchdown and surfacing;
+        nan after a trial has ended [m].
+    phase : array of int, shape (points,)
+        Index of the phase that each point belongs to.
+    targets : mapping of str to ((east, north), radius)
+        Goal and arrival circle of each phase [m].
+    anchors : array, shape (2, trials)
+        Anchors on the seafloor, of every mooring one after another; nan where none [m].
+    origin : (latitude, longitude) or None
+        Of the local plane [rad].
+    """
+
+    position: Array
+    phase: NDArray[np.int64]
+    targets: Mapping[str, tuple[tuple[float, float], float]]
+    anchors: Array
+    origin: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class Outcome(Result):
+    """Answer of `simulate`.
+
+    Attributes
+    ----------
+    phases : tuple of PhaseOutcome
+        In the mission's order.
+    total : PhaseOutcome
+        Of the whole mission, event ``success``.
+    requirements : tuple of RequirementOutcome
+    attrition : tuple of Attrition
+        What fails the mission, in order; ends at P(success).
+    sensitivities : tuple of Sensitivity
+        Most important first within each key figure.
+    tracks : Tracks
+    arrivals : mapping of str to array, shape (2, m)
+        True end position of each phase relative to its goal, of the first trials, for CEP circles [m].
+    failed_blocks : tuple of str
+        Blocks that failed numerically, with seed and block, left out of everything above.
+    trials_table : bytes or None
+        Parquet, one row a trial, on request.
+    """
+
+    report: ClassVar[str] = "simulation"
+
+    provenance: Provenance
+    phases: tuple[PhaseOutcome, ...]
+    total: PhaseOutcome
+    requirements: tuple[RequirementOutcome, ...]
+    attrition: tuple[Attrition, ...]
+    sensitivities: tuple[Sensitivity, ...]
+    tracks: Tracks
+    arrivals: Mapping[str, Array]
+    failed_blocks: tuple[str, ...] = ()
+    trials_table: bytes | None = None
+
+    @property
+    def requirements_met(self) -> bool:
+        """Whether every requirement of the mission is met."""
+        return all(requirement.met for requirement in self.requirements)
+
+    def summary(self) -> dict[str, Any]:
+        """The dictionary of `summary.json`."""
+        return {
+            **self.provenance.summary(),
+            "phases": [
+                {"name": phase.name, "kind": phase.kind, **_quantities_and_events(phase)} for phase in self.phases
+            ],
+            "total": _quantities_and_events(self.total),
+            "requirements": [requirement.summary() for requirement in self.requirements],
+            "attrition": [
+                {"step": step.step, "lost": step.lost.summary(), "surviving": step.surviving.summary()}
+                for step in self.attrition
+            ],
+            "sensitivities": [vars(sensitivity) for sensitivity in self.sensitivities],
+            "failed_blocks": list(self.failed_blocks),
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row a quantity of each phase and of the whole mission."""
+        rows = [
+            {"phase": phase.name, "quantity": name, **statistic.summary(), "trials": statistic.count}
+            for phase in (*self.phases, self.total)
+            for name, statistic in phase.quantities.items()
+        ]
+        return pd.DataFrame(rows)
+
+    def files(self) -> dict[str, str | bytes]:
+        """`quantities.csv`, and `trials.parquet` where asked for."""
+        table = {"trials.parquet": self.trials_table} if self.trials_table is not None else {}
+        return {"quantities.csv": to_csv(self.to_frame()), **table}
+
+
+def _quantities_and_events(phase: PhaseOutcome) -> dict[str, Any]:
+    return {
+        "quantities": {name: statistic.summary() for name, statistic in phase.quantities.items()},
+        "events": {name: probability.summary() for name, probability in phase.events.items()},
+    }
