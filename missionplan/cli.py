@@ -235,15 +235,16 @@ def main() -> None:
 
 
 def _usage_error(error: Exception) -> int:
-    """Show a usage error as click words it; anything else is a fault of the program and keeps its traceback."""
-    import click
+    """Show a usage error as typer words it; anything else is a fault of the program and keeps its traceback.
 
-    if isinstance(error, click.exceptions.Abort):
+    Told by what it offers: typer brings click's errors with it, or takes them from click, by its version.
+    """
+    if type(error).__name__ == "Abort":
         typer.echo("Interrupted.", err=True)
         _leave_at_once(INTERRUPTED)
-    if isinstance(error, click.ClickException):
+    if hasattr(error, "show") and hasattr(error, "exit_code"):
         error.show()
-        return error.exit_code
+        return int(error.exit_code)
     raise error
 
 

@@ -1,0 +1,99 @@
+"""The command line: messages, exit statuses, nothing overwritten."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from missionplan.cli import main
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+
+SMALL = """
+name: small <b>&
+navigation: {velocity_error: {sigma: 0.035 m/s}, surfacing_time: 90 s}
+phases:
+  - transit: {name: ingress, from: [0 m, 0 m], to: [4 nmi, 0 m], speed: 1.25 m/s, d_max: 4 nmi, arrival_radius: 50 m}
+sweep: {d_max: {from: 0.8, to: 1.0, points: 3, of: distance}, sigma: [0.035 m/s]}
+monte_carlo: {trials: 500, seed: 1}
+"""
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    """Run the command line in this process and give its exit status."""
+    monkeypatch.setattr(sys, "argv", ["missionplan", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    return int(ended.value.code or 0)
+
+
+@pytest.fixture
+def mission(tmp_path: Path) -> Path:
+    path = tmp_path / "small.yaml"
+    path.write_text(SMALL)
+    return path
+
+
+def test_validate_says_what_is_there(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(monkeypatch, "validate", *map(str, sorted(MISSIONS.glob("*.yaml")))) == 0
+    assert "chesapeake.yaml: valid" in capsys.readouterr().out
+
+
+def test_validate_reports_every_file(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], mission: Path
+) -> None:
+    mission.write_text(SMALL.replace("90 s", "90").replace("d_max: 4 nmi", "dmax: 4 nmi"))
+    assert run(monkeypatch, "validate", str(mission), str(mission.with_name("smal.yaml"))) == 2
+    errors = capsys.readouterr().err
+    assert "small.yaml:3: navigation.surfacing_time: given the bare number 90" in errors
+    assert "did you mean d_max?" in errors
+    assert "did you mean small.yaml?" in errors
+    assert "Traceback" not in errors
+
+
+@pytest.mark.parametrize(
+    "arguments", [["sweep-dmx"], ["sweep-dmax"], ["sweep-dmax", "x.yaml", "--trials", "0"], ["validate", "--no"]]
+)
+def test_usage_errors_exit_with_2(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], arguments: list[str]
+) -> None:
+    assert run(monkeypatch, *arguments) == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_a_report_folder_that_is_not_empty_is_refused_before_any_work(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], mission: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "precious.txt").write_text("mine")
+    assert run(monkeypatch, "sweep-dmax", str(mission), "--out", str(tmp_path / "out")) == 2
+    assert "--force" in capsys.readouterr().err
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["precious.txt"]
+
+
+def test_json_is_all_that_stands_on_standard_output(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], mission: Path, tmp_path: Path
+) -> None:
+    assert run(monkeypatch, "sweep-dmax", str(mission), "--json", "--jobs", "1", "--out", str(tmp_path / "out")) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["command"] == "sweep-dmax"
+    assert summary == json.loads((tmp_path / "out" / "summary.json").read_text())
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "small &lt;b&gt;&amp;" in page
+    assert "small <b>" not in page
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        "figures",
+        "mission.yaml",
+        "report.html",
+        "summary.json",
+        "sweep.csv",
+    ]
+
+
+def test_help_defers_heavy_imports() -> None:
+    code = "import sys; sys.argv = ['missionplan', '--help']\nfrom missionplan.cli import main\ntry: main()\nexcept SystemExit: pass\n"
+    code += "print([name for name in ('numpy', 'pandas', 'matplotlib', 'pint', 'pydantic', 'scipy') if name in sys.modules], file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "[]"
