@@ -1,0 +1,90 @@
+"""What a depth sensor logs of a descent: the model that measured dives are fitted with."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from missionplan.phases.descent import SLOWEST_DESCENT, STAGE_TIME, Stages, sink
+from missionplan.phases.descent_forces import DescentHooks, Dive, FreeVehicle
+from missionplan.phases.fall import STEP, Fall, Stop, fall
+from missionplan.phases.hooks import DescentEffect
+from missionplan.physics.arrays import Array
+
+
+def simulate_readings(dive: Dive, times: Array, *, effects: Iterable[DescentEffect] = (), step: float = STEP) -> Array:
+    """Depths that the vehicle's sensor reads at given times of its log, dive by dive.
+
+    Parameters
+    ----------
+    dive : Dive
+        Each trial may have its own weights, line length, depth and effects' parameters.
+    times : array, shape (k, n)
+        Since the separation, by the log's clock; nan where a trial has fewer than k [s].
+    effects : iterable of DescentEffect
+    step : float
+        Of the integration, and of the grid on which the sensor reads [s].
+
+    Returns
+    -------
+    array, shape (k, n)
+        [m]; 0 before the line is taut; nan where `times` is. Between the grid's points linear: within step²/8 times
+        the acceleration, 1 mm for the prototype.
+    """
+    hooks = DescentHooks(effects)
+    trials = times.shape[1]
+    late = np.broadcast_to(hooks.delay(np.broadcast_to(dive.line_length, trials)), trials)
+    own = times - late
+    last = float(np.nanmax(own, initial=0.0))
+    grid = np.arange(int(np.ceil(last / step)) + 2, dtype=np.float64) * step
+    stages = sink(dive, hooks, trials, step=step, keep=True, until=float(grid[-1]))
+    since = np.broadcast_to(grid[:, None], (grid.size, trials))
+    reading = hooks.reading(grid, true_depth(dive, hooks, stages, since, step=step))
+    place = np.clip(np.nan_to_num(own) / step, 0.0, grid.size - 1.000001)
+    index = place.astype(np.intp)
+    low, high = (np.take_along_axis(reading, index + k, axis=0) for k in (0, 1))
+    return np.where(np.isnan(times), np.nan, low + (high - low) * (place - index))
+
+
+def true_depth(dive: Dive, hooks: DescentHooks, stages: Stages, since: Array, *, step: float = STEP) -> Array:
+    """Depth of the vehicle's nose from the anchor's free fall to the mooring.
+
+    Parameters
+    ----------
+    dive : Dive
+    hooks : DescentHooks
+    stages : Stages
+        With their histories kept.
+    since : array, shape (k, n)
+        Since the start of the anchor's free fall [s].
+    step : float
+        [s].
+
+    Returns
+    -------
+    array, shape (k, n)
+        [m], never below the seafloor.
+    """
+    taut, down = stages.lone.time, stages.lone.time + stages.pull_down.time
+    depth = stages.pull_down.depth_at(since - taut)
+    if np.any(since[-1] > down):
+        turned = down + stages.coast.time
+        depth = np.where(since > down, stages.coast.depth_at(since - down), depth)
+        rise = _rise(dive, hooks, stages, float(np.max(since[-1] - turned)), step)
+        depth = np.where(since > turned, rise.depth_at(since - turned), depth)
+    return np.clip(depth, 0.0, dive.site_depth)
+
+
+def _rise(dive: Dive, hooks: DescentHooks, stages: Stages, duration: float, step: float) -> Fall:
+    """Carry the vehicle up from its lowest point until the line is taut again, for at most a duration [s]."""
+    coast = stages.coast
+    moored = np.maximum(np.broadcast_to(dive.site_depth, coast.depth.shape) - dive.line_length, 0.0)
+    limit = STAGE_TIME + float(np.max(dive.line_length)) / SLOWEST_DESCENT
+    return fall(
+        FreeVehicle(dive, hooks, stages.pull_down.time + coast.time),
+        np.minimum(coast.depth, dive.site_depth),
+        np.where(coast.ended, -np.broadcast_to(hooks.water_velocity, coast.depth.shape), 0.0),
+        Stop(shallowest=moored),
+        time_limit=float(np.clip(duration + step, step, limit)),
+        step=step,
+        keep=True,
+    )
