@@ -6,6 +6,7 @@ those of the vehicle's nose, where the line is attached; the anchor is a line's 
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -149,48 +150,43 @@ def sink(
     Stages
     """
     rest = np.zeros(trials)
-    line, bottom = (
-        np.broadcast_to(np.asarray(value, dtype=float), trials) for value in (dive.line_length, dive.site_depth)
-    )
+    line, bottom = (per_trial(value, trials) for value in (dive.line_length, dive.site_depth))
     limit = STAGE_TIME + float(np.max(bottom, initial=0.0)) / SLOWEST_DESCENT
-    delay = rest + np.maximum(hooks.delay(line), 0.0)
+    run = partial(fall, step=step)
+    delay = np.maximum(per_trial(hooks.delay(line), trials), 0.0)
+    stop = Stop(deepest=np.minimum(line, bottom))
     if drift is not None:
         drift.wait(delay, rest)
-    lone = fall(
-        LoneFall(dive, hooks),
-        rest,
-        rest,
-        Stop(deepest=np.minimum(line, bottom)),
-        time_limit=limit,
-        step=step,
-        on_step=drift.stage() if drift else None,
-    )
+    lone = run(LoneFall(dive, hooks), rest, rest, stop, time_limit=limit, on_step=drift.stage() if drift else None)
     if drift is not None:
         drift.advance(lone.time)
-    taut = lone.ended & (line < bottom)
+    taut = lone.ended & (line < bottom)  # a longer line never draws the vehicle down
     until -= float(np.min(lone.time))
     shared = np.where(taut, dive.lone_mass * lone.speed / (dive.joint_mass * hooks.mass_factor), 0.0)
-    forces = PullDown(dive, hooks, lone.time)
-    pull_down = fall(
-        forces,
+    pull_down = run(
+        PullDown(dive, hooks, lone.time),
         rest,
         shared,
         Stop(deepest=np.where(taut, bottom - line, 0.0)),
         time_limit=min(limit, until),
-        step=step,
         keep=keep,
         on_step=drift.stage(below=line) if drift else None,
     )
-    coast = fall(
+    until -= float(np.min(pull_down.time))
+    coast = run(
         FreeVehicle(dive, hooks, pull_down.time),
         pull_down.depth,
         pull_down.speed,
         Stop(deepest=bottom + line, at_rest=True),
-        time_limit=min(limit, until - float(np.min(pull_down.time))),
-        step=step,
+        time_limit=min(limit, until),
         keep=keep,
     )
     return Stages(lone, pull_down, coast, delay)
+
+
+def per_trial(value: Scalars, trials: int) -> Array:
+    """A number or an array over trials as an array of shape (n,)."""
+    return np.broadcast_to(np.asarray(value, dtype=float), (trials,))
 
 
 def descend(
@@ -232,8 +228,9 @@ def descend(
     drift = Drift(current, position, t_start)
     drift.wait(release_time, np.zeros(trials), extra=surface_velocity)
     stages = sink(dive, hooks, trials, step=step, drift=drift)
-    lowest = np.broadcast_to(dive.site_depth, trials) - stages.coast.depth
     down = stages.lone.ended & stages.pull_down.ended
+    deepest = np.where(down, stages.coast.depth, stages.pull_down.depth)
+    lowest = per_trial(dive.site_depth, trials) - deepest
     return DescentRecord(
         release_time=release_time,
         payout_time=stages.taut_at,

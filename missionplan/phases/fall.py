@@ -118,6 +118,7 @@ def fall(
     water = forces.water_velocity
     z, u, a = depth, speed, forces.acceleration(0.0, depth, speed)
     ends = _Ends(np.stack((z, u, a)), stop.left(z, u + water) > 0.0)
+    floats = bool(np.all(np.isneginf(stop.shallowest)))
     grid = [(z, u + water)]
     t = 0.0
     for k in range(max(1, round(time_limit / step))):
@@ -125,7 +126,7 @@ def fall(
             break
         t = k * step
         z1, u1 = _rk4(forces, t, (z, u, a), water, step)
-        if (z1 < 0.0).any():  # nothing rises out of the water
+        if floats and (z1 < 0.0).any():  # nothing rises out of the water
             u1 = np.where(z1 < 0.0, np.maximum(u1, -water), u1)
             z1 = np.maximum(z1, 0.0)
         a1 = forces.acceleration(t + step, z1, u1)

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from missionplan.phases.descent import SLOWEST_DESCENT, STAGE_TIME, Stages, sink
+from missionplan.phases.descent import SLOWEST_DESCENT, STAGE_TIME, Stages, per_trial, sink
 from missionplan.phases.descent_forces import DescentHooks, Dive, FreeVehicle
 from missionplan.phases.fall import STEP, Fall, Stop, fall
 from missionplan.phases.hooks import DescentEffect
@@ -32,7 +32,7 @@ def simulate_readings(dive: Dive, times: Array, *, effects: Iterable[DescentEffe
     """
     hooks = DescentHooks(effects)
     trials = times.shape[1]
-    late = np.broadcast_to(hooks.delay(np.broadcast_to(dive.line_length, trials)), trials)
+    late = per_trial(hooks.delay(per_trial(dive.line_length, trials)), trials)
     own = times - late
     last = float(np.nanmax(own, initial=0.0))
     grid = np.arange(int(np.ceil(last / step)) + 2, dtype=np.float64) * step
@@ -77,12 +77,12 @@ def true_depth(dive: Dive, hooks: DescentHooks, stages: Stages, since: Array, *,
 def _rise(dive: Dive, hooks: DescentHooks, stages: Stages, duration: float, step: float) -> Fall:
     """Carry the vehicle up from its lowest point until the line is taut again, for at most a duration [s]."""
     coast = stages.coast
-    moored = np.maximum(np.broadcast_to(dive.site_depth, coast.depth.shape) - dive.line_length, 0.0)
+    moored = np.maximum(per_trial(dive.site_depth, coast.depth.size) - dive.line_length, 0.0)
     limit = STAGE_TIME + float(np.max(dive.line_length)) / SLOWEST_DESCENT
     return fall(
         FreeVehicle(dive, hooks, stages.pull_down.time + coast.time),
         np.minimum(coast.depth, dive.site_depth),
-        np.where(coast.ended, -np.broadcast_to(hooks.water_velocity, coast.depth.shape), 0.0),
+        np.where(coast.ended, -per_trial(hooks.water_velocity, coast.depth.size), 0.0),
         Stop(shallowest=moored),
         time_limit=float(np.clip(duration + step, step, limit)),
         step=step,
