@@ -1,0 +1,96 @@
+"""Rounding and units of numbers that people read."""
+
+import math
+
+import pytest
+
+from missionplan.montecarlo.statistics import wilson
+from missionplan.report.numbers import Unit, number, percent, split_key, unit_for, with_error
+
+MISSION = {
+    "site": {"depth": "40 ft"},
+    "vehicle": {"energy": {"capacity": "60 W*h"}},
+    "phases": [
+        {"transit": {"name": "ingress", "to": ["1 nmi", "0 m"], "speed": "1.5 kn", "arrival_radius": "15 m"}},
+        {"moor": {"radius": {"mean": "75 ft", "sd": "1 ft"}}},
+    ],
+    "requirements": [
+        {"quantity": "moor.lowest_altitude", "at_least": "0.3 m", "probability": 0.99},
+        {"quantity": "total.duration", "at_most": "2 h", "probability": 0.9},
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (21.34567, 0.04, "21.35"),
+        (21.34567, 0.014, "21.346"),
+        (21.34567, 0.4, "21.3"),
+        (21.34567, 3.0, "21"),
+        (1234.5, 30.0, "1230"),
+        (123456.0, 30.0, "123\u202f460"),
+        (-0.001, 0.4, "0.0"),
+        (-3.21, 0.4, "−3.2"),
+        (9.96, 0.2, "10.0"),
+        (1600.0, 0.0, "1600"),
+        (0.30480, math.nan, "0.3048"),
+        (math.nan, 1.0, "–"),
+        (0.0, 0.0, "0"),
+    ],
+)
+def test_numbers_have_the_digits_that_their_error_supports(value, error, text):
+    assert number(value, error) == text
+
+
+@pytest.mark.parametrize(
+    ("successes", "trials", "text"),
+    [
+        (8700, 10_000, "87.0 ± 0.7\u00a0%"),
+        (5000, 10_000, "50.0 ± 1.0\u00a0%"),
+        (87, 100, "87\u00a0% (79 to 92\u00a0%)"),
+        (9997, 10_000, "99.97\u00a0% (99.91 to 99.99\u00a0%)"),
+        (10_000, 10_000, "100\u00a0% (at least 99.96\u00a0%)"),
+        (0, 1000, "0\u00a0% (at most 0.4\u00a0%)"),
+        (0, 0, "–"),
+    ],
+)
+def test_probabilities_carry_their_interval(successes, trials, text):
+    assert percent(wilson(successes, trials)) == text
+
+
+def test_errors_are_rounded_with_their_value():
+    assert with_error(6.5038, 0.0411, Unit("ft", 0.3048)) == "21.34 ± 0.13\u00a0ft"
+    assert with_error(6.5038, 0.0, Unit("m", 1.0)) == "6.504\u00a0m"
+
+
+@pytest.mark.parametrize(
+    ("phase", "key", "name", "size"),
+    [
+        ("moor", "offset_m", "ft", 0.3048),
+        ("moor", "lowest_altitude_m", "m", 1.0),
+        ("ingress", "arrival_error_m", "m", 1.0),
+        ("ingress", "distance_m", "nmi", 1852.0),
+        ("moor", "terminal_velocity_m_s", "m/s", 1.0),
+        ("total", "energy_wh", "W\u202fh", 1.0),
+        ("total", "duration_s", "h", 3600.0),
+        ("ingress", "surfacings", "", 1.0),
+    ],
+)
+def test_units_are_the_missions(phase, key, name, size):
+    assert unit_for(phase, key, MISSION) == Unit(name, pytest.approx(size))
+
+
+def test_times_without_a_requirement_choose_a_readable_unit():
+    assert unit_for("moor", "duration_s", MISSION, typical=12.0).name == "s"
+    assert unit_for("moor", "duration_s", MISSION, typical=1200.0) == Unit("min", 60.0)
+    assert unit_for("moor", "duration_s", {}, typical=1e6).name == "d"
+
+
+def test_a_unit_of_another_kind_is_not_taken():
+    assert unit_for("moor", "offset_m", {"phases": [{"moor": {"radius": "75 s"}}]}) == Unit("m", 1.0)
+
+
+def test_keys_are_split_at_their_longest_unit():
+    assert split_key("terminal_velocity_m_s") == ("terminal_velocity", "m/s")
+    assert split_key("surfacings") == ("surfacings", "")
