@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from pyproj import Proj
 
 from missionplan.diagnose.data import Array, RawDataset, missing_columns, read_dataset
 from missionplan.errors import InputError, Problem
+from missionplan.mission.geodesy import to_plane
 from missionplan.mission.mission import Mission
+from missionplan.mission.site import Geographic
 
 PLANAR = ("x_start_m", "y_start_m", "x_dr_m", "y_dr_m", "x_end_m", "y_end_m")
 GEOGRAPHIC = ("lat_start", "lon_start", "lat_dr_end", "lon_dr_end", "lat_end", "lon_end")
@@ -203,9 +204,8 @@ def _build(table: pd.DataFrame, raw: RawDataset, mission: Mission, geographic: b
 
 
 def _plane(table: pd.DataFrame, columns: tuple[str, ...], origin: tuple[float, float]) -> Array:
-    plane = Proj(proj="aeqd", ellps="WGS84", lat_0=np.degrees(origin[0]), lon_0=np.degrees(origin[1]))
-    latitude, longitude = (table[column].to_numpy() for column in columns)
-    return np.stack(plane(longitude, latitude))
+    latitude, longitude = (np.radians(table[column].to_numpy()) for column in columns)
+    return np.stack(to_plane(latitude, longitude, Geographic.model_construct(latitude=origin[0], longitude=origin[1])))
 
 
 def _without_outliers(data: TransitData) -> TransitData:

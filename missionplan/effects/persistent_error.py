@@ -42,10 +42,10 @@ INFO = EffectInfo(
     effect=PersistentError,
     parameters={
         "sigma": Parameter("m/s", "standard deviation on each axis", 0.0, 3.0, median=0.06, factor=2.5),
-        "time": Parameter("s", "correlation time", 60.0, 1e7, median=10000.0, factor=4.0, default=7200.0),
+        "time": Parameter("s", "correlation time", 60.0, 1e7, median=30000.0, factor=6.0, default=7200.0),
     },
     what="The error of one leg is like that of the leg before: eddies, slow currents, a compass that drifts.",
-    sizes="Mesoscale and tidal currents: 0.02 to 0.3 m/s over 1 to 100 h.",
+    sizes="Mesoscale and tidal currents: 0.02 to 0.3 m/s over half an hour to weeks.",
     confused_with=("random-walk", "tidal-current", "inertial-current", "current-shear", "mean-current"),
     told_apart_by="A longer record, or a current meter beside the track, would give the physical cause.",
 )

@@ -1,0 +1,203 @@
+"""Likelihoods: a linear Gaussian model with its coefficients marginalised exactly, and Laplace's evidence.
+
+Shapes: two independent axes (east and north, or the principal axes of the velocity error), n legs, k coefficients.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.optimize import minimize
+from scipy.special import gammaln
+
+Array = NDArray[np.float64]
+LOG_2PI = math.log(2.0 * math.pi)
+SEARCH_STEP = 1e-4
+CURVATURE_STEP = 0.05
+
+
+@dataclass(frozen=True)
+class Marginal:
+    """Log density of the data with the coefficients integrated out, and their posterior.
+
+    Attributes
+    ----------
+    log_density : float
+        ln p(y | covariance), priors of the coefficients included.
+    mean : array, shape (k,)
+        Posterior mean of the coefficients.
+    covariance : array, shape (k, k)
+        Posterior covariance.
+    """
+
+    log_density: float
+    mean: Array
+    covariance: Array
+
+
+def whiten(noise: Array, values: Array) -> tuple[Array, float]:
+    """Whiten values by a noise covariance.
+
+    Parameters
+    ----------
+    noise : array, shape (2, n) or (2, n, n)
+        Variances, or covariances, for each axis.
+    values : array, shape (2, n, m)
+        Columns to whiten.
+
+    Returns
+    -------
+    whitened : array, shape (2, n, m)
+        L⁻¹ values, with L Lᵀ the covariance.
+    log_determinant : float
+        ln |covariance|, both axes together.
+    """
+    if noise.ndim == 2:
+        return values / np.sqrt(noise)[:, :, None], float(np.log(noise).sum())
+    factor = np.linalg.cholesky(noise)
+    whitened = np.stack(
+        [solve_triangular(factor[axis], values[axis], lower=True, check_finite=False) for axis in range(len(values))]
+    )
+    return whitened, 2.0 * float(np.log(np.diagonal(factor, axis1=1, axis2=2)).sum())
+
+
+def gaussian_marginal(y: Array, design: Array, prior_sd: Array, noise: Array) -> Marginal:
+    """Marginalise the coefficients of y = design·β + noise with β ~ N(0, prior_sd²), exactly.
+
+    Parameters
+    ----------
+    y : array, shape (2, n)
+        Data.
+    design : array, shape (2, n, k)
+        Columns of the coefficients.
+    prior_sd : array, shape (k,)
+        Their prior standard deviations.
+    noise : array, shape (2, n) or (2, n, n)
+        Variances or covariances for each axis.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        When a covariance is not positive definite.
+    """
+    columns = np.concatenate([design * prior_sd, y[:, :, None]], axis=2)
+    whitened, log_determinant = whiten(noise, columns)
+    flat = whitened.reshape(-1, whitened.shape[2])
+    gram = flat.T @ flat
+    k = len(prior_sd)
+    factor = cho_factor(gram[:k, :k] + np.eye(k), lower=True)
+    scaled = cho_solve(factor, gram[:k, k])
+    quadratic = float(gram[k, k] - gram[:k, k] @ scaled)
+    log_determinant += 2.0 * float(np.log(np.diag(factor[0])).sum())
+    covariance = prior_sd[:, None] * cho_solve(factor, np.eye(k)) * prior_sd[None, :]
+    return Marginal(-0.5 * (quadratic + log_determinant + y.size * LOG_2PI), prior_sd * scaled, covariance)
+
+
+def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, dof: float) -> Marginal:
+    """Marginalise the coefficients under Student-t errors of a leg (both axes share the tail), by Laplace.
+
+    Errors of a leg are bivariate t of covariance diag(variance): ln p is −½(ν+2)·ln(1 + q/(ν−2)) with
+    q = Σ r²/variance. The mode is found by iteratively reweighted least squares.
+
+    Parameters
+    ----------
+    y, design, prior_sd
+        As `gaussian_marginal`.
+    variance : array, shape (2, n)
+        Variances for each axis.
+    dof : float
+        Degrees of freedom ν, above 2.
+    """
+    scaled_y = y / np.sqrt(variance)
+    columns = design * prior_sd / np.sqrt(variance)[:, :, None]
+    k = len(prior_sd)
+    coefficients = np.zeros(k)
+    for _ in range(60):
+        residual = scaled_y - columns @ coefficients
+        weight = (dof + 2.0) / (dof - 2.0 + np.sum(residual**2, axis=0))
+        weighted = columns * weight[None, :, None]
+        hessian = np.einsum("ani,anj->ij", weighted, columns) + np.eye(k)
+        updated = np.linalg.solve(hessian, np.einsum("ani,an->i", weighted, scaled_y))
+        if np.max(np.abs(updated - coefficients), initial=0.0) < 1e-7:
+            coefficients = updated
+            break
+        coefficients = updated
+    residual = scaled_y - columns @ coefficients
+    squared = np.sum(residual**2, axis=0)
+    slope = np.einsum("an,ani->ni", residual, columns)
+    curvature = hessian - np.einsum("n,ni,nj->ij", 2.0 * (dof + 2.0) / (dof - 2.0 + squared) ** 2, slope, slope)
+    if np.linalg.eigvalsh(curvature)[0] <= 0.0:
+        curvature = hessian
+    constant = gammaln(0.5 * dof + 1.0) - gammaln(0.5 * dof) - math.log(math.pi * (dof - 2.0))
+    log_density = len(squared) * constant - 0.5 * (dof + 2.0) * float(np.log1p(squared / (dof - 2.0)).sum())
+    log_density -= 0.5 * float(np.log(variance).sum()) + 0.5 * float(coefficients @ coefficients)
+    log_density -= 0.5 * float(np.linalg.slogdet(curvature)[1])
+    covariance = prior_sd[:, None] * np.linalg.inv(curvature) * prior_sd[None, :]
+    return Marginal(log_density, prior_sd * coefficients, covariance)
+
+
+@dataclass(frozen=True)
+class Laplace:
+    """Evidence about the mode of a few hyperparameters.
+
+    Attributes
+    ----------
+    log_evidence : float
+        ln ∫ exp(log posterior).
+    mode : array, shape (h,)
+        Where it is greatest.
+    covariance : array, shape (h, h)
+        Inverse of the negative curvature there.
+    """
+
+    log_evidence: float
+    mode: Array
+    covariance: Array
+
+
+def laplace(log_posterior: Callable[[Array], float], starts: list[Array]) -> Laplace:
+    """Maximise a log posterior (normalised prior times likelihood) and integrate it about its mode.
+
+    Parameters
+    ----------
+    log_posterior : callable
+        Of an array of shape (h,), smooth.
+    starts : list of array
+        Where to start; the best of them is climbed.
+    """
+
+    def negative(at: Array) -> float:
+        try:
+            value = log_posterior(at)
+        except np.linalg.LinAlgError:
+            return 1e12
+        return -value if math.isfinite(value) else 1e12
+
+    best = min(starts, key=negative)
+    found = minimize(negative, best, method="BFGS", options={"gtol": 2e-2, "eps": SEARCH_STEP, "maxiter": 60})
+    mode = found.x if found.fun <= negative(best) else best
+    curvature = _curvature(negative, mode)
+    values, vectors = np.linalg.eigh(curvature)
+    values = np.maximum(values, 1e-2)
+    evidence = -negative(mode) + 0.5 * len(mode) * LOG_2PI - 0.5 * float(np.log(values).sum())
+    return Laplace(evidence, mode, (vectors / values) @ vectors.T)
+
+
+def _curvature(negative: Callable[[Array], float], mode: Array) -> Array:
+    """Second derivatives by central differences."""
+    count, step = len(mode), CURVATURE_STEP
+    centre = negative(mode)
+    unit = step * np.eye(count)
+    ahead = [negative(mode + unit[i]) for i in range(count)]
+    behind = [negative(mode - unit[i]) for i in range(count)]
+    result = np.empty((count, count))
+    for i in range(count):
+        result[i, i] = (ahead[i] - 2.0 * centre + behind[i]) / step**2
+        for j in range(i):
+            both, neither = negative(mode + unit[i] + unit[j]), negative(mode - unit[i] - unit[j])
+            mixed = both + neither - ahead[i] - ahead[j] - behind[i] - behind[j] + 2.0 * centre
+            result[i, j] = result[j, i] = mixed / (2.0 * step**2)
+    return result

@@ -1,0 +1,92 @@
+"""What selection, remainder, gain and next measurement ask of a model of the data, whatever its phase."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.diagnose.coordinates import Estimate
+
+Array = NDArray[np.float64]
+Causes = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A set of causes fitted to the data.
+
+    Attributes
+    ----------
+    causes : tuple of str
+        Effects under their wide priors; the others stay under their narrow ones.
+    log_evidence : float
+        ln p(data | causes).
+    estimates : tuple of Estimate
+        The causes' parameters.
+    calibration : mapping
+        Nuisances of the base model as fitted, such as ``sigma_v_m_s``.
+    possible : bool
+        Whether signs and sizes are physically possible.
+    state : Any
+        What the model needs to go on from here.
+    """
+
+    causes: Causes
+    log_evidence: float
+    estimates: tuple[Estimate, ...]
+    calibration: Mapping[str, float]
+    possible: bool
+    state: Any
+
+
+@dataclass(frozen=True)
+class Score:
+    """How well one held-out group was predicted.
+
+    Attributes
+    ----------
+    group : str
+        Run, or block of legs.
+    log_score : float
+        ln p(group | the others).
+    squared_error : float
+        Sum of squared errors of the predictive mean.
+    inside : int
+        Values inside their 90 % predictive interval.
+    count : int
+        Values.
+    """
+
+    group: str
+    log_score: float
+    squared_error: float
+    inside: int
+    count: int
+
+
+class Model(Protocol):
+    """A model of a data set under any set of causes."""
+
+    @property
+    def candidates(self) -> Causes:
+        """Effects of the catalogue that this data set could show."""
+        ...
+
+    @property
+    def alternatives(self) -> Sequence[frozenset[str]]:
+        """Groups of effects of which a set holds at most one."""
+        ...
+
+    def fit(self, causes: Causes, near: Sequence[Fit] = ()) -> Fit:
+        """Fit a set of causes, started from the fits of its parts."""
+        ...
+
+    def promise(self, causes: Causes, parent: Fit) -> float:
+        """A quick bound on what further causes would add to a parent's log evidence, prices aside; inf if unknown."""
+        ...
+
+    def held_out(self, fit: Fit) -> list[Score]:
+        """Predict each group of the data from the others."""
+        ...

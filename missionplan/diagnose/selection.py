@@ -1,0 +1,165 @@
+"""Selection: one, two or three causes at once, by evidence; physical impossibilities out; posteriors."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.diagnose.model import Causes, Fit, Model
+
+PRICE = 3.0
+"""Nats that each cause beyond the first must earn, and that a claim must exceed."""
+WORTH = 5.0
+"""Nats that a further cause must add to the best of its set's parts for the set to be considered at all."""
+HOPELESS = -4.0
+"""Nats of quick promise below which a further cause is not fitted."""
+BEAM = 3
+MOST = 3
+CREDIBLE = 0.95
+
+Progress = Callable[[str, int, int], None]
+"""What is done, how many of how many."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A set of causes against the base model.
+
+    Attributes
+    ----------
+    fit : Fit
+        The set fitted.
+    log_bayes_factor : float
+        ln evidence over the base model's.
+    """
+
+    fit: Fit
+    log_bayes_factor: float
+
+    @property
+    def causes(self) -> Causes:
+        """The set."""
+        return self.fit.causes
+
+    @property
+    def score(self) -> float:
+        """ln BF less the price of each cause beyond the first; 0 for the base model."""
+        return self.log_bayes_factor - PRICE * (len(self.causes) - 1) if self.causes else 0.0
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Every set that was tried.
+
+    Attributes
+    ----------
+    base : Fit
+        The base model.
+    ranking : tuple of Candidate
+        Possible non-empty sets, best score first.
+    impossible : tuple of Candidate
+        Sets whose best fit has a sign or size that the effect cannot have.
+    failed : tuple
+        Sets that could not be fitted, and why.
+    catalogue : int
+        Number of effects that the data could show.
+    """
+
+    base: Fit
+    ranking: tuple[Candidate, ...]
+    impossible: tuple[Candidate, ...]
+    failed: tuple[tuple[Causes, str], ...]
+    catalogue: int
+
+
+def select(model: Model, progress: Progress = lambda what, done, of: None) -> Selection:
+    """Fit the base model, every cause alone, and pairs and triples about the best (a beam).
+
+    Parameters
+    ----------
+    model : Model
+        Model of the data.
+    progress : callable
+        Told what is being done.
+    """
+    base = model.fit(())
+    tried: dict[frozenset[str], Candidate] = {}
+    failed: list[tuple[Causes, str]] = []
+    frontier: list[Candidate] = [Candidate(base, 0.0)]
+    alone: dict[str, Fit] = {}
+    for size in range(1, MOST + 1):
+        wanted = _extensions(frontier, model, set(tried))
+        if size > 1:
+            wanted = [(causes, parent) for causes, parent in wanted if model.promise(causes, parent) > HOPELESS]
+        for done, (causes, parent) in enumerate(wanted):
+            progress(f"fitting {size} cause{'s' if size > 1 else ''}", done, len(wanted))
+            near = (parent, *(alone[name] for name in causes if name in alone and name not in parent.causes))
+            try:
+                fit = model.fit(causes, near)
+            except (np.linalg.LinAlgError, FloatingPointError) as error:
+                failed.append((causes, str(error)))
+                continue
+            tried[frozenset(causes)] = Candidate(fit, fit.log_evidence - base.log_evidence)
+            if size == 1:
+                alone[causes[0]] = fit
+        best = sorted(tried.values(), key=lambda candidate: -candidate.score)
+        frontier = [candidate for candidate in best if len(candidate.causes) == size][:BEAM]
+        if not frontier or frontier[0].score < best[0].score - PRICE or best[0].score <= 0.0:
+            break
+    possible = [candidate for candidate in best if candidate.fit.possible and _earned(candidate, tried)]
+    impossible = [candidate for candidate in best if not candidate.fit.possible]
+    return Selection(base, tuple(possible), tuple(impossible), tuple(failed), len(model.candidates))
+
+
+def _earned(candidate: Candidate, tried: dict[frozenset[str], Candidate]) -> bool:
+    """Whether each cause of a set adds enough to the rest of it."""
+    parts = [tried.get(frozenset(candidate.causes) - {name}) for name in candidate.causes]
+    least = max((part.log_bayes_factor for part in parts if part is not None), default=-np.inf)
+    return len(candidate.causes) == 1 or candidate.log_bayes_factor >= least + WORTH
+
+
+def _extensions(frontier: Sequence[Candidate], model: Model, tried: set[frozenset[str]]) -> list[tuple[Causes, Fit]]:
+    order = {name: index for index, name in enumerate(model.candidates)}
+    found: dict[frozenset[str], Fit] = {}
+    for parent in frontier:
+        for name in model.candidates:
+            together = frozenset({*parent.causes, name})
+            exclusive = any(len(group & together) > 1 for group in model.alternatives)
+            if len(together) > len(parent.causes) and not exclusive and together not in tried:
+                found.setdefault(together, parent.fit)
+    return [(tuple(sorted(causes, key=order.__getitem__)), parent) for causes, parent in found.items()]
+
+
+def posteriors(selection: Selection, claimed: Causes | None) -> dict[Causes, float]:
+    """Posterior probability of each set, the empty one included; supersets of a claimed set are left out.
+
+    Each non-empty set has prior 1/(size of the catalogue) relative to the empty set.
+    """
+    kept = [candidate for candidate in selection.ranking if claimed is None or not set(claimed) < set(candidate.causes)]
+    logs = np.array([0.0] + [candidate.score - np.log(selection.catalogue) for candidate in kept])
+    weights = np.exp(logs - logs.max())
+    weights /= weights.sum()
+    return dict(zip([(), *(candidate.causes for candidate in kept)], weights.tolist(), strict=True))
+
+
+def credible_set(posterior: dict[Causes, float]) -> list[Causes]:
+    """Smallest list of sets that holds 95 % of the probability, best first."""
+    chosen: list[Causes] = []
+    total = 0.0
+    for causes, probability in sorted(posterior.items(), key=lambda item: -item[1]):
+        chosen.append(causes)
+        total += probability
+        if total >= CREDIBLE:
+            break
+    return chosen
+
+
+def rivals(selection: Selection, claimed: Candidate) -> list[Candidate]:
+    """Other sets within 3 nats of the claimed one, its supersets aside."""
+    return [
+        candidate
+        for candidate in selection.ranking
+        if candidate.causes != claimed.causes
+        and not set(claimed.causes) < set(candidate.causes)
+        and candidate.score > claimed.score - PRICE
+    ]
