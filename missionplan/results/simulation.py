@@ -107,7 +107,7 @@ class RequirementOutcome:
 
     def summary(self) -> dict[str, Any]:
         """Entry of `summary.json`."""
-        bound = {self.bound: self.limit} if self.bound else {}
+        bound: dict[str, Any] = {self.bound: self.limit} if self.bound else {}
         return {
             "quantity": self.quantity,
             **bound,
