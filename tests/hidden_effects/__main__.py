@@ -1,0 +1,70 @@
+"""``python -m tests.hidden_effects``: draw cases, ask the tool, print what came out."""
+
+import argparse
+import json
+import sys
+import tempfile
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+
+from . import score
+from .cases import KINDS, draw_case, plan
+from .tool import Outcome, ask, why_not
+
+
+def _one(folder: Path, truth_folder: Path, in_process: bool, arguments: tuple[int, str, str]) -> Outcome:
+    return ask(draw_case(*arguments), folder, truth_folder, in_process)
+
+
+def _strength(arguments: tuple[int, str, str]) -> tuple[str, str, str, float]:
+    case = draw_case(*arguments)
+    return case.kind, case.scenario, " + ".join(case.truth) or case.outside or "nothing", case.strength
+
+
+def _parse(words: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m tests.hidden_effects", description=__doc__)
+    parser.add_argument("--cases", type=int, default=400)
+    parser.add_argument("--seed", type=int, default=1_000_000, help="of the first case; the others follow on")
+    parser.add_argument("--kind", choices=KINDS, help="only this kind")
+    parser.add_argument("--scenario", help="only this scenario (fewer cases then)")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--in-process", action="store_true", help="run the command line without a new process each")
+    parser.add_argument("--keep", type=Path, help="keep cases, reports and truths in this new folder")
+    parser.add_argument("--json", type=Path, help="write the figures to this file as well")
+    parser.add_argument("--strengths", action="store_true", help="only say how far each case's effect moves its data")
+    return parser.parse_args(words)
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the study; 0 when no figure asked for is refuted, else 1."""
+    options = _parse(words)
+    drawn = plan(options.cases, options.seed, options.kind)
+    drawn = [each for each in drawn if options.scenario in (None, each[2])]
+    with tempfile.TemporaryDirectory() as scratch, ProcessPoolExecutor(options.jobs) as pool:
+        if options.strengths:
+            for kind, scenario, name, value in sorted(pool.map(_strength, drawn)):
+                print(f"{kind:<8} {scenario:<8} {name:<44} {value:8.1f}")
+            return 0
+        if reason := why_not():
+            print(reason, file=sys.stderr)
+            return 2
+        root = options.keep or Path(scratch)
+        cases, truths = root / "cases", root / "truths"
+        cases.mkdir(parents=True)
+        outcomes = []
+        for outcome in pool.map(partial(_one, cases, truths, options.in_process), drawn):
+            outcomes.append(outcome)
+            print(f"\r{len(outcomes)}/{len(drawn)}", end="", file=sys.stderr, flush=True)
+        print(file=sys.stderr)
+    print(score.text(outcomes))
+    by_kind = {kind: score.figures([o for o in outcomes if o.case.kind == kind]) for kind in KINDS}
+    if options.json:
+        options.json.write_text(json.dumps({kind: [asdict(f) for f in fs] for kind, fs in by_kind.items()}, indent=1))
+    return int(any(figure.refuted for figures in by_kind.values() for figure in figures))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

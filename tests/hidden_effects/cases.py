@@ -1,0 +1,46 @@
+"""Which cases: everything about case number i follows from the seed and i."""
+
+from collections.abc import Iterator
+
+from . import dives, transits
+from .case import Case
+
+KINDS = ("descent", "transit")
+SCENARIOS = ("control", "single", "weak", "pair", "outside", "tie")
+CYCLE = (
+    *("single", "control", "single", "pair", "single", "control", "weak", "single", "outside", "pair"),
+    *("single", "control", "single", "tie", "single", "control", "weak", "pair", "outside", "single"),
+)
+"""Scenarios of twenty cases of one kind in a row."""
+
+
+def draw_case(seed: int, kind: str, scenario: str, effect: str | None = None) -> Case:
+    """Draw one case.
+
+    Parameters
+    ----------
+    seed : int
+        Everything is drawn from it: effect, sizes, geometry, nuisances, sensors.
+    kind : str
+        ``descent`` or ``transit``.
+    scenario : str
+        ``control`` (no effect), ``single`` (one, well above the nuisances), ``weak`` (a quarter of that), ``pair``,
+        ``outside`` (not in the catalogue) or ``tie`` (nothing in the data can tell it from another cause).
+    effect : str, optional
+        Instead of the effect drawn, for ``single``, ``weak`` and ``outside``.
+    """
+    if kind not in KINDS or scenario not in SCENARIOS:
+        raise ValueError(f"no cases of kind {kind!r}, scenario {scenario!r}")
+    maker = dives if kind == "descent" else transits
+    return maker.draw(seed, scenario, effect)
+
+
+def plan(count: int, seed: int, kind: str | None = None) -> list[tuple[int, str, str]]:
+    """Arguments of ``draw_case`` for ``count`` cases, both kinds in turn unless one is named."""
+    kinds = (kind,) if kind else KINDS
+    return [(seed + i, kinds[i % len(kinds)], CYCLE[i // len(kinds) % len(CYCLE)]) for i in range(count)]
+
+
+def cases(count: int, seed: int, kind: str | None = None) -> Iterator[Case]:
+    """Draw ``count`` cases of consecutive seeds."""
+    return (draw_case(*arguments) for arguments in plan(count, seed, kind))

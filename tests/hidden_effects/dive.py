@@ -1,0 +1,163 @@
+"""One dive: pay-out, snatch, pull-down, touchdown, coasting and rising, by DOP853 with events."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import prod
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from .drag import Craft
+
+Array = NDArray[np.float64]
+STEP = 0.02
+"""Spacing of the returned track [s]."""
+
+
+@dataclass(frozen=True)
+class Dive:
+    """One run as it really was."""
+
+    wet_weight: float
+    line: float
+    site_depth: float
+    drag_factor: float = 1.0
+    number: int = 0
+
+
+@dataclass(frozen=True)
+class Twist:
+    """What an effect changes in a dive; every field is neutral by default.
+
+    Times count from the anchor's separation (`weight`) or from the taut line (the others).
+    """
+
+    lone_drag: float = 1.0
+    drag: Callable[[float, float, float, int], float] | None = None
+    """Factor on both bodies' drag from time, speed through the water, depth and the dive's number."""
+    resist: Callable[[float, float], float] | None = None
+    """Extra force against the motion [N] from time and speed through the water."""
+    weight: Callable[[float, float], float] | None = None
+    """Factor on the wet weight from time and depth."""
+    lift: Callable[[float], float] | None = None
+    """Upward force [N] from depth."""
+    mass: float = 1.0
+    water: Callable[[float, float], float] | None = None
+    """Downward velocity of the water [m/s] from time and depth."""
+    delay: Callable[[float, int], float] | None = None
+    """Lateness on the log's clock [s] from the line's length and the dive's number."""
+    hold: tuple[float, float] | None = None
+    """Share of the way to touchdown at which the vehicle is stopped, and for how long [s]."""
+    reading: Callable[[Array, Array], Array] | None = None
+    """Depth read, from time and true depth on the track's uniform grid."""
+    pitch: Callable[[Array], Array] | None = None
+    """Departure of the pitch from nose down [deg]."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """Depth of the vehicle's nose against time since separation, on a uniform grid from zero."""
+
+    t: Array
+    depth: Array
+    t_taut: float
+    t_touchdown: float
+
+
+def _fall(rate: Callable[[float, Array], list[float]], start: tuple[float, float, float], end: float, event):
+    """Integrate until the event or the end: solution, end time, end state, whether the event came."""
+    event.terminal = True
+    t0, x0, v0 = start
+    run = solve_ivp(
+        rate, (t0, end), [x0, v0], "DOP853", events=event, dense_output=True, rtol=1e-8, atol=1e-9, max_step=0.5
+    )
+    if not run.success:
+        raise RuntimeError(f"integration failed: {run.message}")
+    return run.sol, float(run.t[-1]), run.y[:, -1], run.status == 1
+
+
+def sink(craft: Craft, dive: Dive, twists: Sequence[Twist] = (), end: float = 120.0, followed: bool = True) -> Track:
+    """Follow one dive until ``end`` seconds after the separation.
+
+    ``dive.drag_factor`` multiplies the drag of both bodies throughout. The depth of the nose is zero until the line
+    is taut; the anchor touches down when the nose is one line's length above the seafloor. A dive that is not ``followed`` stays where it is at touchdown.
+    """
+    lone = dive.drag_factor * prod(twist.lone_drag for twist in twists)
+    drags = [twist.drag for twist in twists if twist.drag]
+    resists = [twist.resist for twist in twists if twist.resist]
+    weights = [twist.weight for twist in twists if twist.weight]
+    lifts = [twist.lift for twist in twists if twist.lift]
+    waters = [twist.water for twist in twists if twist.water]
+    joint = (craft.anchor_mass + craft.vehicle_mass) * prod(twist.mass for twist in twists)
+
+    def weight(t: float, z: float) -> float:
+        return dive.wet_weight * prod(factor(t, z) for factor in weights)
+
+    def alone(t: float, y: Array) -> list[float]:
+        return [y[1], (weight(t, 0.0) - lone * craft.anchor_drag(y[1])) / craft.anchor_mass]
+
+    pieces: list[tuple[float, Callable[[Array], Array]]] = []
+    _, t_taut, state, _ = _fall(alone, (0.0, 0.0, 0.0), 600.0, lambda t, y: y[0] - dive.line)
+    speed = craft.anchor_mass * state[1] / joint
+
+    def together(t: float, y: Array) -> list[float]:
+        since, z = t - t_taut, y[0]
+        u = y[1] - sum(water(since, z) for water in waters)
+        force = weight(t, z) - craft.net_buoyancy - sum(lift(z) for lift in lifts)
+        force -= dive.drag_factor * prod(factor(since, u, z, dive.number) for factor in drags) * craft.drag(u)
+        force -= sum(resist(since, u) for resist in resists)
+        return [y[1], force / joint]
+
+    bottom = dive.site_depth - dive.line
+    stop = next((twist.hold for twist in twists if twist.hold), None)
+    t_now, z_now = t_taut, 0.0
+    if stop is not None:
+        ledge = stop[0] * bottom
+        solution, t_now, state, _ = _fall(together, (t_now, 0.0, speed), end, lambda t, y: y[0] - ledge)
+        pieces.append((t_now, solution))
+        z_now, speed = float(state[0]), 0.0
+        t_now += stop[1]
+        pieces.append((t_now, lambda t, z=z_now: np.array([np.full_like(t, z)])))
+    t_touchdown = float("inf")
+    if t_now < end:
+        solution, t_now, state, down = _fall(together, (t_now, z_now, speed), end, lambda t, y: y[0] - bottom)
+        pieces.append((t_now, solution))
+        if down:
+            t_touchdown = t_now
+            rest = [(end, lambda t: np.array([np.full_like(t, bottom)]))]
+            pieces += _after_touchdown(craft, dive, t_now, state, end) if followed else rest
+    return _assemble(pieces, t_taut, t_touchdown, end)
+
+
+def _after_touchdown(craft: Craft, dive: Dive, t: float, state: Array, end: float):
+    """Coast to rest (or to the seafloor), rise under net buoyancy, and hang at the line's length."""
+
+    def coast(t: float, y: Array) -> list[float]:
+        return [y[1], (-craft.net_buoyancy - dive.drag_factor * craft.vehicle_drag(y[1])) / craft.vehicle_mass]
+
+    def halt(t: float, y: Array) -> float:
+        return min(y[1], dive.site_depth - y[0])
+
+    bottom = dive.site_depth - dive.line
+    solution, t_low, state, _ = _fall(coast, (t, state[0], state[1]), end, halt)
+    pieces = [(t_low, solution)]
+    t_up = t_low
+    if t_low < end:
+        solution, t_up, state, _ = _fall(coast, (t_low, state[0], 0.0), end, lambda t, y: y[0] - bottom)
+        pieces.append((t_up, solution))
+    if t_up < end:
+        pieces.append((end, lambda t: np.array([np.full_like(t, bottom)])))
+    return pieces
+
+
+def _assemble(pieces, t_taut: float, t_touchdown: float, end: float) -> Track:
+    t = np.arange(0.0, end, STEP)
+    depth = np.zeros_like(t)
+    begin = t_taut
+    for until, solution in pieces:
+        inside = (t >= begin) & (t < until)
+        if inside.any():
+            depth[inside] = solution(t[inside])[0]
+        begin = until
+    return Track(t, depth, t_taut, t_touchdown)

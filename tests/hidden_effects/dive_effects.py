@@ -1,0 +1,278 @@
+"""Causes hidden in dives: the catalogue's twelve in other shapes than an inference would choose, and others.
+
+Each builder takes a size, a generator of random numbers for its shape and what it may know of the dives, and returns
+the twist with those of its parameters that the contract's parametrisation shares exactly.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .dive import STEP, Twist
+
+Parameters = dict[str, float]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a builder may know of the dives it acts on."""
+
+    lightest: float
+    """Smallest wet weight [N]."""
+    slowest: float
+    fastest: float
+    """Terminal speeds of the lightest and the heaviest anchor [m/s]."""
+    shallowest: float
+    """Smallest way to touchdown [m]."""
+    longest_time: float
+    """Of a dive, about [s]."""
+
+
+Builder = Callable[[float, np.random.Generator, Setting], tuple[Twist, Parameters]]
+
+
+@dataclass(frozen=True)
+class Cause:
+    """Range of sizes that can be told from the nuisances, and the builder."""
+
+    low: float
+    high: float
+    build: Builder
+
+
+def _sign(rng: np.random.Generator, positive: float = 0.5) -> float:
+    return 1.0 if rng.random() < positive else -1.0
+
+
+def _drag_bias(size, rng, setting):
+    """Rough or fouled skin: a factor that leans a little on speed."""
+    fraction = size if rng.random() < 0.7 else -0.6 * size
+    lean = rng.uniform(-0.08, 0.08)
+    middle = 0.5 * (setting.slowest + setting.fastest)
+
+    def factor(t, u, z, number):
+        return 1.0 + fraction * max(abs(u) / middle, 0.1) ** lean
+
+    return Twist(lone_drag=1.0 + fraction, drag=factor), {"fraction": fraction}
+
+
+def _line_payout(size, rng, setting):
+    """Wraps that hang: one short stop a wrap, so the delay is a sum over the line's length."""
+    wraps_per_metre = rng.uniform(20.0, 60.0)
+    seed = int(rng.integers(2**32))
+
+    def delay(line, number):
+        wraps = max(1, round(wraps_per_metre * line))
+        stops = np.random.default_rng([seed, number]).gamma(2.0, 0.5 / wraps_per_metre, wraps)
+        return size * float(stops.sum())
+
+    return Twist(delay=delay), {"delay_per_length": size}
+
+
+def _slow_flooding(size, rng, setting):
+    """Air that leaves at a constant rate, or through an orifice under its own falling head."""
+    power = float(rng.choice([1.0, 2.0]))
+    full = rng.uniform(0.35, 0.8) * setting.longest_time
+
+    def weight(t, z):
+        return 1.0 - size * max(0.0, 1.0 - t / full) ** power
+
+    return Twist(weight=weight), {}
+
+
+def _trapped_gas(size, rng, setting):
+    """A few pockets along the hull, each under Boyle's law at its own height above the nose."""
+    lift = size * setting.lightest
+    shares = rng.dirichlet([3.0, 3.0, 2.0])
+    heights = rng.uniform(0.0, 1.0, 3)
+    head = 10.13
+
+    def up(z):
+        return float(np.sum(lift * shares * head / (head + np.maximum(z - heights, 0.0))))
+
+    return Twist(lift=up), {"lift": lift}
+
+
+def _stratification(size, rng, setting):
+    """Denser water below a pycnocline: linear between two depths, or two close steps."""
+    lift = size * setting.lightest
+    top = rng.uniform(0.2, 0.5) * setting.shallowest
+    thick = rng.uniform(0.05, 0.3) * setting.shallowest
+    corner = rng.uniform(0.3, 0.7) if rng.random() < 0.5 else 0.5
+
+    def up(z):
+        return lift * float(np.interp(z, [top, top + corner * thick, top + thick], [0.0, 0.5, 1.0]))
+
+    return Twist(lift=up), {}
+
+
+def _broadside_start(size, rng, setting):
+    """The hull lies level when the line comes taut and pitches down as a damped second-order motion."""
+    relax = rng.uniform(1.2, 3.0)
+
+    def slope(t):
+        return 90.0 * (1.0 + t / relax) * np.exp(-t / relax)
+
+    def factor(t, u, z, number):
+        return 1.0 + size * float(np.sin(np.radians(slope(max(t, 0.0)))) ** 2)
+
+    return Twist(drag=factor, pitch=slope), {}
+
+
+def _added_mass(size, rng, setting):
+    """Water carried in the fairing: it joins the momentum from the snatch on."""
+    return Twist(mass=1.0 + size), {"fraction": size}
+
+
+def _sensor_lag(size, rng, setting):
+    """Two poles in a row, or a moving average over the last seconds; the same mean lateness."""
+    if rng.random() < 0.5:
+        second = rng.uniform(0.15, 0.4) * size
+        lags = (size - second, second)
+
+        def reading(t, depth):
+            out = depth
+            for lag in lags:
+                share = 1.0 - np.exp(-STEP / lag)
+                filtered = np.empty_like(out)
+                state = out[0]
+                for i, value in enumerate(out):
+                    state += share * (value - state)
+                    filtered[i] = state
+                out = filtered
+            return out
+
+    else:
+        window = max(1, round(2.0 * size / STEP))
+
+        def reading(t, depth):
+            padded = np.concatenate([np.full(window - 1, depth[0]), depth])
+            return np.convolve(padded, np.full(window, 1.0 / window), "valid")
+
+    return Twist(reading=reading), {"time": size}
+
+
+def _clock_offset(size, rng, setting):
+    """The log's zero is not the separation; a trifle more or less from dive to dive."""
+    offset = _sign(rng, 0.6) * size
+    seed = int(rng.integers(2**32))
+
+    def delay(line, number):
+        return offset + 0.03 * float(np.random.default_rng([seed, number]).standard_normal())
+
+    return Twist(delay=delay), {"time": offset}
+
+
+def _depth_scale(size, rng, setting):
+    """Wrong gain of the pressure sensor, with a slight curvature."""
+    fraction = _sign(rng) * size
+    bend = rng.uniform(-1e-4, 1e-4)
+    return Twist(reading=lambda t, depth: depth * (1.0 + fraction + bend * depth)), {"fraction": fraction}
+
+
+def _vertical_current(size, rng, setting):
+    """Up- or downwelling that vanishes towards the surface within about a metre."""
+    speed = _sign(rng) * size
+    skin = rng.uniform(0.2, 1.0)
+    return Twist(water=lambda t, z: speed * (1.0 - np.exp(-max(z, 0.0) / skin))), {"speed": speed}
+
+
+def _drag_crisis(size, rng, setting):
+    """Drag falls linearly to its lower value over a band of speeds that some of the dives cross."""
+    span = setting.fastest - setting.slowest
+    critical = rng.uniform(max(0.6 * setting.slowest, setting.slowest - span), setting.slowest + 0.6 * span)
+    band = rng.uniform(0.06, 0.25) * critical
+
+    def factor(t, u, z, number):
+        return 1.0 - size * min(1.0, max(0.0, (abs(u) - critical + 0.5 * band) / band))
+
+    return Twist(drag=factor), {}
+
+
+CATALOGUE: dict[str, Cause] = {
+    "drag-bias": Cause(0.18, 0.7, _drag_bias),
+    "line-payout": Cause(0.12, 0.5, _line_payout),
+    "slow-flooding": Cause(0.15, 0.5, _slow_flooding),
+    "trapped-gas": Cause(0.10, 0.35, _trapped_gas),
+    "stratification": Cause(0.08, 0.30, _stratification),
+    "broadside-start": Cause(0.6, 4.0, _broadside_start),
+    "added-mass": Cause(0.15, 0.8, _added_mass),
+    "sensor-lag": Cause(0.35, 1.5, _sensor_lag),
+    "clock-offset": Cause(0.4, 1.5, _clock_offset),
+    "depth-scale": Cause(0.03, 0.10, _depth_scale),
+    "vertical-current": Cause(0.06, 0.20, _vertical_current),
+    "drag-crisis": Cause(0.15, 0.5, _drag_crisis),
+}
+
+
+def _spooling_line(size, rng, setting):
+    """The line slips on: its drag grows with every metre of depth below some depth."""
+    begin = rng.uniform(0.1, 0.4) * setting.shallowest
+    return Twist(drag=lambda t, u, z, number: 1.0 + size * max(0.0, z - begin) / setting.shallowest), {}
+
+
+def _pitch_oscillation(size, rng, setting):
+    """The hull swings about the line like a pendulum, and its drag with it."""
+    period = rng.uniform(3.0, 7.0)
+    fade = rng.uniform(8.0, 40.0)
+
+    def swing(t):
+        return np.exp(-t / fade) * np.sin(2.0 * np.pi * t / period)
+
+    return Twist(
+        drag=lambda t, u, z, number: 1.0 + size * float(swing(max(t, 0.0))) ** 2, pitch=lambda t: 35.0 * swing(t)
+    ), {}
+
+
+def _windmilling(size, rng, setting):
+    """Above some speed the propeller is turned by the flow and brakes in proportion to the excess."""
+    start = rng.uniform(0.5, 0.9) * setting.slowest
+    force = size * setting.lightest
+
+    def resist(t, u):
+        return force * max(0.0, u / start - 1.0) if u > start else 0.0
+
+    return Twist(resist=resist), {}
+
+
+def _temperature_drift(size, rng, setting):
+    """The depth sensor cools and its zero creeps."""
+    settle = rng.uniform(3.0, 12.0)
+    creep = _sign(rng) * size
+    return Twist(reading=lambda t, depth: depth + creep * (1.0 - np.exp(-t / settle))), {}
+
+
+def _obstacle(size, rng, setting):
+    """Something stops the vehicle on its way, for a while, in every dive at the same share of the way."""
+    return Twist(hold=(rng.uniform(0.25, 0.7), size)), {}
+
+
+def _weight_loss(size, rng, setting):
+    """Part of the anchor falls off at some time on the way down."""
+    when = rng.uniform(0.25, 0.6) * setting.longest_time
+    return Twist(weight=lambda t, z: 1.0 - size if t > when else 1.0), {}
+
+
+def _bio_fouling(size, rng, setting):
+    """Each dive has more drag than the one before."""
+    return Twist(drag=lambda t, u, z, number: 1.0 + size * number), {}
+
+
+def _internal_wave(size, rng, setting):
+    """The vertical current changes sign on the way down."""
+    length = rng.uniform(0.35, 0.7) * setting.shallowest
+    phase = rng.uniform(0.0, 2.0 * np.pi)
+    return Twist(water=lambda t, z: size * np.sin(2.0 * np.pi * z / length + phase)), {}
+
+
+OUTSIDE: dict[str, Cause] = {
+    "spooling-line": Cause(0.4, 1.5, _spooling_line),
+    "pitch-oscillation": Cause(0.8, 3.0, _pitch_oscillation),
+    "windmilling": Cause(0.15, 0.6, _windmilling),
+    "temperature-drift": Cause(0.4, 1.5, _temperature_drift),
+    "obstacle": Cause(0.3, 2.0, _obstacle),
+    "weight-loss": Cause(0.12, 0.4, _weight_loss),
+    "bio-fouling": Cause(0.06, 0.20, _bio_fouling),
+    "internal-wave": Cause(0.10, 0.35, _internal_wave),
+}

@@ -1,0 +1,130 @@
+"""The tool on some forty hidden-effect cases, and the scoring on diagnoses made up by hand.
+
+Thresholds stand on the aggregate: a figure fails when so few cases as these are enough to refute what is asked.
+"""
+
+import dataclasses
+
+import pytest
+
+from . import score
+from .case import Case
+from .cases import KINDS, cases
+from .tool import Outcome, ask, why_not
+
+FAST_SEED = 20_000
+
+
+@pytest.fixture(scope="module", params=KINDS)
+def outcomes(request, tmp_path_factory):
+    if reason := why_not():
+        pytest.skip(reason)
+    folder = tmp_path_factory.mktemp(request.param)
+    drawn = cases(20, FAST_SEED, request.param)
+    return [ask(case, folder / "seen", folder / "truth", in_process=True) for case in drawn]
+
+
+def test_no_figure_asked_for_is_refuted(outcomes):
+    figures = score.figures(outcomes)
+    refuted = [f"{each.name}: {each.value:.3f} of {each.cases}, asked {each.asked}" for each in figures if each.refuted]
+    # times belong to the study on a quiet machine, not to the suite
+    assert not [line for line in refuted if not line.startswith("time")], score.text(outcomes)
+
+
+def _case(scenario: str, *truth: str, ties=(), outside: str = "", **parameters: float) -> Case:
+    named = {name.replace("__", ".").replace("_", "-"): value for name, value in parameters.items()}
+    return Case(0, "descent", scenario, truth, ties, outside, named, 20.0, {}, None, {}, [], [])
+
+
+def _diagnosis(verdict: str, *causes: str, credible=None, parameters=(), ratio: float = 0.4) -> dict:
+    entry = {
+        "causes": list(causes),
+        "log_bayes_factor": 20.0,
+        "posterior": 0.9,
+        "parameters": list(parameters),
+        "held_out": {"rmse_base": 1.0, "rmse_extended": ratio},
+    }
+    return {
+        "verdict": verdict,
+        "causes": list(causes),
+        "credible_set": [list(causes)] if credible is None else credible,
+        "ranking": [entry, {"causes": []}],
+    }
+
+
+def _figures(*outcomes: Outcome) -> dict[str, score.Figure]:
+    return {figure.name: figure for figure in score.figures(outcomes)}
+
+
+def test_scores_singles_controls_and_ties():
+    angle = {"effect": "sensor-lag", "name": "time", "value": 1.0, "low": 0.9, "high": 1.1, "unit": "s"}
+    tie = (("clock-offset",),)
+    found = _figures(
+        Outcome(_case("control"), _diagnosis("adequate", credible=[[]]), 2.0),
+        Outcome(_case("control"), _diagnosis("explained", "drag-bias"), 2.0),
+        Outcome(
+            _case("single", "sensor-lag", sensor_lag__time=1.05),
+            _diagnosis("explained", "sensor-lag", parameters=[angle]),
+            2.0,
+        ),
+        Outcome(
+            _case("single", "line-payout", ties=tie),
+            _diagnosis("ambiguous", "clock-offset", credible=[["clock-offset"], ["line-payout"]]),
+            2.0,
+        ),
+        Outcome(_case("single", "added-mass"), _diagnosis("explained", "broadside-start"), 2.0),
+        Outcome(_case("single", "added-mass"), {}, 2.0, "exit status 1"),
+    )
+    assert found["false alarms without an effect"].value == 0.5
+    assert found["right cause claimed, modulo exact ties"].value == 0.5
+    assert found["truth in the 95 % set"].value == 0.5
+    assert found["mean size of the 95 % set"].value == 1.0
+    assert found["90 % intervals cover"].value == 1.0
+    assert found["held-out RMSE, extended / base, median"].value == 0.4
+    assert found["runs that failed"].refuted
+
+
+def test_scores_pairs_weak_and_outside():
+    pair = _case("pair", "added-mass", "sensor-lag")
+    found = _figures(
+        Outcome(pair, _diagnosis("explained", "sensor-lag", "added-mass"), 1.0),
+        Outcome(pair, _diagnosis("partly-explained", "sensor-lag"), 1.0),
+        Outcome(_case("weak", "drag-bias"), _diagnosis("explained", "sensor-lag"), 1.0),
+        Outcome(_case("weak", "drag-bias"), _diagnosis("partly-explained", "sensor-lag"), 1.0),
+        Outcome(_case("weak", "drag-bias"), _diagnosis("adequate"), 1.0),
+        Outcome(_case("outside", outside="obstacle"), _diagnosis("unexplained"), 1.0),
+        Outcome(_case("outside", outside="obstacle"), _diagnosis("explained", "heavy-tails"), 1.0),
+        Outcome(_case("outside", outside="obstacle"), _diagnosis("explained", "drag-bias"), 1.0),
+        Outcome(_case("outside", outside="obstacle"), _diagnosis("adequate"), 1.0),
+    )
+    assert found["two effects: exact"].value == 0.5
+    assert found["two effects: at least one"].value == 1.0
+    assert found["wrong name asserted on a weak effect"].value == pytest.approx(1 / 3)
+    assert found["outside the catalogue: flagged"].value == 0.5
+    assert found["outside the catalogue: flagged by the verdict"].value == 0.25
+
+
+def test_intervals_are_compared_in_their_units():
+    case = _case("single", "compass-bias", compass_bias__angle=0.0524)
+    entry = {"effect": "compass-bias", "name": "angle", "value": 3.0, "low": 2.5, "high": 3.5, "unit": "deg"}
+    outcome = Outcome(case, _diagnosis("explained", "compass-bias", parameters=[entry]), 1.0)
+    assert score.covered(outcome) == [True]
+    assert score.covered(Outcome(case, _diagnosis("explained", "mean-current", parameters=[entry]), 1.0)) == []
+
+
+def test_few_cases_do_not_refute_by_chance():
+    assert not score.Figure("x", 0.9, 10, low=0.93).refuted
+    assert score.Figure("x", 0.5, 10, low=0.93).refuted
+    assert not score.Figure("x", 0.1, 10, high=0.03).refuted
+    assert score.Figure("x", 0.5, 10, high=0.03).refuted
+    assert not score.Figure("x", float("nan"), 0, low=0.9).refuted
+    assert score.Figure("x", 20.0, 5, high=15.0, is_share=False).refuted
+
+
+def test_page_shows_confusion_and_figures():
+    outcome = Outcome(_case("single", "drag-bias"), _diagnosis("partly-explained", "drag-bias"), 1.0)
+    failed = dataclasses.replace(outcome, diagnosis={}, error="exit status 1: why")
+    page = score.text([outcome, failed])
+    assert "drag-bias …" in page
+    assert "right cause claimed" in page
+    assert "exit status 1: why" in page
