@@ -152,7 +152,7 @@ def sink(
     rest = np.zeros(trials)
     line, bottom = (per_trial(value, trials) for value in (dive.line_length, dive.site_depth))
     limit = STAGE_TIME + float(np.max(bottom, initial=0.0)) / SLOWEST_DESCENT
-    run = partial(fall, step=step)
+    run = partial(fall, step=step, keep=keep)
     delay = np.maximum(per_trial(hooks.delay(line), trials), 0.0)
     stop = Stop(deepest=np.minimum(line, bottom))
     if drift is not None:
@@ -169,7 +169,6 @@ def sink(
         shared,
         Stop(deepest=np.where(taut, bottom - line, 0.0)),
         time_limit=min(limit, until),
-        keep=keep,
         on_step=drift.stage(below=line) if drift else None,
     )
     until -= float(np.min(pull_down.time))
@@ -177,9 +176,8 @@ def sink(
         FreeVehicle(dive, hooks, pull_down.time),
         pull_down.depth,
         pull_down.speed,
-        Stop(deepest=bottom + line, at_rest=True),
+        Stop(deepest=2.0 * bottom, at_rest=True),  # what nothing buoys up would sink without end
         time_limit=min(limit, until),
-        keep=keep,
     )
     return Stages(lone, pull_down, coast, delay)
 
