@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from missionplan.physics.arrays import Array, Scalars, magnitude
-from missionplan.physics.propeller import Propeller, Resistance, flow_acceleration, thrust, torque
+from missionplan.physics.propeller import Propeller, Resistance, flow_acceleration, steady_axial_flow, thrust, torque
 
 State = tuple[Scalars, Scalars, Scalars]
 """Shaft rate [rad/s], flow in the disc [m/s], speed through the water [m/s]."""
@@ -107,6 +107,79 @@ def _runge_kutta_step(propeller: Propeller, resistance: Resistance, state: State
     k4 = rates(propeller, resistance, moved(k3, h), applied)
     mean = [(a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in zip(k1, k2, k3, k4, strict=True)]
     return moved((mean[0], mean[1], mean[2]), h)
+
+
+SUBSTEPS = 5
+"""Steps of `respond` between two samples."""
+
+
+def respond(
+    propeller: Propeller,
+    time: Array,
+    speed: Array,
+    *,
+    shaft_rate: Array | None = None,
+    motor_torque: Array | None = None,
+) -> tuple[Array, Array]:
+    """Follow a propeller through a measured run, its speed through the water imposed.
+
+    The number of steps is fixed and the flow is stepped linearly implicitly, so that the result is a smooth function
+    of the propeller's constants: that is what fitting them needs.
+
+    Parameters
+    ----------
+    time, speed : array, shape (samples,)
+        Ascending times [s] and the vehicle's speed [m/s].
+    shaft_rate : array, shape (samples,), optional
+        Measured n [rad/s]; it is then imposed too.
+    motor_torque : array, shape (samples,), optional
+        Measured Q_m [N m], from which the shaft rate follows, from rest. One of the two must be given.
+
+    Returns
+    -------
+    shaft_rate, axial_flow : array, shape (samples,)
+        n [rad/s] and u_p [m/s]; the flow starts settled.
+
+    Raises
+    ------
+    ValueError
+        When not exactly one of shaft rate and torque is given.
+    """
+    drive = shaft_rate if motor_torque is None else motor_torque
+    if drive is None or (shaft_rate is not None and motor_torque is not None):
+        raise ValueError("give either the shaft rate or the motor torque")
+    imposed = shaft_rate is not None
+    rate = float(drive[0]) if imposed else 0.0
+    flow = float(steady_axial_flow(propeller, rate, float(speed[0]))) if rate else 0.0
+    steps = np.linspace(0.5, SUBSTEPS - 0.5, SUBSTEPS) / SUBSTEPS
+    drives, speeds = ((v[:-1, None] + np.diff(v)[:, None] * steps).tolist() for v in (drive, speed))
+    rates_out, flows_out = [rate], [flow]
+    for interval, drive_between, speed_between in zip(np.diff(time).tolist(), drives, speeds, strict=True):
+        h = interval / SUBSTEPS
+        for applied, vehicle in zip(drive_between, speed_between, strict=True):
+            rate = applied if imposed else rate + h / 2.0 * _spin(propeller, rate, flow, applied)
+            flow = _implicit_flow_step(propeller, rate, flow, vehicle, h)
+            rate = rate if imposed else rate + h / 2.0 * _spin(propeller, rate, flow, applied)
+        rates_out.append(rate)
+        flows_out.append(flow)
+    return (shaft_rate if shaft_rate is not None else np.array(rates_out)), np.array(flows_out)
+
+
+def _spin(propeller: Propeller, rate: float, flow: float, applied: float) -> float:
+    return float((applied - torque(propeller, rate, flow)) / propeller.shaft_inertia)
+
+
+def _implicit_flow_step(propeller: Propeller, rate: float, flow: float, speed: float, h: float) -> float:
+    """Step the flow in the disc by the second-order, L-stable Rosenbrock method with γ = 1 + 1/√2."""
+    gamma = 1.0 + 0.5**0.5
+    inflow = (1.0 - propeller.wake_fraction) * speed
+    towards = 2.0 * abs(flow) - (inflow if flow >= 0.0 else -inflow)
+    damping = propeller.flow_damping_linear + propeller.flow_damping_quadratic * towards
+    slope = (float(propeller.thrust_nu) * abs(rate) - damping) / propeller.flow_mass
+    factor: float = 1.0 / (1.0 - gamma * h * slope)
+    first = factor * float(flow_acceleration(propeller, rate, flow, speed))
+    second = factor * (float(flow_acceleration(propeller, rate, flow + h * first, speed)) - 2.0 * first)
+    return flow + h * (1.5 * first + 0.5 * second)
 
 
 def eq_36_torque(time_step: float, final_time: float = 100.0) -> Array:

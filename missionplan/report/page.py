@@ -4,7 +4,7 @@ import io
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -109,10 +109,11 @@ class Terminal:
 
 @dataclass(frozen=True)
 class Rendered:
-    """A page as HTML, and its figures as SVG by name."""
+    """A page as HTML, its figures as SVG by name, and files for other programs (GeoJSON, KML) by file name."""
 
     html: str
     figures: dict[str, str]
+    files: dict[str, str] = field(default_factory=dict)
 
 
 @contextmanager
@@ -129,7 +130,7 @@ def to_figure(figure: "MatplotlibFigure", name: str, alt: str, caption: str = ""
     """Turn a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot) into SVG text."""
     buffer = io.StringIO()
     figure.savefig(
-        buffer, format="svg", metadata={"Date": None, "Creator": None, "Title": None, "Format": None, "Type": None}
+        buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None}
     )
     return Figure(name, buffer.getvalue(), alt, caption)
 

@@ -114,3 +114,21 @@ def test_more_drag_makes_the_inferred_speed_too_high():
     assert errors[1] == pytest.approx(0.0, abs=1e-4)
     thrust = pr.speed_error(p.table_1(), HULL, 40.0, 1e6, thrust_factor=1.2)
     assert thrust > 0.0
+
+
+@pytest.mark.parametrize("given", ["rate", "torque"])
+def test_following_a_measured_run_gives_its_flow(given):
+    step, every = 0.005, 20
+    at = step * np.arange(3000)
+    torque = 4.0 + 4.0 * np.sin(0.8 * at) - 3.0 * np.cos(2.3 * at)
+    run = pr.simulate(p.table_1("momentum"), HULL, torque, step)
+    pick = slice(0, -1, every)
+    drive = {"shaft_rate": run.shaft_rate[pick]} if given == "rate" else {"motor_torque": torque[::every]}
+    rate, flow = pr.respond(p.table_1("momentum"), run.time[pick], run.speed[pick], **drive)
+    np.testing.assert_allclose(rate, run.shaft_rate[pick], atol=2e-3 * run.shaft_rate.max())
+    np.testing.assert_allclose(flow, run.axial_flow[pick], atol=0.01 * run.axial_flow.max())
+
+
+def test_following_needs_one_drive():
+    with pytest.raises(ValueError, match="either"):
+        pr.respond(p.table_1(), np.arange(3.0), np.zeros(3))

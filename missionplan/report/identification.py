@@ -1,0 +1,149 @@
+"""Pictures of `identify`: each fit over its data, with the residuals below."""
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from missionplan.report.page import (
+    BLUE,
+    GREY,
+    ORANGE,
+    Block,
+    Figure,
+    Listing,
+    Page,
+    Section,
+    Table,
+    Terminal,
+    to_figure,
+)
+from missionplan.results.base import to_yaml
+from missionplan.results.identification import Estimate, Fit, Identification, Panel
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MANY = 60
+"""Points above which they are drawn small and without bars."""
+
+
+def page(result: Identification) -> Page:
+    """Lay out the result as a page."""
+    figures = [panel_figure(panel) for panel in result.findings.panels]
+    numbers = [(estimate.symbol, in_words(estimate)) for estimate in result.estimates[:4]]
+    sections = [Section(_fits_heading(result.fits), [parameter_table(result), *result.findings.remarks])]
+    if len(figures) > 1:
+        sections.append(Section("The fit drawn over the other readings", list[Block](figures[1:])))
+    fragment = "Paste this into the vehicle file; it is also in vehicle-fragment.yaml."
+    sections.append(
+        Section("What the vehicle file takes from it", [fragment, Listing(to_yaml(result.findings.fragment))])
+    )
+    if result.source:
+        sections.append(Section("Where the data come from", [result.source]))
+    return Page(f"Identification: {result.name}", result.findings.answer, figures[0], numbers, sections)
+
+
+def terminal(result: Identification) -> Terminal:
+    """Lay out the result for a terminal."""
+    rows = [
+        (e.name, significant(e.value, e.sd), significant(e.sd, e.sd), _interval(e), e.unit) for e in result.estimates
+    ]
+    return Terminal(result.findings.answer, ("parameter", "value", "standard error", "90 % interval", "unit"), rows)
+
+
+def panel_figure(panel: Panel) -> Figure:
+    """Draw data with their errors, the fits over them, and the residuals of the preferred fit below."""
+    from matplotlib.figure import Figure as MatplotlibFigure
+
+    has_residuals = bool(np.any(panel.y != panel.fitted))
+    figure = MatplotlibFigure(figsize=(6.0, 4.4 if has_residuals else 3.2))
+    if has_residuals:
+        top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+        _draw_residuals(bottom, panel)
+        bottom.set_xlabel(panel.x_label)
+    else:
+        top = figure.subplots()
+        top.set_xlabel(panel.x_label)
+    _draw_data(top, panel)
+    return to_figure(figure, panel.name, panel.alt)
+
+
+def _draw_data(axes: "Axes", panel: Panel) -> None:
+    many = len(panel.x) > MANY
+    if many or np.all(np.isnan(panel.y_sd)):
+        axes.plot(panel.x, panel.y, ".", color=GREY, markersize=3 if many else 7, label="measured", zorder=2)
+    else:
+        axes.errorbar(
+            panel.x, panel.y, panel.y_sd, fmt="o", color=GREY, markersize=4, capsize=2, label="measured", zorder=3
+        )
+    colours = [BLUE, ORANGE, "#009E73", "#CC79A7"]
+    for curve, colour, dash in zip(panel.curves, colours, ("-", "--", ":", "-."), strict=False):
+        if curve.dots:
+            axes.plot(curve.x, curve.y, "s", color=colour, markersize=4, label=curve.label)
+        else:
+            axes.plot(curve.x, curve.y, dash, color=colour, label=curve.label, zorder=4)
+    if panel.ticks:
+        axes.set_xticks(panel.x, panel.ticks)
+        axes.margins(x=0.25)
+        axes.set_ylim(bottom=0.0)
+    if panel.curves:
+        axes.legend()
+    axes.set_ylabel(panel.y_label)
+
+
+def _draw_residuals(axes: "Axes", panel: Panel) -> None:
+    residual = panel.y - panel.fitted
+    axes.axhline(0.0, color=BLUE, linewidth=1.0)
+    if len(panel.x) > MANY or np.all(np.isnan(panel.y_sd)):
+        axes.plot(panel.x, residual, ".", color=GREY, markersize=3)
+    else:
+        axes.errorbar(panel.x, residual, panel.y_sd, fmt="o", color=GREY, markersize=4, capsize=2)
+    axes.set_ylabel("residual")
+
+
+def parameter_table(result: Identification) -> Table:
+    """Parameters of every fit and what follows from the preferred one."""
+    groups = [(fit.name, fit.estimates) for fit in result.fits] + [("follows", result.findings.derived)]
+    rows = [
+        (
+            f"{e.symbol} ({e.name.replace('_', ' ')})",
+            group,
+            significant(e.value, e.sd),
+            significant(e.sd, e.sd),
+            _interval(e),
+            e.unit,
+        )
+        for group, estimates in groups
+        for e in estimates
+    ]
+    columns = ("parameter", "model", "value", "standard error", "90 % interval", "unit")
+    return Table(columns, rows, "The first model is the preferred one.")
+
+
+def _fits_heading(fits: tuple[Fit, ...]) -> str:
+    if len(fits) == 1:
+        return f"The data give {fits[0].name}"
+    return f"The data ask for {fits[0].name}, not {fits[1].name}"
+
+
+def in_words(estimate: Estimate) -> str:
+    """Write a parameter with its error and unit, rounded to what the error supports."""
+    unit = f" {estimate.unit}" if estimate.unit else ""
+    if not math.isfinite(estimate.sd):
+        return f"{estimate.value:.4g}{unit}"
+    return f"{significant(estimate.value, estimate.sd)} ± {significant(estimate.sd, estimate.sd)}{unit}"
+
+
+def _interval(estimate: Estimate) -> str:
+    if not math.isfinite(estimate.sd):
+        return "not known"
+    return f"{significant(estimate.low, estimate.sd)} to {significant(estimate.high, estimate.sd)}"
+
+
+def significant(value: float, sd: float) -> str:
+    """Round a value to two figures of its standard deviation."""
+    if not math.isfinite(sd) or sd <= 0.0:
+        return f"{value:.4g}"
+    digits = 1 - math.floor(math.log10(sd))
+    return f"{value:.{min(digits, 9)}f}" if digits > 0 else f"{round(value, digits):.0f}"

@@ -1,0 +1,235 @@
+"""`identify` on data made by other means than its own models, and its refusals."""
+
+import numpy as np
+import pytest
+import yaml
+
+from missionplan.errors import InputError, RunError
+from missionplan.physics import propeller as p
+from missionplan.physics import propulsion as pr
+from missionplan.report.render import render, terminal
+from missionplan.studies.identify import identify
+
+
+def write(folder, settings, columns, name="data.csv"):
+    folder.mkdir(exist_ok=True)
+    (folder / "dataset.yaml").write_text(yaml.safe_dump({"file": name, **settings}))
+    header = ",".join(columns)
+    rows = zip(*columns.values(), strict=True)
+    (folder / name).write_text("\n".join([header, *(",".join(map(str, row)) for row in rows)]) + "\n")
+    return folder
+
+
+DRAG = {"kind": "drag", "reference_area": "0.1 m^2", "reference_length": "0.3 m"}
+
+
+def towing(rng, exponent=0.0, points=20):
+    speed = np.linspace(0.2, 1.5, points)
+    reynolds = speed * 0.3 / 1.01e-6
+    force = 0.5 * 1000 * 0.1 * speed**2 * 1.8 * (reynolds / 1e5) ** exponent
+    sd = 0.02 * force
+    return {"speed_m_s": speed, "force_n": force + sd * rng.standard_normal(points), "force_sd_n": sd}
+
+
+def test_drag_intervals_cover(tmp_path):
+    """The 90 % intervals hold the truth in about 90 % of sixty tanks."""
+    covered = 0
+    for seed in range(60):
+        found = identify(write(tmp_path / "drag", DRAG, towing(np.random.default_rng(seed))))["drag_coefficient"]
+        covered += found.low < 1.8 < found.high
+    assert 48 <= covered <= 60
+
+
+def test_reynolds_dependence_is_found_where_it_is(tmp_path):
+    result = identify(write(tmp_path / "drag", DRAG, towing(np.random.default_rng(1), exponent=-0.15)))
+    assert "reynolds_exponent" in result.fits[0]
+    assert result["reynolds_exponent"].low < -0.15 < result["reynolds_exponent"].high
+    assert result.findings.fragment["drag"]["exponent"]["mean"] == pytest.approx(-0.15, abs=0.03)
+
+
+def oscillation(rng, quadratic, noise=2e-4, seconds=8.0, rate=50.0):
+    """A mass on springs by Verlet with tiny steps: not the Runge-Kutta of the model."""
+    mass, stiffness, linear, h = 24.0 + 9.6, 4165.9, 8.0, 2e-4
+    x, v, out = 0.05, 0.0, []
+    for step in range(int(seconds / h)):
+        if step % round(1 / rate / h) == 0:
+            out.append((step * h, x))
+        a = (-stiffness * x - linear * v - quadratic * v * abs(v)) / mass
+        half = v + a * h / 2
+        x += half * h
+        v = half + (-stiffness * x - linear * half - quadratic * half * abs(half)) / mass * h / 2
+    time, record = np.array(out).T
+    return {"t_s": time, "displacement_m": record + noise * rng.standard_normal(len(time))}
+
+
+SPRINGS = {"kind": "free-oscillation", "stiffness": "4165.9 N/m", "mass": "24 kg"}
+
+
+def test_added_mass_and_damping_from_a_record(tmp_path):
+    result = identify(write(tmp_path / "osc", SPRINGS, oscillation(np.random.default_rng(2), 60.0)))
+    assert result.fits[0].name == "linear and quadratic damping"
+    for name, truth in (("added_mass", 9.6), ("linear_damping", 8.0), ("quadratic_damping", 60.0)):
+        assert abs(result[name].value - truth) < 3.0 * result[name].sd, name
+    assert result["added_mass"].sd < 0.05
+    assert result["quadratic_damping"].sd < 10.0
+
+
+def test_linear_damping_needs_no_quadratic_term(tmp_path):
+    result = identify(write(tmp_path / "osc", SPRINGS, oscillation(np.random.default_rng(3), 0.0)))
+    assert result.fits[0].name == "linear damping"
+
+
+@pytest.mark.parametrize("given", [{"mass": "24 kg"}, {"stiffness": "4000 N/m"}, {}])
+def test_stiffness_mass_and_added_mass_together_are_refused(tmp_path, given):
+    folder = write(tmp_path / "osc", {"kind": "free-oscillation", **given}, {"mode": ["surge"], "frequency_hz": [1.77]})
+    with pytest.raises(InputError, match="cannot be found together"):
+        identify(folder)
+
+
+def bollard(rng, deadband):
+    voltage = np.concatenate([np.linspace(-6, -0.5, 15), np.linspace(0.5, 6, 15)])
+    beyond = np.maximum(np.abs(voltage) - deadband, 0.0)
+    thrust = np.where(voltage > 0, 9.423, -6.551) * beyond**2
+    return {"voltage_v": voltage, "thrust_n": thrust + 2.0 * rng.standard_normal(30)}
+
+
+@pytest.mark.parametrize("deadband", [0.0, 0.6])
+def test_thruster_constants_and_deadband(tmp_path, deadband):
+    result = identify(write(tmp_path / "thruster", {"kind": "thruster"}, bollard(np.random.default_rng(4), deadband)))
+    assert abs(result["ahead"].value - 9.423) < 3 * result["ahead"].sd
+    assert abs(result["astern"].value - 6.551) < 3 * result["astern"].sd
+    assert ("deadband" in result.fits[0]) == (deadband > 0)
+
+
+def tunnel(rng, decay, position, centre):
+    """Force and moment by the paper's Eqs. 1 to 4, written out."""
+    rpm, speed = (grid.ravel() for grid in np.meshgrid([1200.0, 1800.0, 2400.0], [0.0, 0.4, 0.6, 0.8, 1.0]))
+    static = 0.02 * (rpm / 60) ** 2
+    ratio = speed / np.sqrt(static / (1000 * np.pi / 4 * 0.07**2))
+    force = static * np.exp(-decay * ratio**2)
+    moment = static * position - (static - force) * centre(ratio)
+    return {
+        "run": ["a"] * len(rpm),
+        "rpm": rpm,
+        "speed_m_s": speed,
+        "thrust_n": force + 0.1 * rng.standard_normal(len(rpm)),
+        "moment_n_m": moment + 0.1 * rng.standard_normal(len(rpm)),
+    }
+
+
+def test_tunnel_thruster_forward(tmp_path):
+    data = tunnel(np.random.default_rng(5), 7.0, 0.8, lambda ratio: 0.8 - 9.0 * 0.07 * ratio)
+    settings = {"kind": "thruster", "geometry": {"diameter": "70 mm", "position": "0.8 m"}}
+    result = identify(write(tmp_path / "tunnel", settings, data))
+    assert result.fits[0].name == "centre of suction moves aft with speed"
+    for name, truth in (("decay", 7.0), ("thrust_constant", 0.02), ("suction_gradient", 9.0)):
+        assert abs(result[name].value - truth) < 3.0 * result[name].sd, name
+
+
+def test_tunnel_thruster_aft(tmp_path):
+    data = tunnel(np.random.default_rng(6), 3.0, -0.8, lambda ratio: -1.52 + 0 * ratio)
+    settings = {"kind": "thruster", "geometry": {"diameter": "70 mm", "position": "-0.8 m"}}
+    result = identify(write(tmp_path / "tunnel", settings, data))
+    assert result.fits[0].name == "centre of suction stays"
+    assert abs(result["suction_offset"].value - 0.72) < 3.0 * result["suction_offset"].sd
+    assert abs(result["decay"].value - 3.0) < 3.0 * result["decay"].sd
+
+
+def transient(rng, measured):
+    """Table 1's vehicle under a swinging torque, with the momentum damping of the flow; 0.2 N of noise."""
+    step, every = 0.005, 5
+    at = step * np.arange(4000)
+    torque = 4.0 + 4.0 * np.sin(0.8 * at) - 3.0 * np.cos(2.3 * at)
+    run = pr.simulate(p.table_1("momentum"), p.TABLE_1_RESISTANCE, torque, step)
+    pick = slice(0, -1, every)
+    columns = {
+        "t_s": run.time[pick],
+        "thrust_n": run.thrust[pick] + 0.2 * rng.standard_normal(len(torque) // every),
+        "speed_m_s": run.speed[pick],
+    }
+    if measured == "rpm":
+        return columns | {"rpm": run.shaft_rate[pick] * 60 / (2 * np.pi)}
+    return columns | {"shaft_torque_n_m": torque[::every]}
+
+
+@pytest.mark.parametrize("measured", ["rpm", "torque"])
+def test_propeller_transient(tmp_path, measured):
+    geometry = {"diameter": "0.3 m", "wake_fraction": 0.2, "axial_flow_factor": 0.25}
+    geometry |= {"torque_coefficient": [0.0626, -0.1212], "shaft_inertia": "1 kg*m^2"}
+    settings = {"kind": "propeller-transient", "geometry": geometry, "noise": {"thrust": "0.2 N"}}
+    settings["water"] = {"density": "1025 kg/m^3", "viscosity": "1.19e-6 m^2/s"}
+    result = identify(write(tmp_path / "prop", settings, transient(np.random.default_rng(7), measured)))
+    assert result.fits[0].name == "axial-flow dynamics"
+    truths = (("thrust_coefficient", 0.4243), ("thrust_coefficient_slope", -0.9435), ("flow_mass", 21.74))
+    for name, truth in truths:
+        assert abs(result[name].value - truth) < 3.0 * result[name].sd, name
+        assert result[name].value == pytest.approx(truth, rel=0.1), name
+
+
+def test_a_transient_without_shaft_rate_needs_the_shaft(tmp_path):
+    settings = {"kind": "propeller-transient", "geometry": {"diameter": "0.3 m"}}
+    columns = {"t_s": [0, 1], "shaft_torque_n_m": [1, 1], "thrust_n": [0, 1], "speed_m_s": [0, 0]}
+    with pytest.raises(InputError, match="torque_coefficient") as caught:
+        identify(write(tmp_path / "prop", settings, columns))
+    assert "shaft_inertia" in str(caught.value)
+
+
+def test_every_problem_at_once(tmp_path):
+    folder = write(
+        tmp_path / "bad",
+        {**DRAG, "refernce_area": "0.1 m^2"} | {"reference_area": "0.1 kg"},
+        {"speed_m_s": ["x"], "force": [1]},
+    )
+    with pytest.raises(InputError) as caught:
+        identify(folder)
+    words = str(caught.value)
+    assert "refernce_area" in words
+    assert "did you mean reference_area?" in words
+    assert "given 0.1 kg" in words
+    assert "is it force?" in words
+
+
+def test_a_bad_cell_is_named_by_line(tmp_path):
+    with pytest.raises(InputError, match=r"data.csv:3: force_n: given 'abc'"):
+        identify(write(tmp_path / "bad", DRAG, {"speed_m_s": [0.1, 0.2], "force_n": [1, "abc"]}))
+
+
+def test_unknown_kind_is_told_the_known(tmp_path):
+    with pytest.raises(InputError, match="did you mean drag"):
+        identify(write(tmp_path / "bad", {"kind": "drags"}, {"speed_m_s": [1]}))
+
+
+def test_a_file_outside_the_folder_is_refused(tmp_path):
+    folder = write(tmp_path / "bad", DRAG, {"speed_m_s": [1], "force_n": [1]})
+    (folder / "dataset.yaml").write_text(yaml.safe_dump(DRAG | {"file": "../secret.csv"}))
+    with pytest.raises(InputError, match="outside"):
+        identify(folder)
+
+
+def test_too_few_points(tmp_path):
+    with pytest.raises(RunError, match="do not suffice"):
+        identify(write(tmp_path / "few", DRAG, {"speed_m_s": [0.5], "force_n": [10.0]}))
+
+
+def test_rows_marked_and_columns_unknown_are_told(tmp_path):
+    data = towing(np.random.default_rng(8)) | {"ok": [0] + [1] * 19, "note": ["n"] * 20}
+    result = identify(write(tmp_path / "drag", DRAG, data))
+    assert any("1 row left out" in note for note in result.provenance.notices)
+    assert any("note" in note for note in result.provenance.notices)
+    assert len(result.findings.panels[0].x) == 19
+
+
+def test_report_is_one_page_with_its_files(tmp_path):
+    result = identify(write(tmp_path / "drag", DRAG, towing(np.random.default_rng(9))))
+    rendered = render(result)
+    assert rendered.html.count("<svg") == len(rendered.figures) == 2
+    assert "drag coefficient" in terminal(result).sentence
+    folder = result.save(tmp_path / "report")
+    for name in (
+        "report.html",
+        "summary.json",
+        "parameters.csv",
+        "vehicle-fragment.yaml",
+        "figures/drag-coefficient.svg",
+    ):
+        assert (folder / name).is_file(), name
