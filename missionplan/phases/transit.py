@@ -10,7 +10,7 @@ import numpy as np
 
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit_legs import Legs
-from missionplan.phases.transit_plan import Surroundings, TransitNormals, TransitPlan, TransitRecord
+from missionplan.phases.transit_plan import Surroundings, TransitNormals, TransitPlan, TransitRecord, column
 
 
 def transit(
@@ -60,6 +60,6 @@ def transit(
         arrived=arrived,
         track=legs.track(),
     )
-    goal = plan.goal[:, None]
+    goal = column(plan.goal)
     clock, used = state.clock + record.duration, state.energy + energy
     return TrialState(came.position + goal, came.fix + goal, clock, used, arrived), record

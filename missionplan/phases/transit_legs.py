@@ -22,6 +22,7 @@ from missionplan.phases.transit_plan import (
     TransitNormals,
     TransitPlan,
     VelocityError,
+    column,
 )
 
 _FEW = 256  # trials below which dropping the arrived ones costs more than it saves
@@ -49,7 +50,7 @@ class Legs:
         self._fixes_err = bool(np.any(self._fix_sd))
         self._is_still = surroundings.is_still
         self._keeps_all = bool(surroundings.effects) or tracked > 0
-        self._goal, self._clock = plan.goal[:, None], state.clock
+        self._goal, self._clock = column(plan.goal), state.clock
         self._trials: NDArray[np.intp] | int = state.trials  # all of the block, or which of it
         self._x = state.position - self._goal
         # while fixes do not err, the fix is the true position: the same array
@@ -203,6 +204,7 @@ class Legs:
         self._x = self._x[:, kept]
         self._fix = self._x if shared else self._fix[:, kept]
         self._left, self._clock = self._left[kept], self._clock[kept]
+        self._goal = per_trial(self._goal, kept)
         self._distance, self._surfacings = self._distance[kept], self._surfacings[kept]
         self._memory = tuple(array[..., kept] for array in self._memory)
         self._plan = _plan_of(self._plan, kept)

@@ -41,7 +41,7 @@ class VelocityError:
     def isotropic(cls, sigma: Scalars, mean: Array | None = None) -> "VelocityError":
         """Build Σ_v = σ_v² I (Eq. 26); `sigma` a float or an array over trials, `mean` of shape (2,) or (2, n)."""
         root = np.eye(2)[:, :, None] * np.atleast_1d(np.asarray(sigma, dtype=float))
-        return cls(_column(mean), root)
+        return cls(column(mean), root)
 
     @classmethod
     def general(cls, covariance: Array, mean: Array | None = None) -> "VelocityError":
@@ -50,7 +50,7 @@ class VelocityError:
         first = np.sqrt(east)
         across = both / first if first > 0.0 else 0.0
         root = np.array([[first, 0.0], [across, np.sqrt(max(north - across**2, 0.0))]])
-        return cls(_column(mean), root[:, :, None])
+        return cls(column(mean), root[:, :, None])
 
     @cached_property
     def is_isotropic(self) -> bool:
@@ -63,8 +63,9 @@ class VelocityError:
         return self.is_isotropic and not np.any(self.mean)
 
 
-def _column(mean: Array | None) -> Array:
-    array = np.zeros(2) if mean is None else np.asarray(mean, dtype=float)
+def column(vector: Array | None) -> Array:
+    """Give a vector trials as the last axis: (2,) becomes (2, 1); None is zero."""
+    array = np.zeros(2) if vector is None else np.asarray(vector, dtype=float)
     return array[:, None] if array.ndim == 1 else array
 
 
@@ -74,7 +75,7 @@ class TransitPlan:
 
     Attributes
     ----------
-    goal : array, shape (2,)
+    goal : array, shape (2,) or (2, n)
         x_f, east and north of the coordinates' origin [m].
     speed : float
         U, through the water [m/s].
@@ -124,6 +125,8 @@ class TransitNormals:
         Of the velocity error.
     fix_on_surfacing, fix_on_diving : Normals, optional
         Needed when fixes err.
+    fix_at_start : Normals, optional
+        Its leg 0 is the fix before the first dive, for who places the vehicle at the start of the mission.
     effects : sequence of Normals or None
         One an effect; needed where the effect is random.
     """
@@ -131,6 +134,7 @@ class TransitNormals:
     velocity: Normals
     fix_on_surfacing: Normals | None = None
     fix_on_diving: Normals | None = None
+    fix_at_start: Normals | None = None
     effects: Sequence[Normals | None] = ()
 
 

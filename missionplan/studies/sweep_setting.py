@@ -1,0 +1,153 @@
+"""What a mission asks of a sweep: the transit, its grid of d_max, its velocity errors."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.effects import CATALOGUE
+from missionplan.errors import InputError, Problem
+from missionplan.mission import Mission
+from missionplan.mission.phases import TransitPhase
+from missionplan.mission.site import Position
+from missionplan.montecarlo.distributions import Distribution, mean_of
+from missionplan.phases.expectation import MAX_RATIO, TransitExpectation, expected_transit
+from missionplan.phases.state import TrialState
+from missionplan.phases.transit_plan import TransitNormals, TransitPlan, VelocityError
+from missionplan.studies.site import Drawn, means, position
+from missionplan.studies.transits import mean_drift, navigation_of, transit_plan
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SweepSetting:
+    """A sweep, ready to run.
+
+    Attributes
+    ----------
+    mission : Mission
+    phase : TransitPhase
+    start : tuple
+        Where the transit begins, and the key path of that position.
+    distance : float
+        L, at the means [m].
+    d_max : array, shape (k + 1,)
+        The mission's grid, and the whole distance after it: one leg [m].
+    sigmas : tuple of (float or None)
+        σ_v of each curve [m/s]; None is the mission's own velocity error.
+    """
+
+    mission: Mission
+    phase: TransitPhase
+    start: tuple[Position, str]
+    distance: float
+    d_max: Array
+    sigmas: tuple[float | None, ...]
+
+    @classmethod
+    def of(cls, mission: Mission) -> "SweepSetting":
+        """Read a mission.
+
+        Raises
+        ------
+        InputError
+            When it has no transit or navigation, or the transit no length, or the mean drift is as fast as the
+            vehicle.
+        """
+        navigation_of(mission)
+        phase, start = _phase_and_start(mission)
+        known = means(mission)
+        origin, goal = position(mission, *start, known), position(mission, phase.to, f"{phase.name}.to", known)
+        distance = float(np.hypot(*(goal - origin)))
+        if distance == 0.0:
+            raise InputError([Problem("ends where it starts; a sweep needs a distance", mission.file, key=phase.name)])
+        drift, speed = float(np.hypot(*mean_drift(mission, phase, origin))), mean_of(phase.speed)
+        if drift >= speed:
+            message = f"the mean drift, {drift:.3g} m/s, is as fast as the vehicle, {speed:.3g} m/s: it cannot arrive"
+            raise InputError([Problem(message, mission.file, key=f"{phase.name}.speed")])
+        grid = np.asarray(mission.sweep.d_max_values(distance), dtype=float)
+        sigmas = tuple(mission.sweep.sigma) if mission.sweep.sigma else (None,)
+        return cls(mission, phase, start, distance, np.append(grid, distance), sigmas)
+
+    @property
+    def speed(self) -> float:
+        """U at its mean [m/s]."""
+        return mean_of(self.phase.speed)
+
+    @property
+    def surfacing_time(self) -> float:
+        """t_s at its mean [s]."""
+        return mean_of(navigation_of(self.mission).surfacing_time)
+
+    @property
+    def arrival_radius(self) -> float:
+        """r_x at its mean [m]."""
+        return mean_of(self.phase.arrival_radius)
+
+    def sigma(self, index: int) -> float:
+        """σ_v that labels a curve; of an anisotropic Σ_v the root mean of its variances [m/s]."""
+        own = navigation_of(self.mission).velocity_error.covariance
+        given = self.sigmas[index]
+        return float(np.sqrt(0.5 * np.trace(own))) if given is None else given
+
+    def plan(self, index: int, drawn: Drawn) -> TransitPlan:
+        """Build the plan of a curve from the draws of a block."""
+        plan, sigma = transit_plan(self.mission, self.phase, drawn), self.sigmas[index]
+        if sigma is None:
+            return plan
+        return replace(plan, velocity_error=VelocityError.isotropic(sigma, plan.velocity_error.mean))
+
+    def state(self, plan: TransitPlan, drawn: Drawn, normals: TransitNormals, trials: int) -> TrialState:
+        """Place a block of trials at the start, with the fix that each takes before its first dive."""
+        noise: Array | float = 0.0
+        if np.any(plan.fix_error) and normals.fix_at_start is not None:
+            noise = plan.fix_error * normals.fix_at_start.leg(0)[:, :trials]
+        return TrialState.at(position(self.mission, *self.start, drawn), trials, noise)
+
+    def analytic_obstacle(self) -> str:
+        """Say what keeps the analytic cost from being known; empty when nothing does."""
+        mission, navigation, phase = self.mission, navigation_of(self.mission), self.phase
+        error = navigation.velocity_error
+        start = self.start[0] if isinstance(self.start[0], tuple) else ()
+        goal = phase.to if isinstance(phase.to, tuple) else ()
+        uncertain = (phase.speed, phase.arrival_radius, navigation.surfacing_time, *error.mean, *start, *goal)
+        own_error = () if mission.sweep.sigma else (error.sigma,)
+        obstacles = {
+            "a current": bool(mission.site and mission.site.current),
+            "drift compensation": navigation.drift_compensation != "none",
+            "a fix error": navigation.fix_error != 0.0,
+            "effects": any(CATALOGUE[entry.effect].phase == "transit" for entry in mission.effects),
+            "uncertain speed, error, surfacing time or place": any(
+                isinstance(quantity, Distribution) for quantity in (*uncertain, *own_error)
+            ),
+            "a velocity error that is not isotropic": not mission.sweep.sigma and error.isotropic_sigma is None,
+            "a velocity error whose mean is not zero": any(mean_of(component) != 0.0 for component in error.mean),
+            f"a velocity error over {MAX_RATIO:g} of the speed": any(
+                self.sigma(index) > MAX_RATIO * self.speed for index in range(len(self.sigmas))
+            ),
+        }
+        return next((words for words, applies in obstacles.items() if applies), "")
+
+    def analytic(self, index: int) -> tuple[TransitExpectation, ...]:
+        """Solve for the expected transit of every d_max of a curve."""
+        sigma = self.sigma(index)
+        return tuple(
+            expected_transit(self.distance, float(d_max), self.speed, self.arrival_radius, sigma, self.surfacing_time)
+            for d_max in self.d_max
+        )
+
+
+def _phase_and_start(mission: Mission) -> tuple[TransitPhase, tuple[Position, str]]:
+    """Find the transit that is swept, and where it begins: its own `from`, else where the transit before it went."""
+    if not mission.transits:
+        raise InputError([Problem("has no transit; sweep-dmax needs one", mission.file, key="phases")])
+    names = [phase.name for phase in mission.transits]
+    number = names.index(mission.sweep.phase) if mission.sweep.phase else 0
+    phase = mission.transits[number]
+    if phase.start is not None:
+        return phase, (phase.start, f"{phase.name}.from")
+    if number == 0:
+        raise InputError([Problem("missing; the first transit says where it starts", mission.file, key="from")])
+    before = mission.transits[number - 1]
+    return phase, (before.to, f"{before.name}.to")
