@@ -84,8 +84,8 @@ class LayeredCurrent(Current):
 
     Attributes
     ----------
-    down_to : array, shape (k,)
-        Lower ends of the layers, increasing [m].
+    down_to : array, shape (k,) or (k, n)
+        Lower ends of the layers, increasing: one a layer, or one a layer and trial [m].
     east, north : array, shape (k,) or (k, n)
         One velocity a layer, or one a layer and trial [m/s].
     """
@@ -96,12 +96,12 @@ class LayeredCurrent(Current):
 
     @override
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
-        layer = np.minimum(np.searchsorted(self.down_to, depth, side="left"), len(self.down_to) - 1)
-        if self.east.ndim == 1 or layer.ndim == 0:
-            chosen = np.stack((self.east[layer], self.north[layer]))
-        else:
-            trials = np.arange(layer.size)
-            chosen = np.stack((self.east[layer, trials], self.north[layer, trials]))
+        east, north = self.east[-1], self.north[-1]
+        for index in range(len(self.down_to) - 2, -1, -1):
+            inside = depth <= self.down_to[index]
+            east = np.where(inside, self.east[index], east)
+            north = np.where(inside, self.north[index], north)
+        chosen = np.stack((east, north))
         return chosen if chosen.ndim == 2 else chosen[:, None]
 
     @override
@@ -110,9 +110,8 @@ class LayeredCurrent(Current):
 
     @override
     def take(self, trials: NDArray[np.intp]) -> "LayeredCurrent":
-        if self.east.ndim == 1:
-            return self
-        return LayeredCurrent(self.down_to, self.east[:, trials], self.north[:, trials])
+        parts = (self.down_to, self.east, self.north)
+        return LayeredCurrent(*(part if part.ndim == 1 else part[:, trials] for part in parts))
 
 
 def layers(down_to: Sequence[Scalars], speed: Sequence[Scalars], toward: Sequence[Scalars]) -> LayeredCurrent:
@@ -120,13 +119,15 @@ def layers(down_to: Sequence[Scalars], speed: Sequence[Scalars], toward: Sequenc
 
     Parameters
     ----------
-    down_to : sequence of float
+    down_to : sequence of float or array, shape (n,)
         Lower ends of the layers [m].
     speed, toward : sequence of float or array, shape (n,)
         [m/s], and clockwise from north [rad].
     """
-    speeds, courses = np.broadcast_arrays(_stacked(speed), _stacked(toward))
-    return LayeredCurrent(np.asarray(down_to, dtype=float), speeds * np.sin(courses), speeds * np.cos(courses))
+    pairs = list(zip(speed, toward, strict=True))
+    east = _stacked([each * np.sin(course) for each, course in pairs])
+    north = _stacked([each * np.cos(course) for each, course in pairs])
+    return LayeredCurrent(_stacked(down_to), east, north)
 
 
 def _stacked(values: Sequence[Scalars]) -> Array:

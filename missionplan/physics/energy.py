@@ -1,0 +1,23 @@
+"""Power that the vehicle draws under way."""
+
+from missionplan.physics.arrays import Scalars
+
+
+def propulsive_power(drag: Scalars, speed: Scalars, efficiency: Scalars) -> Scalars:
+    """Electrical power of propulsion, F u/η = ½ρAC_d u³/η.
+
+    Parameters
+    ----------
+    drag : float or array, shape (n,)
+        F at that speed [N].
+    speed : float or array, shape (n,)
+        u through the water [m/s].
+    efficiency : float or array, shape (n,)
+        η, from the battery to the work against drag.
+
+    Returns
+    -------
+    float or array, shape (n,)
+        [W]
+    """
+    return drag * speed / efficiency

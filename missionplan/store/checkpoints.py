@@ -1,0 +1,131 @@
+"""Finished blocks of a run on disk, so that a run killed at any moment goes on where it was.
+
+One file a block, written atomically, next to ``run.json``, which holds what the blocks came from. A block that was
+cut short at the end of a run has its size in its name: when the run is made longer it is computed anew, whole.
+"""
+
+import difflib
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from io import BytesIO
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.errors import InputError, Problem, RunError
+from missionplan.store.folder import write_atomically
+
+Arrays = Mapping[str, NDArray[np.generic]]
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What the blocks of a run depend on, beside their number.
+
+    Attributes
+    ----------
+    mission : str
+        The mission as resolved, as text, with digests of the data that it reads.
+    options : str
+        Options that change a block's content, one a line.
+    version : str
+        Of the program.
+    """
+
+    mission: str
+    options: str
+    version: str
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of all of it."""
+        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()
+
+    def differences(self, other: "Identity") -> str:
+        """Show what differs from `other`, the older one, as a unified diff."""
+        parts = []
+        for name, old in asdict(other).items():
+            new = getattr(self, name)
+            lines = difflib.unified_diff(
+                old.splitlines(), new.splitlines(), f"{name} before", f"{name} now", "", "", 2, ""
+            )
+            parts += list(lines)
+        return "\n".join(parts)
+
+
+class Checkpoints:
+    """The folder of a run's finished blocks.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if need be.
+    identity : Identity
+    resume : bool
+        Whether to go on with the blocks that the folder holds.
+
+    Raises
+    ------
+    InputError
+        When the folder holds a run and `resume` is not given, or a run of something else: with the difference.
+    RunError
+        When it cannot be written.
+    """
+
+    def __init__(self, folder: Path, identity: Identity, *, resume: bool = False) -> None:
+        self._folder, self._digest = folder, identity.digest
+        record = folder / "run.json"
+        try:
+            before = record.read_text(encoding="utf-8")
+        except FileNotFoundError:
+            before = None
+        except (OSError, UnicodeDecodeError) as error:
+            raise RunError(f"cannot read {record}: {error}") from error
+        if before is not None:
+            self._check(before, identity, resume=resume)
+        for stray in folder.glob(".block-*"):  # left by a write that was killed
+            stray.unlink(missing_ok=True)
+        write_atomically(record, json.dumps(asdict(identity), indent=1, ensure_ascii=False) + "\n")
+
+    def _check(self, before: str, identity: Identity, *, resume: bool) -> None:
+        shown = str(self._folder)
+        if not resume:
+            message = "holds the finished blocks of a run"
+            raise InputError([Problem(message, shown, hint="--resume goes on with them")])
+        try:
+            old = Identity(**json.loads(before))
+        except (ValueError, TypeError):
+            raise InputError([Problem("run.json is not that of a run; nothing can be resumed", shown)]) from None
+        if old != identity:
+            message = f"holds blocks of another run; this is the difference:\n{identity.differences(old)}"
+            raise InputError([Problem(message, shown)])
+
+    def read(self, block: int, size: int) -> dict[str, NDArray[np.generic]] | None:
+        """Give a finished block; None when there is none that can be read."""
+        try:
+            with np.load(self._path(block, size), allow_pickle=False) as file:
+                arrays = {name: file[name] for name in file.files}
+        except (OSError, ValueError, EOFError, BadZipFile):
+            return None
+        return arrays if str(arrays.pop("digest", "")) == self._digest else None
+
+    def write(self, block: int, size: int, arrays: Arrays) -> None:
+        """Keep a finished block.
+
+        Raises
+        ------
+        RunError
+            When the disk is full, the folder has gone or may not be written.
+        """
+        if not self._folder.is_dir():
+            raise RunError(f"cannot write {self._path(block, size)}: the folder {self._folder} has gone")
+        content = BytesIO()
+        np.savez_compressed(content, digest=np.array(self._digest), **dict(arrays))  # type: ignore[arg-type]
+        write_atomically(self._path(block, size), content.getvalue())
+
+    def _path(self, block: int, size: int) -> Path:
+        return self._folder / f"block-{block:07d}-{size}.npz"

@@ -1,0 +1,284 @@
+"""A mission with the draws of a block of trials, as the parameters of its phases."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from missionplan.effects import CATALOGUE
+from missionplan.mission import Mission
+from missionplan.mission.geodesy import to_plane
+from missionplan.mission.phases import LegTable as WrittenLegTable
+from missionplan.mission.phases import MoorPhase, TransitPhase
+from missionplan.mission.site import Geographic, Position
+from missionplan.mission.vehicle import Vehicle
+from missionplan.montecarlo.distributions import Quantity, mean_of
+from missionplan.montecarlo.draws import Correlation, draw
+from missionplan.montecarlo.streams import BLOCK
+from missionplan.phases.compensation import Compensation, Forecast, compensation_named
+from missionplan.phases.currents import Current, LayeredCurrent, layers
+from missionplan.phases.descent_forces import Dive
+from missionplan.phases.hooks import Array, DescentEffect, Scalars, TransitEffect
+from missionplan.phases.legs import LegTable
+from missionplan.phases.moored import MoorPlan
+from missionplan.phases.transit_plan import TransitPlan, VelocityError
+from missionplan.physics.added_mass import anchor_added_mass, lamb_axial_coefficient
+from missionplan.physics.buoyancy import displaced_mass
+from missionplan.physics.drag import FORM_CONSTANTS
+from missionplan.physics.energy import propulsive_power
+from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag, anchor_drag
+from missionplan.physics.water import Water, sea_water
+from missionplan.studies.anchor_weight import anchor_flooded_mass, worst_case_weight
+
+STILL_WATER = LayeredCurrent(np.ones(1), np.zeros(1), np.zeros(1))
+"""For phases that need a current where the mission has none."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A mission and one draw a trial of everything uncertain in it.
+
+    Attributes
+    ----------
+    mission : Mission
+    recorded : Current or None
+        The site's current where the mission reads it from a file (`site_current.recorded_current`).
+    draws : mapping of str to float or array, shape (n,)
+        Every quantity of the mission by its key path.
+    """
+
+    mission: Mission
+    recorded: Current | None
+    draws: Mapping[str, Scalars]
+
+    @classmethod
+    def at_means(cls, mission: Mission, recorded: Current | None = None) -> "Setting":
+        """Give the mission with every distribution at its mean."""
+        return cls(mission, recorded, {path: mean_of(value) for path, value in mission.quantities().items()})
+
+    @classmethod
+    def drawn(
+        cls, mission: Mission, recorded: Current | None = None, *, seed: int, block: int, size: int = BLOCK
+    ) -> "Setting":
+        """Draw a block of trials (see `montecarlo.draws`)."""
+        ties = [Correlation(correlation.between, correlation.rho) for correlation in mission.correlations]
+        quantities: dict[str, Quantity] = mission.quantities()
+        return cls(mission, recorded, draw(quantities, ties, seed, block, size))
+
+    @cached_property
+    def means(self) -> "Setting":
+        """The same mission at its means: what the vehicle is told beforehand."""
+        return Setting.at_means(self.mission, self.recorded)
+
+    def __getitem__(self, path: str) -> Scalars:
+        return self.draws[path]
+
+    def get(self, path: str, default: Scalars) -> Scalars:
+        """Give a quantity, or `default` where the mission has none at that key path."""
+        return self.draws.get(path, default)
+
+    def position(self, position: Position, path: str) -> Array:
+        """East and north of the origin, shape (2,) or (2, n) [m]."""
+        if isinstance(position, Geographic):
+            assert self.mission.site is not None
+            assert self.mission.site.origin is not None
+            place = np.array([position.latitude]), np.array([position.longitude])
+            return np.concatenate(to_plane(*place, self.mission.site.origin))
+        return np.stack(np.broadcast_arrays(*(np.asarray(self[f"{path}[{axis}]"], dtype=float) for axis in (0, 1))))
+
+    @cached_property
+    def water(self) -> Water:
+        """The site's water."""
+        if "site.water.density" in self.draws:
+            return Water(self["site.water.density"], self["site.water.viscosity"])
+        return sea_water(self["site.water.temperature"], self["site.water.salinity"])
+
+    @cached_property
+    def current(self) -> Current | None:
+        """The site's current; None in still water."""
+        if self.recorded is not None:
+            return self.recorded
+        written = self.mission.site.current if self.mission.site else ()
+        if not isinstance(written, tuple) or not written:
+            return None
+        paths = [f"site.current[{index}]" for index in range(len(written))]
+        return layers(*([self[f"{path}.{key}"] for path in paths] for key in ("down_to", "speed", "toward")))
+
+    @property
+    def latitude(self) -> float:
+        """Latitude of the origin [rad]; nan where the mission has none."""
+        site = self.mission.site
+        return site.origin.latitude if site and site.origin else float("nan")
+
+    @cached_property
+    def vehicle_drag(self) -> VehicleDrag:
+        """Drag of the egress vehicle."""
+        vehicle = self._vehicle
+        form, path = vehicle.hull.form_factor, "vehicle.hull"
+        constant = FORM_CONSTANTS[form] if isinstance(form, str) else self[f"{path}.form_factor"]
+        hull = Hull(self[f"{path}.length"], self[f"{path}.diameter"], constant)
+        sail = Sail(*(self[f"vehicle.sail.{key}"] for key in ("chord", "span", "thickness"))) if vehicle.sail else None
+        return VehicleDrag(hull, sail, self["vehicle.appendage_factor"], self.water)
+
+    @cached_property
+    def transit_effects(self) -> tuple[TransitEffect, ...]:
+        """Effects on transits, with their drawn parameters."""
+        return tuple(effect for effect in self._effects if isinstance(effect, TransitEffect))
+
+    @property
+    def transit_effect_ids(self) -> tuple[str, ...]:
+        """Their names in the catalogue, in the same order."""
+        return tuple(entry.effect for entry in self.mission.effects if CATALOGUE[entry.effect].phase == "transit")
+
+    @cached_property
+    def descent_effects(self) -> tuple[DescentEffect, ...]:
+        """Effects on descents, with their drawn parameters."""
+        return tuple(effect for effect in self._effects if isinstance(effect, DescentEffect))
+
+    def energy(self, key: str) -> Scalars:
+        """A quantity of the energy budget; nan where the mission has no budget."""
+        section = "energy" if self.mission.energy else "vehicle.energy"
+        return self.get(f"{section}.{key}", float("nan"))
+
+    @property
+    def surfacing_time(self) -> Scalars:
+        """At the surface each time [s]; 0 without a section `navigation`."""
+        return self.get("navigation.surfacing_time", 0.0)
+
+    @property
+    def fix_error(self) -> Scalars:
+        """Standard deviation of a fix, each axis, without effects [m]."""
+        return self.get("navigation.fix_error", 0.0)
+
+    @cached_property
+    def fix_sd(self) -> Scalars:
+        """Standard deviation of a fix, each axis, with effects [m]."""
+        variance: Scalars = np.square(self.fix_error)
+        for effect in self.transit_effects:
+            variance = variance + effect.fix_variance()
+        return np.sqrt(variance)
+
+    @property
+    def capacity(self) -> Scalars:
+        """What the battery holds [J]; infinite where the mission does not say."""
+        capacity = self.energy("capacity")
+        return capacity if np.all(np.isfinite(capacity)) else float("inf")
+
+    def transit_plan(self, phase: TransitPhase) -> TransitPlan:
+        """What a transit is told.
+
+        Its propulsion is reckoned with the egress vehicle's drag, with or without the anchor on its nose.
+        """
+        assert self.mission.navigation is not None
+        name, table = phase.name, phase.d_max
+        speed, hotel = self[f"{name}.speed"], self.energy("hotel")
+        return TransitPlan(
+            goal=self.position(phase.to, f"{name}.to"),
+            speed=speed,
+            arrival_radius=self[f"{name}.arrival_radius"],
+            d_max=leg_table(table) if isinstance(table, WrittenLegTable) else self[f"{name}.d_max"],
+            surfacing_time=self.surfacing_time,
+            velocity_error=self._velocity_error,
+            fix_error=self.fix_error,
+            depth=self[f"{name}.depth"],
+            max_legs=self.mission.navigation.max_legs,
+            power_under_way=hotel + self._propulsion(speed),
+            power_at_surface=hotel,
+            surfacing_energy=self.energy("surfacing"),
+            latitude=self.latitude,
+        )
+
+    def compensation(self, phase: TransitPhase) -> Compensation | None:
+        """What the vehicle does about its drift, knowing the means alone."""
+        navigation, means = self.mission.navigation, self.means
+        assert navigation is not None
+        forecast = Forecast(
+            current=means.current,
+            mean_error=np.array([float(means[f"navigation.velocity_error.mean[{axis}]"]) for axis in (0, 1)]),
+            depth=float(means[f"{phase.name}.depth"]),
+            surfacing_time=float(means.surfacing_time),
+        )
+        way, covariance = navigation.drift_compensation, navigation.velocity_error.covariance
+        return compensation_named(way, forecast, covariance, means.fix_error)
+
+    def dive(self, phase: MoorPhase) -> Dive:
+        """Bodies, line and depth of a mooring's descent.
+
+        An anchor that the mission describes by its construction is built once, from the means of its parts.
+        """
+        vehicle, water = self._vehicle, self.water
+        assert vehicle.anchor is not None
+        hull, diameter = self.vehicle_drag.hull, self["vehicle.anchor.diameter"]
+        weight = self.wet_weight(phase)
+        displaced = displaced_mass(self["vehicle.mass"], self["vehicle.net_buoyancy"])
+        fraction = self.get("vehicle.hull.added_mass", lamb_axial_coefficient(hull.length / hull.diameter))
+        flooded = self.draws.get("vehicle.anchor.flooded_mass")
+        return Dive(
+            wet_weight=weight,
+            anchor_mass=anchor_flooded_mass(self.means, weight) if flooded is None else flooded,
+            anchor_added_mass=self.get("vehicle.anchor.added_mass", anchor_added_mass(diameter / 2.0, water.density)),
+            anchor_drag=anchor_drag(diameter, self["vehicle.anchor.drag_coefficient"], water.density),
+            vehicle_mass=self["vehicle.mass"],
+            vehicle_added_mass=fraction * displaced,
+            net_buoyancy=self["vehicle.net_buoyancy"],
+            vehicle_drag=self.vehicle_drag,
+            line_length=self[f"{phase.name}.line_length"],
+            site_depth=self["site.depth"],
+        )
+
+    def wet_weight(self, phase: MoorPhase) -> Scalars:
+        """Wet weight of the anchor [N]: the mission's, or the one that `sized` asks for."""
+        if phase.anchor_wet_weight == "sized":
+            return worst_case_weight(self.means, phase)
+        return self[f"{phase.name}.anchor_wet_weight"]
+
+    def moor_plan(self, phase: MoorPhase) -> MoorPlan:
+        """What a mooring is told."""
+        name = phase.name
+        return MoorPlan(
+            dive=self.dive(phase),
+            radius=self[f"{name}.radius"],
+            release_time=self[f"{name}.release_time"],
+            hold=self[f"{name}.hold"],
+            galvanic_release=self[f"{name}.galvanic_release"],
+            surfacing_time=self.surfacing_time,
+            fix_error=self.fix_sd,
+            hotel_power=self.energy("hotel"),
+            surfacing_energy=self.energy("surfacing"),
+        )
+
+    @property
+    def _vehicle(self) -> Vehicle:
+        assert self.mission.vehicle is not None
+        return self.mission.vehicle
+
+    @cached_property
+    def _effects(self) -> tuple[TransitEffect | DescentEffect, ...]:
+        return tuple(
+            CATALOGUE[entry.effect].make({key: self[f"effects.{entry.effect}.{key}"] for key in entry.parameters})
+            for entry in self.mission.effects
+        )
+
+    @cached_property
+    def _velocity_error(self) -> VelocityError:
+        navigation = self.mission.navigation
+        assert navigation is not None
+        path = "navigation.velocity_error"
+        axes = (np.asarray(self[f"{path}.mean[{axis}]"], dtype=float) for axis in (0, 1))
+        mean = np.stack(np.broadcast_arrays(*axes))
+        if navigation.velocity_error.covariance_rows is not None:
+            return VelocityError.general(navigation.velocity_error.covariance, mean)
+        return VelocityError.isotropic(self[f"{path}.sigma"], mean)
+
+    def _propulsion(self, speed: Scalars) -> Scalars:
+        """Power of propulsion [W]; nan without vehicle or water, from which its drag would follow."""
+        if self.mission.vehicle is None or self.mission.site is None or self.mission.site.water is None:
+            return float("nan")
+        return propulsive_power(self.vehicle_drag(speed), speed, self.energy("propulsive_efficiency"))
+
+
+def leg_table(table: WrittenLegTable) -> LegTable:
+    """Leg length against distance left, as the transit takes it."""
+    left, length = np.array(table.table, dtype=float).T
+    return LegTable(left, length)
