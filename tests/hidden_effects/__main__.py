@@ -6,6 +6,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -43,9 +44,10 @@ def main(words: Sequence[str] | None = None) -> int:
     options = _parse(words)
     drawn = plan(options.cases, options.seed, options.kind)
     drawn = [each for each in drawn if options.scenario in (None, each[2])]
-    with tempfile.TemporaryDirectory() as scratch, ProcessPoolExecutor(options.jobs) as pool:
+    with tempfile.TemporaryDirectory() as scratch, ExitStack() as stack:
+        each_of = map if options.jobs == 1 else stack.enter_context(ProcessPoolExecutor(options.jobs)).map
         if options.strengths:
-            for kind, scenario, name, value in sorted(pool.map(_strength, drawn)):
+            for kind, scenario, name, value in sorted(each_of(_strength, drawn)):
                 print(f"{kind:<8} {scenario:<8} {name:<44} {value:8.1f}")
             return 0
         if reason := why_not():
@@ -55,7 +57,7 @@ def main(words: Sequence[str] | None = None) -> int:
         cases, truths = root / "cases", root / "truths"
         cases.mkdir(parents=True)
         outcomes = []
-        for outcome in pool.map(partial(_one, cases, truths, options.in_process), drawn):
+        for outcome in each_of(partial(_one, cases, truths, options.in_process), drawn):
             outcomes.append(outcome)
             print(f"\r{len(outcomes)}/{len(drawn)}", end="", file=sys.stderr, flush=True)
         print(file=sys.stderr)

@@ -106,6 +106,8 @@ def covered(outcome: Outcome) -> list[bool]:
         factor = UNITS.get(entry.get("unit") or "")
         if true is not None and factor is not None:
             low, high = sorted((factor * entry["low"], factor * entry["high"]))
+            if entry["name"] == "amplitude" and high < 0.0:  # half a turn of the phase
+                low, high = -high, -low
             hits.append(low <= true <= high)
     return hits
 

@@ -93,7 +93,9 @@ def draw_survey(rng: np.random.Generator, scenario: str, wanted: Sequence[str]) 
         leg_time = max(leg_time, 5.0 * 86400.0 / legs)
     speed = rng.uniform(0.3, 1.5)
     if pattern in ("one-heading", "out-and-back"):
-        speed = max(0.25, min(speed, FARTHEST / (legs * leg_time)))
+        # slower, an error of the compass would be no more than the current one is unsure of
+        slowest = 0.7 if scenario == "tie" else 0.25
+        speed = max(slowest, min(speed, FARTHEST / (legs * leg_time)))
         leg_time = min(leg_time, FARTHEST / (legs * speed))
     spread = rng.uniform(0.5, 0.8) if "fix-error" in names else rng.choice([0.05, 0.2, 0.5])
     planned = leg_time * np.exp(spread * rng.uniform(-1.0, 1.0, legs))
