@@ -10,16 +10,13 @@ The equation is linear: the expected distance run R and the expected surfacings 
 J = R/U + t_s N. Checked against Monte Carlo for σ/U from 0.005 to 0.4.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from missionplan.phases.hooks import Array
+from missionplan.phases.legs import LegTable
 from missionplan.phases.radial import MAX_PANELS, TAIL, Panels, expectation_matrix, graded_panels, solve_ascending
-
-Policy = Callable[[Array], Array]
-"""Leg length [m] for each distance left [m]."""
 
 MAX_RATIO = 0.7
 """Largest σ/U accepted: at 1/√2 a leg's mean-square error is as long as the leg itself."""
@@ -31,6 +28,8 @@ PANEL_SCALES = 2.5
 """Widest panel about a feature of J, in the feature's width."""
 PANEL_RATIO = 0.6
 """Widest panel elsewhere, in the distance to the nearest feature."""
+FINEST_PANEL = 0.02
+"""Narrowest panel asked for by a table of legs, in arrival radii."""
 
 
 @dataclass(frozen=True)
@@ -68,16 +67,16 @@ class TransitExpectation:
 
 
 def expected_transit(
-    distance: float, d_max: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float
+    distance: float, d_max: float | LegTable, speed: float, arrival_radius: float, sigma: float, surfacing_time: float
 ) -> TransitExpectation:
-    """Expected transit with legs of at most `d_max`: ℓ = min(d, d_max).
+    """Expected transit with legs of at most `d_max`: ℓ = min(d, d_max(d)).
 
     Parameters
     ----------
     distance : float
         To the target at the start [m].
-    d_max : float
-        Maximum leg length [m].
+    d_max : float or LegTable
+        Maximum leg length, or a table of it over the distance left [m].
     speed : float
         Through the water [m/s].
     arrival_radius : float
@@ -92,34 +91,33 @@ def expected_transit(
     ValueError
         If an argument is out of its range, or the error so large that legs do not bring the vehicle nearer.
     """
-    _check(distance, d_max, speed, arrival_radius, sigma, surfacing_time)
+    table = d_max if isinstance(d_max, LegTable) else LegTable(np.array([0.0]), np.array([_positive("d_max", d_max)]))
+    _check(distance, speed, arrival_radius, sigma, surfacing_time)
     k = sigma / speed
-
-    def legs(d: Array) -> Array:
-        return np.minimum(d, d_max)
-
     if distance <= arrival_radius or k * distance <= NO_ERROR * arrival_radius:
-        run, surfacings = _without_error(legs, distance, arrival_radius)
+        run, surfacings = _without_error(table, distance, arrival_radius)
     else:
-        panels = _panels_of_d_max(distance, d_max, arrival_radius, k)
-        run, surfacings = _with_error(legs, panels, distance, k)
+        grade = _panels_of_table if len(table.leg) > 1 else _panels_of_d_max
+        run, surfacings = _with_error(table, grade(distance, table, arrival_radius, k), distance, k)
     return TransitExpectation(distance, speed, surfacing_time, run, surfacings)
 
 
 def expected_cost(
-    distance: float, d_max: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float
+    distance: float, d_max: float | LegTable, speed: float, arrival_radius: float, sigma: float, surfacing_time: float
 ) -> float:
     """Expected cost c (Briggs et al., Eq. 25) of legs of at most `d_max`; arguments as of `expected_transit`."""
     return expected_transit(distance, d_max, speed, arrival_radius, sigma, surfacing_time).cost
 
 
-def _check(
-    distance: float, d_max: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float
-) -> None:
-    positive = {"distance": distance, "d_max": d_max, "speed": speed, "arrival_radius": arrival_radius}
-    for name, value in positive.items():
-        if not value > 0 or not np.isfinite(value):
-            raise ValueError(f"{name} must be positive and finite, not {value:g}")
+def _positive(name: str, value: float) -> float:
+    if not value > 0 or not np.isfinite(value):
+        raise ValueError(f"{name} must be positive and finite, not {value:g}")
+    return value
+
+
+def _check(distance: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float) -> None:
+    for name, value in {"distance": distance, "speed": speed, "arrival_radius": arrival_radius}.items():
+        _positive(name, value)
     for name, value in {"sigma": sigma, "surfacing_time": surfacing_time}.items():
         if not value >= 0 or not np.isfinite(value):
             raise ValueError(f"{name} must be finite and not negative, not {value:g}")
@@ -130,22 +128,22 @@ def _check(
         )
 
 
-def _without_error(legs: Policy, distance: float, arrival_radius: float) -> tuple[float, float]:
+def _without_error(table: LegTable, distance: float, arrival_radius: float) -> tuple[float, float]:
     """Distance run and surfacings when every leg ends where it was aimed."""
     left, run = distance, 0.0
     for surfacings in range(MAX_LEGS):
         if left <= arrival_radius:
             return run, float(surfacings)
-        leg = float(legs(np.array([left]))[0])
+        leg = float(table(np.array([left]))[0])
         left, run = abs(left - leg), run + leg
     raise ValueError(f"not arrived after {MAX_LEGS} legs: d_max is too short for the distance")
 
 
-def _with_error(legs: Policy, panels: Panels, distance: float, k: float) -> tuple[float, float]:
+def _with_error(table: LegTable, panels: Panels, distance: float, k: float) -> tuple[float, float]:
     """Expected distance run and surfacings from `distance`, with panels that reach as far as legs may lead."""
     nodes = panels.nodes
     d = np.append(nodes, distance)
-    leg = legs(d)
+    leg = table(d)
     matrix = expectation_matrix(panels, np.abs(d - leg), k * leg)
     ones = np.ones_like(leg)
     to_go = solve_ascending(matrix[:-1], np.stack([leg, ones], axis=1)[:-1])
@@ -153,12 +151,13 @@ def _with_error(legs: Policy, panels: Panels, distance: float, k: float) -> tupl
     return float(run), float(surfacings)
 
 
-def _panels_of_d_max(distance: float, d_max: float, arrival_radius: float, k: float) -> Panels:
+def _panels_of_d_max(distance: float, table: LegTable, arrival_radius: float, k: float) -> Panels:
     """Panels graded towards the features of J.
 
     One more leg is needed beyond d = j d_max + r_x, where J steps up over the width k d_max √j that j legs' errors
     give, and the leg stops growing at d_max, which leaves a kink there and, blurred, at each further j d_max.
     """
+    d_max = float(table.leg[0])
     scale = k * d_max
 
     def width(d: Array) -> Array:
@@ -168,20 +167,36 @@ def _panels_of_d_max(distance: float, d_max: float, arrival_radius: float, k: fl
         widest = np.maximum(PANEL_SCALES * scale * np.sqrt(legs), PANEL_RATIO * to_feature)
         return np.where(d < d_max, PANEL_RATIO * d, widest)
 
-    top = max(_farthest(distance, d_max, k), 2.0 * arrival_radius)
+    top = max(_farthest(distance, table, k), 2.0 * arrival_radius)
     if top / d_max > MAX_PANELS:
         raise ValueError(f"d_max of {d_max:g} m is too short for a distance of {distance:g} m")
     steps = d_max * np.arange(1, np.floor(top / d_max) + 1)
     edges = np.concatenate([steps, steps + arrival_radius])
-    inside = edges[(edges > arrival_radius) & (edges < top)]
-    return graded_panels(np.append(inside, [arrival_radius, top]), width)
+    return graded_panels(_between(arrival_radius, edges, top), width)
 
 
-def _farthest(distance: float, d_max: float, k: float) -> float:
+def _panels_of_table(distance: float, table: LegTable, arrival_radius: float, k: float) -> Panels:
+    """Panels as wide as the error of the leg from there, which is the finest feature that J can have, or as d − r_x."""
+    top = max(_farthest(distance, table, k), 2.0 * arrival_radius)
+
+    def width(d: Array) -> Array:
+        near = np.maximum(PANEL_RATIO * (d - arrival_radius), FINEST_PANEL * arrival_radius)
+        return np.minimum(np.maximum(PANEL_SCALES * k * table(d), FINEST_PANEL * arrival_radius), near)
+
+    return graded_panels(_between(arrival_radius, table.kinks, top), width)
+
+
+def _between(low: float, edges: Array, high: float) -> Array:
+    """Those edges that lie between two others, and these."""
+    return np.concatenate([[low], edges[(edges > low) & (edges < high)], [high]])
+
+
+def _farthest(distance: float, table: LegTable, k: float) -> float:
     """Distance left that is exceeded with negligible probability after the first leg."""
-    leg = min(distance, d_max)
     if TAIL * k < 1.0:  # every leg ends nearer than it began
-        return distance - leg + TAIL * k * leg
-    # With d_max the distance is a walk of drift −d_max and step scale k d_max: P(rise > z) < exp(−2z/(k² d_max)).
+        first = float(table(np.array([distance]))[0])
+        return distance - first + TAIL * k * first
+    # With a longest leg the distance is a walk of that drift, step scale k ℓ: P(rise > z) < exp(−2z/(k² ℓ)).
     # Without, it is at worst a product of Rayleigh variables with E[(d′/d)²] = 2k² < 1.
-    return min(max(distance, d_max) + (TAIL * k + 12.0 * k**2) * d_max, 1e6 * distance)
+    longest = float(table.leg.max())
+    return min(max(distance, longest) + (TAIL * k + 12.0 * k**2) * longest, 1e6 * distance)

@@ -67,7 +67,7 @@ def graded_panels(edges: Array, width: Callable[[Array], Array]) -> Panels:
     ValueError
         If more than `MAX_PANELS` would be needed.
     """
-    edges = np.sort(edges)
+    edges = np.sort(np.asarray(edges, dtype=float))
     edges = edges[np.append(True, np.diff(edges) > 1e-12 * edges[-1])]
     while True:
         middle = 0.5 * (edges[1:] + edges[:-1])

@@ -8,6 +8,7 @@ from scipy.special import erfc
 
 from missionplan.phases import expectation
 from missionplan.phases.expectation import expected_cost, expected_transit
+from missionplan.phases.legs import LegTable
 
 FIG8 = {"distance": 7408.0, "speed": 1.25, "arrival_radius": 50.0, "surfacing_time": 90.0}
 
@@ -30,7 +31,8 @@ def monte_carlo(distance, d_max, speed, arrival_radius, sigma, trials=20_000):
     run, surfacings = np.zeros(trials), np.zeros(trials)
     left = np.hypot(*position)
     while np.any(left > arrival_radius):
-        leg = np.where(left > arrival_radius, np.minimum(left, d_max), 0.0)
+        longest = d_max(left) if isinstance(d_max, LegTable) else np.minimum(left, d_max)
+        leg = np.where(left > arrival_radius, longest, 0.0)
         error = sigma * leg / speed * rng.standard_normal((2, trials))
         position += -position / left * leg + error
         run += leg
@@ -194,3 +196,19 @@ def test_cost_rises_with_the_surfacing_time_by_the_surfacings(transit, fraction,
 def test_arguments_out_of_range(change, message):
     with pytest.raises(ValueError, match=message):
         expected_cost(**{"d_max": 1000.0, "sigma": 0.035, **FIG8} | change)
+
+
+@pytest.mark.parametrize("d_max", [400.0, 2500.0, 7000.0])
+@pytest.mark.parametrize("sigma", [0.0, 0.035, 0.3])
+def test_a_constant_table_is_a_fixed_d_max(d_max, sigma):
+    table = LegTable(np.array([100.0, 3000.0]), np.array([d_max, d_max]))
+    fixed = expected_cost(d_max=d_max, sigma=sigma, **FIG8)
+    assert expected_cost(d_max=table, sigma=sigma, **FIG8) == pytest.approx(fixed, rel=2e-6, abs=5e-6)
+
+
+def test_a_table_with_a_jump_agrees_with_monte_carlo():
+    table = LegTable(np.array([20.0, 300.0, 301.0, 800.0]), np.array([15.0, 280.0, 150.0, 600.0]))
+    run, surfacings = monte_carlo(1000.0, table, 1.0, 20.0, 0.05)
+    transit = expected_transit(1000.0, table, 1.0, 20.0, 0.05, 90.0)
+    assert run.mean() == pytest.approx(transit.distance_run, abs=4 * run.std() / np.sqrt(run.size))
+    assert surfacings.mean() == pytest.approx(transit.surfacings, abs=4 * surfacings.std() / np.sqrt(run.size))
