@@ -181,3 +181,41 @@ class FreeVehicle:
         dive, hooks = self._dive, self._hooks
         drag = dive.vehicle_drag(speed) * hooks.drag_factor(self._since_taut + t, np.abs(speed))
         return np.asarray(-(dive.net_buoyancy + hooks.lift(depth) + drag) / dive.free_mass)
+
+
+_LATE = 1e6
+"""Time [s] by which every effect that fades has faded."""
+
+
+@dataclass(frozen=True)
+class SteadySink:
+    """Both bodies sinking steadily: what Eqs. 14–15 balance, with the effects that last.
+
+    Attributes
+    ----------
+    through_water : float or array, shape (n,)
+        Speed through the water [m/s].
+    drag_factor : float or array, shape (n,)
+        Of the effects, on both bodies' drag.
+    lift : float or array, shape (n,)
+        Of the effects, on the vehicle, mean over the depth [N].
+    weight_factor : float or array, shape (n,)
+        Of the effects, on the anchor's wet weight.
+    """
+
+    through_water: Scalars
+    drag_factor: Scalars
+    lift: Scalars
+    weight_factor: Scalars
+
+    @classmethod
+    def at(cls, speed: float, hooks: DescentHooks, site_depth: float) -> "SteadySink":
+        """Sink at a speed over the ground [m/s] to a depth [m]."""
+        through_water = speed - hooks.water_velocity
+        depths = np.linspace(0.01, 0.99, 50, dtype=np.float64) * site_depth
+        lift = float(np.mean(np.broadcast_to(hooks.lift(depths), depths.shape)))
+        return cls(through_water, hooks.drag_factor(_LATE, through_water), lift, hooks.wet_weight_factor(_LATE))
+
+    def wet_weight(self, drag: Scalars) -> Scalars:
+        """Wet weight of the anchor that balances the drag of both bodies without effects [N] (Eq. 15) [N]."""
+        return (drag * self.drag_factor + self.lift) / self.weight_factor

@@ -7,6 +7,7 @@ import numpy as np
 from missionplan.errors import InputError, Problem
 from missionplan.mission.phases import MoorPhase
 from missionplan.montecarlo.distributions import mean_of, sd_of
+from missionplan.phases.descent_forces import DescentHooks, SteadySink
 from missionplan.phases.hooks import Array, Scalars
 from missionplan.physics.anchor import AnchorProblem, Construction, Part, dry_mass
 from missionplan.physics.buoyancy import flooded_mass
@@ -60,12 +61,14 @@ def worst_case_weight(means: "Setting", phase: MoorPhase) -> float:
     Returns
     -------
     float
-        Drag at the required terminal velocity, and the vehicle's net buoyancy where the phase says so [N].
+        Drag at the required terminal velocity with the mission's effects, and the vehicle's net buoyancy where the
+        phase says so [N].
     """
     speeds, thicknesses = design_current(means, phase)
-    speed = float(required_terminal_velocity(speeds, thicknesses, means[f"{phase.name}.radius"]))
+    over_ground = float(required_terminal_velocity(speeds, thicknesses, means[f"{phase.name}.radius"]))
+    sink = SteadySink.at(over_ground, DescentHooks(means.descent_effects), float(means["site.depth"]))
     law = anchor_drag(means["vehicle.anchor.diameter"], means["vehicle.anchor.drag_coefficient"], means.water.density)
-    weight = float(means.vehicle_drag(speed)) + float(law(speed))
+    weight = float(sink.wet_weight(means.vehicle_drag(sink.through_water) + law(sink.through_water)))
     weight += float(means["vehicle.net_buoyancy"]) if phase.carry_net_buoyancy else 0.0
     if weight <= 0.0:
         raise InputError([Problem("no current to size the anchor for", key=f"{phase.name}.anchor_wet_weight")])
