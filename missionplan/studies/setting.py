@@ -258,6 +258,7 @@ class Setting:
         return tuple(
             CATALOGUE[entry.effect].make({key: self[f"effects.{entry.effect}.{key}"] for key in entry.parameters})
             for entry in self.mission.effects
+            if CATALOGUE[entry.effect].changes_plan  # a clock or a sensor that is off moves no vehicle
         )
 
     @cached_property
