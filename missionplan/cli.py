@@ -191,7 +191,7 @@ def tell(result: "Result", folder: Path, output: Output) -> None:
     console.print(f"[bold]{escape(shown.sentence)}[/bold]")
     table = Table(box=None, pad_edge=False, header_style="dim")
     for index, column in enumerate(shown.columns):
-        table.add_column(escape(column), justify="left" if index == 0 else "right")
+        table.add_column(escape(column), justify="left" if index == 0 else "right", no_wrap=True)
     for row in shown.rows:
         table.add_row(*(escape(cell) for cell in row))
     console.print(table)
