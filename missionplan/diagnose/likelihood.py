@@ -16,6 +16,8 @@ from scipy.special import gammaln
 Array = NDArray[np.float64]
 LOG_2PI = math.log(2.0 * math.pi)
 SEARCH_STEP = 1e-4
+GRADIENT = 0.1
+"""Gradient at which the climb ends: within 0.005 nats of the top where the posterior's standard deviation is 1."""
 CURVATURE_STEP = 0.05
 
 
@@ -43,8 +45,8 @@ def whiten(noise: Array, values: Array) -> tuple[Array, float]:
 
     Parameters
     ----------
-    noise : array, shape (2, n) or (2, n, n)
-        Variances, or covariances, for each axis.
+    noise : array, shape (2, n), (2, n, n) or (1, n, n)
+        Variances, or covariances, for each axis or for both.
     values : array, shape (2, n, m)
         Columns to whiten.
 
@@ -58,6 +60,10 @@ def whiten(noise: Array, values: Array) -> tuple[Array, float]:
     if noise.ndim == 2:
         return values / np.sqrt(noise)[:, :, None], float(np.log(noise).sum())
     factor = np.linalg.cholesky(noise)
+    if len(noise) == 1:
+        both = np.concatenate(list(values), axis=1)
+        whitened = np.stack(np.split(solve_triangular(factor[0], both, lower=True, check_finite=False), 2, axis=1))
+        return whitened, 4.0 * float(np.log(np.diag(factor[0])).sum())
     whitened = np.stack(
         [solve_triangular(factor[axis], values[axis], lower=True, check_finite=False) for axis in range(len(values))]
     )
@@ -75,8 +81,8 @@ def gaussian_marginal(y: Array, design: Array, prior_sd: Array, noise: Array) ->
         Columns of the coefficients.
     prior_sd : array, shape (k,)
         Their prior standard deviations.
-    noise : array, shape (2, n) or (2, n, n)
-        Variances or covariances for each axis.
+    noise : array
+        As `whiten`.
 
     Raises
     ------
@@ -158,7 +164,9 @@ class Laplace:
     covariance: Array
 
 
-def laplace(log_posterior: Callable[[Array], float], starts: list[Array]) -> Laplace:
+def laplace(
+    log_posterior: Callable[[Array], float], starts: list[Array], spread: Array, *, integrate: bool = True
+) -> Laplace:
     """Maximise a log posterior (normalised prior times likelihood) and integrate it about its mode.
 
     Parameters
@@ -167,6 +175,10 @@ def laplace(log_posterior: Callable[[Array], float], starts: list[Array]) -> Lap
         Of an array of shape (h,), smooth.
     starts : list of array
         Where to start; the best of them is climbed.
+    spread : array, shape (h, h)
+        A guess of the posterior covariance, which sets the first steps.
+    integrate : bool
+        Whether the curvature is wanted; without it the evidence is nan and the covariance is the guess.
     """
 
     def negative(at: Array) -> float:
@@ -177,13 +189,17 @@ def laplace(log_posterior: Callable[[Array], float], starts: list[Array]) -> Lap
         return -value if math.isfinite(value) else 1e12
 
     best = min(starts, key=negative)
-    found = minimize(negative, best, method="BFGS", options={"gtol": 2e-2, "eps": SEARCH_STEP, "maxiter": 60})
+    options = {"gtol": GRADIENT, "eps": SEARCH_STEP, "maxiter": 60, "hess_inv0": spread}
+    found = minimize(negative, best, method="BFGS", options=options)
     mode = found.x if found.fun <= negative(best) else best
+    if not integrate:
+        return Laplace(math.nan, mode, spread)
     curvature = _curvature(negative, mode)
     values, vectors = np.linalg.eigh(curvature)
     values = np.maximum(values, 1e-2)
     evidence = -negative(mode) + 0.5 * len(mode) * LOG_2PI - 0.5 * float(np.log(values).sum())
-    return Laplace(evidence, mode, (vectors / values) @ vectors.T)
+    covariance = (vectors / values) @ vectors.T
+    return Laplace(evidence, mode, 0.5 * (covariance + covariance.T))
 
 
 def _curvature(negative: Callable[[Array], float], mode: Array) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.diagnose.coordinates import Estimate
+from missionplan.diagnose.residuals import Residuals
 
 Array = NDArray[np.float64]
 Causes = tuple[str, ...]
@@ -85,6 +86,10 @@ class Model(Protocol):
 
     def promise(self, causes: Causes, parent: Fit) -> float:
         """A quick bound on what further causes would add to a parent's log evidence, prices aside; inf if unknown."""
+        ...
+
+    def residuals(self, fit: Fit) -> Residuals:
+        """Residuals and their covariance under a fit."""
         ...
 
     def held_out(self, fit: Fit) -> list[Score]:

@@ -11,6 +11,7 @@ from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 from missionplan.diagnose.coordinates import (
     Coordinate,
@@ -21,7 +22,9 @@ from missionplan.diagnose.coordinates import (
     parameters_from,
 )
 from missionplan.diagnose.likelihood import LOG_2PI, Laplace, Marginal, gaussian_marginal, laplace, student_marginal
-from missionplan.diagnose.model import Causes, Fit
+from missionplan.diagnose.model import Causes, Fit, Score
+from missionplan.diagnose.residuals import Residuals
+from missionplan.diagnose.transit_axes import transit_axes
 from missionplan.diagnose.transit_data import TransitData
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.effects.persistent_error import PersistentError
@@ -42,6 +45,8 @@ SIGMA_SPREAD = 0.7
 FIX_SPREAD = 0.4
 FIX_UNSTATED = (3.0, 0.7)
 """Median [m] and log-spread of the fix error where neither data set nor mission states one."""
+TEST_LEVEL = 0.01
+"""Level of the residual tests, all together."""
 LEAST_DOF = 2.02
 STEP = 1e-3
 """Step of the finite differences, in prior standard deviations of a cause."""
@@ -212,7 +217,7 @@ class TransitModel:
         return np.diag(variance) + np.diag(beside, 1) + np.diag(beside, -1)
 
     def noise(self, values: Mapping[tuple[str, str], float]) -> Array:
-        """Covariance of the velocity errors beside the causes of the mean, shape (2, n) or (2, n, n) [m²/s²].
+        """Covariance of the velocity errors beside the causes of the mean, shape (2, n), (1, n, n) or (2, n, n) [m²/s²].
 
         Parameters
         ----------
@@ -227,6 +232,8 @@ class TransitModel:
         if fix.ndim == 1 and lasting is None:
             return white + fix
         full = (np.diag(fix) if fix.ndim == 1 else fix) + (0.0 if lasting is None else lasting)
+        if np.ptp(shape) == 0.0:
+            return full[None] + np.diag(white[0])
         return full[None] + white[:, :, None] * np.eye(self.data.n)
 
     def _lasting(self, values: Mapping[tuple[str, str], float]) -> Array | None:
@@ -267,14 +274,14 @@ class TransitModel:
             return gaussian_marginal(y, columns, self.prior_sd(causes), noise)
         if dof <= LEAST_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
-        variance = noise if noise.ndim == 2 else np.diagonal(noise, axis1=1, axis2=2)
+        variance = noise if noise.ndim == 2 else np.diagonal(noise, axis1=1, axis2=2) * np.ones((2, 1))
         return student_marginal(y, columns, self.prior_sd(causes), variance, dof)
 
     def values(self, causes: Causes, at: Array) -> dict[tuple[str, str], float]:
         """Hyperparameters by effect and name, from their logarithms."""
         return {(h.effect, h.name): math.exp(value) for h, value in zip(self.hypers(causes), at, strict=True)}
 
-    def fit(self, causes: Causes, near: Sequence[Fit] = (), rows: Rows = ALL) -> Fit:
+    def fit(self, causes: Causes, near: Sequence[Fit] = (), rows: Rows = ALL, *, integrate: bool = True) -> Fit:
         """Fit a set of causes: hyperparameters by Laplace, coefficients exactly, angles linearised where they end up.
 
         Parameters
@@ -285,6 +292,8 @@ class TransitModel:
             Fits to start from.
         rows : slice or array
             Legs to fit; default all.
+        integrate : bool
+            Whether the evidence is wanted; without it only the mode is.
 
         Raises
         ------
@@ -292,15 +301,15 @@ class TransitModel:
             When no covariance near the start is positive definite.
         """
         hypers = self.hypers(causes)
-        starts = _starts(hypers, near)
+        starts, spread = _starts(hypers, near)
         about = np.zeros(len(self.coordinates))
         turns = bool({"compass-bias", "compass-deviation"} & set(causes))
         for _ in range(3 if turns else 1):
             linear = self.linearised(about)
-            found = self._climb(causes, hypers, starts, linear, rows)
+            found = self._climb(causes, hypers, starts, spread, linear, rows, integrate=integrate)
             best = self.marginal(causes, found.mode, linear, rows)
             state = TransitState(hypers, found, best, about)
-            about, starts = best.mean, [found.mode]
+            about, starts, spread = best.mean, [found.mode], found.covariance
         return self._described(causes, state)
 
     def promise(self, causes: Causes, parent: Fit) -> float:
@@ -312,8 +321,91 @@ class TransitModel:
         with_it, without = (self.marginal(names, mode, linear) for names in (causes, parent.causes))
         return with_it.log_density - without.log_density
 
+    def residuals(self, fit: Fit) -> Residuals:
+        """Velocity errors leg by leg (first axis, second axis, next leg) and their covariance under a fit."""
+        linear = self.linearised(fit.state.about)
+        covariance = self._total_covariance(fit, linear[1])
+        n = self.data.n
+        order = np.arange(2 * n).reshape(2, n).T.ravel()
+        return Residuals(
+            linear[0].ravel()[order],
+            covariance[np.ix_(order, order)],
+            np.tile([0, 1], n),
+            transit_axes(self.data, self.leg, self.axes),
+            np.repeat(self.data.labels, 2),
+            TEST_LEVEL,
+        )
+
+    def _total_covariance(self, fit: Fit, columns: Array) -> Array:
+        """Covariance of all errors with the coefficients' priors, first axis then second, shape (2n, 2n)."""
+        noise = self.noise(self.values(fit.causes, fit.state.posterior.mode))
+        full = noise if noise.ndim == 3 else noise[:, :, None] * np.eye(self.data.n)
+        n = self.data.n
+        scaled = (columns * self.prior_sd(fit.causes)).reshape(2 * n, -1)
+        total = scaled @ scaled.T
+        total[:n, :n] += full[0]
+        total[n:, n:] += full[-1]
+        return cast(Array, total)
+
+    def predict(self, fit: Fit, seen: NDArray[np.int_], asked: NDArray[np.int_]) -> tuple[Array, Array]:
+        """Predict legs from others.
+
+        Parameters
+        ----------
+        fit : Fit
+            Hyperparameters to use: those of a fit to the legs seen, or of an earlier part of them.
+        seen, asked : array of int
+            Legs known and legs asked for.
+
+        Returns
+        -------
+        mean, covariance : array, shape (2m,), (2m, 2m)
+            Of the velocity errors beyond the base model's mean, first axis then second [m/s].
+        """
+        y, columns = self.linearised(fit.state.about)
+        total = self._total_covariance(fit, columns)
+        offset = (self.y - y).ravel()
+        n = self.data.n
+        have, want = (np.concatenate([legs, legs + n]) for legs in (seen, asked))
+        weights = np.linalg.solve(total[np.ix_(have, have)], total[np.ix_(have, want)]).T
+        mean = weights @ y.ravel()[have] + offset[want]
+        return mean, total[np.ix_(want, want)] - weights @ total[np.ix_(have, want)]
+
+    def blocks(self) -> list[NDArray[np.int_]]:
+        """Blocks of consecutive legs that are held out in turn."""
+        count = int(np.clip(self.data.n // 5, 4, 8))
+        return [np.asarray(block) for block in np.array_split(np.arange(self.data.n), count)]
+
+    def held_out(self, fit: Fit) -> list[Score]:
+        """Predict each block of legs from the others, hyperparameters fitted to the others alone."""
+        scores = []
+        for block in self.blocks():
+            others = np.setdiff1d(np.arange(self.data.n), block)
+            trained = self.fit(fit.causes, (fit,), others, integrate=False)
+            linear = self.linearised(trained.state.about)
+            mode = trained.state.posterior.mode
+            log_score = (
+                self.marginal(fit.causes, mode, linear).log_density
+                - self.marginal(fit.causes, mode, linear, others).log_density
+            )
+            mean, covariance = self.predict(trained, others, block)
+            error = self.y[:, block].ravel() - mean
+            half = norm.ppf(0.95) * np.sqrt(np.diag(covariance))
+            name = f"legs {self.data.labels[block[0]]} to {self.data.labels[block[-1]]}"
+            inside = int((np.abs(error) <= half).sum())
+            scores.append(Score(name, log_score, float(error @ error), inside, error.size))
+        return scores
+
     def _climb(
-        self, causes: Causes, hypers: tuple[Hyper, ...], starts: list[Array], linear: tuple[Array, Array], rows: Rows
+        self,
+        causes: Causes,
+        hypers: tuple[Hyper, ...],
+        starts: list[Array],
+        guess: Array,
+        linear: tuple[Array, Array],
+        rows: Rows,
+        *,
+        integrate: bool,
     ) -> Laplace:
         centre = np.array([hyper.centre for hyper in hypers])
         spread = np.array([hyper.spread for hyper in hypers])
@@ -323,7 +415,7 @@ class TransitModel:
             prior = -0.5 * float(scaled @ scaled) - float(np.log(spread).sum()) - 0.5 * len(at) * LOG_2PI
             return prior + self.marginal(causes, at, linear, rows).log_density
 
-        return laplace(log_posterior, starts)
+        return laplace(log_posterior, starts, guess, integrate=integrate)
 
     def _described(self, causes: Causes, state: TransitState) -> Fit:
         chosen = [i for i, coordinate in enumerate(self.coordinates) if coordinate.effect in causes]
@@ -340,20 +432,26 @@ class TransitModel:
         return Fit(causes, state.posterior.log_evidence, found, calibration, is_possible(found), state)
 
 
-def _starts(hypers: tuple[Hyper, ...], near: Sequence[Fit]) -> list[Array]:
-    """Prior centres, the ends of the parts' fits, and short and long correlation times."""
-    known = {}
+def _starts(hypers: tuple[Hyper, ...], near: Sequence[Fit]) -> tuple[list[Array], Array]:
+    """Where to climb from, and a guess of the posterior covariance.
+
+    The parts' fits where there are any, else the priors' centres; a new hyperparameter also a spread up and down.
+    """
+    known: dict[tuple[str, str], tuple[float, float]] = {}
     for fit in near:
-        known |= {(h.effect, h.name): float(v) for h, v in zip(fit.state.hypers, fit.state.posterior.mode, strict=True)}
-    first = np.array([known.get((h.effect, h.name), h.centre) for h in hypers])
+        modes, variances = fit.state.posterior.mode, np.diag(fit.state.posterior.covariance)
+        for hyper, mode, variance in zip(fit.state.hypers, modes, variances, strict=True):
+            known.setdefault((hyper.effect, hyper.name), (float(mode), float(variance)))
+    guesses = [known.get((h.effect, h.name), (h.centre, min(0.1, h.spread**2))) for h in hypers]
+    first = np.array([guess[0] for guess in guesses])
     starts = [first]
-    fresh = [i for i, h in enumerate(hypers) if h.effect and (h.effect, h.name) not in known]
-    for index in fresh:
-        for shift in (-1.0, 1.0):
-            moved = first.copy()
-            moved[index] += shift * hypers[index].spread
-            starts.append(moved)
-    return starts
+    for index, hyper in enumerate(hypers):
+        if hyper.effect and (hyper.effect, hyper.name) not in known:
+            for shift in (-1.0, 1.0):
+                moved = first.copy()
+                moved[index] += shift * hyper.spread
+                starts.append(moved)
+    return starts, np.diag([guess[1] for guess in guesses])
 
 
 def _hyper_estimates(state: TransitState) -> tuple[Estimate, ...]:

@@ -1,0 +1,113 @@
+"""The method from end to end on a model of the data: select, measure the gain, test the remainder, judge."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.diagnose.gain import HeldOut, compare
+from missionplan.diagnose.model import Causes, Fit, Model
+from missionplan.diagnose.remainder import Remainder, remainder
+from missionplan.diagnose.residuals import outlying_groups
+from missionplan.diagnose.selection import Candidate, Progress, Selection, credible_set, posteriors, select
+from missionplan.diagnose.verdict import Claim, Verdict, claim, verdict
+
+SCORED = 3
+"""Sets whose held-out gain is measured."""
+
+
+def silent(what: str, done: int, of: int) -> None:
+    """Report no progress."""
+
+
+@dataclass(frozen=True)
+class Examination:
+    """Everything that was found.
+
+    Attributes
+    ----------
+    verdict : str
+        By the rules of the contract.
+    claimed : Claim or None
+        The set claimed, and its rivals.
+    best : Fit
+        The claimed set's fit, else the base model's.
+    selection : Selection
+        Every set that was tried.
+    posterior : mapping
+        Probability of each set.
+    credible_set : tuple
+        Sets that hold 95 %, best first.
+    gains : mapping
+        Held-out gain of the best sets.
+    remainder, base_remainder : Remainder
+        What the claimed model leaves, and the base model.
+    outlying_groups : tuple
+        Groups that the best model cannot explain, with p-values.
+    """
+
+    verdict: Verdict
+    claimed: Claim | None
+    best: Fit
+    selection: Selection
+    posterior: Mapping[Causes, float]
+    credible_set: tuple[Causes, ...]
+    gains: Mapping[Causes, HeldOut]
+    remainder: Remainder
+    base_remainder: Remainder
+    outlying_groups: tuple[tuple[str, float], ...]
+
+
+def examine(model: Model, progress: Progress = silent) -> Examination:
+    """Diagnose a model of a data set.
+
+    Parameters
+    ----------
+    model : Model
+        Base model and catalogue, bound to the data.
+    progress : callable
+        Told what is being done.
+    """
+    selection = select(model, progress)
+    gains = _gains(model, selection, progress)
+    best = selection.ranking[0] if selection.ranking else None
+    claimed = claim(selection, gains.get(best.causes) if best else None)
+    progress("testing the remainder", 0, 1)
+    base_residuals = model.residuals(selection.base)
+    base_remainder = remainder(base_residuals)
+    chosen, left, residuals = selection.base, base_remainder, base_residuals
+    if claimed is not None:
+        chosen = claimed.candidate.fit
+        residuals = model.residuals(chosen)
+        left = remainder(residuals)
+    posterior = posteriors(selection, claimed.candidate.causes if claimed else None)
+    return Examination(
+        verdict(claimed, left),
+        claimed,
+        chosen,
+        selection,
+        posterior,
+        tuple(credible_set(posterior)),
+        gains,
+        left,
+        base_remainder,
+        outlying_groups(residuals, residuals.innovations()),
+    )
+
+
+def _gains(model: Model, selection: Selection, progress: Progress) -> dict[Causes, HeldOut]:
+    """Held-out gain of the best few sets that could be claimed or rival the claim."""
+    worth = [candidate for candidate in selection.ranking[:SCORED] if _worth_scoring(candidate, selection)]
+    if not worth:
+        return {}
+    progress("predicting held-out data", 0, len(worth) + 1)
+    base = model.held_out(selection.base)
+    gains: dict[Causes, HeldOut] = {}
+    for done, candidate in enumerate(worth):
+        progress("predicting held-out data", done + 1, len(worth) + 1)
+        gains[candidate.causes] = compare(base, model.held_out(candidate.fit))
+    return gains
+
+
+def _worth_scoring(candidate: Candidate, selection: Selection) -> bool:
+    return candidate.score > max(0.0, selection.ranking[0].score - 6.0) and np.isfinite(candidate.score)

@@ -1,0 +1,64 @@
+"""Gain: how much better the extended model predicts data that it has not seen."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.diagnose.model import Score
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Held-out scores of an extended model beside the base model's.
+
+    Attributes
+    ----------
+    log_score_gain : float
+        Sum over groups of the difference in ln p(group | the others).
+    paired_se : float
+        Standard error of that sum, from the groups' differences.
+    groups_improved, groups : int
+        How many groups the extended model predicts better, of how many.
+    rmse_base, rmse_extended : float
+        Root mean square error of the predictions [units of the data].
+    coverage_90_base, coverage_90_extended : float
+        Share of values inside their 90 % prediction intervals.
+    base, extended : tuple of Score
+        Group by group.
+    """
+
+    log_score_gain: float
+    paired_se: float
+    groups_improved: int
+    groups: int
+    rmse_base: float
+    rmse_extended: float
+    coverage_90_base: float
+    coverage_90_extended: float
+    base: tuple[Score, ...]
+    extended: tuple[Score, ...]
+
+
+def compare(base: Sequence[Score], extended: Sequence[Score]) -> HeldOut:
+    """Compare two models' scores on the same groups."""
+    difference = np.array([b.log_score - a.log_score for a, b in zip(base, extended, strict=True)])
+    spread = float(difference.std(ddof=1)) if len(difference) > 1 else math.nan
+    rmse, coverage = zip(*(_overall(scores) for scores in (base, extended)), strict=True)
+    return HeldOut(
+        float(difference.sum()),
+        spread * math.sqrt(len(difference)),
+        int((difference > 0.0).sum()),
+        len(difference),
+        *rmse,
+        *coverage,
+        tuple(base),
+        tuple(extended),
+    )
+
+
+def _overall(scores: Sequence[Score]) -> tuple[float, float]:
+    count = sum(score.count for score in scores)
+    rmse = math.sqrt(sum(score.squared_error for score in scores) / count)
+    return rmse, sum(score.inside for score in scores) / count

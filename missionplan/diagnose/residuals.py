@@ -1,0 +1,121 @@
+"""Residuals: what a fitted model leaves, in the units of the data and as numbers that should be independent normals."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+from scipy.stats import chi2, norm
+from statsmodels.regression.linear_model import OLS
+from statsmodels.stats.diagnostic import acorr_ljungbox
+from statsmodels.tools import add_constant
+
+Array = NDArray[np.float64]
+
+STRICT = 0.01
+"""Level of the residual tests together; outlying groups too."""
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """Residuals of the base model and their joint distribution under a set of causes.
+
+    Attributes
+    ----------
+    values : array, shape (N,)
+        Data less the prior mean of the (linearised) model, in the order of the record.
+    covariance : array, shape (N, N)
+        Of the values under the model, uncertain parameters included.
+    series : array of int, shape (N,)
+        Which series each value belongs to: runs and components.
+    axes : mapping
+        Name of an axis → its inputs and its kind; see `remainder`.
+    groups : array of str, shape (N,)
+        Runs, for outlying groups.
+    level : float
+        Strict level of the residual tests, all together.
+    """
+
+    values: Array
+    covariance: Array
+    series: NDArray[np.int_]
+    axes: Mapping[str, "Axis"]
+    groups: NDArray[np.str_]
+    level: float
+
+    def innovations(self) -> Array:
+        """One-step-ahead errors over their standard deviations, shape (N,): independent standard normals if all is well."""
+        factor = np.linalg.cholesky(self.covariance)
+        return np.asarray(solve_triangular(factor, self.values, lower=True, check_finite=False))
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis along which a remainder may be smooth.
+
+    Attributes
+    ----------
+    name : str
+        As `diagnosis.json` names it.
+    inputs : array, shape (N, d)
+        Where each value lies, scaled so that the record spans about one.
+    directions : array, shape (N, p)
+        What each value feels of p independent smooth functions.
+    """
+
+    name: str
+    inputs: Array
+    directions: Array
+
+
+@dataclass(frozen=True)
+class ResidualTest:
+    """A test that the innovations are independent and of constant spread."""
+
+    name: str
+    p_value: float
+
+
+def residual_tests(residuals: Residuals, innovations: Array) -> tuple[ResidualTest, ...]:
+    """Ljung–Box test of the innovations and Engle's ARCH test of their squares, for each series of 16 or more.
+
+    Innovations enter by their normal scores, so that a heavy tail alone rejects nothing.
+    """
+    tests = []
+    for number in np.unique(residuals.series):
+        z = innovations[residuals.series == number]
+        if len(z) < 16:
+            continue
+        ranks = np.argsort(np.argsort(z))
+        scores = norm.ppf((ranks + 0.5) / len(z))
+        lags = min(8, len(z) // 4)
+        portmanteau = acorr_ljungbox(scores, lags=[lags], return_df=True)["lb_pvalue"].iloc[0]
+        tests.append(ResidualTest(f"autocorrelation {number + 1}", float(portmanteau)))
+        tests.append(ResidualTest(f"changing spread {number + 1}", _arch_p_value(scores, min(4, lags))))
+    return tuple(tests)
+
+
+def _arch_p_value(scores: Array, lags: int) -> float:
+    """Engle's test: regress the squares on their past; n·R² is χ² with as many degrees of freedom as lags."""
+    squares = scores**2
+    past = np.stack([squares[lags - k - 1 : -k - 1] for k in range(lags)], axis=1)
+    fitted = OLS(squares[lags:], add_constant(past, has_constant="add")).fit()
+    return float(chi2.sf(len(past) * fitted.rsquared, lags))
+
+
+def rejects(tests: tuple[ResidualTest, ...], level: float) -> bool:
+    """Whether any of the tests fails at a level that holds for all of them together (Bonferroni)."""
+    return any(test.p_value < level / len(tests) for test in tests)
+
+
+def outlying_groups(residuals: Residuals, innovations: Array) -> tuple[tuple[str, float], ...]:
+    """Groups whose innovations are together too large, with their p-values (Bonferroni over groups)."""
+    names = list(dict.fromkeys(residuals.groups.tolist()))
+    found = []
+    for name in names:
+        z = innovations[residuals.groups == name]
+        p_value = min(1.0, float(chi2.sf(z @ z, len(z))) * len(names))
+        if p_value < STRICT and len(names) > 1:
+            found.append((name, p_value))
+    return tuple(found)

@@ -1,0 +1,53 @@
+"""Axes along which a navigation log's remainder may be smooth."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.diagnose.residuals import Axis
+from missionplan.diagnose.transit_data import TransitData
+from missionplan.phases.hooks import Leg
+
+Array = NDArray[np.float64]
+
+
+def transit_axes(data: TransitData, leg: Leg, principal: Array) -> dict[str, Axis]:
+    """Time, place, heading, the hull's axes against time, leg duration, and time at the surface where it varies.
+
+    Values are ordered leg by leg, first principal axis then second.
+
+    Parameters
+    ----------
+    data : TransitData
+        The log.
+    leg : Leg
+        The legs as an effect sees them.
+    principal : array, shape (2, 2)
+        Principal axes as columns.
+    """
+    time = _unit(data.middle)[:, None]
+    place = data.start + 0.5 * (data.dead_reckoned - data.start)
+    extent = max(float(np.ptp(place, axis=1).max()), 1.0)
+    surge = (principal.T @ leg.along).T
+    sway = np.stack([-surge[:, 1], surge[:, 0]], axis=1)
+    hull = np.stack([surge, sway], axis=2).reshape(-1, 2)
+    fixed = np.tile(np.eye(2), (data.n, 1))
+    axes = {
+        "time": Axis("time", _twice(time), fixed),
+        "place": Axis("place", _twice((place / extent).T), fixed),
+        "heading": Axis("heading", _twice(0.5 * leg.along.T), hull),
+        "hull": Axis("heading", _twice(time), hull),
+    }
+    if np.ptp(data.under_way) > 0.1 * np.median(data.under_way):
+        axes["duration"] = Axis("duration", _twice(_unit(data.under_way)[:, None]), fixed)
+    if np.ptp(data.surface) > 0.1 * max(float(np.median(data.surface)), 1.0):
+        axes["surface"] = Axis("duration", _twice(_unit(data.surface)[:, None]), fixed)
+    return axes
+
+
+def _unit(values: Array) -> Array:
+    return np.asarray((values - values.min()) / max(float(np.ptp(values)), 1e-12))
+
+
+def _twice(inputs: Array) -> Array:
+    """One row for each component of a leg."""
+    return np.repeat(inputs, 2, axis=0)
