@@ -1,0 +1,5 @@
+"""``python -m missionplan``."""
+
+from missionplan.cli import main
+
+main()
