@@ -7,6 +7,7 @@ cut short at the end of a run has its size in its name: when the run is made lon
 import difflib
 import hashlib
 import json
+import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from io import BytesIO
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from missionplan.errors import InputError, Problem, RunError
 from missionplan.store.folder import write_atomically
 
+_UNREADABLE = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
 Arrays = Mapping[str, NDArray[np.generic]]
 
 
@@ -104,12 +106,20 @@ class Checkpoints:
             message = f"holds blocks of another run; this is the difference:\n{identity.differences(old)}"
             raise InputError([Problem(message, shown)])
 
+    def holds(self, block: int, size: int) -> bool:
+        """Whether a block is there, as far as its name and label tell."""
+        try:
+            with np.load(self._path(block, size), allow_pickle=False) as file:
+                return str(file["digest"]) == self._digest
+        except _UNREADABLE:
+            return False
+
     def read(self, block: int, size: int) -> dict[str, NDArray[np.generic]] | None:
         """Give a finished block; None when there is none that can be read."""
         try:
             with np.load(self._path(block, size), allow_pickle=False) as file:
                 arrays = {name: file[name] for name in file.files}
-        except (OSError, ValueError, EOFError, BadZipFile):
+        except _UNREADABLE:
             return None
         return arrays if str(arrays.pop("digest", "")) == self._digest else None
 

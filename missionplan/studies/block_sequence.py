@@ -1,0 +1,114 @@
+"""The blocks of a run in their order, from the checkpoint or from the workers, merged as they come."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.errors import RunError
+from missionplan.montecarlo.fanout import Progress
+from missionplan.montecarlo.streams import BLOCK
+from missionplan.store.checkpoints import Checkpoints
+from missionplan.studies.precision import Precision
+from missionplan.studies.tally import Tally
+from missionplan.studies.trials_table import TrialsTable
+
+Item = tuple[int, int]
+"""A block and how many of its trials are used."""
+
+
+@dataclass(frozen=True)
+class DoneBlock:
+    """A block that is done: reduced, with a row a trial where asked for; or why it failed."""
+
+    tally: Tally | None
+    rows: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
+    failure: str = ""
+
+
+FanOut = Callable[[Sequence[Item]], Iterator[DoneBlock]]
+"""Runs blocks and yields them in the order given."""
+
+
+@dataclass
+class BlockSequence:
+    """A run.
+
+    Attributes
+    ----------
+    items : sequence of Item
+        All blocks, ascending.
+    store : Checkpoints or None
+        Where finished blocks are kept.
+    goal : Precision or None
+        What ends the run early.
+    table : TrialsTable or None
+        Takes the rows.
+    first_good : Item
+        First block that did not fail, once the run is over.
+    """
+
+    items: Sequence[Item]
+    store: Checkpoints | None = None
+    goal: Precision | None = None
+    table: TrialsTable | None = None
+    first_good: Item = (0, 0)
+
+    def run(self, fan_out: FanOut, progress: Progress | None = None) -> tuple[Tally, tuple[str, ...]]:
+        """Run until all is done or precise enough; give the total, and why blocks failed.
+
+        Raises
+        ------
+        RunError
+            When every block failed, or the checkpoint cannot be written.
+        """
+        total: Tally | None = None
+        failures: list[str] = []
+        done, trials = 0, sum(size for _, size in self.items)
+        if progress is not None:
+            progress(0, trials)
+        with closing(self._blocks(fan_out)) as blocks:
+            for item, block in blocks:
+                done += item[1]
+                if progress is not None:
+                    progress(done, trials)
+                if block.tally is None:
+                    failures.append(block.failure)
+                    continue
+                if total is None:
+                    self.first_good = item
+                total = block.tally if total is None else total.merge(block.tally)
+                if self.table is not None:
+                    self.table.add(item[0] * BLOCK, block.rows)
+                if self.goal is not None and self.goal.is_reached(total):
+                    break
+        if total is None:
+            raise RunError("\n".join(["every block of trials failed:", *failures[:10]]))
+        return total, tuple(failures)
+
+    def _blocks(self, fan_out: FanOut) -> Iterator[tuple[Item, DoneBlock]]:
+        kept = {item for item in self.items if self.store is not None and self.store.holds(*item)}
+        todo = [item for item in self.items if item not in kept]
+        with closing(fan_out(todo)) if todo else closing(iter(())) as fresh:  # type: ignore[type-var]
+            for item in self.items:
+                block = self._stored(item) if item in kept else None
+                if block is None and item in kept:  # it has been damaged or taken away meanwhile
+                    block = next(fan_out([item]))
+                elif block is None:
+                    block = next(fresh)
+                    self._keep(item, block)
+                yield item, block
+
+    def _stored(self, item: Item) -> DoneBlock | None:
+        arrays = self.store.read(*item) if self.store is not None else None
+        if arrays is None:
+            return None
+        rows = {name.removeprefix("row/"): values for name, values in arrays.items() if name.startswith("row/")}
+        return DoneBlock(Tally.from_arrays(arrays), rows)
+
+    def _keep(self, item: Item, block: DoneBlock) -> None:
+        if self.store is not None and block.tally is not None:
+            rows = {f"row/{name}": values for name, values in block.rows.items()}
+            self.store.write(*item, {**block.tally.to_arrays(), **rows})

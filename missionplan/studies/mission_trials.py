@@ -1,0 +1,79 @@
+"""What every trial of a block did, phase by phase: arrays over trials, before anything is reduced."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class PhaseTrials:
+    """What one phase did with every trial of a block. nan: the trial never reached it.
+
+    Attributes
+    ----------
+    name, kind : str
+    quantities : mapping of str to array, shape (n,)
+        By the names of `summary.json`.
+    events : mapping of str to array of bool, shape (n,)
+    start, end : array, shape (n,)
+        Since the mission's start [s].
+    failures : mapping of str to array of bool, shape (n,)
+        What spoils the mission here, in words, in the order in which it happens.
+    miss : array, shape (2, n)
+        Where the phase ended (the vehicle, or its anchor) from its goal [m].
+    track : array, shape (points, 2, k)
+        Of the first trials, nan after the phase has ended for them [m].
+    anchor : array, shape (2, n) or (2, 0)
+        On the seafloor; none in a transit [m].
+    goal : (2,) array, and arrival radius or mooring radius
+        At the trials' mean [m].
+    inputs : mapping of str to array, shape (n,)
+        What was drawn anew each leg or fix, in one number a trial.
+    """
+
+    name: str
+    kind: str
+    quantities: Mapping[str, Array]
+    events: Mapping[str, Flags]
+    start: Array
+    end: Array
+    failures: Mapping[str, Flags]
+    miss: Array
+    track: Array
+    anchor: Array
+    goal: tuple[Array, float]
+    inputs: Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class MissionTrials:
+    """A block of missions.
+
+    Attributes
+    ----------
+    phases : tuple of PhaseTrials
+    total : mapping of str to array, shape (n,)
+        ``duration_s`` and ``energy_wh``; nan for a trial that did not come to the mission's end.
+    success : array of bool, shape (n,)
+        Every transit arrived, every mooring within its radius and not struck, energy within the capacity.
+    draws : mapping of str to array, shape (n,)
+        The uncertain quantities of the mission, by key path.
+    """
+
+    phases: tuple[PhaseTrials, ...]
+    total: Mapping[str, Array]
+    success: Flags
+    draws: Mapping[str, Array]
+
+    def columns(self) -> dict[str, Array | Flags]:
+        """One array a column of the table of trials, shape (n,) each."""
+        found: dict[str, Array | Flags] = dict(self.draws)
+        for phase in self.phases:
+            for values in (phase.inputs, phase.quantities, phase.events):
+                found |= {f"{phase.name}.{name}": value for name, value in values.items()}
+        return found | {f"total.{name}": value for name, value in self.total.items()} | {"total.success": self.success}

@@ -1,0 +1,155 @@
+"""From the reduced blocks of a simulation to its `Outcome`."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from missionplan.mission import Mission
+from missionplan.montecarlo.sensitivity import sensitivities
+from missionplan.montecarlo.statistics import Count, RunningStatistic
+from missionplan.results.base import Provenance
+from missionplan.results.simulation import (
+    Attrition,
+    Histogram,
+    Outcome,
+    PhaseOutcome,
+    RequirementOutcome,
+    Sensitivity,
+    Tracks,
+)
+from missionplan.studies.mission_trials import Array, MissionTrials
+from missionplan.studies.tally import Tally, requirement_key
+
+Value = TypeVar("Value")
+BINS = 40
+"""Bins of a histogram, between the 0.1 % and 99.9 % quantiles."""
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a simulation came to.
+
+    Attributes
+    ----------
+    mission : Mission
+    tally : Tally
+        Of all blocks that succeeded.
+    shown : MissionTrials
+        Some trials with their tracks.
+    failed_blocks : tuple of str
+    trials_table : bytes or None
+    """
+
+    mission: Mission
+    tally: Tally
+    shown: MissionTrials
+    failed_blocks: tuple[str, ...] = ()
+    trials_table: bytes | None = None
+
+    def outcome(self, provenance: Provenance) -> Outcome:
+        """Put the result together."""
+        names = [(phase.name, phase.kind) for phase in self.mission.phases]
+        return Outcome(
+            provenance=provenance,
+            phases=tuple(self._phase(name, kind) for name, kind in names),
+            total=self._phase("total", "total"),
+            requirements=self._requirements(),
+            attrition=self._attrition(),
+            sensitivities=self._sensitivities(),
+            tracks=tracks(self.mission, self.shown),
+            arrivals=self._sampled("miss:"),
+            failed_blocks=self.failed_blocks,
+            trials_table=self.trials_table,
+        )
+
+    def _phase(self, name: str, kind: str) -> PhaseOutcome:
+        own = _under(self.tally.statistics, name)
+        clocks = {"start": own.pop("start", None), "end": own.pop("end", None)}
+        nothing = RunningStatistic.of(np.empty(0))
+        start = clocks["start"] or RunningStatistic.of(np.zeros(self.tally.trials))
+        end = clocks["end"] or own.get("duration_s", nothing)
+        return PhaseOutcome(
+            name=name,
+            kind=kind,
+            quantities={quantity: running.statistic() for quantity, running in own.items()},
+            events={event: count.probability() for event, count in _under(self.tally.counts, name).items()},
+            histograms={quantity: histogram(running) for quantity, running in own.items()},
+            start=start.statistic(),
+            end=end.statistic(),
+        )
+
+    def _requirements(self) -> tuple[RequirementOutcome, ...]:
+        found = []
+        for index, requirement in enumerate(self.mission.requirements):
+            probability = self.tally.counts[f"requirement {index}"].probability()
+            required, (_, unit) = requirement.probability, requirement_key(self.mission, requirement.quantity)
+            limit = requirement.at_most if requirement.at_most is not None else requirement.at_least
+            found.append(
+                RequirementOutcome(
+                    quantity=requirement.quantity,
+                    bound=None if limit is None else "at_most" if requirement.at_most is not None else "at_least",
+                    limit=limit,
+                    unit=unit or "",
+                    required=required,
+                    probability=probability,
+                    met=probability.value >= required,
+                    undecided=probability.low <= required <= probability.high,
+                )
+            )
+        return tuple(found)
+
+    def _attrition(self) -> tuple[Attrition, ...]:
+        steps, left, trials = [], self.tally.trials, self.tally.trials
+        for step, count in self.tally.counts.items():
+            if ": " in step:
+                left -= count.successes
+                steps.append(Attrition(step, count.probability(), Count(left, trials).probability()))
+        return tuple(steps)
+
+    def _sensitivities(self) -> tuple[Sensitivity, ...]:
+        found = sensitivities(self._sampled("input:"), self._sampled("output:"))
+        return tuple(Sensitivity(**vars(influence)) for influence in found)
+
+    def _sampled(self, group: str) -> dict[str, Array]:
+        return {
+            name.removeprefix(group): values for name, values in self.tally.sample.items() if name.startswith(group)
+        }
+
+
+def _under(found: Mapping[str, Value], phase: str) -> dict[str, Value]:
+    return {name.removeprefix(f"{phase}."): value for name, value in found.items() if name.startswith(f"{phase}.")}
+
+
+def histogram(running: RunningStatistic) -> Histogram:
+    """Bin a quantity from its sketch; whole numbers get a bin each where these are few."""
+    values, counts = running.sketch.values(), running.sketch.counts
+    low, high = running.quantile(0.001), running.quantile(0.999)
+    if not math.isfinite(low):
+        return Histogram(np.array([0.0, 1.0]), np.zeros(1))
+    whole = np.round(values)
+    if high - low <= BINS and np.all(np.abs(values - whole) <= 1e-3 * np.maximum(whole, 1.0)):
+        edges, values = np.arange(round(low) - 0.5, round(high) + 1.0), whole
+    else:
+        margin = max(high - low, 1e-6 * max(abs(low), 1.0)) * 1e-3
+        edges = np.linspace(low - margin, high + margin, BINS + 1)
+    place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+    return Histogram(edges, np.bincount(place, counts, minlength=len(edges) - 1))
+
+
+def tracks(mission: Mission, shown: MissionTrials) -> Tracks:
+    """Put the tracks of the phases one after another."""
+    parts = [phase.track for phase in shown.phases]
+    anchors = [phase.anchor for phase in shown.phases]
+    origin = mission.site.origin if mission.site else None
+    return Tracks(
+        position=np.concatenate(parts),
+        phase=np.repeat(np.arange(len(parts)), [len(part) for part in parts]),
+        targets={
+            phase.name: ((float(phase.goal[0][0]), float(phase.goal[0][1])), phase.goal[1]) for phase in shown.phases
+        },
+        anchors=np.concatenate(anchors, axis=1),
+        origin=(origin.latitude, origin.longitude) if origin else None,
+    )

@@ -1,0 +1,173 @@
+"""Will the mission work? With what probability, how long, how much energy, and what spoils it when it fails."""
+
+import hashlib
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from missionplan.errors import MissionplanError
+from missionplan.mission import Mission
+from missionplan.montecarlo.fanout import Backend, Progress, run_blocks
+from missionplan.montecarlo.streams import BLOCK, block_count, block_size
+from missionplan.phases.currents import Current
+from missionplan.results.base import Provenance, to_yaml
+from missionplan.results.simulation import Outcome
+from missionplan.store.checkpoints import Checkpoints, Identity
+from missionplan.studies.block_sequence import BlockSequence, DoneBlock, Item
+from missionplan.studies.mission_trials import MissionTrials
+from missionplan.studies.outcome import Findings
+from missionplan.studies.precision import Precision
+from missionplan.studies.setting import Setting
+from missionplan.studies.simulate_checks import check_complete, check_current, late_notices, notices
+from missionplan.studies.site_current import current_file, recorded_current
+from missionplan.studies.tally import SAMPLED_BLOCKS, tally
+from missionplan.studies.trial_block import run_block
+from missionplan.studies.trials_table import TrialsTable
+
+MOST_TRIALS = 10_000_000
+"""Where a run to a given precision ends unless it says otherwise."""
+TRACKED = 300
+"""Trials whose tracks are shown."""
+
+
+def simulate(
+    mission: Mission,
+    *,
+    trials: int | None = None,
+    seed: int | None = None,
+    jobs: int = 1,
+    backend: Backend = "loky",
+    scheduler: str | None = None,
+    precision: str | None = None,
+    checkpoint: Path | None = None,
+    resume: bool = False,
+    keep_trials: bool = False,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Run the whole mission many times.
+
+    Parameters
+    ----------
+    mission : Mission
+    trials, seed : int, optional
+        Default: the mission's. With `precision`, `trials` is the most that are run (default `MOST_TRIALS`).
+    jobs, backend, scheduler
+        See `run_blocks`. The result does not depend on them, to the last bit.
+    precision : str, optional
+        Stop after the first block at which a standard error is below it: ``0.5%`` (of P(success)),
+        ``success=0.002``, ``total.duration=0.5%``, ``moor.offset=0.1 m``. The run then equals one of that many trials.
+    checkpoint : Path, optional
+        Folder in which finished blocks are kept.
+    resume : bool
+        Go on with the blocks in that folder.
+    keep_trials : bool
+        Keep a table with one row a trial.
+    progress : callable, optional
+        Called with the trials done and their total.
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what its phases need, an option is wrong, or the checkpoint is of another run.
+    RunError
+        When every block fails, a worker dies, or the checkpoint cannot be written.
+    """
+    started = time.perf_counter()
+    check_complete(mission)
+    seed = mission.monte_carlo.seed if seed is None else seed
+    goal = Precision.parse(precision, mission) if precision else None
+    count = trials or (MOST_TRIALS if goal else mission.monte_carlo.trials)
+    means = Setting.at_means(mission, recorded_current(mission))
+    check_current(mission, means)
+    said = notices(mission, means)
+    blocks = _Blocks(mission, means.recorded, seed, keep_trials)
+    store = Checkpoints(checkpoint, blocks.identity, resume=resume) if checkpoint else None
+    items = [(block, block_size(count, block)) for block in range(block_count(count))]
+    run = BlockSequence(items, store, goal, TrialsTable() if keep_trials else None)
+
+    def fan_out(todo: Sequence[Item]) -> Iterator[DoneBlock]:
+        return run_blocks(blocks, todo, jobs=jobs, backend=backend, scheduler=scheduler)
+
+    found, failed = run.run(fan_out, progress)
+    shown = blocks.trials(*run.first_good, tracked=TRACKED)
+    if goal is not None and not goal.is_reached(found):
+        said += (f"The precision asked for, {precision}, was not reached in {found.trials} trials.",)
+    options: dict[str, Any] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
+    provenance = Provenance(
+        command="simulate",
+        mission=mission.name,
+        file=mission.file,
+        seed=seed,
+        trials=found.trials,
+        options=options,
+        elapsed_s=time.perf_counter() - started,
+        data=mission.raw,
+        notices=(*said, *late_notices(means, found)),
+    )
+    table = run.table.parquet() if run.table else None
+    return Findings(mission, found, shown, failed, table).outcome(provenance)
+
+
+def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLOCK) -> MissionTrials:
+    """Run one block of trials alone, as `simulate` does, and keep every trial.
+
+    Parameters
+    ----------
+    mission : Mission
+    seed, block : int
+        As a failed block is reported.
+    trials : int
+        First trials of the block that are used.
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what its phases need.
+    Exception
+        Whatever the block fails with.
+    """
+    check_complete(mission)
+    return _Blocks(mission, recorded_current(mission), seed, False).trials(block, trials)
+
+
+@dataclass(frozen=True)
+class _Blocks:
+    """What runs a block, in this process or another; everything that it needs is in it."""
+
+    mission: Mission
+    recorded: Current | None
+    seed: int
+    keep_trials: bool
+
+    @property
+    def identity(self) -> Identity:
+        """What a finished block depends on; not how many blocks there are."""
+        data = {key: value for key, value in self.mission.raw.items() if key != "monte_carlo"}
+        text, source = to_yaml(data), current_file(self.mission)
+        if source is not None:
+            digest = hashlib.sha256(source.read_bytes()).hexdigest()
+            text = text.replace(str(source), f"{source.name} (SHA-256 {digest})")
+        options = f"seed: {self.seed}\nkeep_trials: {self.keep_trials}\n"
+        return Identity(text, options, version("missionplan"))
+
+    def trials(self, block: int, size: int, tracked: int = 0) -> MissionTrials:
+        """Run one block."""
+        setting = Setting.drawn(self.mission, self.recorded, seed=self.seed, block=block, size=size)
+        return run_block(setting, self.seed, block, size, tracked)
+
+    def __call__(self, item: Item) -> DoneBlock:
+        """Run one block and reduce it; a failure of its numbers is told, not raised, so that others go on."""
+        block, size = item
+        try:
+            trials = self.trials(block, size)
+            reduced = tally(self.mission, trials, sampled=block < SAMPLED_BLOCKS)
+        except MissionplanError:
+            raise
+        except Exception as error:
+            first = block * BLOCK
+            place = f"block {block} (trials {first} to {first + size - 1}, seed {self.seed})"
+            return DoneBlock(None, failure=f"{place}: {type(error).__name__}: {error}")
+        return DoneBlock(reduced, dict(trials.columns()) if self.keep_trials else {})

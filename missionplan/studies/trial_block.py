@@ -1,0 +1,239 @@
+"""One block of trials through all phases of a mission, each from the state in which the last one left it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from missionplan.mission.phases import MoorPhase, TransitPhase
+from missionplan.montecarlo.streams import LegNormals
+from missionplan.phases.drift import random_part
+from missionplan.phases.hooks import Array
+from missionplan.phases.moored import moor
+from missionplan.phases.state import TrialState
+from missionplan.phases.transit import transit
+from missionplan.phases.transit_plan import Normals, Surroundings, Track, TransitNormals, TransitPlan, TransitRecord
+from missionplan.studies.mission_trials import Flags, MissionTrials, PhaseTrials
+from missionplan.studies.setting import STILL_WATER, Setting
+
+JOULES_PER_WATT_HOUR = 3600.0
+
+
+@dataclass(frozen=True)
+class BlockRun:
+    """A block under way.
+
+    Attributes
+    ----------
+    setting : Setting
+        With the block's draws.
+    seed, block : int
+        See `montecarlo.streams`.
+    tracked : int
+        Trials whose tracks are kept.
+    """
+
+    setting: Setting
+    seed: int
+    block: int
+    tracked: int
+
+    def normals(self, name: str, trials: int) -> Array:
+        """Standard normals of a fix that is taken once, shape (2, n)."""
+        return LegNormals(self.seed, name, self.block).leg(0)[:, :trials]
+
+    def run(self, trials: int) -> MissionTrials:
+        """Take `trials` trials through the mission."""
+        phases = self.setting.mission.phases
+        state = self._deployed(trials)
+        goal = state.position
+        done: list[PhaseTrials] = []
+        for phase in phases:
+            if isinstance(phase, TransitPhase):
+                state, record, goal = self._transit(phase, state)
+            else:
+                state, record = self._moor(phase, state, goal)
+            done.append(record)
+        good = np.ones(trials, dtype=bool)
+        for record in done:
+            for failed in record.failures.values():
+                good &= ~failed
+        total = {
+            "duration_s": np.where(state.alive, state.clock, np.nan),
+            "energy_wh": np.where(state.alive, state.energy / JOULES_PER_WATT_HOUR, np.nan),
+        }
+        uncertain = self.setting.mission.uncertain()
+        return MissionTrials(tuple(done), total, good, {path: np.asarray(self.setting[path]) for path in uncertain})
+
+    def _deployed(self, trials: int) -> TrialState:
+        """Where the first phase begins, with the fix before the first dive; at the origin where none says."""
+        first = self.setting.mission.phases[0]
+        place = np.zeros(2)
+        if isinstance(first, TransitPhase) and first.start is not None:
+            place = self.setting.position(first.start, f"{first.name}.from")
+        noise = self.setting.fix_sd * self.normals(f"{first.name}.fix_at_start", trials)
+        return TrialState.at(place, trials, noise)
+
+    def _transit(self, phase: TransitPhase, state: TrialState) -> tuple[TrialState, PhaseTrials, Array]:
+        setting = self.setting
+        plan, normals = setting.transit_plan(phase), self._leg_normals(phase)
+        around = Surroundings(setting.current, setting.compensation(phase), setting.transit_effects)
+        after, record = transit(plan, state, normals, around, tracked=min(self.tracked, state.trials))
+        kept, out = self._spend(after)
+        goal = np.broadcast_to(plan.goal.reshape(2, -1), (2, state.trials))
+        arrived = record.arrived & ~out
+        quantities = {
+            "duration_s": record.duration,
+            "surfacings": record.surfacings,
+            "distance_m": record.distance,
+            "arrival_error_m": record.arrival_error,
+            "energy_wh": record.energy / JOULES_PER_WATT_HOUR,
+        }
+        found = PhaseTrials(
+            name=phase.name,
+            kind=phase.kind,
+            quantities={name: np.where(arrived, values, np.nan) for name, values in quantities.items()},
+            events={"arrived": arrived},
+            start=np.where(state.alive, state.clock, np.nan),
+            end=np.where(arrived, after.clock, np.nan),
+            failures={"not arrived": state.alive & ~record.arrived, "out of energy": out},
+            miss=np.where(arrived, after.position - goal, np.nan),
+            track=_points(record.track),
+            anchor=np.empty((2, 0)),
+            goal=(goal.mean(axis=1), float(np.mean(plan.arrival_radius))),
+            inputs=_leg_inputs(plan, normals, state, record, goal),
+        )
+        return kept, found, goal
+
+    def _moor(self, phase: MoorPhase, state: TrialState, goal: Array) -> tuple[TrialState, PhaseTrials]:
+        setting, came = self.setting, state.alive
+        plan = setting.moor_plan(phase)
+        normals = self.normals(f"{phase.name}.fix", state.trials)
+        after, record = moor(
+            plan,
+            state,
+            normals,
+            setting.current or STILL_WATER,
+            effects=setting.descent_effects,
+            surface_effects=setting.transit_effects,
+        )
+        kept, out = self._spend(after)
+        descent, down, ended = record.descent, came & record.descent.touched_down, after.alive & ~out
+        miss = record.anchor - goal
+        reached = {
+            "release_time_s": (came, descent.release_time),
+            "payout_time_s": (came, descent.payout_time),
+            "descent_time_s": (down, descent.descent_time),
+            "terminal_velocity_m_s": (came, descent.terminal_velocity),
+            "offset_m": (down, record.offset_distance),
+            "target_offset_m": (down, np.hypot(miss[0], miss[1])),
+            "lowest_altitude_m": (down, descent.lowest_altitude),
+            "ascent_time_s": (after.alive, record.ascent_time),
+            "duration_s": (ended, record.duration),
+            "energy_wh": (ended, record.energy / JOULES_PER_WATT_HOUR),
+        }
+        within, struck = down & record.within_radius, down & record.struck
+        points = (record.anchor, record.surfaced_at, after.position)
+        found = PhaseTrials(
+            name=phase.name,
+            kind=phase.kind,
+            quantities={name: np.where(mask, values, np.nan) for name, (mask, values) in reached.items()},
+            events={"within_radius": within, "struck_seafloor": struck},
+            start=np.where(came, state.clock, np.nan),
+            end=np.where(ended, after.clock, np.nan),
+            failures={
+                "anchor did not reach the seafloor": came & ~down,
+                "anchor outside the radius": down & ~within,
+                "struck the seafloor": struck,
+                "did not surface": down & ~record.surfaced,
+                "out of energy": out,
+            },
+            miss=np.where(down, miss, np.nan),
+            track=np.stack([np.where(after.alive, point, np.nan)[:, : self.tracked] for point in points]),
+            anchor=np.where(down, record.anchor, np.nan),
+            goal=(np.asarray(goal.mean(axis=1)), float(np.mean(plan.radius))),
+            inputs={},
+        )
+        return kept, found
+
+    def _leg_normals(self, phase: TransitPhase) -> TransitNormals:
+        """Open the streams of a transit."""
+
+        def legs(name: str) -> LegNormals:
+            return LegNormals(self.seed, f"{phase.name}.{name}", self.block)
+
+        entries = self.setting.transit_effect_ids
+        return TransitNormals(
+            velocity=legs("velocity_error"),
+            fix_on_surfacing=legs("fix_on_surfacing"),
+            fix_on_diving=legs("fix_on_diving"),
+            effects=[legs(f"effects.{effect}") for effect in entries],
+        )
+
+    def _spend(self, state: TrialState) -> tuple[TrialState, Flags]:
+        """End the trials that have used more than the battery holds; also give which."""
+        if not np.isfinite(
+            [*state.position[:, state.alive], *state.fix[:, state.alive], state.clock[state.alive]]
+        ).all():
+            raise FloatingPointError("a trial under way has lost its place or its time")
+        out = state.alive & (state.energy > self.setting.capacity)
+        return replace(state, alive=state.alive & ~out), out
+
+
+def _points(track: Track | None) -> Array:
+    return np.empty((0, 2, 0)) if track is None else track.position.transpose(1, 0, 2)
+
+
+def _leg_inputs(
+    plan: TransitPlan, normals: TransitNormals, state: TrialState, record: TransitRecord, goal: Array
+) -> dict[str, Array]:
+    """Sum up what was drawn each leg: the mean velocity error over the legs, and the error of the arrival fix.
+
+    Along and across (to port) the straight course from where the transit began.
+    """
+    course = goal - state.position
+    length = np.hypot(course[0], course[1])
+    along = course / np.where(length > 0.0, length, 1.0)
+    legs = record.surfacings
+    total = np.zeros((2, state.trials))
+    for number in range(int(legs.max(initial=0.0))):
+        total += np.where(legs > number, random_part(plan.velocity_error, _leg(normals.velocity, number, state)), 0.0)
+    mean = total / np.maximum(legs, 1.0)
+    found = {"velocity_error": mean}
+    if normals.fix_on_diving is not None and np.any(plan.fix_error):
+        last = np.zeros((2, state.trials))
+        for number in range(int(legs.max(initial=0.0))):
+            last = np.where(legs == number + 1, plan.fix_error * _leg(normals.fix_on_diving, number, state), last)
+        found["fix_error"] = last
+    return {
+        f"{name}.{side}": values
+        for name, vector in found.items()
+        for side, values in (
+            ("along", vector[0] * along[0] + vector[1] * along[1]),
+            ("across", vector[1] * along[0] - vector[0] * along[1]),
+        )
+    }
+
+
+def _leg(source: Normals, number: int, state: TrialState) -> Array:
+    return source.leg(number)[:, : state.trials]
+
+
+def run_block(setting: Setting, seed: int, block: int, trials: int, tracked: int = 0) -> MissionTrials:
+    """Take one block of trials through the mission.
+
+    Parameters
+    ----------
+    setting : Setting
+        With the draws of that block.
+    seed, block, trials : int
+        Of the run; trials in use in the block.
+    tracked : int
+        Trials whose tracks are kept.
+
+    Raises
+    ------
+    FloatingPointError
+        When a phase divides by zero, overflows or leaves the real numbers, or a trial under way has lost its place.
+    """
+    with np.errstate(divide="raise", over="raise", invalid="raise"):
+        return BlockRun(setting, seed, block, tracked).run(trials)

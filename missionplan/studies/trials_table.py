@@ -1,0 +1,36 @@
+"""A table with one row a trial, written as it grows."""
+
+import io
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class TrialsTable:
+    """Parquet in memory, a row group a block: inputs, quantities and events of every trial; null where not reached."""
+
+    def __init__(self) -> None:
+        self._content = io.BytesIO()
+        self._writer: Any = None
+
+    def add(self, first: int, rows: Mapping[str, NDArray[np.generic]]) -> None:
+        """Add a block whose first trial has the number `first`."""
+        import pyarrow
+        from pyarrow import parquet
+
+        size = len(next(iter(rows.values())))
+        columns = {"trial": pyarrow.array(np.arange(first, first + size))}
+        columns |= {
+            name: pyarrow.array(np.ascontiguousarray(values), from_pandas=True) for name, values in rows.items()
+        }
+        table = pyarrow.table(columns)
+        if self._writer is None:
+            self._writer = parquet.ParquetWriter(self._content, table.schema, compression="zstd")
+        self._writer.write_table(table)
+
+    def parquet(self) -> bytes:
+        """Close the table and give the file."""
+        self._writer.close()
+        return self._content.getvalue()
