@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 from missionplan.results.anchor import DiveOdds
 
-_RESOLUTION = 1.001
-_HEAVIEST = 30.0
-"""Times the worst-case anchor: beyond it no hand carries an anchor, and hardly any drift is left to save."""
+_HEAVIEST = 10.0
+"""Times the worst-case anchor, which sinks three times as fast: what drifts too far then drifted before."""
 _LONGEST = 20.0
 """Times the given line."""
 
@@ -69,8 +68,8 @@ def lightest_anchor(odds: Odds, required: float, start: float, line_length: floa
     return Found(None, first.best, reason, line, weight)
 
 
-def _lightest(odds: Odds, required: float, start: float, line: float | None) -> Found:
-    """Lightest weight with one line; neither weight nor reason where striking is what fails."""
+def _lightest(odds: Odds, required: float, start: float, line: float | None, resolution: float = 1.001) -> Found:
+    """Lightest weight, to a ratio, with one line; neither weight nor reason where striking is what fails."""
     heaviest = start * _HEAVIEST
     if odds(heaviest, line).within.value < required:
         share = odds(heaviest, line).within.value
@@ -79,7 +78,7 @@ def _lightest(odds: Odds, required: float, start: float, line: float | None) -> 
             "the drift before the line is taut takes the rest"
         )
         return Found(None, share, words)
-    light = _bisect(lambda weight: odds(weight, line).within.value >= required, start / _HEAVIEST, heaviest)
+    light = _bisect(lambda weight: odds(weight, line).within.value >= required, start / _HEAVIEST, heaviest, resolution)
     best, weight = 0.0, light
     while weight <= heaviest:
         found = odds(weight, line)
@@ -90,7 +89,7 @@ def _lightest(odds: Odds, required: float, start: float, line: float | None) -> 
             return Found(None, best)
         weight *= 1.02
     if weight > light:
-        weight = _bisect(lambda value: odds(value, line).good.value >= required, weight / 1.02, weight)
+        weight = _bisect(lambda value: odds(value, line).good.value >= required, weight / 1.02, weight, resolution)
     return Found(weight, odds(weight, line).good.value)
 
 
@@ -98,7 +97,7 @@ def _shortest_line(odds: Odds, required: float, start: float, given: float) -> t
     weights: dict[float, float] = {}
 
     def does(length: float) -> bool:
-        found = _lightest(odds, required, start, length)
+        found = _lightest(odds, required, start, length, 1.02)
         if found.weight is not None:
             weights[length] = found.weight
         return found.weight is not None
@@ -108,11 +107,11 @@ def _shortest_line(odds: Odds, required: float, start: float, given: float) -> t
         long *= 1.25
         if long > given * _LONGEST:
             return None, None
-    line = _bisect(does, long / 1.25, long, resolution=1.01)
+    line = _bisect(does, long / 1.25, long, 1.02)
     return line, weights[line]
 
 
-def _bisect(does: Callable[[float], bool], low: float, high: float, *, resolution: float = _RESOLUTION) -> float:
+def _bisect(does: Callable[[float], bool], low: float, high: float, resolution: float) -> float:
     """Least value, to a ratio, for which a condition that stays true once it is holds; it holds at `high`."""
     while high / low > resolution:
         middle = math.sqrt(low * high)

@@ -18,6 +18,9 @@ from missionplan.results.anchor import DiveOdds
 from missionplan.studies.anchor_weight import anchor_flooded_mass
 from missionplan.studies.setting import STILL_WATER, Setting
 
+STEP = 0.2
+"""Of the integration [s]: odds need no more than the tenth of a millisecond that it gives."""
+
 
 @dataclass(frozen=True)
 class FanOut:
@@ -103,6 +106,7 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
         position=position,
         t_start=start,
         surface_velocity=surface_velocity(setting, start, release, position),
+        step=STEP,
     )
     fix_error = setting.fix_error * stream(study.seed, f"{study.phase.name}.fix", block).standard_normal((2, size))
     offset = np.where(record.touched_down, np.hypot(*(record.offset - fix_error)), np.nan)

@@ -1,0 +1,191 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from missionplan.errors import InputError
+from missionplan.mission import load
+from missionplan.studies.anchor_search import lightest_anchor
+from missionplan.studies.anchor_trials import AnchorTrials
+from missionplan.studies.size_anchor import size_anchor
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+
+
+@pytest.fixture(scope="module")
+def mission():
+    return load(MISSIONS / "anchor-design.yaml")
+
+
+def altered(tmp_path, *changes, vehicle=()):
+    """A copy of the example with pieces of text replaced."""
+    texts = {"anchor-design.yaml": changes, "vehicles/vt475-self-mooring.yaml": vehicle}
+    (tmp_path / "vehicles").mkdir(exist_ok=True)
+    for name, pairs in texts.items():
+        text = (MISSIONS / name).read_text()
+        for old, new in pairs:
+            assert old in text
+            text = text.replace(old, new)
+        (tmp_path / name).write_text(text)
+    return load(tmp_path / "anchor-design.yaml")
+
+
+GIVEN_WATER = ("{temperature: 15 degC, salinity: 35}", "{density: 1026.02 kg/m^3, viscosity: 1.1892e-6 m^2/s}")
+
+
+def test_check_values_of_the_example(tmp_path):
+    summary = size_anchor(altered(tmp_path, GIVEN_WATER), trials=100).summary()
+    anchor = summary["anchor"]
+    expected = {
+        "terminal_velocity_m_s": (1.6200, 5e-5),
+        "wet_weight_n": (11.697, 5e-4),
+        "cylinder_length_m": (0.12248, 5e-6),
+        "trim_mass_kg": (0.3915, 5e-5),
+        "trim_position_m": (0.1072, 5e-5),
+        "dry_mass_kg": (1.6007, 5e-5),
+        "displaced_mass_kg": (1.6007, 5e-5),
+        "centre_of_gravity_m": (0.0883, 5e-5),
+        "centre_of_buoyancy_m": (0.0883, 5e-5),
+    }
+    for key, (value, within) in expected.items():
+        assert anchor[key] == pytest.approx(value, abs=within), key
+    drag = {"body": 6.614, "sail": 0.281, "vehicle": 8.619, "anchor": 3.078, "total": 11.697}
+    assert anchor["drag_n"] == pytest.approx(drag, abs=5e-4)
+    assert anchor["feasible"] is True
+    assert anchor["problems"] == []
+    descent = summary["descent"]
+    assert descent["time_s"] == pytest.approx(19.2, abs=0.1)
+    assert descent["offset_m"] == pytest.approx(19.6, abs=0.1)
+    assert descent["lowest_altitude_m"] == pytest.approx(1.67, abs=0.01)
+
+
+def test_summary_and_tables_can_be_written(mission):
+    sizing = size_anchor(mission, trials=200, probability=0.9)
+    json.dumps(sizing.summary())
+    files = sizing.files()
+    assert files["anchor.csv"].splitlines()[0] == "quantity,worst_case,probable"
+    frame = sizing.descent_frame()
+    assert list(frame.columns[:2]) == ["t_s", "vehicle_depth_m"]
+    assert set(frame["stage"]) == {"release", "free fall", "pull-down", "coasting", "rise to the line's length"}
+
+
+def test_carrying_the_buoyancy_makes_the_dive_as_fast_as_designed(tmp_path):
+    carried = altered(tmp_path, ("line_length: 5 m", "line_length: 5 m\n      carry_net_buoyancy: true"))
+    sizing = size_anchor(carried, trials=100)
+    assert sizing.anchor.wet_weight == pytest.approx(11.6965 + 0.8896, abs=1e-3)
+    assert sizing.anchor.terminal_velocity == pytest.approx(1.62)
+    assert sizing.anchor.descent_summary()["terminal_velocity_m_s"] == pytest.approx(1.62, rel=1e-6)
+
+
+def test_design_current_defaults_to_mean_and_two_sd(tmp_path):
+    mission = altered(tmp_path, ("      design_current: [1.3 m/s, 1.13 m/s]", "     "))
+    assert size_anchor(mission, trials=10).required_velocity == pytest.approx((1.3 + 1.2) / 2 * 100 / 75)
+
+
+def test_the_layers_own_directions_ask_for_less(mission):
+    sizing = size_anchor(mission, trials=10)
+    aligned, vector = sizing.required_velocity, sizing.vector_velocity
+    across = np.hypot(1.3 + 1.13 * np.cos(np.radians(30)), 1.13 * np.sin(np.radians(30)))
+    assert vector == pytest.approx(aligned * across / (1.3 + 1.13))
+
+
+def test_a_probable_anchor_reaches_its_probability_and_a_lighter_one_does_not(mission):
+    sizing = size_anchor(mission, trials=2000, probability=0.95)
+    found = sizing.probable.anchor
+    assert found.odds.good.value >= 0.95
+    trials = AnchorTrials(mission, mission.moors[0], None, 2000, mission.monte_carlo.seed)
+    assert trials.odds(found.wet_weight / 1.002).good.value < 0.95
+    assert sizing.anchor.wet_weight < found.wet_weight
+
+
+def test_odds_against_a_normal_approximation(mission):
+    """With offsets nearly normal, the odds follow from their mean and spread."""
+    odds = size_anchor(mission, trials=5000).anchor.odds
+    z = (75 * 0.3048 - odds.offset.mean) / odds.offset.sd
+    from scipy.stats import norm
+
+    assert odds.good.value == pytest.approx(norm.cdf(z), abs=0.01)
+
+
+def test_odds_do_not_depend_on_the_number_of_jobs(mission):
+    one = size_anchor(mission, trials=5000).anchor.odds
+    assert size_anchor(mission, trials=5000, jobs=2, backend="threading").anchor.odds == one
+
+
+def test_a_short_line_asks_for_a_longer_one(tmp_path):
+    mission = altered(tmp_path, ("line_length: 5 m", "line_length: 3.35 m"))
+    sizing = size_anchor(mission, trials=200, probability=0.99)
+    probable = sizing.probable
+    assert probable.anchor is None
+    assert "strike" in probable.reason
+    assert probable.line_length > 3.35
+    trials = AnchorTrials(mission, mission.moors[0], None, 200, mission.monte_carlo.seed)
+    assert trials.odds(probable.line_anchor_weight, probable.line_length).good.value >= 0.99
+
+
+def test_a_release_that_drifts_too_far_is_beyond_any_anchor(tmp_path):
+    mission = altered(tmp_path, ("{mean: 2 s, sd: 0.5 s, low: 0 s}", "40 s"))
+    probable = size_anchor(mission, trials=200, probability=0.9).probable
+    assert probable.anchor is None
+    assert probable.line_length is None
+    assert "drift before the line is taut" in probable.reason
+
+
+def test_an_impossible_anchor_says_why_and_what_would_mend_it(tmp_path):
+    mission = altered(tmp_path, vehicle=[("mass: 0.7 kg", "mass: 0.9 kg")])
+    summary = size_anchor(mission, trials=10).summary()
+    assert summary["anchor"]["feasible"] is False
+    assert "behind the tube" in summary["anchor"]["problems"][0]
+    assert any("front" in problem for problem in summary["anchor"]["problems"][1:])
+
+
+def test_without_construction_the_weight_is_still_found(tmp_path):
+    construction = (MISSIONS / "vehicles/vt475-self-mooring.yaml").read_text()
+    block = construction[construction.index("  construction:") : construction.index("energy:")]
+    mission = altered(tmp_path, vehicle=[(block, "  flooded_mass: 2.79 kg\n")])
+    summary = size_anchor(mission, trials=10).summary()
+    assert summary["anchor"]["wet_weight_n"] == pytest.approx(11.6965, abs=1e-3)
+    assert summary["anchor"]["feasible"] is None
+    assert summary["descent"]["time_s"] == pytest.approx(19.24, abs=0.01)
+
+
+def test_effects_of_the_mission_make_the_anchor_heavier(tmp_path, mission):
+    biased = altered(tmp_path, ("monte_carlo:", "effects:\n  - drag-bias: {fraction: 0.6}\nmonte_carlo:"))
+    plain, heavy = size_anchor(mission, trials=10), size_anchor(biased, trials=10)
+    assert heavy.anchor.wet_weight == pytest.approx(1.6 * plain.anchor.wet_weight)
+    assert heavy.anchor.terminal_velocity == pytest.approx(1.62)
+    assert heavy.anchor.summary()["drag_n"]["total"] == pytest.approx(heavy.anchor.wet_weight)
+
+
+def test_effects_on_readings_leave_the_plan_alone(tmp_path, mission):
+    late = altered(tmp_path, ("monte_carlo:", "effects:\n  - clock-offset: {time: 5 s}\nmonte_carlo:"))
+    assert size_anchor(late, trials=10).anchor.descent_time == size_anchor(mission, trials=10).anchor.descent_time
+
+
+def test_everything_missing_is_said_at_once():
+    with pytest.raises(InputError) as caught:
+        size_anchor(load(MISSIONS / "fig8.yaml"))
+    assert {problem.key for problem in caught.value.problems} >= {"phases", "vehicle", "site"}
+
+
+def test_a_probability_must_be_one(mission):
+    with pytest.raises(InputError, match="between 0 and 1"):
+        size_anchor(mission, probability=1.5)
+
+
+def test_search_passes_the_shares_on():
+    """A made-up mooring: within from 10 N, striking from 12 N."""
+
+    class Odds:
+        def __init__(self, weight, line):
+            edge = 12.0 if line is None else 12.0 * line / 5.0
+
+            def share(value):
+                return type("Share", (), {"value": value})()
+
+            self.within = share(float(weight >= 10.0))
+            self.struck = share(float(weight >= edge))
+            self.good = share(float(10.0 <= weight < edge))
+
+    assert lightest_anchor(Odds, 0.9, 11.0, 5.0).weight == pytest.approx(10.0, rel=2e-3)
