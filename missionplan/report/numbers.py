@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.montecarlo.statistics import Probability
+from missionplan.montecarlo.statistics import Probability, Statistic
 
 NARROW_SPACE = "\u202f"
 _SUFFIXES = {"_m_s": "m/s", "_wh": "W*h", "_s": "s", "_m": "m", "_n": "N", "_kg": "kg", "_rad": "rad", "_deg": "deg"}
@@ -62,6 +62,15 @@ def split_key(key: str) -> tuple[str, str]:
         if key.endswith(suffix):
             return key.removesuffix(suffix), unit
     return key, ""
+
+
+def plain(name: str) -> str:
+    """Say a dotted name in words: ``moor release time``, ``current speed in layer 2``."""
+    quantity = split_key(name)[0].removeprefix("effects.")
+    if quantity.startswith("site.current["):
+        layer, _, rest = quantity.removeprefix("site.current[").partition("].")
+        return f"current {rest} in layer {int(layer) + 1}"
+    return quantity.replace(".", " ").replace("_", " ")
 
 
 def unit_for(phase: str, key: str, data: Mapping[str, Any], *, typical: float = math.nan) -> Unit:
@@ -161,7 +170,17 @@ def with_error(value: float, error: float, unit: Unit) -> str:
         return "–"
     if not (math.isfinite(error) and error > 0.0):
         return number(value) + unit.suffix
-    return f"{number(value, error)} ± {_grouped(error, _decimals(error))}{unit.suffix}"
+    return f"{number(value, error)}\u00a0±\u00a0{_grouped(error, _decimals(error))}{unit.suffix}"
+
+
+def span(statistic: Statistic, unit: Unit) -> tuple[str, str, str]:
+    """Write the 5, 50 and 95 % points with the digits that their errors support and their spread asks for.
+
+    The standard error of an outer point of a normal sample is 2.1 times the mean's.
+    """
+    digits = unit(max(0.2 * statistic.sd, 2.1 * statistic.standard_error))
+    low, middle, high = (number(unit(value), digits) for value in (statistic.p05, statistic.p50, statistic.p95))
+    return low, middle, high
 
 
 def percent(probability: Probability) -> str:
@@ -172,7 +191,7 @@ def percent(probability: Probability) -> str:
     half = 0.5 * (high - low)
     decimals = max(0, _decimals(half)) if half > 0.0 else 1
     if min(value, 100.0 - value) > 3.0 * half:
-        return f"{value:.{decimals}f} ± {half:.{decimals}f}\u00a0%"
+        return f"{value:.{decimals}f}\u00a0±\u00a0{half:.{decimals}f}\u00a0%"
     if value in (0.0, 100.0):
         bound = f"at least {_towards(low, -1)}" if value else f"at most {_towards(high, 1)}"
         return f"{value:.0f}\u00a0% ({bound}\u00a0%)"

@@ -32,6 +32,10 @@ BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = (
 """Okabe–Ito colours, in the order of the style's cycle."""
 
 
+_LARGEST = 1.7
+"""Pixels of the page to a point of a figure: 10 pt come out as 17 px."""
+
+
 @dataclass(frozen=True)
 class Figure:
     """A figure: file name without ending, SVG text, what is to be seen (alt text), and a caption."""
@@ -44,11 +48,12 @@ class Figure:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of ready text: column heads, rows, and a caption. The first column holds names."""
+    """A table of ready text: column heads, rows, and a caption. The first `words` columns hold words, not numbers."""
 
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
     caption: str = ""
+    words: int = 1
 
 
 @dataclass(frozen=True)
@@ -129,14 +134,15 @@ def style() -> Iterator[None]:
 def to_figure(figure: "MatplotlibFigure", name: str, alt: str, caption: str = "") -> Figure:
     """Turn a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot) into SVG text."""
     buffer = io.StringIO()
-    figure.savefig(
-        buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None}
-    )
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     return Figure(name, buffer.getvalue(), alt, caption)
 
 
 def inline(figure: Figure) -> Markup:
-    """SVG for inlining: ids of its own, the page's colours, alternative text, scaling with the column."""
+    """SVG for inlining: ids of its own, the page's colours, alternative text, scaling with the column.
+
+    It grows no larger than makes its text the size of the page's.
+    """
     svg = figure.svg[figure.svg.index("<svg") :]
     svg = re.sub(r'\b(id="|xlink:href="#|href="#|url\(#)', rf"\1{figure.name}-", svg)
     svg = re.sub(INK, "currentColor", svg, flags=re.IGNORECASE)
@@ -148,7 +154,9 @@ def inline(figure: Figure) -> Markup:
         count=1,
     )
     label = Markup.escape(figure.alt)
-    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"', 1))
+    width = re.search(r'viewBox="0 0 ([\d.]+)', svg)
+    limit = f' style="max-width: {_LARGEST * float(width[1]):.0f}px"' if width else ""
+    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"{limit}', 1))
 
 
 def render_page(page: Page, provenance: Provenance) -> Rendered:

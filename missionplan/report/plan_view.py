@@ -23,11 +23,11 @@ class Ring:
     Attributes
     ----------
     kind : str
-        ``arrival circle``, ``CEP`` or ``mooring ellipse``.
+        ``arrival circle`` or ``CEP`` of a transit, ``mooring circle`` or ``mooring ellipse`` of a mooring.
     phase : str
         The phase that it belongs to.
     share : float
-        Of the trials that it holds; nan for an arrival circle.
+        Of the trials that it holds; nan for a circle that the mission sets.
     radius : float
         Of a circle; for an ellipse that of the circle of equal area [m].
     line : array, shape (2, k)
@@ -42,19 +42,21 @@ class Ring:
 
 
 def rings(outcome: Outcome) -> Iterator[Ring]:
-    """Draw the arrival circle, CEP 50 and 95 % of every phase with a goal, and the ellipses of every mooring."""
+    """Draw what the mission allows about every goal, and the CEP of the arrivals or the ellipse of the anchors."""
     moors = [phase.name for phase in outcome.phases if phase.kind == "moor"]
     for name, (goal, radius) in outcome.tracks.targets.items():
-        yield Ring("arrival circle", name, math.nan, radius, circle(goal, radius))
+        moored = name in moors
+        yield Ring("mooring circle" if moored else "arrival circle", name, math.nan, radius, circle(goal, radius))
         ends = finite(outcome.arrivals.get(name, np.empty((2, 0))))
         if ends.shape[1] < _LEAST_POINTS:
             continue
         for share in SHARES:
-            if name in moors:
+            if moored:
                 line = ellipse(ends + np.array(goal)[:, None], share)
                 yield Ring("mooring ellipse", name, share, math.sqrt(area(line) / math.pi), line)
-            cep = circular_error(ends, share)
-            yield Ring("CEP", name, share, cep, circle(goal, cep))
+            else:
+                cep = circular_error(ends, share)
+                yield Ring("CEP", name, share, cep, circle(goal, cep))
 
 
 def finite(points: Array) -> Array:

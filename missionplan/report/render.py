@@ -1,5 +1,6 @@
 """Find the module that pictures a result, and render it."""
 
+from dataclasses import replace
 from importlib import import_module
 from types import ModuleType
 
@@ -8,10 +9,12 @@ from missionplan.results.base import Result
 
 
 def render(result: Result) -> Rendered:
-    """Render a result as one self-contained page and its figures."""
+    """Render a result as one self-contained page, its figures, and what its module's `files` has for other programs."""
+    module = _module(result)
     with style():
-        page = _module(result).page(result)
-    return render_page(page, result.provenance)
+        page = module.page(result)
+    rendered = render_page(page, result.provenance)
+    return replace(rendered, files=module.files(result)) if hasattr(module, "files") else rendered
 
 
 def terminal(result: Result) -> Terminal:

@@ -119,6 +119,7 @@ class Result(ABC):
             "mission.yaml": to_yaml(self.provenance.data),
             **{f"figures/{name}.svg": svg for name, svg in rendered.figures.items()},
             **self.files(),
+            **rendered.files,
         }
         with new_folder(folder, force=force) as temporary:
             for name, content in contents.items():

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from missionplan.montecarlo.statistics import wilson
-from missionplan.report.numbers import Unit, number, percent, split_key, unit_for, with_error
+from missionplan.montecarlo.statistics import Statistic, wilson
+from missionplan.report.numbers import Unit, number, percent, span, split_key, unit_for, with_error
 
 MISSION = {
     "site": {"depth": "40 ft"},
@@ -46,8 +46,8 @@ def test_numbers_have_the_digits_that_their_error_supports(value, error, text):
 @pytest.mark.parametrize(
     ("successes", "trials", "text"),
     [
-        (8700, 10_000, "87.0 ± 0.7\u00a0%"),
-        (5000, 10_000, "50.0 ± 1.0\u00a0%"),
+        (8700, 10_000, "87.0\u00a0±\u00a00.7\u00a0%"),
+        (5000, 10_000, "50.0\u00a0±\u00a01.0\u00a0%"),
         (87, 100, "87\u00a0% (79 to 92\u00a0%)"),
         (9997, 10_000, "99.97\u00a0% (99.91 to 99.99\u00a0%)"),
         (10_000, 10_000, "100\u00a0% (at least 99.96\u00a0%)"),
@@ -60,8 +60,16 @@ def test_probabilities_carry_their_interval(successes, trials, text):
 
 
 def test_errors_are_rounded_with_their_value():
-    assert with_error(6.5038, 0.0411, Unit("ft", 0.3048)) == "21.34 ± 0.13\u00a0ft"
+    assert with_error(6.5038, 0.0411, Unit("ft", 0.3048)) == "21.34\u00a0±\u00a00.13\u00a0ft"
     assert with_error(6.5038, 0.0, Unit("m", 1.0)) == "6.504\u00a0m"
+
+
+def test_percentiles_of_few_trials_have_few_digits():
+    many = Statistic(mean=85.0, sd=1.6, p05=82.9438, p50=85.3811, p95=88.1572, standard_error=0.025, count=4000)
+    few = Statistic(mean=85.0, sd=1.6, p05=82.9438, p50=85.3811, p95=88.1572, standard_error=0.7, count=5)
+    assert span(many, Unit("min", 1.0)) == ("82.9", "85.4", "88.2")
+    assert span(few, Unit("min", 1.0)) == ("82.9", "85.4", "88.2")
+    assert span(few, Unit("s", 1.0 / 60.0)) == ("4980", "5120", "5290")
 
 
 @pytest.mark.parametrize(
