@@ -167,13 +167,12 @@ class SeriesCurrent(Current):
         values = np.stack((self.east, self.north))
         steps = 0.5 * (values[:, 1:] + values[:, :-1]) * np.diff(self.time)[:, None]
         travelled = np.concatenate((np.zeros((2, 1, len(self.depth))), np.cumsum(steps, axis=1)), axis=1)
-        before, _, _ = _bracket(self.time, t)
-        since = t - self.time[before]
-        at_node = _interpolated(
-            (np.arange(len(self.time), dtype=float), self.depth), travelled, (before.astype(float), depth)
-        )
-        start = self.velocity(self.time[before], depth, np.zeros((2, 1)))
-        return at_node + 0.5 * (start + self.velocity(t, depth, np.zeros((2, 1)))) * since
+        held = np.clip(t, self.time[0], self.time[-1])
+        before, _, _ = _bracket(self.time, held)
+        nodes = np.arange(len(self.time), dtype=float)
+        to_node = _interpolated((nodes, self.depth), travelled, (before.astype(float), depth))
+        start, end = (self.velocity(moment, depth, np.zeros((2, 1))) for moment in (self.time[before], held))
+        return to_node + 0.5 * (start + end) * (held - self.time[before]) + end * (t - held)
 
 
 @dataclass(frozen=True)

@@ -125,8 +125,6 @@ class TransitNormals:
         Of the velocity error.
     fix_on_surfacing, fix_on_diving : Normals, optional
         Needed when fixes err.
-    fix_at_start : Normals, optional
-        Its leg 0 is the fix before the first dive, for who places the vehicle at the start of the mission.
     effects : sequence of Normals or None
         One an effect; needed where the effect is random.
     """
@@ -134,7 +132,6 @@ class TransitNormals:
     velocity: Normals
     fix_on_surfacing: Normals | None = None
     fix_on_diving: Normals | None = None
-    fix_at_start: Normals | None = None
     effects: Sequence[Normals | None] = ()
 
 

@@ -9,16 +9,15 @@ import numpy as np
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.montecarlo.draws import Correlation, draw
 from missionplan.montecarlo.fanout import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.expectation import TransitExpectation
 from missionplan.results.base import Provenance
 from missionplan.results.sweep import Sweep, SweepCurve, SweepPoint
+from missionplan.studies.setting import Setting
 from missionplan.studies.sweep_cells import CellTotals, run_cells
 from missionplan.studies.sweep_setting import SweepSetting
-from missionplan.studies.transits import surroundings, transit_normals
 
 Method = Literal["both", "analytic", "monte-carlo"]
 Analytic = Sequence[TransitExpectation]
@@ -109,15 +108,12 @@ class SweepTask:
     def __call__(self, item: tuple[int, int]) -> CellTotals:
         """Run every d_max of a curve on a block of trials."""
         index, block = item
-        setting, mission = self.setting, self.setting.mission
-        size = block_size(self.trials, block)
-        ties = [Correlation(tie.between, tie.rho) for tie in mission.correlations]
-        drawn = draw(mission.quantities(), ties, self.seed, block, size)
-        # named by the phase, not by the curve: every sigma and every d_max has the same normals
-        normals = transit_normals(mission, setting.phase, self.seed, block)
-        plan = setting.plan(index, drawn)
-        state = setting.state(plan, drawn, normals, size)
-        return run_cells(plan, state, normals, surroundings(mission, setting.phase, drawn), setting.d_max)
+        setting, size = self.setting, block_size(self.trials, block)
+        recorded = setting.means.recorded
+        drawn = Setting.drawn(setting.mission, recorded, seed=self.seed, block=block, size=size)
+        state = setting.state(drawn, self.seed, block, size)
+        normals = setting.normals(self.seed, block)
+        return run_cells(setting.plan(index, drawn), state, normals, setting.surroundings(drawn), setting.d_max)
 
 
 def _curve(setting: SweepSetting, index: int, sampled: CellTotals | None, analytic: Analytic | None) -> SweepCurve:

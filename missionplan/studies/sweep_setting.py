@@ -8,14 +8,16 @@ from numpy.typing import NDArray
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
+from missionplan.mission.mission import Navigation
 from missionplan.mission.phases import TransitPhase
 from missionplan.mission.site import Position
 from missionplan.montecarlo.distributions import Distribution, mean_of
+from missionplan.montecarlo.streams import LegNormals
 from missionplan.phases.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.state import TrialState
-from missionplan.phases.transit_plan import TransitNormals, TransitPlan, VelocityError
-from missionplan.studies.site import Drawn, means, position
-from missionplan.studies.transits import mean_drift, navigation_of, transit_plan
+from missionplan.phases.transit_plan import Surroundings, TransitNormals, TransitPlan, VelocityError
+from missionplan.studies.setting import Setting
+from missionplan.studies.site_current import recorded_current
 
 Array = NDArray[np.float64]
 
@@ -26,7 +28,8 @@ class SweepSetting:
 
     Attributes
     ----------
-    mission : Mission
+    means : Setting
+        The mission at its means.
     phase : TransitPhase
     start : tuple
         Where the transit begins, and the key path of that position.
@@ -38,7 +41,7 @@ class SweepSetting:
         σ_v of each curve [m/s]; None is the mission's own velocity error.
     """
 
-    mission: Mission
+    means: Setting
     phase: TransitPhase
     start: tuple[Position, str]
     distance: float
@@ -55,20 +58,32 @@ class SweepSetting:
             When it has no transit or navigation, or the transit no length, or the mean drift is as fast as the
             vehicle.
         """
-        navigation_of(mission)
+        if mission.navigation is None:
+            raise InputError([Problem("missing; a transit needs it", mission.file, key="navigation")])
         phase, start = _phase_and_start(mission)
-        known = means(mission)
-        origin, goal = position(mission, *start, known), position(mission, phase.to, f"{phase.name}.to", known)
+        means = Setting.at_means(mission, recorded_current(mission))
+        origin, goal = means.position(*start), means.position(phase.to, f"{phase.name}.to")
         distance = float(np.hypot(*(goal - origin)))
         if distance == 0.0:
             raise InputError([Problem("ends where it starts; a sweep needs a distance", mission.file, key=phase.name)])
-        drift, speed = float(np.hypot(*mean_drift(mission, phase, origin))), mean_of(phase.speed)
+        drift, speed = float(np.hypot(*_mean_drift(means, phase, origin))), mean_of(phase.speed)
         if drift >= speed:
             message = f"the mean drift, {drift:.3g} m/s, is as fast as the vehicle, {speed:.3g} m/s: it cannot arrive"
             raise InputError([Problem(message, mission.file, key=f"{phase.name}.speed")])
         grid = np.asarray(mission.sweep.d_max_values(distance), dtype=float)
         sigmas = tuple(mission.sweep.sigma) if mission.sweep.sigma else (None,)
-        return cls(mission, phase, start, distance, np.append(grid, distance), sigmas)
+        return cls(means, phase, start, distance, np.append(grid, distance), sigmas)
+
+    @property
+    def mission(self) -> Mission:
+        """The mission."""
+        return self.means.mission
+
+    @property
+    def navigation(self) -> Navigation:
+        """Its section `navigation`."""
+        assert self.mission.navigation is not None
+        return self.mission.navigation
 
     @property
     def speed(self) -> float:
@@ -78,7 +93,7 @@ class SweepSetting:
     @property
     def surfacing_time(self) -> float:
         """t_s at its mean [s]."""
-        return mean_of(navigation_of(self.mission).surfacing_time)
+        return mean_of(self.navigation.surfacing_time)
 
     @property
     def arrival_radius(self) -> float:
@@ -87,27 +102,40 @@ class SweepSetting:
 
     def sigma(self, index: int) -> float:
         """σ_v that labels a curve; of an anisotropic Σ_v the root mean of its variances [m/s]."""
-        own = navigation_of(self.mission).velocity_error.covariance
+        own = self.navigation.velocity_error.covariance
         given = self.sigmas[index]
         return float(np.sqrt(0.5 * np.trace(own))) if given is None else given
 
-    def plan(self, index: int, drawn: Drawn) -> TransitPlan:
+    def plan(self, index: int, drawn: Setting) -> TransitPlan:
         """Build the plan of a curve from the draws of a block."""
-        plan, sigma = transit_plan(self.mission, self.phase, drawn), self.sigmas[index]
+        plan, sigma = drawn.transit_plan(self.phase), self.sigmas[index]
         if sigma is None:
             return plan
         return replace(plan, velocity_error=VelocityError.isotropic(sigma, plan.velocity_error.mean))
 
-    def state(self, plan: TransitPlan, drawn: Drawn, normals: TransitNormals, trials: int) -> TrialState:
+    def surroundings(self, drawn: Setting) -> Surroundings:
+        """Build current, compensation and effects from the draws of a block."""
+        return Surroundings(drawn.current, drawn.compensation(self.phase), drawn.transit_effects)
+
+    def normals(self, seed: int, block: int) -> TransitNormals:
+        """Open the streams of the legs: named by the phase, so that every σ_v and every d_max has the same ones."""
+        name = self.phase.name
+        effects = [entry.effect for entry in self.mission.effects if CATALOGUE[entry.effect].phase == "transit"]
+        return TransitNormals(
+            velocity=LegNormals(seed, f"{name}.velocity_error", block),
+            fix_on_surfacing=LegNormals(seed, f"{name}.fix_on_surfacing", block),
+            fix_on_diving=LegNormals(seed, f"{name}.fix_on_diving", block),
+            effects=[LegNormals(seed, f"{name}.effects.{effect}", block) for effect in effects],
+        )
+
+    def state(self, drawn: Setting, seed: int, block: int, trials: int) -> TrialState:
         """Place a block of trials at the start, with the fix that each takes before its first dive."""
-        noise: Array | float = 0.0
-        if np.any(plan.fix_error) and normals.fix_at_start is not None:
-            noise = plan.fix_error * normals.fix_at_start.leg(0)[:, :trials]
-        return TrialState.at(position(self.mission, *self.start, drawn), trials, noise)
+        noise = drawn.fix_sd * LegNormals(seed, f"{self.phase.name}.fix_at_start", block).leg(0)[:, :trials]
+        return TrialState.at(drawn.position(*self.start), trials, noise)
 
     def analytic_obstacle(self) -> str:
         """Say what keeps the analytic cost from being known; empty when nothing does."""
-        mission, navigation, phase = self.mission, navigation_of(self.mission), self.phase
+        mission, navigation, phase = self.mission, self.navigation, self.phase
         error = navigation.velocity_error
         start = self.start[0] if isinstance(self.start[0], tuple) else ()
         goal = phase.to if isinstance(phase.to, tuple) else ()
@@ -117,7 +145,7 @@ class SweepSetting:
             "a current": bool(mission.site and mission.site.current),
             "drift compensation": navigation.drift_compensation != "none",
             "a fix error": navigation.fix_error != 0.0,
-            "effects": any(CATALOGUE[entry.effect].phase == "transit" for entry in mission.effects),
+            "effects": bool(self.means.transit_effects),
             "uncertain speed, error, surfacing time or place": any(
                 isinstance(quantity, Distribution) for quantity in (*uncertain, *own_error)
             ),
@@ -151,3 +179,11 @@ def _phase_and_start(mission: Mission) -> tuple[TransitPhase, tuple[Position, st
         raise InputError([Problem("missing; the first transit says where it starts", mission.file, key="from")])
     before = mission.transits[number - 1]
     return phase, (before.to, f"{before.name}.to")
+
+
+def _mean_drift(means: Setting, phase: TransitPhase, start: Array) -> Array:
+    """Mean velocity that carries the vehicle under way at the start: v̄ and the current, shape (2,) [m/s]."""
+    error = means.transit_plan(phase).velocity_error.mean[:, 0]
+    if means.current is None:
+        return error
+    return error + means.current.velocity(0.0, mean_of(phase.depth), start[:, None])[:, 0]

@@ -1,0 +1,121 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import trapezoid
+from scipy.interpolate import RegularGridInterpolator
+
+from missionplan.errors import InputError
+from missionplan.phases.currents import Current, FieldCurrent, LayeredCurrent, SeriesCurrent, filled, layers
+
+HERE = np.zeros((2, 1))
+RNG = np.random.default_rng(11)
+
+
+SERIES = SeriesCurrent(
+    np.array([0.0, 600.0, 1500.0, 1800.0]),
+    np.array([0.0, 10.0, 25.0]),
+    RNG.normal(size=(4, 3)),
+    RNG.normal(size=(4, 3)),
+)
+
+
+def field():
+    axes = (np.array([0.0, 3600.0, 7200.0]), np.array([0.0, 5.0]), np.array([-2e3, 0.0, 3e3]), np.array([-1e3, 2e3]))
+    shape = tuple(map(len, axes))
+    return FieldCurrent(*axes, RNG.normal(size=shape), RNG.normal(size=shape))
+
+
+def test_layers_set_towards_their_course():
+    current = layers([5.0, 12.0], [0.4, 0.2], [np.radians(90.0), np.radians(180.0)])
+    assert current.velocity(0.0, 2.0, HERE)[:, 0] == pytest.approx([0.4, 0.0], abs=1e-15)
+    assert current.velocity(0.0, 7.0, HERE)[:, 0] == pytest.approx([0.0, -0.2], abs=1e-15)
+
+
+def test_a_layer_holds_down_to_its_end_and_the_deepest_goes_on():
+    current = LayeredCurrent(np.array([5.0, 12.0]), np.array([1.0, 2.0]), np.zeros(2))
+    depths = np.array([0.0, 5.0, 5.001, 12.0, 40.0])
+    assert current.velocity(0.0, depths, np.zeros((2, 5)))[0].tolist() == [1.0, 1.0, 2.0, 2.0, 2.0]
+
+
+def test_layers_may_differ_from_trial_to_trial():
+    current = layers([5.0, 12.0], [np.array([0.1, 0.2, 0.3]), 0.5], [0.0, 0.0])
+    assert current.velocity(0.0, 1.0, HERE)[1].tolist() == [0.1, 0.2, 0.3]
+    assert current.velocity(0.0, np.array([1.0, 9.0, 1.0]), HERE)[1].tolist() == [0.1, 0.5, 0.3]
+    assert current.take(np.array([2, 0])).velocity(0.0, 1.0, HERE)[1].tolist() == [0.3, 0.1]
+    steady = LayeredCurrent(np.array([5.0, 12.0]), np.array([1.0, 2.0]), np.zeros(2))
+    assert steady.take(np.array([1])).velocity(0.0, 1.0, HERE)[0] == [1.0]
+
+
+def test_a_series_is_linear_between_samples_and_held_at_the_ends():
+    current = SERIES
+    theory = RegularGridInterpolator((current.time, current.depth), current.east)
+    t, depth = RNG.uniform(0.0, 1800.0, 50), RNG.uniform(0.0, 25.0, 50)
+    assert current.velocity(t, depth, HERE)[0] == pytest.approx(theory((t, depth)))
+    assert current.velocity(9999.0, 99.0, HERE)[:, 0] == pytest.approx([current.east[-1, -1], current.north[-1, -1]])
+    assert current.velocity(-5.0, 0.0, HERE)[:, 0] == pytest.approx([current.east[0, 0], current.north[0, 0]])
+
+
+@given(st.floats(-900.0, 2500.0), st.floats(1.0, 3000.0), st.floats(0.0, 30.0))
+def test_the_mean_of_a_series_is_its_integral(t, duration, depth):
+    current = SERIES
+    inside = current.time[(current.time > t) & (current.time < t + duration)]
+    moments = np.concatenate(([t], inside, [t + duration]))
+    integral = trapezoid(current.velocity(moments, depth, HERE)[1], moments)
+    mean = current.mean_velocity(t, duration, depth, HERE, HERE)
+    assert mean.shape == (2, 1)
+    assert mean[1, 0] == pytest.approx(integral / duration, abs=1e-9)
+
+
+def test_the_mean_of_a_series_over_no_time_is_its_value():
+    current = SERIES
+    durations = np.array([0.0, 100.0])
+    mean = current.mean_velocity(np.full(2, 700.0), durations, 3.0, np.zeros((2, 2)), np.zeros((2, 2)))
+    assert mean[:, :1] == pytest.approx(current.velocity(700.0, 3.0, HERE))
+
+
+def test_a_series_of_one_sample_is_constant():
+    current = SeriesCurrent(np.array([5.0]), np.array([0.0]), np.array([[0.2]]), np.array([[-0.1]]))
+    assert current.velocity(99.0, 3.0, HERE)[:, 0] == pytest.approx([0.2, -0.1])
+    assert current.mean_velocity(0.0, 50.0, 3.0, HERE, HERE)[:, 0] == pytest.approx([0.2, -0.1])
+
+
+def test_a_field_is_linear_between_nodes():
+    current = field()
+    axes = (current.time, current.depth, current.north_axis, current.east_axis)
+    t, depth = RNG.uniform(0.0, 7200.0, 40), RNG.uniform(0.0, 5.0, 40)
+    place = np.stack((RNG.uniform(-1e3, 2e3, 40), RNG.uniform(-2e3, 3e3, 40)))
+    for component, values in enumerate((current.east, current.north)):
+        theory = RegularGridInterpolator(axes, values)((t, depth, place[1], place[0]))
+        assert current.velocity(t, depth, place)[component] == pytest.approx(theory)
+
+
+def test_the_mean_along_a_track_follows_the_current_that_bends_it():
+    """In a linear shear dx/dt = k y, y' = U the closed form of the mean is k times the mean of y."""
+    axes = (np.array([0.0]), np.array([0.0]), np.array([0.0, 5000.0]), np.array([-9e3, 9e3]))
+    east = np.zeros((1, 1, 2, 2))
+    east[0, 0, 1] = 5000.0 * 1e-4
+    current = FieldCurrent(*axes, east, np.full_like(east, 0.1))
+    mean = current.mean_velocity(0.0, 1000.0, 0.0, HERE, np.array([[0.0], [1500.0]]))
+    assert mean[:, 0] == pytest.approx([1e-4 * 0.5 * (1500.0 + 100.0), 0.1])
+
+
+def test_the_base_quadrature_is_exact_for_a_tide():
+    class Tide(Current):
+        def velocity(self, t, depth, position):
+            return np.stack(np.broadcast_arrays(np.cos(1.405e-4 * np.asarray(t)), 0.0))[:, None]
+
+    mean = Tide().mean_velocity(1000.0, 3600.0, 0.0, HERE, HERE)
+    theory = (np.sin(1.405e-4 * 4600.0) - np.sin(1.405e-4 * 1000.0)) / (1.405e-4 * 3600.0)
+    assert mean[0, 0] == pytest.approx(theory, rel=1e-9)
+
+
+def test_missing_nodes_take_the_water_above_them_then_beside_them():
+    values = np.array([[[[1.0, 2.0, np.nan]], [[5.0, np.nan, np.nan]]]])
+    assert filled(values).tolist() == [[[[1.0, 2.0, 2.0]], [[5.0, 2.0, 2.0]]]]
+    assert np.isnan(values).sum() == 3, "the caller's array is left alone"
+
+
+def test_a_moment_without_any_value_is_refused():
+    with pytest.raises(InputError, match="moment without any value"):
+        filled(np.full((1, 1, 2, 2), np.nan))
