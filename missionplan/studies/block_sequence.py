@@ -1,7 +1,7 @@
 """The blocks of a run in their order, from the checkpoint or from the workers, merged as they come."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing
+import contextlib
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -28,7 +28,7 @@ class DoneBlock:
     failure: str = ""
 
 
-FanOut = Callable[[Sequence[Item]], Iterator[DoneBlock]]
+FanOut = Callable[[Sequence[Item]], Generator[DoneBlock, None, None]]
 """Runs blocks and yields them in the order given."""
 
 
@@ -69,7 +69,7 @@ class BlockSequence:
         done, trials = 0, sum(size for _, size in self.items)
         if progress is not None:
             progress(0, trials)
-        with closing(self._blocks(fan_out)) as blocks:
+        with contextlib.closing(self._blocks(fan_out)) as blocks:
             for item, block in blocks:
                 done += item[1]
                 if progress is not None:
@@ -88,10 +88,10 @@ class BlockSequence:
             raise RunError("\n".join(["every block of trials failed:", *failures[:10]]))
         return total, tuple(failures)
 
-    def _blocks(self, fan_out: FanOut) -> Iterator[tuple[Item, DoneBlock]]:
+    def _blocks(self, fan_out: FanOut) -> Generator[tuple[Item, DoneBlock], None, None]:
         kept = {item for item in self.items if self.store is not None and self.store.holds(*item)}
         todo = [item for item in self.items if item not in kept]
-        with closing(fan_out(todo)) if todo else closing(iter(())) as fresh:  # type: ignore[type-var]
+        with contextlib.closing(fan_out(todo)) as fresh:
             for item in self.items:
                 block = self._stored(item) if item in kept else None
                 if block is None and item in kept:  # it has been damaged or taken away meanwhile

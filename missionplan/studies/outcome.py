@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
 
 from missionplan.mission import Mission
 from missionplan.montecarlo.sensitivity import sensitivities
-from missionplan.montecarlo.statistics import Count, RunningStatistic
+from missionplan.montecarlo.statistics import Count, RunningStatistic, Statistic
 from missionplan.results.base import Provenance
 from missionplan.results.simulation import (
     Attrition,
@@ -24,6 +24,8 @@ from missionplan.studies.mission_trials import Array, MissionTrials
 from missionplan.studies.tally import Tally, requirement_key
 
 Value = TypeVar("Value")
+WHOLE = ("surfacings",)
+"""Quantities that are whole numbers."""
 BINS = 40
 """Bins of a histogram, between the 0.1 % and 99.9 % quantiles."""
 
@@ -74,7 +76,7 @@ class Findings:
         return PhaseOutcome(
             name=name,
             kind=kind,
-            quantities={quantity: running.statistic() for quantity, running in own.items()},
+            quantities={quantity: _statistic(quantity, running) for quantity, running in own.items()},
             events={event: count.probability() for event, count in _under(self.tally.counts, name).items()},
             histograms={quantity: histogram(running) for quantity, running in own.items()},
             start=start.statistic(),
@@ -123,6 +125,14 @@ def _under(found: Mapping[str, Value], phase: str) -> dict[str, Value]:
     return {name.removeprefix(f"{phase}."): value for name, value in found.items() if name.startswith(f"{phase}.")}
 
 
+def _statistic(quantity: str, running: RunningStatistic) -> Statistic:
+    """What is reported of a quantity; the sketch's quantiles of whole numbers are made whole again."""
+    found = running.statistic()
+    if quantity not in WHOLE or not found.count:
+        return found
+    return replace(found, p05=round(found.p05), p50=round(found.p50), p95=round(found.p95))
+
+
 def histogram(running: RunningStatistic) -> Histogram:
     """Bin a quantity from its sketch; whole numbers get a bin each where these are few."""
     values, counts = running.sketch.values(), running.sketch.counts
@@ -136,7 +146,8 @@ def histogram(running: RunningStatistic) -> Histogram:
         margin = max(high - low, 1e-6 * max(abs(low), 1.0)) * 1e-3
         edges = np.linspace(low - margin, high + margin, BINS + 1)
     place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
-    return Histogram(edges, np.bincount(place, counts, minlength=len(edges) - 1))
+    binned = np.bincount(place, counts, minlength=len(edges) - 1)
+    return Histogram(edges, binned.astype(float))
 
 
 def tracks(mission: Mission, shown: MissionTrials) -> Tracks:

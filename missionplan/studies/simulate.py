@@ -2,7 +2,7 @@
 
 import hashlib
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -88,8 +88,9 @@ def simulate(
     items = [(block, block_size(count, block)) for block in range(block_count(count))]
     run = BlockSequence(items, store, goal, TrialsTable() if keep_trials else None)
 
-    def fan_out(todo: Sequence[Item]) -> Iterator[DoneBlock]:
-        return run_blocks(blocks, todo, jobs=jobs, backend=backend, scheduler=scheduler)
+    def fan_out(todo: Sequence[Item]) -> Generator[DoneBlock, None, None]:
+        if todo:
+            yield from run_blocks(blocks, todo, jobs=jobs, backend=backend, scheduler=scheduler)
 
     found, failed = run.run(fan_out, progress)
     shown = blocks.trials(*run.first_good, tracked=TRACKED)

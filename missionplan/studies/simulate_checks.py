@@ -57,13 +57,20 @@ def check_current(mission: Mission, means: Setting) -> None:
         problems.append(
             Problem(f"the record lasts {given}: it does not hold the start", mission.file, key="site.current")
         )
-    for name, place in _places(mission, means) if isinstance(current, FieldCurrent) else ():
-        for value, axis, way in zip(place, (current.east_axis, current.north_axis), ("east", "north"), strict=True):
+    if isinstance(current, FieldCurrent):
+        problems += _places_outside(mission, means, current)
+    if problems:
+        raise InputError(problems)
+
+
+def _places_outside(mission: Mission, means: Setting, field: FieldCurrent) -> list[Problem]:
+    problems = []
+    for name, place in _places(mission, means):
+        for value, axis, way in zip(place, (field.east_axis, field.north_axis), ("east", "north"), strict=True):
             if not axis[0] <= value <= axis[-1]:
                 span = f"the field reaches from {axis[0]:.0f} m to {axis[-1]:.0f} m {way} of the origin"
                 problems.append(Problem(f"lies at {value:.0f} m; {span}", mission.file, key=name))
-    if problems:
-        raise InputError(problems)
+    return problems
 
 
 def _places(mission: Mission, means: Setting) -> list[tuple[str, Array]]:

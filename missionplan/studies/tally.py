@@ -110,7 +110,7 @@ def tally(mission: Mission, trials: MissionTrials, *, sampled: bool) -> Tally:
     counts = {"total.success": Count.of(trials.success)}
     for phase in trials.phases:
         timed = {"start": phase.start, "end": phase.end}
-        for name, values in (phase.quantities | timed).items():
+        for name, values in {**phase.quantities, **timed}.items():
             statistics[f"{phase.name}.{name}"] = RunningStatistic.of(values)
         for name, happened in phase.events.items():
             counts[f"{phase.name}.{name}"] = Count.of(happened)

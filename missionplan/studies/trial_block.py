@@ -171,9 +171,8 @@ class BlockRun:
 
     def _spend(self, state: TrialState) -> tuple[TrialState, Flags]:
         """End the trials that have used more than the battery holds; also give which."""
-        if not np.isfinite(
-            [*state.position[:, state.alive], *state.fix[:, state.alive], state.clock[state.alive]]
-        ).all():
+        under_way = np.stack((*state.position, *state.fix, state.clock))[:, state.alive]
+        if not np.isfinite(under_way).all():
             raise FloatingPointError("a trial under way has lost its place or its time")
         out = state.alive & (state.energy > self.setting.capacity)
         return replace(state, alive=state.alive & ~out), out
