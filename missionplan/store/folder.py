@@ -63,7 +63,7 @@ def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
         temporary.chmod(0o755)
         yield temporary
         if folder.is_dir() and any(folder.iterdir()):
-            shutil.copytree(temporary, folder, dirs_exist_ok=True)
+            _move_files(temporary, folder)
         else:
             if folder.is_dir():
                 folder.rmdir()
@@ -72,3 +72,13 @@ def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
         raise RunError(f"cannot write {folder}: {error.strerror or error}") from error
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _move_files(source: Path, target: Path) -> None:
+    """Rename every file below `source` into its place below `target`."""
+    for path in sorted(source.rglob("*")):
+        place = target / path.relative_to(source)
+        if path.is_dir():
+            place.mkdir(exist_ok=True)
+        else:
+            path.replace(place)

@@ -1,0 +1,67 @@
+"""The command line: load → one study → render → exit status. Heavy imports wait until a command needs them."""
+
+import os
+import sys
+from importlib.metadata import version
+from typing import Annotated
+
+import typer
+
+from missionplan.cli import data, files, plan
+from missionplan.errors import MissionplanError
+
+INTERRUPTED = 130
+
+app = typer.Typer(
+    name="missionplan",
+    help="Plan missions of a self-mooring AUV by Monte Carlo, and diagnose what the plan's model gets wrong.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+for module in (plan, data, files):
+    module.register(app)
+
+
+@app.callback(invoke_without_command=True)
+def _root(show_version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False) -> None:
+    if show_version:
+        typer.echo(f"missionplan {version('missionplan')}")
+        raise typer.Exit
+
+
+def main() -> None:
+    """Run the command line; every expected error becomes words and an exit status."""
+    try:
+        status = app(standalone_mode=False)
+    except MissionplanError as error:
+        typer.echo(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{error}", err=True)
+        sys.exit(error.exit_status)
+    except KeyboardInterrupt:
+        typer.echo("Interrupted.", err=True)
+        _leave_at_once(INTERRUPTED)
+    except Exception as error:
+        sys.exit(_usage_error(error))
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def _usage_error(error: Exception) -> int:
+    """Show a usage error as typer words it; anything else is a fault of the program and keeps its traceback.
+
+    Told by what it offers: typer brings click's errors with it, or takes them from click, by its version.
+    """
+    if type(error).__name__ == "Abort":
+        typer.echo("Interrupted.", err=True)
+        _leave_at_once(INTERRUPTED)
+    if hasattr(error, "show") and hasattr(error, "exit_code"):
+        error.show()
+        return int(error.exit_code)
+    raise error
+
+
+def _leave_at_once(status: int) -> None:
+    """End without waiting for worker pools to wind down."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)
