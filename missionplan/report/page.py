@@ -147,6 +147,7 @@ def inline(figure: Figure) -> Markup:
     svg = re.sub(r'\b(id="|xlink:href="#|href="#|url\(#)', rf"\1{figure.name}-", svg)
     svg = re.sub(INK, "currentColor", svg, flags=re.IGNORECASE)
     svg = re.sub(GRID, "var(--grid)", svg, flags=re.IGNORECASE)
+    svg = re.sub(BLUE, "var(--blue)", svg, flags=re.IGNORECASE)
     svg = re.sub(
         r'<svg([^>]*?) width="[^"]*"',
         r"<svg\1",

@@ -235,12 +235,13 @@ def _sensitivities(outcome: Outcome) -> Iterator[Section]:
     if not groups:
         return
     output, (first, *_) = max(groups, key=lambda group: group[1][0].first_order)
-    rows = [_influence_row(influence) for influence in outcome.sensitivities]
+    rows = [_influence_row(influence) for _, found in groups for influence in found]
     yield Section(
         f"{_sentence(plain(first.source))} matters most: it makes {100.0 * first.first_order:.0f}\u00a0% of the "
         f"variance of {plain(output)}",
         [
-            "What to measure better: the share of a key figure's variance that would go if an input were known.",
+            "What to measure better: the share of a key figure's variance that would go if an input were known. "
+            "Inputs that cannot be told from no influence are not listed.",
             sensitivity_bars(groups),
             Table(("key figure", "input", "share of variance (%)", "rank correlation"), rows, words=2),
         ],

@@ -102,10 +102,8 @@ def close_ups(outcome: Outcome) -> Figure | None:
         _close_up(axes, outcome, name)
     kinds = sorted({ring.kind for ring in rings(outcome)}, key=list(_LOOKS).index)
     handles = [Line2D([], [], color=_LOOKS[kind], label=kind) for kind in kinds]
-    handles += [Line2D([], [], color=INK, label="holds 50 %"), Line2D([], [], color=INK, linestyle=_OUTER, label="holds 95 %")]
-        Line2D([], [], color=INK, linestyle=style, label=text)
-        for style, text in (("-", "holds 50 %"), (_OUTER, "holds 95 %"))
-    ]
+    lines: tuple[tuple[Any, str], ...] = (("-", "holds 50 %"), (_OUTER, "holds 95 %"))
+    handles += [Line2D([], [], color=INK, linestyle=style, label=text) for style, text in lines]
     for axes in panels[len(names) :]:
         axes.axis("off")
         axes.legend(handles=handles, loc="center")

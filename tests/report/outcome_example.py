@@ -21,7 +21,7 @@ from missionplan.results.simulation import (
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 TRIALS = 4000
-MAPPED = 200
+MAPPED = 60
 POINTS = 8  # of each transit: the start and seven fixes
 
 

@@ -1,0 +1,135 @@
+"""What the page says of an outcome, and that it says it safely."""
+
+import json
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from outcome_example import MAPPED, example
+
+from missionplan.montecarlo.statistics import wilson
+from missionplan.report import simulation
+from missionplan.report.page import Figure, style
+from missionplan.report.render import render, terminal
+from missionplan.results.simulation import Attrition, Outcome
+
+
+@pytest.fixture(scope="module")
+def outcome() -> Outcome:
+    return example()
+
+
+@pytest.fixture(scope="module")
+def page(outcome):
+    with style():
+        return simulation.page(outcome)
+
+
+def with_success(outcome: Outcome, successes: int, trials: int, attrition=()) -> Outcome:
+    total = replace(outcome.total, events={"success": wilson(successes, trials)})
+    return replace(outcome, total=total, attrition=tuple(attrition))
+
+
+def test_the_verdict_comes_first_in_plain_words(page, outcome):
+    share = 100.0 * outcome.total.events["success"].value
+    assert page.answer.startswith(f"This mission works {share:.1f}")
+    assert "most failures are missed arrivals (ingress)" in page.answer
+    assert "3 of its 4 requirements are met" in page.answer
+    assert page.verdict == "bad"
+
+
+def test_a_mission_that_never_failed_says_so(outcome):
+    sure = with_success(outcome, 1000, 1000)
+    assert "100\u00a0% (at least 99.6\u00a0%) of the time: no trial failed." in terminal(sure).sentence
+
+
+def test_the_commonest_of_many_failures_is_named_as_such(outcome):
+    steps = [Attrition(f"leg {i}: not arrived", wilson(30 + i, 100), wilson(70, 100)) for i in range(2)]
+    assert (
+        "the commonest failures are missed arrivals (leg 1)" in terminal(with_success(outcome, 10, 100, steps)).sentence
+    )
+
+
+def test_requirements_are_judged_in_words(outcome):
+    judged = [simulation.judged(item) for item in outcome.requirements]
+    assert judged[2] == "not met"
+    undecided = replace(outcome.requirements[0], undecided=True)
+    assert simulation.judged(undecided) == "met, but undecided"
+    words = terminal(replace(outcome, requirements=(undecided,))).sentence
+    assert "Its requirement is met; for 1 of them more trials would be needed to tell." in words
+
+
+def test_limits_are_in_the_units_of_the_mission(page):
+    (table,) = next(section for section in page.sections if section.heading.startswith("Not met")).blocks
+    requirements = [row[0] for row in table.rows]
+    assert "moor offset at most 75\u00a0ft" in requirements
+    assert "total energy at most 45\u00a0W\u202fh" in requirements
+
+
+def test_a_mission_without_requirements_is_not_judged(outcome):
+    with style():
+        page = simulation.page(replace(outcome, requirements=()))
+    assert page.verdict == ""
+    assert not any("requirement" in section.heading for section in page.sections)
+
+
+def test_every_figure_has_its_own_name_an_alternative_text_and_units(page):
+    figures = [page.figure, *(block for part in page.sections for block in part.blocks if isinstance(block, Figure))]
+    names = [figure.name for figure in figures]
+    assert len(set(names)) == len(names) >= 9
+    assert {"waterfall", "track-map", "arrivals", "timeline", "sensitivity", "total-duration-s"} <= set(names)
+    assert all(len(figure.alt) > 40 and figure.caption for figure in figures)
+    for figure in figures:
+        labels = re.findall(r"<text[^>]*>([^<]+)</text>", figure.svg)
+        assert any(re.search(r"\((m|min|%|ft|W\u202fh)\)", label) for label in labels), figure.name
+
+
+def test_failed_blocks_are_told_first(outcome):
+    html = render(replace(outcome, failed_blocks=("block 3, seed 1: <overflow>",))).html
+    assert re.findall("<h2>(.*?)</h2>", html)[1] == "1 block of trials failed numerically"
+    assert "&lt;overflow&gt;" in html
+
+
+@pytest.mark.parametrize("keep", [0, 1])
+def test_trials_that_went_nowhere_leave_a_page(outcome, keep):
+    tracks = replace(outcome.tracks, position=np.where(np.arange(MAPPED) < keep, outcome.tracks.position, np.nan))
+    arrivals = {name: np.full((2, 5), np.nan) for name in outcome.arrivals}
+    poor = replace(outcome, tracks=tracks, arrivals=arrivals, sensitivities=(), requirements=())
+    assert "track-map" in render(poor).figures
+
+
+class Tags(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.seen: list[tuple[str, dict]] = []
+
+    def handle_starttag(self, tag, attributes):
+        self.seen.append((tag, dict(attributes)))
+
+
+def test_what_files_say_is_escaped():
+    evil = "<script>alert(1)</script>\" onload='x' & {{ 7*7 }}"
+    rendered = render(example(name=evil))
+    tags = Tags()
+    tags.feed(rendered.html)
+    assert not [tag for tag, _ in tags.seen if tag == "script"]
+    assert not [key for _, attributes in tags.seen for key in attributes if key.startswith("on")]
+    assert "49" not in re.findall(r'<p class="title">(.*?)</p>', rendered.html)[0]
+
+
+def test_the_folder_holds_what_the_contract_names_and_the_page_asks_for_nothing_from_elsewhere(outcome, tmp_path):
+    outcome.save(tmp_path / "report")
+    names = {path.name for path in (tmp_path / "report").iterdir()}
+    wanted = {"report.html", "summary.json", "mission.yaml", "quantities.csv", "track.geojson", "track.kml", "figures"}
+    assert wanted <= names
+    assert json.loads((tmp_path / "report/summary.json").read_text())["total"]["events"]["success"]["value"] > 0.9
+    html = (tmp_path / "report/report.html").read_text()
+    links = re.findall(r'(?:src|href)="([^"#][^"]*)"', html)
+    assert all(link.startswith("data:") for link in links)
+    assert "@import" not in html
+
+
+def test_without_an_origin_there_is_no_place_on_earth():
+    assert simulation.files(example(origin=False)) == {}
