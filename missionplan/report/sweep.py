@@ -46,7 +46,7 @@ _TEETH = (
     "arrival radius more often than not, so that one more surfacing is due, and the way back from wherever it ended is "
     "lost. With d_max a little shorter the long legs stop short of the goal: the same surfacing comes on the way, and "
     "a short last leg with a small error takes the vehicle in. So the cost is low just below each critical point and "
-    "high at it and above."
+    "high at it and above; where a whole leg errs by less than the arrival radius, the teeth are small or turn round."
 )
 
 
