@@ -8,6 +8,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from missionplan.mission import quantities as q
 from missionplan.mission.section import Section, complain
 from missionplan.mission.site import Position
+from missionplan.mission.transition import TransitionPhase
 from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import Quantity
 
@@ -76,6 +77,7 @@ class PhaseEntry(Section):
 
     transit: TransitPhase | None = None
     moor: MoorPhase | None = None
+    transition: TransitionPhase | None = None
 
     @model_validator(mode="after")
     def _exactly_one(self) -> "PhaseEntry":
@@ -86,9 +88,9 @@ class PhaseEntry(Section):
     @property
     def phase(self) -> "Phase":
         """The phase itself."""
-        phase = self.transit or self.moor
+        phase = self.transit or self.moor or self.transition
         assert phase is not None
         return phase
 
 
-Phase = TransitPhase | MoorPhase
+Phase = TransitPhase | MoorPhase | TransitionPhase

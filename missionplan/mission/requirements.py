@@ -11,6 +11,7 @@ from missionplan.mission.units import QuantityParser
 EVENTS: dict[str, tuple[str, ...]] = {
     "transit": ("arrived",),
     "moor": ("within_radius", "struck_seafloor"),
+    "transition": ("hovering",),
     "total": ("success",),
 }
 """Events by kind of phase."""
@@ -26,6 +27,13 @@ QUANTITIES: dict[str, dict[str, str]] = {
         "target_offset": "m",
         "lowest_altitude": "m",
         "ascent_time": "s",
+        "duration": "s",
+        "energy": "J",
+    },
+    "transition": {
+        "depth_excursion": "m",
+        "pitch_excursion": "rad",
+        "hover_time": "s",
         "duration": "s",
         "energy": "J",
     },

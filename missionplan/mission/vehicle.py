@@ -6,6 +6,7 @@ from pydantic import Field
 
 from missionplan.mission import quantities as q
 from missionplan.mission.section import Section
+from missionplan.mission.transition import Manoeuvring, WrittenTunnelThruster
 from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import Quantity
 
@@ -100,3 +101,5 @@ class Vehicle(Section):
     net_buoyancy: q.SignedForce = 0.0
     anchor: Anchor | None = None
     energy: EnergyBudget | None = Field(default=None)
+    manoeuvring: Manoeuvring | None = None
+    thrusters: tuple[WrittenTunnelThruster, ...] = ()

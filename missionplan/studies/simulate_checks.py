@@ -4,6 +4,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.phases import TransitPhase
+from missionplan.mission.transition import TransitionPhase
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.currents import FieldCurrent, SeriesCurrent
 from missionplan.phases.hooks import Array
@@ -12,6 +13,7 @@ from missionplan.physics.vehicle_drag import range_notes
 from missionplan.studies.anchor_weight import anchor_problem
 from missionplan.studies.setting import Setting
 from missionplan.studies.tally import Tally
+from missionplan.studies.transition_setting import check_transition
 
 
 def check_complete(mission: Mission) -> None:
@@ -33,6 +35,8 @@ def check_complete(mission: Mission) -> None:
         anchor = vehicle.anchor if vehicle else None
         if anchor and anchor.flooded_mass is None and anchor.construction is None:
             missing.append(("vehicle.anchor.flooded_mass", "a descent needs it where no construction is given"))
+    if any(isinstance(phase, TransitionPhase) for phase in mission.phases):
+        missing += check_transition(mission)
     turning = any(entry.effect == "inertial-current" for entry in mission.effects)
     if turning and mission.transits and (site is None or site.origin is None):
         missing.append(("site.origin", "inertial-current needs its latitude"))

@@ -13,13 +13,14 @@ from missionplan.studies.mission_trials import Array, Flags, MissionTrials
 
 SAMPLED_BLOCKS = 4
 """Blocks of which inputs and key figures are kept trial by trial, for sensitivities and circles of error."""
-SUFFIXES = {"s": "_s", "m": "_m", "m/s": "_m_s", "J": "_wh", "": ""}
+SUFFIXES = {"s": "_s", "m": "_m", "m/s": "_m_s", "J": "_wh", "rad": "_rad", "": ""}
 """How the name of a quantity ends in results, by the SI unit in which the mission file bounds it."""
 SCALES = {"J": 1.0 / 3600.0}
 """From that SI unit to the results' where they differ."""
 KEY_FIGURES = {
     "transit": ("duration_s", "arrival_error_m", "energy_wh", "arrived"),
     "moor": ("offset_m", "target_offset_m", "lowest_altitude_m", "terminal_velocity_m_s", "within_radius"),
+    "transition": ("depth_excursion_m", "energy_wh", "hovering"),
     "total": ("duration_s", "energy_wh", "success"),
 }
 """What sensitivities are given for, by kind of phase."""

@@ -14,6 +14,7 @@ from missionplan.phases.transit import transit
 from missionplan.phases.transit_plan import Normals, Surroundings, Track, TransitNormals, TransitPlan, TransitRecord
 from missionplan.studies.mission_trials import Flags, MissionTrials, PhaseTrials
 from missionplan.studies.setting import STILL_WATER, Setting
+from missionplan.studies.transition_trials import transition_trials
 
 JOULES_PER_WATT_HOUR = 3600.0
 
@@ -50,8 +51,12 @@ class BlockRun:
         for phase in phases:
             if isinstance(phase, TransitPhase):
                 state, record, goal = self._transit(phase, state)
-            else:
+            elif isinstance(phase, MoorPhase):
                 state, record = self._moor(phase, state, goal)
+            else:
+                after, record = transition_trials(self.setting, phase, state)
+                state, out = self._spend(after)
+                record = replace(record, failures={**record.failures, "out of energy": out})
             done.append(record)
         good = np.ones(trials, dtype=bool)
         for record in done:

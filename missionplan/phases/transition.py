@@ -1,0 +1,461 @@
+"""From survey speed to hover: a buoyant vehicle slows down, and tunnel thrusters take over from its sternplanes.
+
+Palmer, Hearn & Stevenson, sections 2 to 7, in the vertical plane. A block of trials is stepped side by side by
+Runge-Kutta with the controls held over each step. The control gains are not in the paper: they come from outside.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.phases.hooks import Array, Scalars
+from missionplan.physics.tunnel_thruster import (
+    TunnelThruster,
+    force_factor,
+    jet_speed,
+    moment,
+    out_of_range,
+    shaft_power,
+    speed_ratio,
+    static_thrust,
+    suction_centre,
+)
+from missionplan.physics.vehicle_dynamics import (
+    Body,
+    Load,
+    Motion,
+    accelerations,
+    depth_rate,
+    hydrodynamic_load,
+    hydrostatic_load,
+    inverse_inertia,
+    level_trim,
+    propeller_force,
+    rigid_body_load,
+)
+
+HOVER_BAND = 0.02
+"""Distance from the target depth within which the vehicle hovers (sect. 6) [m]."""
+ZONE = 2.0
+"""Half width of the transition zone in steepnesses: the interchange is at 1.8 and 98.2 % there. Assumed."""
+STEADY = 100.0
+"""Last part of a run, in which the pitch of the hover is taken [s]."""
+
+
+def interchange(speed: Scalars, mid_speed: Scalars, steepness: Scalars) -> Scalars:
+    """Share σ_TT of the depth control that the tunnel thrusters have, Eq. 12; the sternplanes have the rest.
+
+    Parameters
+    ----------
+    speed, mid_speed : float or array
+        u and u* [m/s].
+    steepness : float or array
+        Δσ [m/s]: small values step, large ones blend.
+    """
+    share: Scalars = 0.5 - 0.5 * np.tanh((speed - mid_speed) / steepness)
+    return share
+
+
+def allocation(pitch_demand: Scalars, steepness: Scalars, limit: Scalars) -> Scalars:
+    """Share k₁ of the depth controller's force that the forward thruster of a pair makes, Eq. 20; the aft one 1 - k₁.
+
+    The paper allocates "rotational speed (or force)": shares of force keep the controller's gain and the depth change
+    of the single thruster, as its results do; shares of shaft rate would halve the force.
+
+    Parameters
+    ----------
+    pitch_demand : float or array
+        P_d, by which the nose is to go down [rad].
+    steepness, limit : float or array
+        G and P_dL [rad].
+    """
+    share: Scalars = 0.5 * np.tanh(steepness * pitch_demand / limit) + 0.5
+    return share
+
+
+@dataclass(frozen=True)
+class SternplaneControl:
+    """Depth by pitch, pitch by sternplanes (Fig. 2): proportional and integral on depth, then proportional and rate.
+
+    `depth_gain` [rad/m], `depth_integral` [rad/(m s)], `pitch_limit` [rad] of the demand, `pitch_gain` [-],
+    `rate_gain` [s], and the deflection's `limit` [rad].
+    """
+
+    depth_gain: float
+    depth_integral: float
+    pitch_limit: float
+    pitch_gain: float
+    rate_gain: float
+    limit: float = math.radians(20.0)
+
+
+@dataclass(frozen=True)
+class ThrusterControl:
+    """Shaft rate of the thrusters by depth (sect. 5.1), and its allocation to a pair (sect. 7.2).
+
+    `depth_gain` [rev/s a metre], `depth_integral` [rev/s a metre second], `depth_rate` [rev/s a metre a second] and the
+    `limit` [rev/s]; `pair_steepness` G, `pair_limit` P_dL [rad] and `pair_lead`, the lead of the pitch rate [s].
+    """
+
+    depth_gain: float
+    depth_integral: float
+    depth_rate: float
+    limit: float
+    pair_steepness: float = 1.0
+    pair_limit: float = math.radians(10.0)
+    pair_lead: float = 0.0
+
+
+@dataclass(frozen=True)
+class TransitionVehicle:
+    """What changes from vehicle to vehicle.
+
+    Attributes
+    ----------
+    body : Body
+        Mass, buoyancy, derivatives.
+    propeller : (float, float, float)
+        b₁, b₂, b₃ of `propeller_force`.
+    speed_gain : float
+        Command to the propeller over the error of speed.
+    thrusters : tuple of TunnelThruster
+        None, one, or forward and aft; positive thrust is down.
+    suction_moment : bool
+        Whether the jet's suction pitches the vehicle (sect. 7.1); in the paper's first runs it does not.
+    sternplanes : SternplaneControl
+        Controls at speed.
+    thruster_control : ThrusterControl
+        Controls at low speed.
+    """
+
+    body: Body
+    propeller: tuple[float, float, float]
+    speed_gain: float
+    thrusters: tuple[TunnelThruster, ...]
+    suction_moment: bool
+    sternplanes: SternplaneControl
+    thruster_control: ThrusterControl
+
+
+@dataclass(frozen=True)
+class Manoeuvre:
+    """What is asked: floats or arrays over trials.
+
+    Attributes
+    ----------
+    start_speed : float
+        Survey speed [m/s].
+    deceleration : float or array
+        Of the required speed, positive [m/s²].
+    mid_speed, steepness : float or array
+        u* and Δσ of the interchange [m/s].
+    before : float
+        Time at survey speed before slowing down [s].
+    after : float
+        Time simulated after the required speed has reached nought, slowest trial [s].
+    """
+
+    start_speed: float
+    deceleration: Scalars
+    mid_speed: Scalars
+    steepness: Scalars
+    before: float = 20.0
+    after: float = 400.0
+
+
+@dataclass(frozen=True)
+class History:
+    """Time histories, shape (samples, n); `time` (samples,) counts from the start of the deceleration [s].
+
+    `speed` [m/s], `pitch` [rad], `depth` below the target [m], `sternplane` [rad], `revolutions` of the first
+    thruster and of the second (nought without one) [rev/s], `energy` of the thrusters since the deceleration [J].
+    """
+
+    time: Array
+    speed: Array
+    pitch: Array
+    depth: Array
+    sternplane: Array
+    revolutions: Array
+    second_revolutions: Array
+    energy: Array
+
+
+@dataclass(frozen=True)
+class TransitionRecord:
+    """Outcome of a transition, arrays over trials of shape (n,).
+
+    Attributes
+    ----------
+    depth_excursion : array
+        Greatest distance from the target depth [m].
+    pitch_excursion : array
+        Greatest pitch either way, less the pitch of the survey [rad].
+    hover_time : array
+        When it last came within `HOVER_BAND` for good, since the deceleration began [s]; nan if it did not.
+    energy_to_hover : array
+        Of the thrusters up to then, Eq. 14, option (b) [J]; nan if it did not.
+    hover_pitch : array
+        Root mean square of the pitch about its mean over the last `STEADY` seconds [rad].
+    saturation_speed : array
+        Highest speed at which the sternplanes stood at their limit [m/s]; nan if they never did.
+    out_of_range : array
+        Share of the thrusters' energy up to the end of the run spent beyond the force minimum, where the model of
+        their force has not been checked.
+    history : History
+        Sampled every `sample` seconds.
+    """
+
+    depth_excursion: Array
+    pitch_excursion: Array
+    hover_time: Array
+    energy_to_hover: Array
+    hover_pitch: Array
+    saturation_speed: Array
+    out_of_range: Array
+    end_energy: Array
+    end_time: float
+    history: History | None
+
+
+@dataclass
+class _Controls:
+    """Integrators and outputs of the controllers, arrays over trials."""
+
+    plane_integral: Array
+    thruster_integral: Array
+    thruster_error: Array
+
+
+def simulate_transition(
+    vehicle: TransitionVehicle, manoeuvre: Manoeuvre, *, time_step: float = 0.25, sample: float | None = None
+) -> TransitionRecord:
+    """Run a block of transitions from level flight at survey speed to hover.
+
+    Parameters
+    ----------
+    vehicle : TransitionVehicle
+        Floats, or arrays over trials.
+    manoeuvre : Manoeuvre
+        Floats, or arrays over trials.
+    time_step : float
+        Of the Runge-Kutta and of the controllers [s].
+    sample : float, optional
+        Interval of the histories, a multiple of the step [s]; default: none are kept.
+
+    Returns
+    -------
+    TransitionRecord
+
+    Raises
+    ------
+    ArithmeticError
+        When the vehicle cannot fly level at survey speed.
+    FloatingPointError
+        When a run diverges.
+    """
+    run = _Run(vehicle, manoeuvre, time_step)
+    slowest = manoeuvre.start_speed / float(np.min(manoeuvre.deceleration))
+    steps = math.ceil((manoeuvre.before + slowest + manoeuvre.after) / time_step)
+    every = max(1, round(sample / time_step)) if sample else steps + 1
+    samples = [run.sample()]
+    for step in range(steps):
+        run.advance(steady=step >= steps - round(STEADY / time_step))
+        if (step + 1) % every == 0:
+            samples.append(run.sample())
+    if not np.all(np.isfinite(run.state)):
+        raise FloatingPointError(f"a transition diverged at a step of {time_step} s")
+    time: Array = every * time_step * np.arange(len(samples), dtype=float) - manoeuvre.before
+    history = History(time, *np.moveaxis(np.array(samples), 1, 0)) if sample else None
+    return run.record(history)
+
+
+class _Run:
+    """A block of trials under way: state (u, w, q, θ, depth below the target), shape (5, n)."""
+
+    def __init__(self, vehicle: TransitionVehicle, manoeuvre: Manoeuvre, time_step: float) -> None:
+        body = vehicle.body
+        self.vehicle, self.manoeuvre, self.h = vehicle, manoeuvre, time_step
+        varying = (manoeuvre.deceleration, manoeuvre.mid_speed, manoeuvre.steepness, body.excess_buoyancy, body.x_g)
+        shape = np.broadcast_shapes((1,), *(np.shape(value) for value in varying))
+        self.inverse = inverse_inertia(body)
+        speed = np.full(shape, manoeuvre.start_speed)
+        trim = level_trim(body, speed)
+        self.start_pitch = trim.pitch
+        still = np.zeros(shape)
+        self.state = np.array([speed, speed * np.tan(trim.pitch), still, trim.pitch, still])
+        self.time, self.energy, self.plane = -manoeuvre.before, still, trim.sternplane
+        self.saturation_speed = np.full(shape, np.nan)
+        self.energy_beyond = still
+        self.revolutions = (still, still)
+        self.controls = self._settled(trim.pitch, trim.sternplane, speed)
+        self.stopped = manoeuvre.start_speed / np.asarray(manoeuvre.deceleration)
+        self.depth_excursion, self.pitch_excursion = still, still
+        self.hover_time, self.energy_to_hover = still, still
+        self.pitch_sums = np.zeros((3, *shape))
+
+    def _settled(self, pitch: Array, plane: Array, speed: Array) -> _Controls:
+        """Integrators with which the controllers ask for exactly the trim that the vehicle starts in."""
+        control = self.vehicle.sternplanes
+        demand = pitch - plane / control.pitch_gain
+        share = 1.0 - self._share(speed)
+        still = np.zeros_like(pitch)
+        return _Controls(-demand / (control.depth_integral * share), still, still)
+
+    def _share(self, speed: Array) -> Array:
+        if not self.vehicle.thrusters:
+            return np.zeros_like(speed)
+        return np.asarray(interchange(speed, self.manoeuvre.mid_speed, self.manoeuvre.steepness))
+
+    def sample(self) -> Array:
+        """Row of the history, shape (7, n)."""
+        u, _, _, pitch, depth = self.state
+        return np.array([u, pitch, depth, self.plane, *self.revolutions, self.energy])
+
+    def advance(self, *, steady: bool) -> None:
+        """One step: controls, forces held, Runge-Kutta, energy; `steady` when it counts for the hover's pitch."""
+        u = self.state[0]
+        required = self._required_speed()
+        command = required + self.vehicle.speed_gain * (required - u)
+        share = self._share(u)
+        self.plane = self._sternplane(share)
+        self.revolutions = self._shaft_rates(share)
+        static = [
+            np.asarray(static_thrust(t.thrust_constant, n))
+            for t, n in zip(self.vehicle.thrusters, self.revolutions, strict=False)
+        ]
+        h, y = self.h, self.state
+        k1 = self._slope(y, command, static)
+        k2 = self._slope(y + h / 2.0 * k1, command, static)
+        k3 = self._slope(y + h / 2.0 * k2, command, static)
+        k4 = self._slope(y + h * k3, command, static)
+        self.state = y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+        self._account(static, u)
+        self.time += h
+        self._observe(steady)
+
+    def _required_speed(self) -> Array:
+        fallen = np.asarray(self.manoeuvre.deceleration) * max(self.time, 0.0)
+        required: Array = np.maximum(self.manoeuvre.start_speed - fallen, 0.0)
+        return required
+
+    def _sternplane(self, share: Array) -> Array:
+        """Deflection of the sternplanes; its depth integral holds while the plane is at its limit, and ends low."""
+        control, (u, _, q, pitch, depth) = self.vehicle.sternplanes, self.state
+        proportion, error = 1.0 - share, -depth
+        held = self.controls.plane_integral
+        demand = -proportion * (control.depth_gain * error + control.depth_integral * held)
+        limited = np.clip(demand, -control.pitch_limit, control.pitch_limit)
+        wanted = control.pitch_gain * (pitch - limited) + control.rate_gain * q
+        plane: Array = np.clip(wanted, -control.limit, control.limit)
+        at_limit = wanted != plane
+        self.saturation_speed = np.fmax(self.saturation_speed, np.where(at_limit, u, np.nan))
+        grown = held + np.where(at_limit | (limited != demand), 0.0, self.h * proportion * error)
+        if self.vehicle.thrusters:
+            low = u < self.manoeuvre.mid_speed - ZONE * np.asarray(self.manoeuvre.steepness)
+            grown = np.where(low, 0.0, grown)
+        self.controls.plane_integral = grown
+        return plane
+
+    def _shaft_rates(self, share: Array) -> tuple[Array, Array]:
+        """Shaft rates of forward (or only) and aft thruster [rev/s], positive down.
+
+        The controller works on the error that the interchange has scaled, its derivative included: a steep
+        interchange is a kick. The integral gain is scaled once more (sect. 5.1).
+        """
+        if not self.vehicle.thrusters:
+            return self.revolutions
+        control, held, (u, _, q, pitch, depth) = self.vehicle.thruster_control, self.controls, self.state
+        error = -share * depth
+        change = (error - held.thruster_error) / self.h
+        wanted = control.depth_gain * error + control.depth_rate * change
+        wanted = wanted + share * control.depth_integral * held.thruster_integral
+        total = np.clip(wanted, -control.limit, control.limit)
+        high = u > self.manoeuvre.mid_speed + ZONE * np.asarray(self.manoeuvre.steepness)
+        grown = held.thruster_integral + np.where(wanted != total, 0.0, self.h * error)
+        held.thruster_integral, held.thruster_error = np.where(high, 0.0, grown), error
+        if len(self.vehicle.thrusters) == 1:
+            return total, np.zeros_like(total)
+        demand = share * (pitch + control.pair_lead * q)
+        forward = np.asarray(allocation(demand, control.pair_steepness, control.pair_limit))
+        return np.sqrt(forward) * total, np.sqrt(1.0 - forward) * total
+
+    def _slope(self, state: Array, command: Array, static: list[Array]) -> Array:
+        """Time derivative of the state, Eqs. 4 to 6, shape (5, n)."""
+        body = self.vehicle.body
+        u, w, q, pitch, _ = state
+        motion = Motion(u, w, q, pitch)
+        load = (
+            hydrodynamic_load(body, motion, self.plane) + hydrostatic_load(body, pitch) + rigid_body_load(body, motion)
+        )
+        load = load + Load(propeller_force(body, self.vehicle.propeller, u, command), 0.0, 0.0)
+        for thruster, thrust in zip(self.vehicle.thrusters, static, strict=True):
+            load = load + self._thruster_load(thruster, thrust, u)
+        du, dw, dq = accelerations(self.inverse, load)
+        slope: Array = np.array([du, dw, dq, q, depth_rate(motion)])
+        return slope
+
+    def _thruster_load(self, thruster: TunnelThruster, static: Array, speed: Array) -> Load:
+        """Force down, and the moment of force and suction, nose up; Eqs. 11, 15 and 17 to 19."""
+        ratio = np.asarray(speed_ratio(speed, jet_speed(static, thruster.area, self.vehicle.body.density)))
+        factor = force_factor(ratio, thruster.decay)
+        if not self.vehicle.suction_moment:
+            return Load(0.0, static * factor, -static * factor * thruster.position)
+        centre = suction_centre(thruster, np.where(np.isfinite(ratio), ratio, 0.0))
+        return Load(0.0, static * factor, -moment(static, factor, thruster.position, centre))
+
+    def _account(self, static: list[Array], speed: Array) -> None:
+        """Add the step's energy, Eq. 14, and note work beyond the model's range."""
+        if self.time < 0.0:
+            return
+        density = self.vehicle.body.density
+        for thruster, thrust in zip(self.vehicle.thrusters, static, strict=True):
+            spent = self.h * np.asarray(shaft_power(thrust, thruster.area, density))
+            ratio = speed_ratio(speed, jet_speed(thrust, thruster.area, density))
+            self.energy = self.energy + spent
+            self.energy_beyond = self.energy_beyond + np.where(out_of_range(ratio, thruster.decay), spent, 0.0)
+
+    def _observe(self, steady: bool) -> None:
+        """Keep excursions, the end of the last departure from the target depth, and sums of the pitch."""
+        if self.time <= 0.0:
+            return
+        pitch, depth = self.state[3:]
+        self.depth_excursion = np.maximum(self.depth_excursion, np.abs(depth))
+        self.pitch_excursion = np.maximum(self.pitch_excursion, np.abs(pitch - self.start_pitch))
+        away = (np.abs(depth) > HOVER_BAND) | (self.time < self.stopped)
+        self.hover_time = np.where(away, self.time, self.hover_time)
+        self.energy_to_hover = np.where(away, self.energy, self.energy_to_hover)
+        if steady:
+            self.pitch_sums += np.array([np.ones_like(pitch), pitch, pitch**2])
+
+    def record(self, history: History | None) -> TransitionRecord:
+        """Sum up the run."""
+        hovers = self.hover_time < self.time
+        count, total, squares = self.pitch_sums
+        variance = np.maximum(squares / count - (total / count) ** 2, 0.0)
+        return TransitionRecord(
+            depth_excursion=self.depth_excursion,
+            pitch_excursion=self.pitch_excursion,
+            hover_time=np.where(hovers, self.hover_time, np.nan),
+            energy_to_hover=np.where(hovers, self.energy_to_hover, np.nan),
+            hover_pitch=np.sqrt(variance),
+            saturation_speed=self.saturation_speed,
+            out_of_range=self.energy_beyond / np.maximum(self.energy, 1e-9),
+            end_energy=self.energy,
+            end_time=self.time,
+            history=history,
+        )
+
+
+def energy_until(history: History, end: Scalars) -> Array:
+    """Energy of the thrusters from the start of the deceleration until a time [J]; nan where the time is.
+
+    Parameters
+    ----------
+    end : float or array, shape (n,)
+        Since the deceleration began [s]; no later than the history.
+    """
+    ends = np.broadcast_to(end, history.energy.shape[1:])
+    columns = [np.interp(e, history.time, column) for e, column in zip(ends, history.energy.T, strict=True)]
+    return np.where(np.isnan(ends), np.nan, np.array(columns))
