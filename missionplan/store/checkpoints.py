@@ -109,7 +109,7 @@ class Checkpoints:
     def holds(self, block: int, size: int) -> bool:
         """Whether a block is there, as far as its name and label tell."""
         try:
-            with np.load(self._path(block, size), allow_pickle=False) as file:
+            with self._path(block, size).open("rb") as content, np.load(content, allow_pickle=False) as file:
                 return str(file["digest"]) == self._digest
         except _UNREADABLE:
             return False
@@ -117,7 +117,7 @@ class Checkpoints:
     def read(self, block: int, size: int) -> dict[str, NDArray[np.generic]] | None:
         """Give a finished block; None when there is none that can be read."""
         try:
-            with np.load(self._path(block, size), allow_pickle=False) as file:
+            with self._path(block, size).open("rb") as content, np.load(content, allow_pickle=False) as file:
                 arrays = {name: file[name] for name in file.files}
         except _UNREADABLE:
             return None

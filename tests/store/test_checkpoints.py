@@ -1,0 +1,131 @@
+import json
+import os
+
+import numpy as np
+import pytest
+
+from missionplan.errors import InputError, RunError
+from missionplan.store.checkpoints import Checkpoints, Identity
+
+IDENTITY = Identity("name: a\nspeed: 1.5 m/s\n", "seed: 1\n", "0.1.0")
+ARRAYS = {"mean": np.array([0.1, np.nan, -np.inf]), "count": np.array([3], dtype=np.int64), "empty": np.empty((2, 0))}
+
+
+def test_a_block_comes_back_bit_for_bit(tmp_path):
+    Checkpoints(tmp_path / "run", IDENTITY).write(3, 4096, ARRAYS)
+    again = Checkpoints(tmp_path / "run", IDENTITY, resume=True)
+    assert again.holds(3, 4096)
+    found = again.read(3, 4096)
+    assert list(found) == list(ARRAYS)
+    for name, values in ARRAYS.items():
+        assert found[name].dtype == values.dtype
+        assert found[name].tobytes() == values.tobytes()
+
+
+def test_a_block_cut_short_is_not_the_whole_block(tmp_path):
+    store = Checkpoints(tmp_path, IDENTITY)
+    store.write(3, 1000, ARRAYS)
+    assert not store.holds(3, 4096)
+    assert store.read(3, 4096) is None
+
+
+def test_a_folder_in_use_is_not_taken_unasked(tmp_path):
+    Checkpoints(tmp_path, IDENTITY)
+    with pytest.raises(InputError, match="--resume"):
+        Checkpoints(tmp_path, IDENTITY)
+
+
+@pytest.mark.parametrize(
+    ("changed", "shown"),
+    [
+        (Identity("name: a\nspeed: 1.6 m/s\n", "seed: 1\n", "0.1.0"), ["-speed: 1.5 m/s", "+speed: 1.6 m/s"]),
+        (Identity(IDENTITY.mission, "seed: 2\n", "0.1.0"), ["-seed: 1", "+seed: 2"]),
+        (Identity(IDENTITY.mission, IDENTITY.options, "0.2.0"), ["-0.1.0", "+0.2.0"]),
+    ],
+)
+def test_another_run_is_refused_with_the_difference(tmp_path, changed, shown):
+    Checkpoints(tmp_path, IDENTITY).write(0, 10, ARRAYS)
+    with pytest.raises(InputError) as caught:
+        Checkpoints(tmp_path, changed, resume=True)
+    assert all(line in str(caught.value).splitlines() for line in shown)
+
+
+def test_a_block_of_another_run_is_not_read(tmp_path):
+    Checkpoints(tmp_path / "a", IDENTITY).write(0, 10, ARRAYS)
+    other = Checkpoints(tmp_path / "b", Identity("", "", ""))
+    (tmp_path / "a" / "block-0000000-10.npz").rename(tmp_path / "b" / "block-0000000-10.npz")
+    assert not other.holds(0, 10)
+    assert other.read(0, 10) is None
+
+
+@pytest.mark.parametrize("kept", [0, 1, 100, -1, -30])
+def test_a_damaged_block_counts_as_missing(tmp_path, kept):
+    store = Checkpoints(tmp_path, IDENTITY)
+    store.write(0, 10, ARRAYS)
+    (path,) = tmp_path.glob("block-*")
+    path.write_bytes(path.read_bytes()[:kept])
+    assert store.read(0, 10) is None
+    assert not store.holds(0, 10)
+
+
+def test_a_flipped_bit_counts_as_missing(tmp_path):
+    store = Checkpoints(tmp_path, IDENTITY)
+    store.write(0, 1000, {"values": np.arange(1000.0)})
+    (path,) = tmp_path.glob("block-*")
+    content = bytearray(path.read_bytes())
+    content[content.index(b"values.npy") + 200] ^= 1
+    path.write_bytes(bytes(content))
+    assert store.read(0, 1000) is None
+
+
+def test_no_pickle_is_ever_read(tmp_path):
+    store = Checkpoints(tmp_path, IDENTITY)
+    np.savez(tmp_path / "block-0000000-10.npz", digest=np.array(IDENTITY.digest), evil=np.array([{}], dtype=object))
+    assert store.read(0, 10) is None
+
+
+def test_what_a_killed_write_left_is_swept(tmp_path):
+    Checkpoints(tmp_path, IDENTITY)
+    stray = tmp_path / ".block-0000000-10.npz.x1"
+    stray.write_bytes(b"half")
+    Checkpoints(tmp_path, IDENTITY, resume=True)
+    assert not stray.exists()
+
+
+def test_a_vanished_folder_is_said(tmp_path):
+    store = Checkpoints(tmp_path / "run", IDENTITY)
+    (tmp_path / "run" / "run.json").unlink()
+    (tmp_path / "run").rmdir()
+    with pytest.raises(RunError, match="has gone"):
+        store.write(0, 10, ARRAYS)
+
+
+def test_a_full_disk_is_said_and_leaves_no_half_block(tmp_path, monkeypatch):
+    store = Checkpoints(tmp_path, IDENTITY)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.replace", full)
+    with pytest.raises(RunError, match="No space left on device"):
+        store.write(0, 10, ARRAYS)
+    assert [path.name for path in tmp_path.iterdir()] == ["run.json"]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_read_only_folder_is_said(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(RunError, match="Permission denied"):
+        Checkpoints(tmp_path, IDENTITY)
+
+
+def test_a_path_that_cannot_be_a_folder_is_said(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(RunError, match="file"):
+        Checkpoints(tmp_path / "file" / "run", IDENTITY)
+
+
+def test_a_run_json_of_something_else_is_refused(tmp_path):
+    (tmp_path / "run.json").write_text(json.dumps({"hello": 1}))
+    with pytest.raises(InputError, match=r"run\.json"):
+        Checkpoints(tmp_path, IDENTITY, resume=True)

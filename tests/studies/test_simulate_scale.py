@@ -1,0 +1,229 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from simulate_missions import chesapeake
+
+from missionplan.errors import InputError, RunError
+from missionplan.montecarlo.streams import BLOCK
+from missionplan.studies import simulate as module
+from missionplan.studies.precision import Precision
+from missionplan.studies.simulate import simulate
+
+TRIALS = 2 * BLOCK + 500
+QUICK = {"phases.1.moor.line_length": "11 m", "phases.1.moor.hold": "0 s"}  # a short dive: blocks are cheap
+
+
+def bits(outcome):
+    """Everything that a run came to, to the last bit, apart from when and how it ran."""
+    summary = outcome.summary()
+    for key in ("elapsed_s", "created_utc", "options", "file"):
+        del summary[key]
+    arrays = [outcome.tracks.position, *outcome.arrivals.values()]
+    return json.dumps(summary), [array.tobytes() for array in arrays]
+
+
+@pytest.fixture(scope="module")
+def mission(tmp_path_factory):
+    return chesapeake(tmp_path_factory.mktemp("mission"), QUICK)
+
+
+@pytest.fixture(scope="module")
+def reference(mission):
+    return bits(simulate(mission, trials=TRIALS))
+
+
+@pytest.mark.parametrize(("jobs", "backend"), [(2, "loky"), (2, "threading")])
+def test_bits_do_not_depend_on_jobs_or_backend(mission, reference, jobs, backend):
+    assert bits(simulate(mission, trials=TRIALS, jobs=jobs, backend=backend)) == reference
+
+
+def test_raising_the_trials_keeps_the_first_ones(mission):
+    few, many = (simulate(mission, trials=n) for n in (300, 600))
+    assert np.array_equal(few.tracks.position, many.tracks.position, equal_nan=True)
+    for name, values in few.arrivals.items():
+        assert np.array_equal(values, many.arrivals[name][:, :300])
+
+
+def test_progress_counts_trials(mission):
+    calls = []
+    simulate(mission, trials=BLOCK + 10, progress=lambda *call: calls.append(call))
+    assert calls == [(0, BLOCK + 10), (BLOCK, BLOCK + 10), (BLOCK + 10, BLOCK + 10)]
+
+
+def test_a_precise_run_equals_the_run_of_that_many_trials(mission):
+    stopped = simulate(mission, precision="total.duration=0.025%")
+    error = stopped.total.quantities["duration_s"]
+    assert error.standard_error < 0.00025 * error.mean
+    assert stopped.provenance.trials in range(BLOCK, 9 * BLOCK, BLOCK)
+    assert bits(stopped) == bits(simulate(mission, trials=stopped.provenance.trials))
+
+
+def test_a_precision_out_of_reach_is_said(mission):
+    found = simulate(mission, trials=500, precision="moor.offset=0.1 mm")
+    assert any("was not reached in 500 trials" in notice for notice in found.provenance.notices)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("0.5%", Precision("total.success", 0.005, relative=False, is_event=True)),
+        ("success=0.002", Precision("total.success", 0.002, relative=False, is_event=True)),
+        ("ingress.arrived = 1%", Precision("ingress.arrived", 0.01, relative=False, is_event=True)),
+        ("total.duration=0.5%", Precision("total.duration_s", 0.005, relative=True, is_event=False)),
+        ("moor.offset=5 cm", Precision("moor.offset_m", 0.05, relative=False, is_event=False)),
+        ("total.energy=36 kJ", Precision("total.energy_wh", 10.0, relative=False, is_event=False)),
+        ("ingress.surfacings=0.1", Precision("ingress.surfacings", 0.1, relative=False, is_event=False)),
+    ],
+)
+def test_precisions_are_read(mission, text, expected):
+    found = Precision.parse(text, mission)
+    assert found == replace(expected, error=pytest.approx(expected.error))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("moor.offset=5", "unit"),
+        ("moor.offset=5 s", "quantity in m"),
+        ("mor.offset=5 m", "did you mean moor"),
+        ("moor.ofset=1%", "did you mean offset"),
+        ("half", "--precision"),
+        ("0%", "more than 0"),
+    ],
+)
+def test_precisions_that_cannot_be_read(mission, text, words):
+    with pytest.raises(InputError, match=words):
+        simulate(mission, precision=text)
+
+
+def test_finished_blocks_are_not_run_again(mission, reference, tmp_path, monkeypatch):
+    folder = tmp_path / "run"
+    simulate(mission, trials=BLOCK, checkpoint=folder)
+    ran = []
+    honest = module.run_block
+
+    def spying(setting, seed, block, *rest):
+        ran.append(block)
+        return honest(setting, seed, block, *rest)
+
+    monkeypatch.setattr(module, "run_block", spying)
+    found = simulate(mission, trials=TRIALS, checkpoint=folder, resume=True)  # the trials have been raised
+    assert ran == [1, 2, 0]  # and block 0 for the tracks
+    assert bits(found) == reference
+    ran.clear()
+    assert bits(simulate(mission, trials=TRIALS, checkpoint=folder, resume=True)) == reference
+    assert ran == [0]
+
+
+def test_rows_of_trials_are_resumed_too(mission, tmp_path):
+    simulate(mission, trials=BLOCK, checkpoint=tmp_path, keep_trials=True)
+    again = simulate(mission, trials=BLOCK + 100, checkpoint=tmp_path, keep_trials=True, resume=True)
+    assert again.trials_table == simulate(mission, trials=BLOCK + 100, keep_trials=True).trials_table
+
+
+def test_a_damaged_block_is_run_again(mission, tmp_path):
+    first = simulate(mission, trials=BLOCK + 10, checkpoint=tmp_path)
+    for path in tmp_path.glob("block-*"):
+        content = bytearray(path.read_bytes())
+        content[len(content) // 3] ^= 255
+        path.write_bytes(bytes(content))
+    assert bits(simulate(mission, trials=BLOCK + 10, checkpoint=tmp_path, resume=True)) == bits(first)
+
+
+def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch):
+    honest = module.run_block
+
+    def failing(setting, seed, block, *rest):
+        if block == 1:
+            raise FloatingPointError("on purpose")
+        return honest(setting, seed, block, *rest)
+
+    monkeypatch.setattr(module, "run_block", failing)
+    assert len(simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path).failed_blocks) == 1
+    monkeypatch.setattr(module, "run_block", honest)
+    found = simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path, resume=True)
+    assert bits(found) == bits(simulate(mission, trials=2 * BLOCK))
+
+
+def test_a_changed_mission_is_refused_with_the_difference(mission, tmp_path):
+    folder = tmp_path / "run"
+    simulate(mission, trials=10, checkpoint=folder)
+    changed = chesapeake(tmp_path, {**QUICK, "navigation.surfacing_time": "80 s"})
+    with pytest.raises(InputError) as caught:
+        simulate(changed, trials=10, checkpoint=folder, resume=True)
+    lines = str(caught.value).splitlines()
+    assert "-  surfacing_time: 90 s" in lines
+    assert "+  surfacing_time: 80 s" in lines
+    with pytest.raises(InputError, match=r"\+seed: 2"):
+        simulate(mission, trials=10, seed=2, checkpoint=folder, resume=True)
+    with pytest.raises(InputError, match="--resume"):
+        simulate(mission, trials=10, checkpoint=folder)
+
+
+def test_another_number_of_trials_in_the_file_is_no_change(tmp_path):
+    simulate(chesapeake(tmp_path, QUICK), trials=10, checkpoint=tmp_path / "run")
+    more = chesapeake(tmp_path, {**QUICK, "monte_carlo": {"trials": 20, "seed": 1}})
+    assert simulate(more, checkpoint=tmp_path / "run", resume=True).provenance.trials == 20
+
+
+def test_changed_data_of_the_current_are_a_change(tmp_path):
+    rows = "t_s,depth_m,east_m_s,north_m_s\n0,0,{},0\n90000,0,0.1,0\n"
+    (tmp_path / "current.csv").write_text(rows.format(0.1))
+    mission = chesapeake(tmp_path, {**QUICK, "site.current": {"file": "current.csv"}})
+    simulate(mission, trials=10, checkpoint=tmp_path / "run")
+    (tmp_path / "current.csv").write_text(rows.format(0.2))
+    with pytest.raises(InputError, match="SHA-256"):
+        simulate(mission, trials=10, checkpoint=tmp_path / "run", resume=True)
+
+
+def test_a_checkpoint_that_cannot_be_written_is_one_message(mission, tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(RunError, match="cannot"):
+        simulate(mission, trials=10, checkpoint=tmp_path / "file" / "run")
+    folder = tmp_path / "run"
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    honest = module.Checkpoints.write
+
+    def filling(store, *block):
+        monkeypatch.setattr("pathlib.Path.replace", full)
+        honest(store, *block)
+
+    monkeypatch.setattr(module.Checkpoints, "write", filling)
+    with pytest.raises(RunError, match="No space left on device"):
+        simulate(mission, trials=10, checkpoint=folder)
+
+
+RUN = """
+import sys
+from pathlib import Path
+from missionplan.mission import load
+from missionplan.studies.simulate import simulate
+if __name__ == "__main__":
+    simulate(load(sys.argv[1]), trials=int(sys.argv[2]), checkpoint=Path(sys.argv[3]), resume=True)
+"""
+
+
+def test_a_killed_run_resumes_to_the_same_bits(mission, reference, tmp_path):
+    folder = tmp_path / "run"
+    script = tmp_path / "run.py"
+    script.write_text(RUN)
+    for blocks in (1, 2):  # killed twice, at two places
+        command = [sys.executable, str(script), mission.file, str(TRIALS), str(folder)]
+        process = subprocess.Popen(command, start_new_session=True)
+        deadline = time.monotonic() + 60.0
+        while len(list(folder.glob("block-*.npz"))) < blocks and time.monotonic() < deadline:
+            time.sleep(0.002)
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        assert len(list(folder.glob("block-*.npz"))) >= blocks
+    assert bits(simulate(mission, trials=TRIALS, checkpoint=folder, resume=True)) == reference
