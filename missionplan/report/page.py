@@ -93,6 +93,8 @@ class Page:
         Everything else.
     verdict : str
         "good", "bad" or "" : how the answer is marked.
+    rerun : str
+        The command that makes the result again, where it is not the study's own with the folder's `mission.yaml`.
     """
 
     title: str
@@ -101,6 +103,7 @@ class Page:
     numbers: Sequence[tuple[str, str]]
     sections: Sequence[Section]
     verdict: str = ""
+    rerun: str = ""
 
 
 @dataclass(frozen=True)
@@ -174,7 +177,7 @@ def render_page(page: Page, provenance: Provenance) -> Rendered:
         provenance=provenance,
         summary=provenance.summary(),
         mission_yaml=to_yaml(provenance.data),
-        rerun=rerun_command(provenance),
+        rerun=page.rerun or rerun_command(provenance),
     )
     shown = [page.figure] if page.figure else []
     shown += [block for section in page.sections for block in section.blocks if isinstance(block, Figure)]

@@ -1,0 +1,139 @@
+"""Answer of `compare`: what changed between two runs, in the mission and in its results."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+import pandas as pd
+
+from missionplan.results.base import Provenance, Result, to_csv
+
+Verdict = Literal["changed", "within noise", "same", "not judged", "only first", "only second"]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One of the two runs.
+
+    Attributes
+    ----------
+    folder, mission, version, created : str
+        Report folder as given; mission's name; of missionplan; when it was made, UTC.
+    seed, trials : int
+    """
+
+    folder: str
+    mission: str
+    version: str
+    created: str
+    seed: int
+    trials: int
+
+
+@dataclass(frozen=True)
+class Change:
+    """A value of the mission file, or an option of the run, that differs; empty where one has no such value."""
+
+    path: str
+    first: str
+    second: str
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A number of the results, in both runs.
+
+    Attributes
+    ----------
+    group, key : str
+        Such as ``moor`` and ``offset_m``.
+    kind : 'mean', 'probability' or 'number'
+        A number carries no standard error.
+    first, second : float or None
+        None where a run does not have it.
+    standard_error : float or None
+        Of second − first, the two runs taken as independent.
+    p_value : float or None
+        Of a difference at least as large by Monte-Carlo noise alone.
+    verdict : str
+        ``changed``: more than noise, at 5 % for all numbers together (Holm's correction), or exactly different where
+        there is no noise; ``not judged``: a noisy number whose standard error is not known.
+    """
+
+    group: str
+    key: str
+    kind: Literal["mean", "probability", "number"]
+    first: float | None
+    second: float | None
+    standard_error: float | None
+    p_value: float | None
+    verdict: Verdict
+
+    @property
+    def change(self) -> float | None:
+        """Second minus first; None where a run does not have it."""
+        return None if self.first is None or self.second is None else self.second - self.first
+
+    def row(self) -> dict[str, Any]:
+        """Entry of `summary.json` and row of the table."""
+        names = ("group", "key", "kind", "first", "second")
+        rest = ("standard_error", "p_value", "verdict")
+        return {
+            **{name: getattr(self, name) for name in names},
+            "change": self.change,
+            **{name: getattr(self, name) for name in rest},
+        }
+
+
+@dataclass(frozen=True)
+class Comparison(Result):
+    """Two runs of one command, side by side.
+
+    Attributes
+    ----------
+    provenance : Provenance
+        Its `data` holds both missions.
+    compared : str
+        The command that made both reports.
+    runs : (Run, Run)
+    mission_changes, option_changes : tuple of Change
+        By key path; seeds, trials, versions and options.
+    differences : tuple of Difference
+        In the order of the first summary.
+    verdicts : tuple of Change
+        Requirements that one run meets and the other does not.
+    """
+
+    report: ClassVar[str] = "comparison"
+
+    provenance: Provenance
+    compared: str
+    runs: tuple[Run, Run]
+    mission_changes: tuple[Change, ...]
+    option_changes: tuple[Change, ...]
+    differences: tuple[Difference, ...]
+    verdicts: tuple[Change, ...]
+
+    @property
+    def changed(self) -> tuple[Difference, ...]:
+        """Differences that are more than Monte-Carlo noise."""
+        return tuple(difference for difference in self.differences if difference.verdict == "changed")
+
+    def summary(self) -> dict[str, Any]:
+        """The dictionary of `summary.json`."""
+        return {
+            **self.provenance.summary(),
+            "compared": self.compared,
+            "runs": [vars(run) for run in self.runs],
+            "mission_changes": [vars(change) for change in self.mission_changes],
+            "option_changes": [vars(change) for change in self.option_changes],
+            "differences": [difference.row() for difference in self.differences],
+            "requirement_changes": [vars(change) for change in self.verdicts],
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row a number of the results."""
+        return pd.DataFrame([difference.row() for difference in self.differences])
+
+    def files(self) -> dict[str, str | bytes]:
+        """`differences.csv`."""
+        return {"differences.csv": to_csv(self.to_frame())}

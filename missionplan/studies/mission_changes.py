@@ -1,0 +1,61 @@
+"""What differs between two mission files, key by key."""
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.results.comparison import Change
+
+_TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
+
+
+def changes(first: Any, second: Any) -> tuple[Change, ...]:
+    """List the values that differ, by key path with phases by name; ``75 ft`` and ``22.86 m`` are the same."""
+    one, two = dict(_leaves(first, "")), dict(_leaves(second, ""))
+    return tuple(
+        Change(path, _shown(one.get(path)), _shown(two.get(path)))
+        for path in dict.fromkeys((*one, *two))
+        if not _same(one.get(path), two.get(path))
+    )
+
+
+def _leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _leaves(inner, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list):
+        for index, inner in enumerate(value):
+            name = _phase_name(inner) if path == "phases" else None
+            yield from _leaves(name[1] if name else inner, name[0] if name else f"{path}[{index}]")
+    else:
+        yield path, value
+
+
+def _phase_name(entry: Any) -> tuple[str, Any] | None:
+    """Name and section of an item of `phases`."""
+    if isinstance(entry, Mapping) and len(entry) == 1:
+        ((kind, section),) = entry.items()
+        if isinstance(section, Mapping):
+            return str(section.get("name", kind)), section
+    return None
+
+
+def _same(first: Any, second: Any) -> bool:
+    if first == second:
+        return True
+    if not (isinstance(first, str) and isinstance(second, str)):
+        return False
+    match = _TRAILING_UNIT.fullmatch(second)
+    if match is None:
+        return False
+    try:
+        one, two = (parse_number_with_unit(text, match[1]) for text in (first, second))
+    except QuantityError:
+        return False
+    return math.isclose(one, two, rel_tol=1e-12)
+
+
+def _shown(value: Any) -> str:
+    return "" if value is None else str(value)

@@ -1,0 +1,212 @@
+"""Two reports side by side: what changed, and what is noise."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from missionplan.errors import InputError
+from missionplan.report.render import render, terminal
+from missionplan.results.base import to_yaml
+from missionplan.studies.compare import compare, holm
+
+MISSION = {
+    "name": "Bay",
+    "site": {"depth": "40 ft"},
+    "phases": [
+        {"transit": {"name": "ingress", "speed": "1.5 m/s", "d_max": "350 m"}},
+        {"moor": {"radius": "75 ft", "release_time": {"mean": "10 s", "sd": "3 s"}}},
+    ],
+}
+
+
+def statistic(mean, error):
+    return {"mean": mean, "sd": 1.0, "p05": 0.0, "p50": 0.0, "p95": 0.0, "standard_error": error}
+
+
+def share(value, half=0.01):
+    return {"value": value, "low": value - half, "high": value + half}
+
+
+def simulated(*, offset=10.0, success=0.9, met=True, trials=10_000, seed=1):
+    return {
+        "command": "simulate",
+        "mission": "Bay",
+        "seed": seed,
+        "trials": trials,
+        "version": "0.1",
+        "options": {"precision": None},
+        "phases": [
+            {
+                "name": "moor",
+                "kind": "moor",
+                "quantities": {"offset_m": statistic(offset, 0.1), "duration_s": statistic(1200.0, 0.0)},
+                "events": {"within_radius": share(0.97)},
+            }
+        ],
+        "total": {"quantities": {"energy_wh": statistic(30.0, 0.02)}, "events": {"success": share(success)}},
+        "requirements": [
+            {"quantity": "moor.offset", "at_most": 20.0, "required": 0.9, "probability": share(success), "met": met}
+        ],
+    }
+
+
+@pytest.fixture
+def report(tmp_path):
+    """Write report folders."""
+    count = iter(range(10))
+
+    def write(summary, mission=MISSION) -> Path:
+        folder = tmp_path / f"report-{next(count)}"
+        folder.mkdir()
+        (folder / "summary.json").write_text(summary if isinstance(summary, str) else json.dumps(summary))
+        (folder / "mission.yaml").write_text(to_yaml(mission))
+        return folder
+
+    return write
+
+
+def verdicts(comparison):
+    return {(item.group, item.key): item.verdict for item in comparison.differences}
+
+
+def test_a_report_is_the_same_as_itself(report):
+    folder = report(simulated())
+    comparison = compare(folder, folder)
+    assert set(verdicts(comparison).values()) == {"same"}
+    assert comparison.mission_changes == comparison.option_changes == comparison.verdicts == ()
+    assert terminal(comparison).sentence == "The results are the same."
+
+
+def test_a_difference_beyond_noise_is_told_from_noise(report):
+    comparison = compare(report(simulated(seed=1)), report(simulated(offset=11.0, success=0.903, seed=2)))
+    found = verdicts(comparison)
+    assert found["moor", "offset_m"] == "changed"
+    assert found["total", "success"] == "within noise"
+    assert found["total", "energy_wh"] == "same"
+    assert "most clearly moor offset (+3.3\u00a0±\u00a00.5\u00a0ft)" in terminal(comparison).sentence
+    (offset,) = comparison.changed
+    assert offset.standard_error == pytest.approx(0.1 * math.sqrt(2.0))
+    assert offset.p_value == pytest.approx(2.0 * norm.sf(1.0 / (0.1 * math.sqrt(2.0))))
+
+
+def test_two_shares_are_tested_as_pooled(report):
+    first, second = simulated(success=0.9, trials=1000, seed=1), simulated(success=0.93, trials=2000, seed=2)
+    (found,) = (item for item in compare(report(first), report(second)).differences if item.key == "success")
+    pooled = (900 + 1860) / 3000
+    score = 0.03 / math.sqrt(pooled * (1.0 - pooled) * (1 / 1000 + 1 / 2000))
+    assert found.p_value == pytest.approx(2.0 * norm.sf(score))
+
+
+def test_a_requirement_that_is_no_longer_met_is_told(report):
+    comparison = compare(report(simulated()), report(simulated(met=False, seed=2)))
+    assert "Moor offset was met and is not met." in terminal(comparison).sentence
+
+
+def test_what_changed_in_the_mission_is_named_by_key(report):
+    other = {**MISSION, "site": {"depth": "12.192 m"}, "phases": [dict(MISSION["phases"][0])]}
+    other["phases"][0] = {"transit": {"name": "ingress", "speed": "1.4 m/s", "d_max": "0.35 km", "depth": "2 m"}}
+    comparison = compare(report(simulated()), report(simulated(), other))
+    changed = {change.path: (change.first, change.second) for change in comparison.mission_changes}
+    assert changed == {
+        "ingress.speed": ("1.5 m/s", "1.4 m/s"),
+        "ingress.depth": ("", "2 m"),
+        "moor.radius": ("75 ft", ""),
+        "moor.release_time.mean": ("10 s", ""),
+        "moor.release_time.sd": ("3 s", ""),
+    }
+
+
+def test_seeds_and_options_are_named_apart_from_the_mission(report):
+    comparison = compare(report(simulated()), report({**simulated(seed=2), "options": {"precision": "0.5%"}}))
+    assert [(change.path, change.second) for change in comparison.option_changes] == [
+        ("seed", "2"),
+        ("option precision", "0.5%"),
+    ]
+    assert comparison.provenance.notices == ()
+
+
+def test_of_one_seed_it_is_said_that_the_draws_are_shared(report):
+    assert "share draws" in compare(report(simulated()), report(simulated())).provenance.notices[0]
+
+
+def test_a_number_that_one_run_lacks_is_said_to_be_missing(report):
+    first = simulated()
+    del first["total"]["quantities"]["energy_wh"]
+    assert verdicts(compare(report(first), report(simulated())))["total", "energy_wh"] == "only second"
+
+
+def test_noise_alone_seldom_changes_anything():
+    random = np.random.default_rng(1)
+    false = [min(holm(list(2.0 * norm.sf(np.abs(random.standard_normal(30)))))) < 0.05 for _ in range(2000)]
+    assert np.mean(false) == pytest.approx(0.05, abs=0.015)
+
+
+def test_holm_by_hand():
+    assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
+    assert holm([]) == []
+
+
+def swept(best, cost, seed):
+    curve = [{"d_max_m": d, "cost": cost + d / 1e5, "standard_error": 0.001, "surfacings": 3.0} for d in (100.0, 200.0)]
+    short = {"d_max_m": best, "d_max_over_distance": best / 1000.0, "cost": cost, "standard_error": 0.001}
+    sweep = [{"sigma_m_s": 0.035, "curve": curve, "best": short, "one_leg": {"cost": 0.2, "standard_error": 0.001}}]
+    return {"command": "sweep-dmax", "mission": "Bay", "seed": seed, "trials": 1000, "options": {}, "sweep": sweep}
+
+
+def test_sweeps_are_compared_point_by_point_and_their_best_d_max_is_not_judged(report):
+    found = verdicts(compare(report(swept(100.0, 0.05, 1)), report(swept(200.0, 0.08, 2))))
+    assert found["sweep, 0.035, best", "d_max_m"] == "not judged"
+    assert found["sweep, 0.035, best", "cost"] == "changed"
+    assert found["sweep, 0.035, curve, 200", "cost"] == "changed"
+    assert found["sweep, 0.035, one_leg", "cost"] == "same"
+
+
+def sized(weight):
+    anchor = {"wet_weight_n": weight, "drag_n": {"total": 11.0}, "feasible": True, "problems": []}
+    return {"command": "size-anchor", "mission": "Bay", "seed": 1, "trials": 0, "options": {}, "anchor": anchor}
+
+
+def test_anchors_are_compared_exactly(report):
+    found = verdicts(compare(report(sized(11.8)), report(sized(12.0))))
+    assert found == {("anchor", "wet_weight_n"): "changed", ("anchor, drag_n", "total"): "same"}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("{", "is not valid JSON"),
+        ("[1]", "is not a summary"),
+        ("[" * 100_000, "is not valid JSON"),
+        ('{"command": "identify"}', "cannot be compared"),
+    ],
+)
+def test_what_is_no_report_is_refused_in_words(report, text, words):
+    folder = report(text)
+    with pytest.raises(InputError, match=words):
+        compare(folder, folder)
+
+
+def test_reports_of_two_commands_are_refused(report, tmp_path):
+    with pytest.raises(InputError, match="two reports of one command were expected"):
+        compare(report(simulated()), report(sized(1.0)))
+    with pytest.raises(InputError, match="no such folder"):
+        compare(report(simulated()), tmp_path / "nothing")
+
+
+def test_a_summary_of_odd_shape_is_read_as_far_as_it_goes(report):
+    odd = {**simulated(), "phases": [None, {"name": ["x"], "quantities": 3}, "x"], "requirements": [1], "total": []}
+    assert compare(report(odd), report(simulated())).differences
+
+
+def test_the_page_and_its_folder(report, tmp_path):
+    comparison = compare(report(simulated()), report(simulated(offset=11.0, seed=2)))
+    html = render(comparison).html
+    assert "missionplan compare " in html
+    assert "1 of 6 numbers changed" in html
+    comparison.save(tmp_path / "out")
+    assert json.loads((tmp_path / "out/summary.json").read_text())["compared"] == "simulate"
+    assert (tmp_path / "out/differences.csv").read_text().startswith("group,key,kind,first,second,change")
