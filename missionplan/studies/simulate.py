@@ -3,28 +3,24 @@
 import hashlib
 import time
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
 from missionplan.montecarlo.fanout import Backend, Progress, run_blocks
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
-from missionplan.phases.currents import Current
 from missionplan.results.base import Provenance, to_yaml
 from missionplan.results.simulation import Outcome
 from missionplan.store.checkpoints import Checkpoints, Identity
 from missionplan.studies.block_sequence import BlockSequence, DoneBlock, Item
+from missionplan.studies.block_task import BlockTask
 from missionplan.studies.mission_trials import MissionTrials
 from missionplan.studies.outcome import Findings
 from missionplan.studies.precision import Precision
 from missionplan.studies.setting import Setting
 from missionplan.studies.simulate_checks import check_complete, check_current, late_notices, notices
 from missionplan.studies.site_current import current_file, recorded_current
-from missionplan.studies.tally import SAMPLED_BLOCKS, tally
-from missionplan.studies.trial_block import run_block
 from missionplan.studies.trials_table import TrialsTable
 
 MOST_TRIALS = 10_000_000
@@ -83,17 +79,17 @@ def simulate(
     means = Setting.at_means(mission, recorded_current(mission))
     check_current(mission, means)
     said = notices(mission, means)
-    blocks = _Blocks(mission, means.recorded, seed, keep_trials)
-    store = Checkpoints(checkpoint, blocks.identity, resume=resume) if checkpoint else None
+    task = BlockTask(mission, means.recorded, seed, keep_trials)
+    store = Checkpoints(checkpoint, _identity(task), resume=resume) if checkpoint else None
     items = [(block, block_size(count, block)) for block in range(block_count(count))]
     run = BlockSequence(items, store, goal, TrialsTable() if keep_trials else None)
 
     def fan_out(todo: Sequence[Item]) -> Generator[DoneBlock, None, None]:
         if todo:
-            yield from run_blocks(blocks, todo, jobs=jobs, backend=backend, scheduler=scheduler)
+            yield from run_blocks(task, todo, jobs=jobs, backend=backend, scheduler=scheduler)
 
     found, failed = run.run(fan_out, progress)
-    shown = blocks.trials(*run.first_good, tracked=TRACKED)
+    shown = task.trials(*run.first_good, tracked=TRACKED)
     if goal is not None and not goal.is_reached(found):
         said += (f"The precision asked for, {precision}, was not reached in {found.trials} trials.",)
     options: dict[str, Any] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
@@ -131,44 +127,15 @@ def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLO
         Whatever the block fails with.
     """
     check_complete(mission)
-    return _Blocks(mission, recorded_current(mission), seed, False).trials(block, trials)
+    return BlockTask(mission, recorded_current(mission), seed).trials(block, trials)
 
 
-@dataclass(frozen=True)
-class _Blocks:
-    """What runs a block, in this process or another; everything that it needs is in it."""
-
-    mission: Mission
-    recorded: Current | None
-    seed: int
-    keep_trials: bool
-
-    @property
-    def identity(self) -> Identity:
-        """What a finished block depends on; not how many blocks there are."""
-        data = {key: value for key, value in self.mission.raw.items() if key != "monte_carlo"}
-        text, source = to_yaml(data), current_file(self.mission)
-        if source is not None:
-            digest = hashlib.sha256(source.read_bytes()).hexdigest()
-            text = text.replace(str(source), f"{source.name} (SHA-256 {digest})")
-        options = f"seed: {self.seed}\nkeep_trials: {self.keep_trials}\n"
-        return Identity(text, options, version("missionplan"))
-
-    def trials(self, block: int, size: int, tracked: int = 0) -> MissionTrials:
-        """Run one block."""
-        setting = Setting.drawn(self.mission, self.recorded, seed=self.seed, block=block, size=size)
-        return run_block(setting, self.seed, block, size, tracked)
-
-    def __call__(self, item: Item) -> DoneBlock:
-        """Run one block and reduce it; a failure of its numbers is told, not raised, so that others go on."""
-        block, size = item
-        try:
-            trials = self.trials(block, size)
-            reduced = tally(self.mission, trials, sampled=block < SAMPLED_BLOCKS)
-        except MissionplanError:
-            raise
-        except Exception as error:
-            first = block * BLOCK
-            place = f"block {block} (trials {first} to {first + size - 1}, seed {self.seed})"
-            return DoneBlock(None, failure=f"{place}: {type(error).__name__}: {error}")
-        return DoneBlock(reduced, dict(trials.columns()) if self.keep_trials else {})
+def _identity(task: BlockTask) -> Identity:
+    """What a finished block depends on; not how many blocks there are."""
+    data = {key: value for key, value in task.mission.raw.items() if key != "monte_carlo"}
+    text, source = to_yaml(data), current_file(task.mission)
+    if source is not None:
+        digest = hashlib.sha256(source.read_bytes()).hexdigest()
+        text = text.replace(str(source), f"{source.name} (SHA-256 {digest})")
+    options = f"seed: {task.seed}\nkeep_trials: {task.keep_trials}\n"
+    return Identity(text, options, version("missionplan"))

@@ -12,6 +12,7 @@ from simulate_missions import chesapeake
 
 from missionplan.errors import InputError, RunError
 from missionplan.montecarlo.streams import BLOCK
+from missionplan.studies import block_task
 from missionplan.studies import simulate as module
 from missionplan.studies.precision import Precision
 from missionplan.studies.simulate import simulate
@@ -107,13 +108,13 @@ def test_finished_blocks_are_not_run_again(mission, reference, tmp_path, monkeyp
     folder = tmp_path / "run"
     simulate(mission, trials=BLOCK, checkpoint=folder)
     ran = []
-    honest = module.run_block
+    honest = block_task.run_block
 
     def spying(setting, seed, block, *rest):
         ran.append(block)
         return honest(setting, seed, block, *rest)
 
-    monkeypatch.setattr(module, "run_block", spying)
+    monkeypatch.setattr(block_task, "run_block", spying)
     found = simulate(mission, trials=TRIALS, checkpoint=folder, resume=True)  # the trials have been raised
     assert ran == [1, 2, 0]  # and block 0 for the tracks
     assert bits(found) == reference
@@ -138,16 +139,16 @@ def test_a_damaged_block_is_run_again(mission, tmp_path):
 
 
 def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch):
-    honest = module.run_block
+    honest = block_task.run_block
 
     def failing(setting, seed, block, *rest):
         if block == 1:
             raise FloatingPointError("on purpose")
         return honest(setting, seed, block, *rest)
 
-    monkeypatch.setattr(module, "run_block", failing)
+    monkeypatch.setattr(block_task, "run_block", failing)
     assert len(simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path).failed_blocks) == 1
-    monkeypatch.setattr(module, "run_block", honest)
+    monkeypatch.setattr(block_task, "run_block", honest)
     found = simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path, resume=True)
     assert bits(found) == bits(simulate(mission, trials=2 * BLOCK))
 
