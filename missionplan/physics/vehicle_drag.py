@@ -211,11 +211,11 @@ def range_notes(law: VehicleDrag, speed: float, anchor_fineness: float | None = 
         reynolds = float(drag.reynolds_number(speed, length, law.water.viscosity))
         if reynolds < drag.REYNOLDS_TURBULENT:
             notes.append(
-                f"The {name}'s Reynolds number is {reynolds:.2g} at {speed:.2f} m/s: below "
-                f"{drag.REYNOLDS_TURBULENT:.0e} the flow may be laminar and the turbulent ITTC line too high."
+                f"The {name}'s Reynolds number is {_rounded(reynolds)} at {speed:.2f} m/s: below "
+                f"{_rounded(drag.REYNOLDS_TURBULENT)} the flow may be laminar and the turbulent ITTC line too high."
             )
         if reynolds > drag.REYNOLDS_HIGHEST:
-            notes.append(f"The {name}'s Reynolds number {reynolds:.2g} is beyond the ITTC line's experience.")
+            notes.append(f"The {name}'s Reynolds number {_rounded(reynolds)} is beyond the ITTC line's experience.")
     low, high = drag.ANCHOR_FINENESS
     if anchor_fineness is not None and not low <= anchor_fineness <= high:
         notes.append(
@@ -223,3 +223,9 @@ def range_notes(law: VehicleDrag, speed: float, anchor_fineness: float | None = 
             f"{low:g} to {high:g}."
         )
     return tuple(notes)
+
+
+def _rounded(value: float) -> str:
+    """Two digits, thousands apart: 140 000."""
+    digits = 1 - math.floor(math.log10(max(value, 1.0)))
+    return f"{round(value, digits):,.0f}".replace(",", "\u202f")

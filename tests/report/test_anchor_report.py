@@ -1,0 +1,60 @@
+from pathlib import Path
+
+import pytest
+
+from missionplan.mission import load
+from missionplan.report.anchor import answer, page, terminal
+from missionplan.studies.size_anchor import size_anchor
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+
+
+@pytest.fixture(scope="module")
+def sizing():
+    return size_anchor(load(MISSIONS / "anchor-design.yaml"), trials=300, probability=0.9)
+
+
+def altered(tmp_path, mission=(), vehicle=()):
+    (tmp_path / "vehicles").mkdir()
+    for name, pairs in (("anchor-design.yaml", mission), ("vehicles/vt475-self-mooring.yaml", vehicle)):
+        text = (MISSIONS / name).read_text()
+        for old, new in pairs:
+            assert old in text
+            text = text.replace(old, new)
+        (tmp_path / name).write_text(text)
+    return load(tmp_path / "anchor-design.yaml")
+
+
+def test_the_sentence_that_a_field_engineer_wants(sizing):
+    assert answer(sizing).replace("\u00a0", " ") == (
+        "An anchor of 11.7 N wet, 1.60 kg dry, 183 mm long, ring of 0.39 kg at 107 mm: at the seafloor 19 s after "
+        "separation, 20 m from the last fix; the vehicle stops 1.7 m above the bottom."
+    )
+
+
+def test_the_page_has_the_four_figures(sizing, tmp_path):
+    sizing.save(tmp_path / "report")
+    names = {path.stem for path in (tmp_path / "report" / "figures").iterdir()}
+    assert names == {"anchor", "drag", "descent", "drift"}
+    assert page(sizing).verdict == "good"
+    assert {"anchor.csv", "descent.csv"} <= {path.name for path in (tmp_path / "report").iterdir()}
+
+
+def test_both_anchors_stand_in_the_table(sizing):
+    table = terminal(sizing)
+    assert list(table.columns) == ["", "Worst case", "90 %"]
+    assert all(len(row) == 3 for row in table.rows)
+
+
+def test_an_anchor_that_cannot_be_built_says_so_first(tmp_path):
+    mission = altered(tmp_path, vehicle=[("mass: 0.7 kg", "mass: 0.9 kg")])
+    shown = page(size_anchor(mission, trials=10))
+    assert shown.verdict == "bad"
+    assert "cannot be built" in shown.answer
+    assert shown.sections[0].heading.startswith("Why it cannot be built")
+
+
+def test_a_short_line_is_bad_news(tmp_path):
+    shown = page(size_anchor(altered(tmp_path, mission=[("line_length: 5 m", "line_length: 2 m")]), trials=10))
+    assert shown.verdict == "bad"
+    assert "strikes the bottom" in shown.answer
