@@ -85,7 +85,9 @@ def coordinates_of(info: EffectInfo, names: Iterable[str] | None = None) -> tupl
     return tuple(found)
 
 
-def parameters_from(coordinates: Sequence[Coordinate], values: Sequence[Scalars] | Array) -> dict[str, dict[str, Scalars]]:
+def parameters_from(
+    coordinates: Sequence[Coordinate], values: Sequence[Scalars] | Array
+) -> dict[str, dict[str, Scalars]]:
     """Turn coordinates into parameters: effect → name → value; shapes of the values are kept."""
     result: dict[str, dict[str, Scalars]] = {}
     cosines: dict[tuple[str, str], Scalars] = {}
@@ -108,9 +110,7 @@ def _phase_of(coordinate: Coordinate) -> str:
     return dict(CATALOGUE[coordinate.effect].polar)[coordinate.name]
 
 
-def estimates(
-    coordinates: Sequence[Coordinate], mean: Array, covariance: Array
-) -> tuple[Estimate, ...]:
+def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array) -> tuple[Estimate, ...]:
     """Values, standard deviations and 90 % intervals of the parameters from a normal posterior of the coordinates.
 
     An amplitude and its phase by linear propagation; an interval ends where the parameter's range does.
@@ -136,7 +136,9 @@ def estimates(
             size = math.exp(value)
             found.append(Estimate(coordinate.effect, coordinate.name, size, size * sd, low, high, unit))
         elif coordinate.kind == "sine":
-            found += _polar(coordinate, mean[index - 1 : index + 1], covariance[index - 1 : index + 1, index - 1 : index + 1])
+            found += _polar(
+                coordinate, mean[index - 1 : index + 1], covariance[index - 1 : index + 1, index - 1 : index + 1]
+            )
     return tuple(found)
 
 
@@ -145,8 +147,13 @@ def _polar(coordinate: Coordinate, pair: NDArray[np.float64], covariance: Array)
     radial = pair / max(amplitude, 1e-12)
     across = np.array([-radial[1], radial[0]])
     sd = math.sqrt(max(float(radial @ covariance @ radial), 0.0))
-    sd_phase = min(math.sqrt(max(float(across @ covariance @ across), 0.0)) / max(amplitude, 1e-12), math.pi / math.sqrt(3))
-    return [_estimate(coordinate, coordinate.name, amplitude, sd), _estimate(coordinate, _phase_of(coordinate), phase, sd_phase)]
+    sd_phase = min(
+        math.sqrt(max(float(across @ covariance @ across), 0.0)) / max(amplitude, 1e-12), math.pi / math.sqrt(3)
+    )
+    return [
+        _estimate(coordinate, coordinate.name, amplitude, sd),
+        _estimate(coordinate, _phase_of(coordinate), phase, sd_phase),
+    ]
 
 
 def _estimate(coordinate: Coordinate, name: str, value: float, sd: float) -> Estimate:

@@ -100,13 +100,9 @@ def _gains(model: Model, selection: Selection, progress: Progress) -> dict[Cause
     worth = [candidate for candidate in selection.ranking[:SCORED] if _worth_scoring(candidate, selection)]
     if not worth:
         return {}
-    progress("predicting held-out data", 0, len(worth) + 1)
-    base = model.held_out(selection.base)
-    gains: dict[Causes, HeldOut] = {}
-    for done, candidate in enumerate(worth):
-        progress("predicting held-out data", done + 1, len(worth) + 1)
-        gains[candidate.causes] = compare(base, model.held_out(candidate.fit))
-    return gains
+    progress("predicting held-out data", 0, 1)
+    base, *extended = model.held_out([selection.base, *(candidate.fit for candidate in worth)])
+    return {candidate.causes: compare(base, scores) for candidate, scores in zip(worth, extended, strict=True)}
 
 
 def _worth_scoring(candidate: Candidate, selection: Selection) -> bool:

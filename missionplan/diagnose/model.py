@@ -12,6 +12,8 @@ from missionplan.diagnose.residuals import Residuals
 
 Array = NDArray[np.float64]
 Causes = tuple[str, ...]
+Wanted = tuple[Causes, Sequence["Fit"]]
+"""A set to fit, and fits of its parts to start from."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,14 @@ class Fit:
     calibration: Mapping[str, float]
     possible: bool
     state: Any
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A set that could not be fitted, and why."""
+
+    causes: Causes
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -80,8 +90,13 @@ class Model(Protocol):
         """Groups of effects of which a set holds at most one."""
         ...
 
-    def fit(self, causes: Causes, near: Sequence[Fit] = ()) -> Fit:
-        """Fit a set of causes, started from the fits of its parts."""
+    @property
+    def untestable(self) -> Mapping[str, str]:
+        """Effects of the catalogue that it could not show, and why."""
+        ...
+
+    def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
+        """Fit several sets of causes, each started from the fits of its parts."""
         ...
 
     def promise(self, causes: Causes, parent: Fit) -> float:
@@ -92,6 +107,6 @@ class Model(Protocol):
         """Residuals and their covariance under a fit."""
         ...
 
-    def held_out(self, fit: Fit) -> list[Score]:
-        """Predict each group of the data from the others."""
+    def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
+        """Predict each group of the data from the others, under several fits."""
         ...

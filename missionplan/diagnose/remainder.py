@@ -54,9 +54,7 @@ def remainder(residuals: Residuals) -> Remainder:
     factor = np.linalg.cholesky(residuals.covariance)
     innovations = solve_triangular(factor, residuals.values, lower=True, check_finite=False)
     typical = float(np.sqrt(np.median(np.diag(residuals.covariance))))
-    found = [
-        (axis.name, _log_bayes_factor(axis, factor, innovations, typical)) for axis in residuals.axes.values()
-    ]
+    found = [(axis.name, _log_bayes_factor(axis, factor, innovations, typical)) for axis in residuals.axes.values()]
     found.sort(key=lambda item: -item[1])
     together = float(logsumexp([value for _, value in found]) - np.log(len(found))) if found else 0.0
     tests = residual_tests(residuals, innovations)

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missionplan.diagnose.model import Causes, Fit, Model
+from missionplan.diagnose.model import Causes, Failure, Fit, Model
+from missionplan.errors import RunError
 
 PRICE = 3.0
 """Nats that each cause beyond the first must earn, and that a claim must exceed."""
@@ -59,7 +60,7 @@ class Selection:
         Possible non-empty sets, best score first.
     impossible : tuple of Candidate
         Sets whose best fit has a sign or size that the effect cannot have.
-    failed : tuple
+    failed : tuple of Failure
         Sets that could not be fitted, and why.
     catalogue : int
         Number of effects that the data could show.
@@ -68,7 +69,7 @@ class Selection:
     base: Fit
     ranking: tuple[Candidate, ...]
     impossible: tuple[Candidate, ...]
-    failed: tuple[tuple[Causes, str], ...]
+    failed: tuple[Failure, ...]
     catalogue: int
 
 
@@ -81,27 +82,31 @@ def select(model: Model, progress: Progress = lambda what, done, of: None) -> Se
         Model of the data.
     progress : callable
         Told what is being done.
+
+    Raises
+    ------
+    RunError
+        When not even the base model can be fitted.
     """
-    base = model.fit(())
+    base = model.fit_all([((), ())])[0]
+    if isinstance(base, Failure):
+        raise RunError(f"the base model cannot be fitted: {base.reason}")
     tried: dict[frozenset[str], Candidate] = {}
-    failed: list[tuple[Causes, str]] = []
+    failed: list[Failure] = []
     frontier: list[Candidate] = [Candidate(base, 0.0)]
     alone: dict[str, Fit] = {}
     for size in range(1, MOST + 1):
         wanted = _extensions(frontier, model, set(tried))
         if size > 1:
             wanted = [(causes, parent) for causes, parent in wanted if model.promise(causes, parent) > HOPELESS]
-        for done, (causes, parent) in enumerate(wanted):
-            progress(f"fitting {size} cause{'s' if size > 1 else ''}", done, len(wanted))
-            near = (parent, *(alone[name] for name in causes if name in alone and name not in parent.causes))
-            try:
-                fit = model.fit(causes, near)
-            except (np.linalg.LinAlgError, FloatingPointError) as error:
-                failed.append((causes, str(error)))
+        progress(f"fitting sets of {size}", 0, len(wanted))
+        for fit in model.fit_all([(causes, _parts(causes, parent, alone)) for causes, parent in wanted]):
+            if isinstance(fit, Failure):
+                failed.append(fit)
                 continue
-            tried[frozenset(causes)] = Candidate(fit, fit.log_evidence - base.log_evidence)
+            tried[frozenset(fit.causes)] = Candidate(fit, fit.log_evidence - base.log_evidence)
             if size == 1:
-                alone[causes[0]] = fit
+                alone[fit.causes[0]] = fit
         best = sorted(tried.values(), key=lambda candidate: -candidate.score)
         frontier = [candidate for candidate in best if len(candidate.causes) == size][:BEAM]
         if not frontier or frontier[0].score < best[0].score - PRICE or best[0].score <= 0.0:
@@ -109,6 +114,10 @@ def select(model: Model, progress: Progress = lambda what, done, of: None) -> Se
     possible = [candidate for candidate in best if candidate.fit.possible and _earned(candidate, tried)]
     impossible = [candidate for candidate in best if not candidate.fit.possible]
     return Selection(base, tuple(possible), tuple(impossible), tuple(failed), len(model.candidates))
+
+
+def _parts(causes: Causes, parent: Fit, alone: dict[str, Fit]) -> tuple[Fit, ...]:
+    return (parent, *(alone[name] for name in causes if name in alone and name not in parent.causes))
 
 
 def _earned(candidate: Candidate, tried: dict[frozenset[str], Candidate]) -> bool:

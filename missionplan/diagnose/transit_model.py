@@ -22,7 +22,7 @@ from missionplan.diagnose.coordinates import (
     parameters_from,
 )
 from missionplan.diagnose.likelihood import LOG_2PI, Laplace, Marginal, gaussian_marginal, laplace, student_marginal
-from missionplan.diagnose.model import Causes, Fit, Score
+from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Residuals
 from missionplan.diagnose.transit_axes import transit_axes
 from missionplan.diagnose.transit_data import TransitData
@@ -176,9 +176,7 @@ class TransitModel:
     def columns(self, about: Array) -> Array:
         """Columns of the coordinates by central differences through the effects' hooks, shape (2, n, k)."""
         steps = np.diag([STEP * coordinate.slab for coordinate in self.coordinates])
-        rows = [
-            (self.mean_error(about + step) - self.mean_error(about - step)) / (2.0 * step.sum()) for step in steps
-        ]
+        rows = [(self.mean_error(about + step) - self.mean_error(about - step)) / (2.0 * step.sum()) for step in steps]
         return np.stack(rows, axis=2)
 
     @cached_property
@@ -312,6 +310,16 @@ class TransitModel:
             about, starts, spread = best.mean, [found.mode], found.covariance
         return self._described(causes, state)
 
+    def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
+        """Fit several sets of causes; one that cannot be fitted says why."""
+        found: list[Fit | Failure] = []
+        for causes, near in wanted:
+            try:
+                found.append(self.fit(causes, near))
+            except np.linalg.LinAlgError as error:
+                found.append(Failure(causes, str(error)))
+        return found
+
     def promise(self, causes: Causes, parent: Fit) -> float:
         """What the causes beyond a parent's would add to its log density, its hyperparameters held; inf if unknown."""
         if any(name in RANDOM for name in causes if name not in parent.causes):
@@ -376,8 +384,11 @@ class TransitModel:
         count = int(np.clip(self.data.n // 5, 4, 8))
         return [np.asarray(block) for block in np.array_split(np.arange(self.data.n), count)]
 
-    def held_out(self, fit: Fit) -> list[Score]:
+    def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
         """Predict each block of legs from the others, hyperparameters fitted to the others alone."""
+        return [self._block_scores(fit) for fit in fits]
+
+    def _block_scores(self, fit: Fit) -> list[Score]:
         scores = []
         for block in self.blocks():
             others = np.setdiff1d(np.arange(self.data.n), block)
@@ -456,7 +467,5 @@ def _starts(hypers: tuple[Hyper, ...], near: Sequence[Fit]) -> tuple[list[Array]
 
 def _hyper_estimates(state: TransitState) -> tuple[Estimate, ...]:
     chosen = [i for i, hyper in enumerate(state.hypers) if hyper.effect]
-    shapes = [
-        Coordinate(h.effect, h.name, "shape", h.centre, h.spread, 0.0) for h in (state.hypers[i] for i in chosen)
-    ]
+    shapes = [Coordinate(h.effect, h.name, "shape", h.centre, h.spread, 0.0) for h in (state.hypers[i] for i in chosen)]
     return estimates(shapes, state.posterior.mode[chosen], state.posterior.covariance[np.ix_(chosen, chosen)])

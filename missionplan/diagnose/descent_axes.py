@@ -1,0 +1,40 @@
+"""Axes along which a dive log's remainder may be smooth."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.diagnose.descent_data import DiveLog
+from missionplan.diagnose.residuals import Axis
+
+Array = NDArray[np.float64]
+
+
+def descent_axes(logs: Sequence[DiveLog], expected: Array) -> dict[str, Axis]:
+    """Time, depth and speed, each a function that all dives share, and time dive by dive.
+
+    Parameters
+    ----------
+    logs : sequence of DiveLog
+        The dives.
+    expected : array, shape (N,)
+        Depths that the model expects, dive after dive [m].
+    """
+    t = np.concatenate([log.t for log in logs])
+    dive = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs])
+    speed = np.concatenate([np.gradient(expected[dive == k], log.t) for k, log in enumerate(logs)])
+    shared = np.ones((len(t), 1))
+    own = (dive[:, None] == np.arange(len(logs))[None, :]).astype(float)
+    axes = {
+        "time": Axis("time", _unit(t), shared),
+        "depth": Axis("depth", _unit(expected), shared),
+        "speed": Axis("speed", _unit(speed), shared),
+    }
+    if len(logs) > 1:
+        axes["run"] = Axis("run", _unit(t), own)
+    return axes
+
+
+def _unit(values: Array) -> Array:
+    return np.asarray((values - values.min()) / max(float(np.ptp(values)), 1e-9))[:, None]

@@ -1,0 +1,60 @@
+"""Covariance of a dive's readings: sensor, what differs from dive to dive, turbulence."""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+DIVE_SD = {"release": 0.1, "zero": 0.05, "drag": 0.025, "weight": 0.012}
+"""Dive-to-dive scatter: separation [s], zero of the depth [m], drag and wet weight [1]."""
+SCATTERS = (0.5, 1.0, 2.0)
+"""Factors κ on that scatter over which the evidence is averaged."""
+SCATTER_SPREAD = 0.45
+WALKS = (4e-5, 3e-4, 2e-3)
+"""Rates q of the random walk of depth that turbulence gives [m²/s]: velocities of 1 to 4 cm/s for a second or two."""
+WALK_CENTRE, WALK_SPREAD = 3e-4, 1.3
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Hyperparameters of the covariance: scatter κ and random-walk rate q [m²/s], with their log prior weight."""
+
+    scatter: float
+    walk: float
+    log_prior: float
+
+
+def grid() -> tuple[Noise, ...]:
+    """Grid of hyperparameters with normalised prior weights."""
+    points = list(itertools.product(SCATTERS, WALKS))
+    logs = np.array(
+        [
+            -0.5 * (np.log(scatter) / SCATTER_SPREAD) ** 2 - 0.5 * (np.log(walk / WALK_CENTRE) / WALK_SPREAD) ** 2
+            for scatter, walk in points
+        ]
+    )
+    logs -= np.logaddexp.reduce(logs)
+    return tuple(Noise(scatter, walk, float(log)) for (scatter, walk), log in zip(points, logs, strict=True))
+
+
+NOMINAL = Noise(1.0, WALK_CENTRE, 0.0)
+
+
+def dive_covariance(t: Array, sd: Array, sensitivities: Array, noise: Noise) -> Array:
+    """σ²I + κ²(J S Jᵀ) + q·min(t, t′), shape (m, m) [m²].
+
+    Parameters
+    ----------
+    t, sd : array, shape (m,)
+        Times [s] and the sensor's standard deviations [m].
+    sensitivities : array, shape (m, 4)
+        Of the readings to release, zero, drag and weight, in the order of `DIVE_SD`.
+    noise : Noise
+        Hyperparameters.
+    """
+    scaled = noise.scatter * sensitivities * np.array(list(DIVE_SD.values()))
+    since = t - min(0.0, float(t.min()))
+    return np.asarray(np.diag(sd**2) + scaled @ scaled.T + noise.walk * np.minimum(since[:, None], since[None, :]))
