@@ -4,8 +4,9 @@ With the assumptions of `expectation`, the least expected time to go solves
 
     J(d) = min over ℓ of ℓ/U + t_s + E[J(d′); d′ > r_x],    J = 0 for d ≤ r_x,
 
-where d′ is Rice-distributed about d − ℓ with scale σℓ/U, and 0 < ℓ ≤ d. Policy iteration (Howard) alternates between
-the best legs for a given J, by a scan and a golden section, and the J of given legs, by a linear solve.
+where d′ is Rice-distributed about d − ℓ with scale s, s² = (σℓ/U)² + s₀², and 0 < ℓ ≤ d. Policy iteration (Howard)
+alternates between the best legs for a given J, by a scan and a golden section, and the J of given legs, by a linear
+solve.
 """
 
 from dataclasses import dataclass
@@ -45,6 +46,8 @@ class Bellman:
         To the target at the start [m].
     k : float
         σ/U.
+    base : float
+        s₀ [m].
     surfacing : float
         t_s U [m].
     ladder : array, shape (nodes, CANDIDATES)
@@ -56,22 +59,23 @@ class Bellman:
     panels: Panels
     distance: float
     k: float
+    base: float
     surfacing: float
     ladder: Array
     outlook: csr_array
 
     @classmethod
-    def on_grid(cls, distance: float, arrival_radius: float, k: float, surfacing: float) -> "Bellman":
+    def on_grid(cls, distance: float, arrival_radius: float, k: float, surfacing: float, base: float) -> "Bellman":
         """Lay the grid, finest at the arrival radius, where legs are short, and prepare the scan."""
 
         def width(d: Array) -> Array:
             return np.maximum(np.minimum(0.3 * (d - arrival_radius), WIDEST_PANEL * d), 0.02 * arrival_radius)
 
         # A leg may lead away only where TAIL k > 1, and legs that may lead far away do not pay.
-        top = distance if TAIL * k < 1.0 else 10.0 * distance
+        top = (distance if TAIL * k < 1.0 else 10.0 * distance) + 2.0 * TAIL * base
         panels = graded_panels(np.array([arrival_radius, distance, top]), width)
-        ladder, outlook = _scan(panels, panels.nodes, k)
-        return cls(panels, distance, k, surfacing, ladder, outlook)
+        ladder, outlook = _scan(panels, panels.nodes, k, base)
+        return cls(panels, distance, k, base, surfacing, ladder, outlook)
 
     def solve(self) -> tuple[Array, Array]:
         """Best legs: distances left, ascending, and leg lengths, with jumps resolved to `JUMP`.
@@ -87,6 +91,11 @@ class Bellman:
         leg, to_go = self._settle(left, to_go, sections=SECTIONS)
         return self._resolve_jumps(left, leg, to_go)
 
+    def _scale(self, leg: Array) -> Array:
+        """Standard deviation of a leg's end on each axis [m]."""
+        scale: Array = np.hypot(self.k * leg, self.base)
+        return scale
+
     def _settle(self, left: Array, to_go: Array, sections: int) -> tuple[Array, Array]:
         """Iterate policies until J changes no more: legs at the nodes, J there."""
         for _ in range(ROUNDS):
@@ -98,7 +107,7 @@ class Bellman:
 
     def _evaluate(self, leg: Array) -> Array:
         """J of given legs at the nodes."""
-        matrix = expectation_matrix(self.panels, self.panels.nodes - leg, self.k * leg)
+        matrix = expectation_matrix(self.panels, self.panels.nodes - leg, self._scale(leg))
         solution: Array = solve_ascending(matrix, (leg + self.surfacing)[:, None])[:, 0]
         return solution
 
@@ -112,7 +121,7 @@ class Bellman:
         low, high = ladder[rows, np.maximum(best - 1, 0)], ladder[rows, np.minimum(best + 1, CANDIDATES - 1)]
 
         def total(leg: Array) -> Array:
-            expected: Array = leg + expectation_matrix(self.panels, left - leg, self.k * leg) @ to_go
+            expected: Array = leg + expectation_matrix(self.panels, left - leg, self._scale(leg)) @ to_go
             return expected
 
         for _ in range(sections):
@@ -126,7 +135,7 @@ class Bellman:
         """Add a knot at `distance`, and halve steep intervals until jumps are `JUMP` wide."""
         extra = np.array([self.distance])
         while extra.size:
-            added = self._improve(extra, *_scan(self.panels, extra, self.k), to_go, SECTIONS)
+            added = self._improve(extra, *_scan(self.panels, extra, self.k, self.base), to_go, SECTIONS)
             order = np.argsort(np.append(left, extra))
             left, leg = np.append(left, extra)[order], np.append(leg, added)[order]
             wide = np.flatnonzero(is_steep(left, leg) & (np.diff(left) > JUMP))
@@ -140,13 +149,14 @@ def is_steep(left: Array, leg: Array) -> NDArray[np.bool_]:
     return steep
 
 
-def _scan(panels: Panels, left: Array, k: float) -> tuple[Array, csr_array]:
+def _scan(panels: Panels, left: Array, k: float, base: float) -> tuple[Array, csr_array]:
     """Leg lengths to scan from each distance left, and E[J(d′)] after each of them as a matrix.
 
     Ascending, shape (n, CANDIDATES): they aim at points evenly spaced near the target, over the arrival circle and the
     error of a full leg, and geometrically beyond.
     """
-    near = (panels.edges[0] + 3.0 * k * left)[:, None]
+    near = (panels.edges[0] + 3.0 * np.hypot(k * left, base))[:, None]
     steps = np.linspace(1.0, 0.0, CANDIDATES + 1)[1:]
     ladder = left[:, None] - near * np.sinh(np.arcsinh(left[:, None] / near) * steps)
-    return ladder, expectation_matrix(panels, np.repeat(left, CANDIDATES) - ladder.ravel(), k * ladder.ravel())
+    legs = ladder.ravel()
+    return ladder, expectation_matrix(panels, np.repeat(left, CANDIDATES) - legs, np.hypot(k * legs, base))

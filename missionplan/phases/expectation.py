@@ -2,14 +2,16 @@
 
 For isotropic zero-mean velocity errors, drawn anew for each leg and not compensated, all that matters of a position is
 the distance d left to the target. A leg of length ℓ(d) towards it ends at a Rice-distributed distance d′ about
-|d − ℓ| with scale σℓ/U, so that the expected time to go solves
+|d − ℓ| with scale s, s² = (σℓ/U)² + s₀², where s₀ is what fixes and the drift at the surface add to a leg of any
+length (0 in the base model). The expected time to go solves
 
     J(d) = ℓ/U + t_s + E[J(d′); d′ > r_x],    J = 0 for d ≤ r_x.
 
 The equation is linear: the expected distance run R and the expected surfacings N are solved for apart,
-J = R/U + t_s N. Checked against Monte Carlo for σ/U from 0.005 to 0.4.
+J = R/U + t_s N. Checked against Monte Carlo for σ/U from 0.005 to 0.4 and s₀ up to the arrival radius.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,7 +69,13 @@ class TransitExpectation:
 
 
 def expected_transit(
-    distance: float, d_max: float | LegTable, speed: float, arrival_radius: float, sigma: float, surfacing_time: float
+    distance: float,
+    d_max: float | LegTable,
+    speed: float,
+    arrival_radius: float,
+    sigma: float,
+    surfacing_time: float,
+    base_spread: float = 0.0,
 ) -> TransitExpectation:
     """Expected transit with legs of at most `d_max`: ℓ = min(d, d_max(d)).
 
@@ -85,6 +93,8 @@ def expected_transit(
         Standard deviation of each component of a leg's velocity error [m/s].
     surfacing_time : float
         t_s, at the surface after each leg [s].
+    base_spread : float
+        s₀, standard deviation that each leg's end has on each axis whatever the leg's length [m].
 
     Raises
     ------
@@ -92,21 +102,28 @@ def expected_transit(
         If an argument is out of its range, or the error so large that legs do not bring the vehicle nearer.
     """
     table = d_max if isinstance(d_max, LegTable) else LegTable(np.array([0.0]), np.array([_positive("d_max", d_max)]))
-    _check(distance, speed, arrival_radius, sigma, surfacing_time)
+    _check(distance, speed, arrival_radius, sigma, surfacing_time, base_spread)
     k = sigma / speed
-    if distance <= arrival_radius or k * distance <= NO_ERROR * arrival_radius:
+    if distance <= arrival_radius or math.hypot(k * distance, base_spread) <= NO_ERROR * arrival_radius:
         run, surfacings = _without_error(table, distance, arrival_radius)
     else:
         grade = _panels_of_table if len(table.leg) > 1 else _panels_of_d_max
-        run, surfacings = _with_error(table, grade(distance, table, arrival_radius, k), distance, k)
+        panels = grade(distance, table, arrival_radius, k, base_spread)
+        run, surfacings = _with_error(table, panels, distance, k, base_spread)
     return TransitExpectation(distance, speed, surfacing_time, run, surfacings)
 
 
 def expected_cost(
-    distance: float, d_max: float | LegTable, speed: float, arrival_radius: float, sigma: float, surfacing_time: float
+    distance: float,
+    d_max: float | LegTable,
+    speed: float,
+    arrival_radius: float,
+    sigma: float,
+    surfacing_time: float,
+    base_spread: float = 0.0,
 ) -> float:
     """Expected cost c (Briggs et al., Eq. 25) of legs of at most `d_max`; arguments as of `expected_transit`."""
-    return expected_transit(distance, d_max, speed, arrival_radius, sigma, surfacing_time).cost
+    return expected_transit(distance, d_max, speed, arrival_radius, sigma, surfacing_time, base_spread).cost
 
 
 def _positive(name: str, value: float) -> float:
@@ -115,10 +132,12 @@ def _positive(name: str, value: float) -> float:
     return value
 
 
-def _check(distance: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float) -> None:
+def _check(
+    distance: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float, base_spread: float
+) -> None:
     for name, value in {"distance": distance, "speed": speed, "arrival_radius": arrival_radius}.items():
         _positive(name, value)
-    for name, value in {"sigma": sigma, "surfacing_time": surfacing_time}.items():
+    for name, value in {"sigma": sigma, "surfacing_time": surfacing_time, "base_spread": base_spread}.items():
         if not value >= 0 or not np.isfinite(value):
             raise ValueError(f"{name} must be finite and not negative, not {value:g}")
     if sigma / speed > MAX_RATIO:
@@ -139,26 +158,26 @@ def _without_error(table: LegTable, distance: float, arrival_radius: float) -> t
     raise ValueError(f"not arrived after {MAX_LEGS} legs: d_max is too short for the distance")
 
 
-def _with_error(table: LegTable, panels: Panels, distance: float, k: float) -> tuple[float, float]:
+def _with_error(table: LegTable, panels: Panels, distance: float, k: float, base: float) -> tuple[float, float]:
     """Expected distance run and surfacings from `distance`, with panels that reach as far as legs may lead."""
     nodes = panels.nodes
     d = np.append(nodes, distance)
     leg = table(d)
-    matrix = expectation_matrix(panels, np.abs(d - leg), k * leg)
+    matrix = expectation_matrix(panels, np.abs(d - leg), np.hypot(k * leg, base))
     ones = np.ones_like(leg)
     to_go = solve_ascending(matrix[:-1], np.stack([leg, ones], axis=1)[:-1])
     run, surfacings = np.array([leg[-1], 1.0]) + (matrix[-1:] @ to_go)[0]
     return float(run), float(surfacings)
 
 
-def _panels_of_d_max(distance: float, table: LegTable, arrival_radius: float, k: float) -> Panels:
+def _panels_of_d_max(distance: float, table: LegTable, arrival_radius: float, k: float, base: float) -> Panels:
     """Panels graded towards the features of J.
 
     One more leg is needed beyond d = j d_max + r_x, where J steps up over the width k d_max √j that j legs' errors
     give, and the leg stops growing at d_max, which leaves a kink there and, blurred, at each further j d_max.
     """
     d_max = float(table.leg[0])
-    scale = k * d_max
+    scale = math.hypot(k * d_max, base)
 
     def width(d: Array) -> Array:
         legs = np.maximum(np.round((d - 0.5 * arrival_radius) / d_max), 1.0)
@@ -167,7 +186,7 @@ def _panels_of_d_max(distance: float, table: LegTable, arrival_radius: float, k:
         widest = np.maximum(PANEL_SCALES * scale * np.sqrt(legs), PANEL_RATIO * to_feature)
         return np.where(d < d_max, PANEL_RATIO * d, widest)
 
-    top = max(_farthest(distance, table, k), 2.0 * arrival_radius)
+    top = max(_farthest(distance, table, k, base), 2.0 * arrival_radius)
     if top / d_max > MAX_PANELS:
         raise ValueError(f"d_max of {d_max:g} m is too short for a distance of {distance:g} m")
     steps = d_max * np.arange(1, np.floor(top / d_max) + 1)
@@ -175,13 +194,13 @@ def _panels_of_d_max(distance: float, table: LegTable, arrival_radius: float, k:
     return graded_panels(_between(arrival_radius, edges, top), width)
 
 
-def _panels_of_table(distance: float, table: LegTable, arrival_radius: float, k: float) -> Panels:
+def _panels_of_table(distance: float, table: LegTable, arrival_radius: float, k: float, base: float) -> Panels:
     """Panels as wide as the error of the leg from there, which is the finest feature that J can have, or as d − r_x."""
-    top = max(_farthest(distance, table, k), 2.0 * arrival_radius)
+    top = max(_farthest(distance, table, k, base), 2.0 * arrival_radius)
 
     def width(d: Array) -> Array:
         near = np.maximum(PANEL_RATIO * (d - arrival_radius), FINEST_PANEL * arrival_radius)
-        return np.minimum(np.maximum(PANEL_SCALES * k * table(d), FINEST_PANEL * arrival_radius), near)
+        return np.minimum(np.maximum(PANEL_SCALES * np.hypot(k * table(d), base), FINEST_PANEL * arrival_radius), near)
 
     return graded_panels(_between(arrival_radius, table.kinks, top), width)
 
@@ -191,12 +210,13 @@ def _between(low: float, edges: Array, high: float) -> Array:
     return np.concatenate([[low], edges[(edges > low) & (edges < high)], [high]])
 
 
-def _farthest(distance: float, table: LegTable, k: float) -> float:
+def _farthest(distance: float, table: LegTable, k: float, base: float) -> float:
     """Distance left that is exceeded with negligible probability after the first leg."""
+    spread = 2.0 * TAIL * base
     if TAIL * k < 1.0:  # every leg ends nearer than it began
         first = float(table(np.array([distance]))[0])
-        return distance - first + TAIL * k * first
+        return distance - first + TAIL * k * first + spread
     # With a longest leg the distance is a walk of that drift, step scale k ℓ: P(rise > z) < exp(−2z/(k² ℓ)).
     # Without, it is at worst a product of Rayleigh variables with E[(d′/d)²] = 2k² < 1.
     longest = float(table.leg.max())
-    return min(max(distance, longest) + (TAIL * k + 12.0 * k**2) * longest, 1e6 * distance)
+    return min(max(distance, longest) + (TAIL * k + 12.0 * k**2) * longest, 1e6 * distance) + spread

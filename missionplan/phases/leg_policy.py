@@ -40,7 +40,14 @@ class LegPolicy:
     bound: float
 
 
-def best_legs(distance: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float) -> LegPolicy:
+def best_legs(
+    distance: float,
+    speed: float,
+    arrival_radius: float,
+    sigma: float,
+    surfacing_time: float,
+    base_spread: float = 0.0,
+) -> LegPolicy:
     """Find the legs that minimise the expected time of a transit.
 
     Parameters
@@ -55,44 +62,54 @@ def best_legs(distance: float, speed: float, arrival_radius: float, sigma: float
         Standard deviation of each component of a leg's velocity error [m/s]; none at all is planned for as a trace.
     surfacing_time : float
         t_s, positive: else the best legs would be endlessly short [s].
+    base_spread : float
+        s₀, standard deviation that each leg's end has on each axis whatever the leg's length [m].
 
     Raises
     ------
     ValueError
         If an argument is out of its range, or the iteration does not converge.
     """
-    one_leg = expected_transit(distance, distance, speed, arrival_radius, sigma, surfacing_time)
+    one_leg = expected_transit(distance, distance, speed, arrival_radius, sigma, surfacing_time, base_spread)
     if not surfacing_time > 0 or distance <= arrival_radius:
         raise ValueError("the best legs need a surfacing time and a start outside the arrival radius")
     k = max(sigma / speed, TRACE * arrival_radius / distance)
-    left, leg = Bellman.on_grid(distance, arrival_radius, k, surfacing_time * speed).solve()
+    left, leg = Bellman.on_grid(distance, arrival_radius, k, surfacing_time * speed, base_spread).solve()
 
-    arguments = (speed, arrival_radius, k * speed, surfacing_time)
+    arguments = (speed, arrival_radius, k * speed, surfacing_time, base_spread)
     full = LegTable(left, leg)
     bound = min(expected_transit(distance, full, *arguments).cost, one_leg.cost)
     tolerance = k * leg + 0.02 * arrival_radius
     while True:
         legs = thinned(full, tolerance)
         if legs.left.size == left.size or expected_transit(distance, legs, *arguments).cost <= bound + LOSS:
-            transit = expected_transit(distance, legs, speed, arrival_radius, sigma, surfacing_time)
+            transit = expected_transit(distance, legs, speed, arrival_radius, sigma, surfacing_time, base_spread)
             return LegPolicy(legs, transit, bound)
         tolerance *= 0.5
 
 
 def best_d_max(
-    distance: float, speed: float, arrival_radius: float, sigma: float, surfacing_time: float
+    distance: float,
+    speed: float,
+    arrival_radius: float,
+    sigma: float,
+    surfacing_time: float,
+    base_spread: float = 0.0,
 ) -> tuple[float, TransitExpectation]:
     """Find the fixed d_max, from distance/20 to the distance, of least expected cost; arguments as of `best_legs`."""
 
+    def expected(d_max: float) -> TransitExpectation:
+        return expected_transit(distance, d_max, speed, arrival_radius, sigma, surfacing_time, base_spread)
+
     def cost(d_max: float) -> float:
-        return expected_transit(distance, d_max, speed, arrival_radius, sigma, surfacing_time).cost
+        return expected(d_max).cost
 
     grid = np.linspace(0.05, 1.0, 96) * distance
     best = int(np.argmin([cost(d_max) for d_max in grid]))
     bounds = (grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)])
     refined = float(minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 1e-4 * distance}).x)
     d_max = min(refined, float(grid[best]), key=cost)
-    return d_max, expected_transit(distance, d_max, speed, arrival_radius, sigma, surfacing_time)
+    return d_max, expected(d_max)
 
 
 def thinned(table: LegTable, tolerance: Array) -> LegTable:

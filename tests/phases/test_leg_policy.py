@@ -98,6 +98,29 @@ def test_agrees_with_monte_carlo(case):
     assert duration.mean() == pytest.approx(policy.transit.duration, abs=3 * duration.std() / np.sqrt(trials))
 
 
+@pytest.mark.parametrize("base_spread", [10.0, 40.0])
+def test_a_spread_that_no_leg_escapes_agrees_with_monte_carlo(base_spread):
+    distance, speed, arrival_radius, sigma = case = (600.0, 1.0, 50.0, 0.1)
+    policy = best_legs(*case, SURFACING, base_spread)
+    rng = np.random.default_rng(12)
+    trials = 40_000
+    position = np.zeros((2, trials))
+    position[0] = distance
+    left = np.hypot(*position)
+    duration = np.zeros(trials)
+    while np.any(left > arrival_radius):
+        under_way = left > arrival_radius
+        leg = np.where(under_way, policy.legs(left), 0.0)
+        scale = np.where(under_way, np.hypot(sigma * leg / speed, base_spread), 0.0)
+        position += -position / np.maximum(left, 1.0) * leg + scale * rng.standard_normal((2, trials))
+        duration += leg / speed + SURFACING * under_way
+        left = np.hypot(*position)
+    assert duration.mean() == pytest.approx(policy.transit.duration, abs=3 * duration.std() / np.sqrt(trials))
+    _, fixed = best_d_max(*case, SURFACING, base_spread)
+    assert policy.bound <= fixed.cost
+    assert policy.bound > policy_of(case).bound
+
+
 def test_refining_the_grid_changes_nothing(monkeypatch):
     case = (800.0, 1.0, 50.0, 0.06)
     coarse = best_legs(*case, SURFACING).bound
