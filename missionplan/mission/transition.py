@@ -122,11 +122,27 @@ class WrittenTunnelThruster(Section):
 
 
 class TransitionGrid(Section):
-    """What `sweep-transition` runs: every combination; Table 2 of Palmer et al. unless said otherwise."""
+    """What `sweep-transition` runs: every combination; Table 2 of Palmer et al. unless said otherwise.
+
+    Variants with suction and with a pair are run at `shown_deceleration` alone, as in the paper; histories are shown
+    at it, at `shown_steepness` and `shown_mid_speed`. The pair is the vehicle's first thruster twice,
+    `pair_spacing` apart (default: half the hull's length).
+    """
 
     deceleration: tuple[Annotated[float, _fixed("m/s^2", open_low=True)], ...] = (0.005, 0.0075, 0.01, 0.0125, 0.015)
     steepness: _Speeds = (0.01, 0.10, 0.15, 0.20, 0.30)
     mid_speed: _Speeds = (0.5, 0.5625, 0.625, 0.75, 0.875, 1.0, 1.125, 1.25)
+    shown_deceleration: Annotated[float, _fixed("m/s^2", open_low=True)] = 0.01
+    shown_steepness: Annotated[float, _fixed("m/s", open_low=True)] = 0.10
+    shown_mid_speed: Annotated[float, _fixed("m/s", open_low=True)] = 0.75
+    pair_spacing: q.FixedLength | None = None
+
+    @model_validator(mode="after")
+    def _shown_is_run(self) -> "TransitionGrid":
+        for key in ("deceleration", "steepness", "mid_speed"):
+            if getattr(self, f"shown_{key}") not in getattr(self, key):
+                raise complain(f"expected one of the values of {key}", (f"shown_{key}",))
+        return self
 
 
 class TransitionPhase(Section):
@@ -139,5 +155,5 @@ class TransitionPhase(Section):
     mid_speed: q.PositiveSpeed
     steepness: q.PositiveSpeed
     suction_moment: bool = True
-    settle: _PositiveTime = 400.0
+    settle: _PositiveTime = 200.0
     sweep: TransitionGrid = TransitionGrid()

@@ -161,7 +161,7 @@ class Manoeuvre:
     mid_speed: Scalars
     steepness: Scalars
     before: float = 20.0
-    after: float = 400.0
+    after: float = 200.0
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,7 @@ class _Controls:
 
 
 def simulate_transition(
-    vehicle: TransitionVehicle, manoeuvre: Manoeuvre, *, time_step: float = 0.25, sample: float | None = None
+    vehicle: TransitionVehicle, manoeuvre: Manoeuvre, *, time_step: float = 0.5, sample: float | None = None
 ) -> TransitionRecord:
     """Run a block of transitions from level flight at survey speed to hover.
 

@@ -149,12 +149,13 @@ def rigid_body_load(body: Body, motion: Motion) -> Load:
 def inverse_inertia(body: Body) -> Array:
     """Inverse of mass, added mass and their couplings, shape (3, 3) or (3, 3, n): surge, heave, pitch."""
     d, m = body.derivatives, body.mass
-    rows = [
+    entries = (
         [m - body.scale(3) * d.x_udot, 0.0, m * body.z_g],
         [0.0, m - body.scale(3) * d.z_wdot, -m * body.x_g - body.scale(4) * d.z_qdot],
         [m * body.z_g, -m * body.x_g - body.scale(4) * d.m_wdot, body.inertia - body.scale(5) * d.m_qdot],
-    ]
-    matrix = np.array([np.broadcast_arrays(*row, body.excess_buoyancy)[:3] for row in rows], dtype=float)
+    )
+    flat = np.broadcast_arrays(*(entry for row in entries for entry in row))
+    matrix = np.array(flat, dtype=float).reshape(3, 3, *flat[0].shape)
     inverse: Array = np.moveaxis(np.linalg.inv(np.moveaxis(matrix, (0, 1), (-2, -1))), (-2, -1), (0, 1))
     return inverse
 

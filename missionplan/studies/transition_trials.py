@@ -15,7 +15,9 @@ from missionplan.studies.transition_setting import manoeuvre, transition_vehicle
 JOULES_PER_WATT_HOUR = 3600.0
 
 
-def transition_trials(setting: Setting, phase: TransitionPhase, state: TrialState) -> tuple[TrialState, PhaseTrials]:
+def transition_trials(
+    setting: Setting, phase: TransitionPhase, state: TrialState, tracked: int
+) -> tuple[TrialState, PhaseTrials]:
     """Slow every trial of a block down to hover, where it is.
 
     Energy is that of the tunnel thrusters until the vehicle hovers, and of the hotel load where the mission has one;
@@ -28,6 +30,8 @@ def transition_trials(setting: Setting, phase: TransitionPhase, state: TrialStat
     phase : TransitionPhase
     state : TrialState
         Where the phase begins.
+    tracked : int
+        Trials whose place is kept.
     """
     record = simulate_transition(transition_vehicle(setting, phase), manoeuvre(setting, phase))
     hotel = setting.energy("hotel")
@@ -56,7 +60,7 @@ def transition_trials(setting: Setting, phase: TransitionPhase, state: TrialStat
         end=np.where(hovering, after.clock, np.nan),
         failures={"did not come to hover": state.alive & ~hovering},
         miss=np.full((2, state.trials), np.nan),
-        track=np.empty((0, 2, 0)),
+        track=np.where(hovering, state.position, np.nan)[None, :, :tracked],
         anchor=np.empty((2, 0)),
         goal=(state.position.mean(axis=1), 0.0),
         inputs={},

@@ -54,7 +54,7 @@ class BlockRun:
             elif isinstance(phase, MoorPhase):
                 state, record = self._moor(phase, state, goal)
             else:
-                after, record = transition_trials(self.setting, phase, state)
+                after, record = transition_trials(self.setting, phase, state, self.tracked)
                 state, out = self._spend(after)
                 record = replace(record, failures={**record.failures, "out of energy": out})
             done.append(record)

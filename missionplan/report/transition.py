@@ -1,0 +1,226 @@
+"""Pictures of `sweep-transition`: Figs. 3, 6 to 11 and 14 of Palmer, Hearn & Stevenson, and what came of each trend."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, Page, Section, Table, Terminal, to_figure
+from missionplan.results.transition import FORCE, PAIR, SUCTION, Track, TransitionSweep
+
+TAIL = 260.0
+"""Histories are shown until this time after the deceleration began [s]."""
+
+
+def page(result: TransitionSweep) -> Page:
+    """Lay out the sweep as a page."""
+    best, hover = result.best, result.hover
+    answer = (
+        f"Without thrusters the vehicle cannot hold depth below {result.saturation_speed:.2f} m/s. One tunnel thruster "
+        f"takes it to hover with least energy, {best['energy_common_wh']:.1f} Wh, at a mid-transition speed of "
+        f"{best['mid_speed_m_s']:g} m/s."
+    )
+    numbers = [
+        ("Hover", f"{hover['revolutions_per_s']:.2f} rev/s, {hover['power_w']:.0f} W"),
+        ("Hover with a pair", f"{hover['pair_power_w']:.0f} W"),
+        ("Depth excursion", f"{_range(result, 'depth_excursion_m', 1.0)} m"),
+    ]
+    return Page(
+        "Transition from survey speed to hover",
+        answer,
+        unassisted_figure(result),
+        numbers,
+        [
+            Section("Lower mid-transition speeds cost depth", [depth_by_mid_speed(result), depth_by_steepness(result)]),
+            Section("Pitch follows, and swings on at hover", [pitch_by_mid_speed(result), pitch_by_steepness(result)]),
+            Section(
+                "What energy it takes", [energy_figure(result, "a"), energy_figure(result, "b"), energy_table(result)]
+            ),
+            Section("A pair of thrusters damps the pitch", [pitch_by_variant(result), variant_table(result)]),
+            Section("How far to trust it", [_trust(result)]),
+        ],
+    )
+
+
+def _trust(result: TransitionSweep) -> str:
+    share = result.cells["energy_out_of_range"].max()
+    return (
+        "Derivatives, inertia, propeller and gains of the example are not Autosub's: the vehicle file marks what is "
+        f"assumed or calibrated. At most {100 * share:.1f} % of a run's energy was spent beyond the force minimum, "
+        "where the thrusters' exponential loss has not been checked. Stall of the sternplanes is not modelled."
+    )
+
+
+def terminal(result: TransitionSweep) -> Terminal:
+    """Lay out the sweep for a terminal."""
+    cells = result.shown(FORCE)
+    cells = cells[cells["steepness_m_s"] == cells["steepness_m_s"].median()]
+    names = ("mid_speed_m_s", "depth_excursion_m", "pitch_excursion_rad", "energy_common_wh", "energy_to_hover_wh")
+    rows = [
+        (f"{speed:g} m/s", f"{depth:.2f} m", f"{np.degrees(pitch):.1f}°", f"{common:.1f} Wh", f"{own:.1f} Wh")
+        for speed, depth, pitch, common, own in cells[list(names)].to_numpy(dtype=float)
+    ]
+    columns = ("mid-transition speed", "depth excursion", "pitch excursion", "energy (a)", "energy (b)")
+    return Terminal(page(result).answer, columns, rows)
+
+
+def _range(result: TransitionSweep, column: str, factor: float) -> str:
+    values = result.shown(FORCE)[column] * factor
+    return f"{values.min():.2f} to {values.max():.2f}"
+
+
+def unassisted_figure(result: TransitionSweep) -> Figure:
+    """Speed, sternplane, pitch and depth without thrusters (Fig. 3)."""
+    from matplotlib.figure import Figure as MatplotlibFigure
+
+    track = result.unassisted
+    shown = (track.time >= -20.0) & (track.speed > 0.2)
+    figure = MatplotlibFigure(figsize=(6.0, 5.0))
+    angles, depth = figure.subplots(2, 1, sharex=True)
+    angles.plot(track.time[shown], np.degrees(track.pitch[shown]), color=BLUE, label="pitch")
+    angles.plot(track.time[shown], np.degrees(track.sternplane[shown]), color=ORANGE, label="sternplane")
+    angles.set_ylabel("angle [deg]")
+    depth.plot(track.time[shown], -track.depth[shown], color=BLUE)
+    depth.set_ylabel("rise above target [m]")
+    depth.set_xlabel("time since the deceleration began [s]")
+    crossing = track.time[np.argmax(track.speed < result.saturation_speed)]
+    for axes in (angles, depth):
+        axes.axvline(crossing, color=GREY, linewidth=1.0, linestyle=":")
+    angles.annotate(
+        f"A: {result.saturation_speed:.2f} m/s",
+        (crossing, angles.get_ylim()[1]),
+        xytext=(4, -4),
+        textcoords="offset points",
+        va="top",
+    )
+    angles.legend(loc="lower left")
+    alt = (
+        "Pitch, sternplane and rise against time without thrusters: once the sternplane is at its limit depth is lost."
+    )
+    return to_figure(
+        figure, "fig-3-no-thrusters", alt, "Without thrusters (the paper's Fig. 3); speed falls with time."
+    )
+
+
+def _histories(
+    tracks: Sequence[Track], name: str, alt: str, caption: str, y: Callable[[Track], np.ndarray], label: str
+) -> Figure:
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as MatplotlibFigure
+
+    figure = MatplotlibFigure()
+    axes = figure.subplots()
+    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(tracks)))
+    for track, colour in zip(tracks, colours, strict=True):
+        shown = (track.time >= 0.0) & (track.time <= TAIL)
+        axes.plot(track.time[shown], y(track)[shown], color=colour, label=track.label, linewidth=1.3)
+    axes.set_xlabel("time since the deceleration began [s]")
+    axes.set_ylabel(label)
+    axes.legend(title="m/s", ncols=2)
+    return to_figure(figure, name, alt, caption)
+
+
+def _rise(track: Track) -> np.ndarray:
+    return -track.depth
+
+
+def _pitch(track: Track) -> np.ndarray:
+    return np.degrees(track.pitch)
+
+
+def depth_by_mid_speed(result: TransitionSweep) -> Figure:
+    """Rise against time for each mid-transition speed (Fig. 6)."""
+    alt = "Rise above the target depth against time: the lower the mid-transition speed, the larger."
+    caption = "By mid-transition speed u* (the paper's Fig. 6)."
+    return _histories(result.by_mid_speed, "fig-6-depth", alt, caption, _rise, "rise above target [m]")
+
+
+def depth_by_steepness(result: TransitionSweep) -> Figure:
+    """Rise against time for each steepness (Fig. 7)."""
+    alt = "Rise above the target depth against time for each steepness of the interchange."
+    caption = "By steepness of the interchange (the paper's Fig. 7)."
+    return _histories(result.by_steepness, "fig-7-depth", alt, caption, _rise, "rise above target [m]")
+
+
+def pitch_by_mid_speed(result: TransitionSweep) -> Figure:
+    """Pitch against time for each mid-transition speed (Fig. 8)."""
+    alt = "Pitch against time: lower mid-transition speeds pitch further and swing more at hover."
+    caption = "By mid-transition speed u* (the paper's Fig. 8)."
+    return _histories(result.by_mid_speed, "fig-8-pitch", alt, caption, _pitch, "pitch [deg]")
+
+
+def pitch_by_steepness(result: TransitionSweep) -> Figure:
+    """Pitch against time for each steepness (Fig. 9)."""
+    alt = "Pitch against time for each steepness of the interchange."
+    caption = "By steepness of the interchange (the paper's Fig. 9)."
+    return _histories(result.by_steepness, "fig-9-pitch", alt, caption, _pitch, "pitch [deg]")
+
+
+def energy_figure(result: TransitionSweep, option: str) -> Figure:
+    """Energy against mid-transition speed for each steepness (Figs. 10 and 11)."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as MatplotlibFigure
+
+    figure = MatplotlibFigure()
+    axes = figure.subplots()
+    table = result.energy(FORCE, option)
+    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(table.columns)))
+    for steepness, colour in zip(table.columns, colours, strict=True):
+        axes.plot(table.index, table[steepness], "o-", color=colour, markersize=3, label=f"{steepness:g}")
+    axes.set_xlabel("mid-transition speed [m/s]")
+    axes.set_ylabel("energy [Wh]")
+    axes.set_ylim(bottom=0.0)
+    axes.legend(title="steepness [m/s]", ncols=2)
+    until = "until the slowest run of the set hovers" if option == "a" else "until each run hovers"
+    number = "10" if option == "a" else "11"
+    alt = f"Thruster energy {until} against mid-transition speed, one line a steepness."
+    return to_figure(
+        figure, f"fig-{number}-energy", alt, f"Energy {until}: option ({option}), the paper's Fig. {number}."
+    )
+
+
+def pitch_by_variant(result: TransitionSweep) -> Figure:
+    """Pitch against time for one thruster, one with suction, and a pair (Fig. 14)."""
+    from matplotlib.figure import Figure as MatplotlibFigure
+
+    figure = MatplotlibFigure()
+    axes = figure.subplots()
+    for track, colour, dash in zip(result.by_variant, (BLUE, ORANGE, GREEN), ("-", "--", "-"), strict=True):
+        shown = track.time >= 0.0
+        axes.plot(track.time[shown], _pitch(track)[shown], dash, color=colour, label=track.label)
+    axes.set_xlabel("time since the deceleration began [s]")
+    axes.set_ylabel("pitch [deg]")
+    axes.legend()
+    alt = "Pitch against time of the three variants: the pair's oscillation dies out, the others' goes on."
+    return to_figure(figure, "fig-14-pitch", alt, "The three variants (the paper's Fig. 14).")
+
+
+def energy_table(result: TransitionSweep) -> Table:
+    """Energy by option (a): mid-transition speeds down, steepnesses across."""
+    table = result.energy(FORCE, "a")
+    rows = [
+        (f"{speed:g} m/s", *(f"{value:.2f}" for value in row))
+        for speed, row in zip(table.index, table.to_numpy(), strict=True)
+    ]
+    return Table(
+        ("u*", *(f"{s:g}" for s in table.columns)),
+        rows,
+        "Energy until the slowest run of the set hovers [Wh], by steepness [m/s].",
+    )
+
+
+def variant_table(result: TransitionSweep) -> Table:
+    """Means over the grid at the shown deceleration, for each variant."""
+    rows = []
+    for variant in (FORCE, SUCTION, PAIR):
+        cells = result.shown(variant)
+        rows.append(
+            (
+                variant,
+                f"{cells['depth_excursion_m'].mean():.2f} m",
+                f"{np.degrees(cells['pitch_excursion_rad']).mean():.1f}°",
+                f"{np.degrees(cells['hover_pitch_rad']).mean():.3f}°",
+                f"{cells['energy_common_wh'].mean():.2f} Wh",
+            )
+        )
+    columns = ("variant", "depth excursion", "pitch excursion", "pitch swing at hover", "energy (a)")
+    return Table(columns, rows, "Means over mid-transition speeds and steepnesses.")

@@ -1,0 +1,101 @@
+"""What `sweep-transition` finds: depth, pitch and energy of slowing down, over the grid of Palmer et al., Table 2."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from missionplan.results.base import Provenance, Result, to_csv
+
+Array = NDArray[np.float64]
+
+FORCE, SUCTION, PAIR = "one thruster, force alone", "one thruster with suction", "thruster pair"
+"""Variants, in the order of the paper: sections 6, 7.1 and 7.2."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """Time history of one run, from the start of the deceleration; depth is below the target.
+
+    Arrays of shape (samples,): `time` [s], `speed` [m/s], `pitch` and `sternplane` [rad], `depth` [m].
+    """
+
+    label: str
+    time: Array
+    speed: Array
+    pitch: Array
+    depth: Array
+    sternplane: Array
+
+
+@dataclass(frozen=True)
+class TransitionSweep(Result):
+    """Result of `sweep-transition`.
+
+    Attributes
+    ----------
+    cells : DataFrame
+        One run a row: `variant`, `deceleration_m_s2`, `steepness_m_s`, `mid_speed_m_s`, `depth_excursion_m`,
+        `pitch_excursion_rad`, `hover_time_s`, `hover_pitch_rad`, `energy_common_wh` (option (a): until the slowest
+        run of the set hovers), `energy_to_hover_wh` (option (b)), `energy_out_of_range` (share).
+    unassisted : Track
+        Without thrusters (Fig. 3).
+    saturation_speed : float
+        Speed at which the sternplanes reach their limit in level flight, point A [m/s]; nan if they never do.
+    by_mid_speed, by_steepness : tuple of Track
+        One thruster, force alone, at the shown deceleration (Figs. 6 to 9).
+    by_variant : tuple of Track
+        The variants at the shown deceleration, steepness and mid-transition speed (Fig. 14).
+    hover : mapping
+        `thrust_n`, `revolutions_per_s`, `power_w` of one thruster and `pair_power_w` at hover.
+    """
+
+    report: ClassVar[str] = "transition"
+    provenance: Provenance
+    cells: pd.DataFrame
+    shown_deceleration: float
+    unassisted: Track
+    saturation_speed: float
+    by_mid_speed: tuple[Track, ...]
+    by_steepness: tuple[Track, ...]
+    by_variant: tuple[Track, ...]
+    hover: Mapping[str, float]
+
+    def shown(self, variant: str) -> pd.DataFrame:
+        """Cells of a variant at the shown deceleration."""
+        chosen = (self.cells["variant"] == variant) & (self.cells["deceleration_m_s2"] == self.shown_deceleration)
+        return self.cells[chosen]
+
+    def energy(self, variant: str, option: str) -> pd.DataFrame:
+        """Energy at the shown deceleration [Wh]: mid-transition speeds down, steepnesses across; option "a" or "b"."""
+        column = "energy_common_wh" if option == "a" else "energy_to_hover_wh"
+        return self.shown(variant).pivot(index="mid_speed_m_s", columns="steepness_m_s", values=column)
+
+    @property
+    def best(self) -> dict[str, float]:
+        """Cell of least energy by option (a), one thruster, force alone, at the shown deceleration."""
+        cells = self.shown(FORCE).drop(columns="variant")
+        least = int(cells["energy_common_wh"].to_numpy(dtype=float).argmin())
+        return {str(name): float(value) for name, value in cells.iloc[least].items()}
+
+    def summary(self) -> dict[str, Any]:
+        """The dictionary of `summary.json`."""
+        return {
+            **self.provenance.summary(),
+            "saturation_speed_m_s": self.saturation_speed,
+            "hover": dict(self.hover),
+            "runs": len(self.cells),
+            "least_energy": self.best,
+            "cells": self.cells.to_dict(orient="records"),
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """One run a row."""
+        return self.cells.copy()
+
+    def files(self) -> dict[str, str | bytes]:
+        """The table of all runs."""
+        return {"transition.csv": to_csv(self.cells)}

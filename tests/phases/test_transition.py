@@ -1,0 +1,92 @@
+"""The transition phase: interchange, invariances, convergence, and trials side by side."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import missionplan
+from missionplan.phases import transition as tr
+from missionplan.studies.setting import Setting
+from missionplan.studies.transition_setting import manoeuvre, transition_phase, transition_vehicle
+
+MISSION = Path(__file__).parents[2] / "missions" / "autosub-transition.yaml"
+
+
+@pytest.fixture(scope="module")
+def vehicle():
+    mission = missionplan.load(MISSION)
+    return transition_vehicle(Setting.at_means(mission), transition_phase(mission))
+
+
+@pytest.fixture(scope="module")
+def asked():
+    mission = missionplan.load(MISSION)
+    return replace(manoeuvre(Setting.at_means(mission), transition_phase(mission)), after=110.0)
+
+
+@given(speed=st.floats(0, 3), mid=st.floats(0.3, 2), steepness=st.floats(0.01, 1))
+def test_interchange_is_a_share(speed, mid, steepness):
+    share = tr.interchange(speed, mid, steepness)
+    assert 0.0 <= share <= 1.0
+    assert tr.interchange(mid, mid, steepness) == 0.5
+    assert tr.interchange(speed + 0.1, mid, steepness) <= share
+
+
+def test_steep_interchange_is_a_step():
+    np.testing.assert_allclose(tr.interchange(np.array([0.7, 0.8]), 0.75, 0.01), [1.0, 0.0], atol=1e-4)
+
+
+@given(demand=st.floats(-1, 1))
+def test_allocation_shares_out_everything(demand):
+    share = tr.allocation(demand, 1.0, 0.17)
+    assert share + tr.allocation(-demand, 1.0, 0.17) == pytest.approx(1.0)
+
+
+def test_survey_flight_is_steady_until_it_slows(vehicle, asked):
+    """Level trim and integrators fit each other: nothing moves before the deceleration but a little speed."""
+    record = tr.simulate_transition(vehicle, replace(asked, before=60.0, after=0.0), time_step=0.5, sample=1.0)
+    before = record.history.time < 0.0
+    assert np.abs(record.history.depth[before]).max() < 0.05
+    assert np.ptp(record.history.speed[before]) < 0.01
+
+
+def test_it_ends_at_hover_with_the_thrust_that_holds_it(vehicle, asked):
+    record = tr.simulate_transition(vehicle, replace(asked, after=200.0), time_step=0.5, sample=1.0)
+    history = record.history
+    assert abs(history.speed[-1, 0]) < 0.01
+    assert abs(history.depth[-1, 0]) < 0.02
+    assert vehicle.thrusters[0].thrust_constant * history.revolutions[-1, 0] ** 2 == pytest.approx(105.9, rel=0.01)
+
+
+def test_halving_the_step_changes_little(vehicle, asked):
+    coarse, fine = (tr.simulate_transition(vehicle, asked, time_step=h) for h in (0.5, 0.25))
+    assert coarse.depth_excursion == pytest.approx(fine.depth_excursion, rel=0.02)
+    assert coarse.energy_to_hover == pytest.approx(fine.energy_to_hover, rel=0.02)
+
+
+def test_trials_do_not_know_of_each_other(vehicle, asked):
+    varied = replace(asked, mid_speed=np.array([0.6, 0.75, 1.0]))
+    together = tr.simulate_transition(vehicle, varied, time_step=0.5)
+    alone = tr.simulate_transition(vehicle, replace(asked, mid_speed=0.75), time_step=0.5)
+    np.testing.assert_allclose(together.depth_excursion[1], alone.depth_excursion[0], rtol=1e-9)
+    np.testing.assert_allclose(together.energy_to_hover[1], alone.energy_to_hover[0], rtol=1e-9)
+
+
+def test_heavier_ballast_errors_cost_energy(vehicle, asked):
+    body = replace(vehicle.body, excess_buoyancy=np.array([53.0, 105.9, 212.0]))
+    record = tr.simulate_transition(replace(vehicle, body=body), asked, time_step=0.5)
+    assert np.all(np.diff(record.end_energy) > 0.0)
+
+
+def test_energy_until_the_end_is_the_end_energy(vehicle, asked):
+    record = tr.simulate_transition(vehicle, asked, time_step=0.5, sample=0.5)
+    assert tr.energy_until(record.history, record.end_time) == pytest.approx(record.end_energy)
+    assert np.isnan(tr.energy_until(record.history, np.nan)).all()
+
+
+def test_no_history_unless_asked(vehicle, asked):
+    assert tr.simulate_transition(vehicle, replace(asked, after=101.0), time_step=0.5).history is None
