@@ -71,14 +71,19 @@ def sensitivities(inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> 
 def _influences(inputs: Mapping[str, Array], output: str, values: Array) -> Iterator[Influence]:
     reached = np.isfinite(values)
     y = values[reached]
-    if len(y) < LEAST_TRIALS or np.ptp(y) == 0.0:
+    if len(y) < LEAST_TRIALS or _constant(y):
         return
     ranks = rankdata(y)
     for source, draws in inputs.items():
         x = draws[reached]
-        if np.ptp(x) > 0.0:
+        if not _constant(x):
             correlation = float(np.corrcoef(rankdata(x), ranks)[0, 1])
             yield Influence(output, source, correlation, *first_order_index(x, y))
+
+
+def _constant(values: Array) -> bool:
+    """Whether values differ by no more than rounding."""
+    return bool(np.ptp(values) <= 1e-9 * np.max(np.abs(values)))
 
 
 def first_order_index(x: Array, y: Array) -> tuple[float, float]:

@@ -119,7 +119,7 @@ def _dots(comparison: Comparison) -> Figure | None:
     scores = [(item.change or 0.0) / (item.standard_error or 1.0) for item in shown]
     for row, (item, score) in enumerate(zip(shown, scores, strict=True)):
         axes.plot(score, row, "o", color=ORANGE if item.verdict == "changed" else BLUE, markersize=6)
-        axes.annotate(_name(item), (0.0, row), (3, 5), textcoords="offset points", fontsize=9)
+        axes.text(0.01, row - 0.22, _name(item), transform=axes.get_yaxis_transform(), va="bottom", fontsize=9)
     reach = 1.1 * max(3.0, *(abs(score) for score in scores))
     axes.set(yticks=[], ylim=(len(shown) - 0.5, -0.8), xlim=(-reach, reach))
     axes.set_xlabel("second − first, in standard errors of the difference")
@@ -135,12 +135,12 @@ def _dots(comparison: Comparison) -> Figure | None:
 
 def _runs(comparison: Comparison) -> Iterator[Section]:
     rows = [
-        (run.folder, run.mission, run.created, run.version, number(run.trials), str(run.seed))
+        (run.folder, run.created[:16].replace("T", " "), run.version, number(run.trials), f"{run.seed}")
         for run in comparison.runs
     ]
-    columns = ("folder", "mission", "made", "missionplan", "trials", "seed")
+    columns = ("folder", "made (UTC)", "missionplan", "trials", "seed")
     heading = "Both runs are of one mission" if not comparison.mission_changes else "The runs are of different missions"
-    yield Section(heading, [Table(columns, rows, words=4)])
+    yield Section(heading, [Table(columns, rows, words=3)])
 
 
 def _changes(comparison: Comparison) -> Iterator[Section]:

@@ -11,6 +11,7 @@ from missionplan.montecarlo.statistics import Probability, Statistic
 
 NARROW_SPACE = "\u202f"
 _SUFFIXES = {"_m_s": "m/s", "_wh": "W*h", "_s": "s", "_m": "m", "_n": "N", "_kg": "kg", "_rad": "rad", "_deg": "deg"}
+_POINT_OR_UNDERSCORE = re.compile(r"\.(?!\d)|_")
 _SI = {"W*h": "J", "deg": "rad"}
 _TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
 _TIMES = ((600.0, "s"), (5.0 * 3600.0, "min"), (4.0 * 86400.0, "h"), (math.inf, "day"))
@@ -70,7 +71,7 @@ def plain(name: str) -> str:
     if quantity.startswith("site.current["):
         layer, _, rest = quantity.removeprefix("site.current[").partition("].")
         return f"current {rest} in layer {int(layer) + 1}"
-    return quantity.replace(".", " ").replace("_", " ")
+    return _POINT_OR_UNDERSCORE.sub(" ", quantity)
 
 
 def unit_for(phase: str, key: str, data: Mapping[str, Any], *, typical: float = math.nan) -> Unit:
@@ -151,14 +152,19 @@ def _shown(unit: str) -> str:
     return unit.replace("**", "^").replace("*", "\u202f").replace("^2", "²").replace("^3", "³")
 
 
+def has_spread(value: float, spread: float) -> bool:
+    """Whether a spread or an error is more than rounding."""
+    return math.isfinite(spread) and spread > 1e-9 * abs(value)
+
+
 def number(value: float, error: float = 0.0) -> str:
-    """Write a number with the digits that its standard error supports; four where it has none.
+    """Write a number with the digits that its standard error supports; four where it has none but rounding.
 
     The last digit shown is that of the error's first, or of its second where the first is 1.
     """
     if not math.isfinite(value):
         return "–"
-    if not (math.isfinite(error) and error > 0.0):
+    if not has_spread(value, error):
         return _grouped(value, max(0, 3 - _exponent(value)) if value else 0, strip=True)
     return _grouped(value, _decimals(error))
 
@@ -168,7 +174,7 @@ def with_error(value: float, error: float, unit: Unit) -> str:
     value, error = unit(value), unit(error)
     if not math.isfinite(value):
         return "–"
-    if not (math.isfinite(error) and error > 0.0):
+    if not has_spread(value, error):
         return number(value) + unit.suffix
     return f"{number(value, error)}\u00a0±\u00a0{_grouped(error, _decimals(error))}{unit.suffix}"
 

@@ -6,8 +6,8 @@ from itertools import groupby
 
 from missionplan.report.geojson import track_geojson
 from missionplan.report.kml import track_kml
-from missionplan.report.numbers import number, percent, plain, span, unit_for, with_error
-from missionplan.report.page import Block, Figure, Page, Section, Table, Terminal
+from missionplan.report.numbers import has_spread, number, percent, plain, span, unit_for, with_error
+from missionplan.report.page import Block, Page, Section, Table, Terminal
 from missionplan.report.plan_view import rings
 from missionplan.report.simulation_figures import histogram, sensitivity_bars, timeline, waterfall
 from missionplan.report.simulation_maps import close_ups, track_map
@@ -15,8 +15,10 @@ from missionplan.results.simulation import Outcome, PhaseOutcome, RequirementOut
 
 _FAILURES = {
     "not arrived": "missed arrivals",
+    "anchor did not reach the seafloor": "anchors that do not reach the seafloor",
+    "anchor outside the radius": "anchors outside the radius",
     "struck the seafloor": "strikes on the seafloor",
-    "outside its radius": "anchors outside their radius",
+    "did not surface": "vehicles that do not surface",
     "out of energy": "empty batteries",
 }
 _SHOWN = {"moor": ("offset_m", "lowest_altitude_m"), "total": ("duration_s", "energy_wh")}
@@ -68,7 +70,8 @@ def _answer(outcome: Outcome) -> str:
     works = f"This mission works {percent(success)} of the time"
     worst = max(outcome.attrition, key=lambda step: step.lost.value, default=None)
     if worst is None or worst.lost.value == 0.0:
-        return f"{works}: no trial failed."
+        trials = number(outcome.provenance.trials)
+        return f"This mission works: none of {trials} trials failed, so that P(success) is {percent(success)}."
     most = "most" if worst.lost.value > 0.5 * (1.0 - success.value) else "the commonest"
     return f"{works}; {most} failures are {_failure(worst.step)}."
 
@@ -202,13 +205,19 @@ def _timeline(outcome: Outcome) -> Section:
 
 
 def _distributions(outcome: Outcome) -> Section:
-    figures: list[Figure] = []
+    drawn: list[Block] = []
     for phase in (outcome.total, *outcome.phases):
-        for key in phase.quantities:
+        for key, statistic in phase.quantities.items():
             found = next((item for item in outcome.requirements if _is_on(item, phase, key)), None)
-            if (found or key in _SHOWN.get(phase.kind, ())) and math.isfinite(phase.quantities[key].p50):
-                figures.append(histogram(phase, key, outcome, found))
-    return Section(f"Half of the missions are over within {_median(outcome)}", figures)
+            if not math.isfinite(statistic.p50) or (found is None and key not in _SHOWN.get(phase.kind, ())):
+                continue
+            if has_spread(statistic.mean, statistic.sd):
+                drawn.append(histogram(phase, key, outcome, found))
+            else:
+                unit = unit_for(phase.name, key, outcome.provenance.data, typical=statistic.p50)
+                value = with_error(statistic.mean, 0.0, unit)
+                drawn.append(f"{_sentence(plain(f'{phase.name}.{key}'))} is {value} in every trial that came so far.")
+    return Section(f"Half of the missions are over within {_median(outcome)}", drawn)
 
 
 def _is_on(requirement: RequirementOutcome, phase: PhaseOutcome, key: str) -> bool:
@@ -231,10 +240,14 @@ def _sensitivities(outcome: Outcome) -> Iterator[Section]:
         (output, [influence for influence in found if influence.first_order > 2.0 * influence.standard_error])
         for output, found in groupby(outcome.sensitivities, key=lambda influence: influence.output)
     ]
-    groups = [(output, found[:_MOST_INPUTS]) for output, found in groups if found][:_MOST_FIGURES]
+    groups = [(output, found[:_MOST_INPUTS]) for output, found in groups if found]
     if not groups:
         return
-    output, (first, *_) = max(groups, key=lambda group: group[1][0].first_order)
+    asked = tuple(item.quantity for item in outcome.requirements)
+    # What the mission is judged by comes first, then what it costs as a whole.
+    pictured = sorted(groups, key=lambda group: (not group[0].startswith(asked), not group[0].startswith("total")))
+    pictured = pictured[:_MOST_FIGURES]
+    output, (first, *_) = max(pictured, key=lambda group: group[1][0].first_order)
     rows = [_influence_row(influence) for _, found in groups for influence in found]
     yield Section(
         f"{_sentence(plain(first.source))} matters most: it makes {100.0 * first.first_order:.0f}\u00a0% of the "
@@ -242,7 +255,7 @@ def _sensitivities(outcome: Outcome) -> Iterator[Section]:
         [
             "What to measure better: the share of a key figure's variance that would go if an input were known. "
             "Inputs that cannot be told from no influence are not listed.",
-            sensitivity_bars(groups),
+            sensitivity_bars(pictured),
             Table(("key figure", "input", "share of variance (%)", "rank correlation"), rows, words=2),
         ],
     )

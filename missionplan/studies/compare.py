@@ -173,6 +173,8 @@ def _shown(value: Any) -> str:
 
 def _place(path: tuple[str, ...]) -> tuple[str, str]:
     """Group and key: the parts of the path that a reader needs."""
+    if path[0] == "requirements":
+        return "requirement", path[1]
     kept = [part for part in path if part not in ("phases", "quantities", "events")]
     return ", ".join(kept[:-1]) or kept[-1], kept[-1]
 

@@ -82,6 +82,6 @@ def test_trials_that_never_reached_an_output_are_left_out_of_it():
 
 def test_what_does_not_vary_or_was_hardly_reached_is_left_out():
     x = np.random.default_rng(8).standard_normal(LEAST_TRIALS)
-    outputs = {"constant": np.ones_like(x), "rare": np.where(np.arange(LEAST_TRIALS), x, np.nan), "y": x}
+    outputs = {"constant": 1.5 + 1e-12 * x, "rare": np.where(np.arange(LEAST_TRIALS), x, np.nan), "y": x}
     found = sensitivities({"x": x, "fixed": np.zeros_like(x)}, outputs)
     assert [(influence.output, influence.source) for influence in found] == [("y", "x")]

@@ -80,7 +80,7 @@ def example(*, origin: bool = True, name: str | None = None, seed: int = 1, shif
         attrition=_attrition(
             [
                 ("ingress: not arrived", arrived),
-                ("moor: outside its radius", within),
+                ("moor: anchor outside the radius", within),
                 ("moor: struck the seafloor", within),
                 ("egress: not arrived", returned & within),
             ]

@@ -58,3 +58,13 @@ def test_a_short_line_is_bad_news(tmp_path):
     shown = page(size_anchor(altered(tmp_path, mission=[("line_length: 5 m", "line_length: 2 m")]), trials=10))
     assert shown.verdict == "bad"
     assert "strikes the bottom" in shown.answer
+
+
+def test_an_anchor_lighter_than_the_buoyancy_is_told_and_drawn_without_a_dive(tmp_path):
+    light = [("design_current: [1.3 m/s, 1.13 m/s]", "design_current: [0.1 m/s, 0.1 m/s]")]
+    sizing = size_anchor(altered(tmp_path, mission=light), trials=10)
+    shown = page(sizing)
+    assert shown.verdict == "bad"
+    assert "carry_net_buoyancy" in sizing.notes[0]
+    assert any(section.heading == "The anchor does not come down" for section in shown.sections)
+    assert sizing.summary()["descent"]["offset_m"] != sizing.summary()["descent"]["offset_m"]  # nan

@@ -37,6 +37,7 @@ MISSION = {
         (0.30480, math.nan, "0.3048"),
         (math.nan, 1.0, "–"),
         (0.0, 0.0, "0"),
+        (1.49815360427, 2e-16, "1.498"),
     ],
 )
 def test_numbers_have_the_digits_that_their_error_supports(value, error, text):

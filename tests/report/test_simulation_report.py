@@ -42,7 +42,9 @@ def test_the_verdict_comes_first_in_plain_words(page, outcome):
 
 def test_a_mission_that_never_failed_says_so(outcome):
     sure = with_success(outcome, 1000, 1000)
-    assert "100\u00a0% (at least 99.6\u00a0%) of the time: no trial failed." in terminal(sure).sentence
+    assert (
+        "none of 4000 trials failed, so that P(success) is 100\u00a0% (at least 99.6\u00a0%)" in terminal(sure).sentence
+    )
 
 
 def test_the_commonest_of_many_failures_is_named_as_such(outcome):
@@ -84,6 +86,15 @@ def test_every_figure_has_its_own_name_an_alternative_text_and_units(page):
     for figure in figures:
         labels = re.findall(r"<text[^>]*>([^<]+)</text>", figure.svg)
         assert any(re.search(r"\((m|min|%|ft|W\u202fh)\)", label) for label in labels), figure.name
+
+
+def test_a_quantity_that_does_not_vary_is_told_and_not_drawn(outcome):
+    moor = outcome.phases[1]
+    fixed = replace(moor.quantities["lowest_altitude_m"], mean=1.498, p50=1.498, sd=2e-13, standard_error=3e-15)
+    phases = (outcome.phases[0], replace(moor, quantities={**moor.quantities, "lowest_altitude_m": fixed}))
+    rendered = render(replace(outcome, phases=phases))
+    assert "Moor lowest altitude is 1.498\u00a0m in every trial" in rendered.html
+    assert "moor-lowest-altitude-m" not in rendered.figures
 
 
 def test_failed_blocks_are_told_first(outcome):
