@@ -5,18 +5,17 @@ from collections.abc import Sequence
 
 from missionplan.report.anchor_figures import descent_profile, drag_bars, drawing, drift
 from missionplan.report.numbers import number, percent
-from missionplan.report.page import Block, Page, Section, Table, Terminal
+from missionplan.report.page import Block, Figure, Page, Section, Table, Terminal
 from missionplan.results.anchor import AnchorSizing, ProbableAnchor, SizedAnchor
 
 
 def page(sizing: AnchorSizing) -> Page:
     """Build the page of a sizing."""
     anchor = sizing.anchor
-    figure = drawing(anchor.design) if anchor.design is not None and anchor.design.feasible else descent_profile(anchor)
     return Page(
         title=f"Anchor for {sizing.phase}: {sizing.provenance.mission}",
         answer=answer(sizing),
-        figure=figure,
+        figure=_main_figure(anchor),
         numbers=[
             ("Wet weight", f"{anchor.wet_weight:.2f} N"),
             ("Terminal velocity it is sized for", f"{anchor.terminal_velocity:.2f} m/s"),
@@ -39,15 +38,26 @@ def answer(sizing: AnchorSizing) -> str:
     design = anchor.design
     if design is not None and not design.feasible:
         return (
-            f"An anchor of {anchor.wet_weight:.1f}\u00a0N wet cannot be built from these parts: "
+            f"An anchor of {_newtons(anchor)} wet cannot be built from these parts: "
             f"{'; '.join(failure.words for failure in design.failures)}."
         )
-    built = f"An anchor of {anchor.wet_weight:.1f}\u00a0N wet"
+    built = f"An anchor of {_newtons(anchor)} wet"
     if design is not None:
         built += f", {design.dry_mass:.2f}\u00a0kg dry, {design.length * 1e3:.0f}\u00a0mm long"
         if math.isfinite(design.trim_position):
             built += f", ring of {design.trim_mass:.2f}\u00a0kg at {design.trim_position * 1e3:.0f}\u00a0mm"
     return f"{built}: {_dive_words(anchor)}."
+
+
+def _newtons(anchor: SizedAnchor) -> str:
+    return f"{anchor.wet_weight:.{1 if anchor.wet_weight >= 1.0 else 2}f}\u00a0N"
+
+
+def _main_figure(anchor: SizedAnchor) -> Figure | None:
+    """The anchor where it can be built, else its dive where there is one."""
+    if anchor.design is not None and anchor.design.feasible:
+        return drawing(anchor.design)
+    return descent_profile(anchor) if _is_down(anchor) else None
 
 
 def _is_down(anchor: SizedAnchor) -> bool:
@@ -77,9 +87,12 @@ def _sections(sizing: AnchorSizing) -> Sequence[Section]:
     if sizing.probable is not None:
         sections.append(_probable_section(sizing, sizing.probable))
     sections.append(Section(_odds_heading(sizing), [_odds_words(sizing)]))
-    if anchor.design is not None and anchor.design.feasible:
-        sections.append(Section(_stop_heading(anchor), [descent_profile(anchor)]))
-    sections.append(Section(_drift_heading(sizing), [drift(sizing), _layers_words(sizing)]))
+    if _is_down(anchor):
+        if anchor.design is not None and anchor.design.feasible:
+            sections.append(Section(_stop_heading(anchor), [descent_profile(anchor)]))
+        sections.append(Section(_drift_heading(sizing), [drift(sizing), _layers_words(sizing)]))
+    else:
+        sections.append(Section("The anchor does not come down", [_layers_words(sizing)]))
     sections.append(Section(_drag_heading(anchor), [drag_bars(anchor), *sizing.notes]))
     sections.append(Section("All numbers", [Table(_columns(sizing), _rows(sizing))]))
     return sections
@@ -116,6 +129,8 @@ def _odds_heading(sizing: AnchorSizing) -> str:
 
 def _odds_words(sizing: AnchorSizing) -> str:
     odds, trials = sizing.anchor.odds, sizing.provenance.trials
+    if odds.offset.count == 0:
+        return f"In none of {trials} dives drawn from the mission's distributions does the anchor come down."
     return (
         f"Over {trials} dives drawn from the mission's distributions the anchor comes down "
         f"{number(odds.offset.p50, odds.offset.standard_error)}\u00a0m from the last fix in the median and "
@@ -187,8 +202,12 @@ def _rows(sizing: AnchorSizing) -> list[list[str]]:
     for key, label, scale, digits, unit in _LABELS:
         values = [anchor.summary()[key] for anchor in anchors]
         if values[0] is not None:
-            rows.append([label, *(f"{value * scale:.{digits}f} {unit}" for value in values)])
+            rows.append([label, *(_shown(value * scale, digits, unit) for value in values)])
     for key, label, digits, unit in _DIVE_LABELS:
-        rows.append([label, *(f"{anchor.descent_summary()[key]:.{digits}f} {unit}" for anchor in anchors)])
+        rows.append([label, *(_shown(anchor.descent_summary()[key], digits, unit) for anchor in anchors)])
     rows.append(["Within the radius and not struck", *(percent(anchor.odds.good) for anchor in anchors)])
     return rows
+
+
+def _shown(value: float, digits: int, unit: str) -> str:
+    return f"{value:.{digits}f} {unit}" if math.isfinite(value) else "–"

@@ -1,5 +1,6 @@
 """The answer of `size-anchor`: an anchor one can build, the dive it gives, and how often that dive is good enough."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -11,7 +12,7 @@ from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.phases.descent_forces import Dive
 from missionplan.phases.descent_profile import DescentProfile
 from missionplan.physics.anchor import AnchorDesign
-from missionplan.physics.anchor_remedies import Remedy
+from missionplan.physics.anchor_remedies import HEAVIEST, Remedy
 from missionplan.physics.vehicle_drag import DragBuildUp
 from missionplan.results.base import Provenance, Result, to_csv
 
@@ -83,13 +84,16 @@ class SizedAnchor:
         if not self.remedies:
             words.append("no single change of a part mends it")
         if self.buildable is not None:
-            words.append(f"the parts as given make wet weights of {self.buildable[0]:.2f} to {self.buildable[1]:.3g} N")
+            low, high = self.buildable
+            upwards = "upwards" if high >= HEAVIEST else f"to {high:.3g} N"
+            words.append(f"the parts as given make anchors of {low:.2f} N wet {upwards}")
         return words
 
     @property
     def offset(self) -> float:
-        """Of the nominal dive's anchor from the last fix [m]."""
-        return float(self.profile.record.offset_distance[0])
+        """Of the nominal dive's anchor from the last fix; nan where it never came down [m]."""
+        record = self.profile.record
+        return float(record.offset_distance[0]) if record.touched_down[0] else math.nan
 
     @property
     def descent_time(self) -> float:

@@ -188,14 +188,23 @@ class _Study:
     def probable(self, required: float, worst_case: float) -> ProbableAnchor:
         """Find the lightest anchor that reaches a probability."""
         line = float(self.means[f"{self.moor.name}.line_length"])
-        found = lightest_anchor(self.trials.odds, required, worst_case, line)
+        start = worst_case + max(float(self.means["vehicle.net_buoyancy"]), 0.0)
+        found = lightest_anchor(self.trials.odds, required, start, line)
         anchor = self.sized(found.weight) if found.weight is not None else None
         return ProbableAnchor(required, anchor, found.reason, found.best, found.line_length, found.line_weight)
 
     def notes(self, anchor: SizedAnchor) -> tuple[str, ...]:
-        """Say where the drag's formulae leave their range."""
+        """Say where the model leaves its range."""
         fineness = anchor.design.length / (2.0 * anchor.design.problem.radius) if anchor.design else None
-        return range_notes(self.means.vehicle_drag, anchor.terminal_velocity, fineness)
+        notes = range_notes(self.means.vehicle_drag, anchor.terminal_velocity, fineness)
+        buoyancy = float(self.means["vehicle.net_buoyancy"])
+        if anchor.wet_weight > buoyancy:
+            return notes
+        light = (
+            f"The anchor's {anchor.wet_weight:.2f} N do not overcome the vehicle's net buoyancy of {buoyancy:.2f} N, "
+            "which Eq. 15 leaves out; `carry_net_buoyancy: true` in the mooring adds it."
+        )
+        return (light, *notes)
 
     def _design(self, weight: float) -> AnchorDesign | None:
         anchor = self.means.mission.vehicle.anchor if self.means.mission.vehicle else None
