@@ -11,12 +11,17 @@ from typing import Any
 __version__ = version("missionplan")
 
 _PUBLIC = {
-    "load": "missionplan.mission",
     "Mission": "missionplan.mission",
+    "diagnose": "missionplan.diagnose.study",
+    "identify": "missionplan.studies.identify",
+    "load": "missionplan.mission",
+    "plan_legs": "missionplan.studies.plan_legs",
+    "simulate": "missionplan.studies.simulate",
+    "size_anchor": "missionplan.studies.size_anchor",
     "sweep_dmax": "missionplan.studies.sweep_dmax",
 }
 
-__all__ = ["Mission", "__version__", "load", "sweep_dmax"]
+__all__ = ["__version__", *_PUBLIC]
 
 
 def __getattr__(name: str) -> Any:
