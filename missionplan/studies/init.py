@@ -1,0 +1,120 @@
+"""`init`: a starter folder with a commented mission, vehicle and data set that run as they stand."""
+
+import math
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from missionplan.effects.compass_bias import CompassBias
+from missionplan.errors import InputError, Problem
+from missionplan.mission import Mission, load
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.montecarlo.streams import stream
+from missionplan.phases.hooks import Array, Leg
+from missionplan.results.base import to_csv
+from missionplan.store.folder import write_atomically
+from missionplan.studies.setting import Setting
+
+COMPASS_BIAS = math.radians(3.0)
+"""What the sea trial holds and the mission does not know: the course made is this much clockwise of that steered."""
+LEGS = 32
+SIDE = 400.0
+"""Of the square about the origin whose corners the sea trial steers for [m]."""
+
+_TEXTS = {"mission.yaml": "mission.yaml", "vehicle.yaml": "vehicle.yaml", "dataset.yaml": "sea-trial/dataset.yaml"}
+_LOG = "sea-trial/legs.csv"
+
+
+def init(folder: str | Path = ".") -> tuple[Path, ...]:
+    """Write the starter files.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Where to; made if absent. Other files in it are left alone.
+
+    Returns
+    -------
+    tuple of Path
+        The files written.
+
+    Raises
+    ------
+    InputError
+        When one of the files is there already: nothing is written then.
+    RunError
+        When the folder cannot be written.
+    """
+    folder = Path(folder)
+    if folder.exists() and not folder.is_dir():
+        raise InputError([Problem("is a file; a folder was expected", str(folder))])
+    paths = [folder / name for name in (*_TEXTS.values(), _LOG)]
+    present = [path for path in paths if path.exists()]
+    if present:
+        hint = "nothing was written; name another folder"
+        raise InputError([Problem("is there already", str(path), hint=hint) for path in present])
+    for source, name in _TEXTS.items():
+        write_atomically(folder / name, (files("missionplan") / "starter" / source).read_text(encoding="utf-8"))
+    write_atomically(folder / _LOG, to_csv(sea_trial(load(folder / "mission.yaml"))))
+    return tuple(paths)
+
+
+def sea_trial(mission: Mission, *, legs: int = LEGS, compass_bias: float = COMPASS_BIAS, seed: int = 7) -> pd.DataFrame:
+    """Make up a navigation log: a square sailed round and round, with a compass that is off.
+
+    On each leg the vehicle steers from its fix for the next corner, by dead reckoning through still water. What
+    moves it besides is the mission's mean current at the depth of its first transit, a velocity error drawn once a
+    leg, and the compass's bias; every fix has its error. At the surface it drifts with the current for the mission's
+    surfacing time.
+
+    Parameters
+    ----------
+    mission : Mission
+        With a site and navigation; distributions are taken at their means.
+    legs : int
+    compass_bias : float
+        Clockwise from the course steered to the course made [rad].
+    seed : int
+
+    Returns
+    -------
+    DataFrame
+        Columns of a data set of kind ``transit``.
+    """
+    transit, navigation = mission.transits[0], mission.navigation
+    assert navigation is not None
+    draws = stream(seed, "sea-trial", 0).standard_normal((legs, 3, 2))
+    errors = draws[:, 0] @ np.linalg.cholesky(navigation.velocity_error.covariance).T
+    fixes = draws[:, 1:] * mean_of(navigation.fix_error)
+    compass = CompassBias(compass_bias)
+    under_way, surface = (_mean_current(mission, depth) for depth in (mean_of(transit.depth), 0.0))
+    speed, pause = mean_of(transit.speed), mean_of(navigation.surfacing_time)
+    corners = 0.5 * SIDE * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
+    time, position, rows = 0.0, corners[-1], []
+    for leg in range(legs):
+        dived = position + fixes[leg, 0]
+        planned = corners[leg % 4] - dived
+        duration = float(np.hypot(*planned)) / speed
+        sailed = Leg(*_columns(time, duration, position, planned / np.hypot(*planned)), speed)
+        error = compass.velocity(sailed)[:, 0] + errors[leg] + under_way
+        position = position + planned + error * duration
+        rows.append((leg + 1, time, time + duration, *dived, *(dived + planned), *(position + fixes[leg, 1])))
+        position = position + surface * pause
+        time += duration + pause
+    columns = ("leg", "t_start_s", "t_end_s", "x_start_m", "y_start_m", "x_dr_m", "y_dr_m", "x_end_m", "y_end_m")
+    return pd.DataFrame(rows, columns=list(columns)).round(2)
+
+
+def _mean_current(mission: Mission, depth: float) -> Array:
+    """Current at the origin at the start, every distribution at its mean, shape (2,) [m/s]."""
+    current = Setting.at_means(mission).current
+    if current is None:
+        return np.zeros(2)
+    return np.broadcast_to(current.velocity(0.0, depth, np.zeros((2, 1))), (2, 1))[:, 0]
+
+
+def _columns(time: float, duration: float, start: Array, along: Array) -> tuple[Array, Array, Array, Array]:
+    """One leg as arrays over legs."""
+    return np.array([time]), np.array([duration]), start[:, None], along[:, None]
