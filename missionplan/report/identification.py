@@ -88,7 +88,7 @@ def _draw_data(axes: "Axes", panel: Panel) -> None:
         axes.margins(x=0.25)
         axes.set_ylim(bottom=0.0)
     if panel.curves:
-        axes.legend()
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     axes.set_ylabel(panel.y_label)
 
 

@@ -87,12 +87,12 @@ def unassisted_figure(result: TransitionSweep) -> Figure:
         axes.axvline(crossing, color=GREY, linewidth=1.0, linestyle=":")
     angles.annotate(
         f"A: {result.saturation_speed:.2f} m/s",
-        (crossing, angles.get_ylim()[1]),
-        xytext=(4, -4),
+        (crossing, angles.get_ylim()[0]),
+        xytext=(4, 4),
         textcoords="offset points",
-        va="top",
+        va="bottom",
     )
-    angles.legend(loc="lower left")
+    angles.legend(loc="upper left")
     alt = (
         "Pitch, sternplane and rise against time without thrusters: once the sternplane is at its limit depth is lost."
     )
@@ -192,6 +192,20 @@ def pitch_by_variant(result: TransitionSweep) -> Figure:
     axes.legend()
     alt = "Pitch against time of the three variants: the pair's oscillation dies out, the others' goes on."
     return to_figure(figure, "fig-14-pitch", alt, "The three variants (the paper's Fig. 14).")
+
+
+def all_figures(result: TransitionSweep) -> list[Figure]:
+    """Every figure of the page, in its order."""
+    return [
+        unassisted_figure(result),
+        depth_by_mid_speed(result),
+        depth_by_steepness(result),
+        pitch_by_mid_speed(result),
+        pitch_by_steepness(result),
+        energy_figure(result, "a"),
+        energy_figure(result, "b"),
+        pitch_by_variant(result),
+    ]
 
 
 def energy_table(result: TransitionSweep) -> Table:
