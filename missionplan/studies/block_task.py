@@ -13,7 +13,7 @@ from missionplan.studies.tally import SAMPLED_BLOCKS, tally
 from missionplan.studies.trial_block import run_block
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # hashed by identity: Dask hashes what it runs, and arrays have no hash
 class BlockTask:
     """Runs a block, in this process or another; everything that it needs is in it.
 
