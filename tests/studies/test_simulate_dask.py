@@ -88,8 +88,7 @@ def mission(tmp_path_factory):
     folder = tmp_path_factory.mktemp("mission")
     rows = ["t_s,depth_m,east_m_s,north_m_s", *(f"{t},{d},{0.2 - d / 200},0.05" for t in (0, 90000) for d in (0, 12))]
     (folder / "current.csv").write_text("\n".join(rows) + "\n")
-    mission = chesapeake(folder, {**QUICK, "site.current": {"file": "current.csv"}})
-    return mission
+    return chesapeake(folder, {**QUICK, "site.current": {"file": "current.csv"}})
 
 
 def test_a_cluster_gives_the_bits_of_one_process(cluster, mission):

@@ -1,0 +1,71 @@
+"""Briggs et al., section VI.B: the full-system test in the Chesapeake Bay, performed twice.
+
+1600 m in with at most 350 m between fixes, arrival within the CEP, moored at 40 ft for 20 minutes, 1600 m out. The
+paper gives no numbers beyond these; current, errors and the CEP's radius of 15 m are the example's.
+"""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from missionplan.mission import load
+from missionplan.studies.setting import Setting
+from missionplan.studies.simulate import simulate, simulate_block
+from missionplan.studies.trial_block import run_block
+
+MISSION = Path(__file__).parents[2] / "missions" / "chesapeake.yaml"
+
+
+@pytest.fixture(scope="module")
+def mission():
+    return load(MISSION)
+
+
+@pytest.fixture(scope="module")
+def outcome(mission):
+    return simulate(mission, trials=8192)
+
+
+def test_both_tests_arrived_as_nearly_all_trials_do(outcome):
+    ingress = outcome.phases[0]
+    assert ingress.events["arrived"].low ** 2 > 0.99  # twice
+    assert ingress.quantities["arrival_error_m"].p95 < 15.0
+
+
+def test_legs_between_fixes_are_at_most_350_m(mission):
+    setting = Setting.drawn(mission, seed=1, block=0, size=500)
+    track = run_block(setting, 1, 0, 500, tracked=500).phases[0].track
+    dived, surfaced = track[0:-1:2], track[1::2]
+    over_ground = np.hypot(*np.moveaxis(surfaced - dived, 1, 0))
+    # the first leg is 350 m through the water; the mean current carries it on for the 233 s that it takes
+    carried = 0.4 * 0.514444 * 350.0 / 1.5
+    expected = math.hypot(350.0 + carried * math.sin(math.radians(60.0)), carried * math.cos(math.radians(60.0)))
+    assert np.median(over_ground[0]) == pytest.approx(expected, abs=3.0)
+    assert np.nanmax(over_ground) < 350.0 + 350.0 / 1.5 * 0.5
+    legs = np.count_nonzero(np.isfinite(surfaced[:, 0]), axis=0)
+    assert legs.min() >= math.floor(1600.0 / 420.0)
+    assert np.median(legs) == 5
+
+
+def test_it_moors_at_40_ft_for_20_minutes_and_more(mission):
+    columns = simulate_block(mission, seed=1, block=0, trials=1000).columns()
+    held = columns["moor.duration_s"] - sum(
+        columns[f"moor.{part}_s"] for part in ("release_time", "descent_time", "ascent_time")
+    )
+    assert held - columns["moor.galvanic_release"] == pytest.approx(1200.0 + 90.0)
+    assert np.all(columns["moor.lowest_altitude_m"] > 0.3)
+    assert float(Setting.at_means(mission)["site.depth"]) == pytest.approx(12.192)
+
+
+def test_the_mission_meets_its_requirements(outcome):
+    assert outcome.requirements_met
+    assert outcome.total.events["success"].low > 0.99
+    assert outcome.phases[2].events["arrived"].low > 0.99
+
+
+def test_the_anchor_of_the_design_holds_its_radius_as_promised():
+    """The sized anchor ignores release, pay-out and acceleration: it achieves about 0.88 of what it was sized for."""
+    found = simulate(load(MISSION.with_name("anchor-design.yaml")), trials=8192)
+    assert found.phases[0].events["within_radius"].value == pytest.approx(0.88, abs=0.05)

@@ -1,0 +1,182 @@
+"""Every form of the site's current, on every phase that it carries."""
+
+import math
+
+import numpy as np
+import pytest
+from simulate_missions import EXACT, chesapeake
+
+from missionplan.errors import InputError
+from missionplan.studies.setting import Setting
+from missionplan.studies.simulate import simulate, simulate_block
+from missionplan.studies.site_current import recorded_current
+from missionplan.studies.trial_block import run_block
+
+EAST, NORTH = 0.12, -0.05
+STEADY = {
+    **{key: value for key, value in EXACT.items() if key != "site.current"},
+    "navigation.drift_compensation": "forecast",
+}
+SPEED, TOWARD = math.hypot(EAST, NORTH), math.degrees(math.atan2(EAST, NORTH))
+
+
+def one_layer(speed=SPEED):
+    return [{"down_to": "40 ft", "speed": f"{speed} m/s", "toward": f"{TOWARD} deg"}]
+
+
+def csv(folder, velocity, times=range(0, 21601, 600), depths=(0.0, 4.0, 8.0, 12.2)):
+    rows = [(t, d, *velocity(t, d)) for t in times for d in depths]
+    text = "\n".join(",".join(repr(float(value)) for value in row) for row in rows)
+    (folder / "current.csv").write_text("t_s,depth_m,east_m_s,north_m_s\n" + text + "\n")
+    return {"site.current": {"file": "current.csv"}}
+
+
+def netcdf(folder, velocity, hours=7, latitudes=(37.18, 37.32), longitudes=(-76.45, -76.30)):
+    """A file as NOAA's operational forecast systems regrid them: time, depth, lat, lon, u, v, fill values on land."""
+    netCDF4 = pytest.importorskip("netCDF4")
+    depths, lat, lon = np.array([0.0, 2.0, 6.0, 10.0, 20.0]), np.linspace(*latitudes, 9), np.linspace(*longitudes, 11)
+    with netCDF4.Dataset(folder / "cbofs.nc", "w") as file:
+        for name, size in (("time", None), ("depth", depths.size), ("lat", lat.size), ("lon", lon.size)):
+            file.createDimension(name, size)
+        time = file.createVariable("time", "f8", ("time",))
+        time.setncatts({"units": "hours since 2026-05-01 00:00:00", "calendar": "standard", "standard_name": "time"})
+        time[:] = np.arange(hours) + 11.0
+        for name, values, units in (
+            ("depth", depths, "meters"),
+            ("lat", lat, "degrees_north"),
+            ("lon", lon % 360.0, "degrees_east"),
+        ):
+            axis = file.createVariable(name, "f8", (name,))
+            axis.units = units
+            axis[:] = values
+        for name, part in (("u", 0), ("v", 1)):
+            field = file.createVariable(name, "f4", ("time", "depth", "lat", "lon"), fill_value=np.float32(-99999.0))
+            field.units = "meter second-1"
+            for hour in range(hours):
+                for index, depth in enumerate(depths):
+                    field[hour, index] = velocity((hour - 1) * 3600.0, depth)[part]
+            field[:, :, :2, :] = -99999.0  # land to the south
+            field[:, 4, :, :] = -99999.0  # below the bottom
+    return {"site.current": {"file": "cbofs.nc"}, "start": "2026-05-01T12:00:00Z"}
+
+
+def steady(t, depth):
+    return EAST, NORTH
+
+
+def figures(mission, trials=20):
+    block = simulate_block(mission, seed=1, block=0, trials=trials)
+    assert block.success.all()
+    return {name: float(np.mean(values)) for name, values in block.columns().items()}
+
+
+@pytest.mark.parametrize("form", ["csv", "netcdf"])
+def test_a_steady_current_is_the_same_in_every_form(tmp_path, form):
+    changes = {"csv": csv, "netcdf": netcdf}[form](tmp_path, steady)
+    layered = figures(chesapeake(tmp_path, {**STEADY, "site.current": one_layer()}))
+    recorded = figures(chesapeake(tmp_path, STEADY | changes))
+    for name, value in layered.items():
+        if name in recorded:
+            assert recorded[name] == pytest.approx(value, rel=2e-6, abs=1e-4), name
+
+
+def test_the_current_carries_every_phase(tmp_path):
+    mission = chesapeake(tmp_path, {**STEADY, "site.current": one_layer()})
+    found = figures(mission)
+    # the forecast is exact; what is left is that Eq. 22 aims off for the nominal leg's time, not the adjusted one's
+    assert found["ingress.arrival_error_m"] < 3.0
+    sinking = found["moor.release_time_s"] + found["moor.descent_time_s"]
+    assert found["moor.offset_m"] == pytest.approx(SPEED * sinking, rel=1e-9)
+    block = simulate_block(mission, seed=1, block=0, trials=1)
+    moor, egress = block.phases[1], block.phases[2]
+    arrival = np.array([1600.0, 0.0]) + block.phases[0].miss[:, 0]
+    assert moor.anchor[:, 0] == pytest.approx(arrival + np.array([EAST, NORTH]) * sinking)
+    rising = found["moor.ascent_time_s"] + 90.0
+    assert egress.start[0] == moor.end[0]
+    expected = moor.anchor[:, 0] + np.array([EAST, NORTH]) * rising
+    away = math.hypot(*expected)
+    assert found["egress.distance_m"] > 0.9 * away
+
+
+def test_layers_act_at_their_depths(tmp_path):
+    surface_only = [
+        {"down_to": "1 m", "speed": "0.3 m/s", "toward": "90 deg"},
+        {"down_to": "40 ft", "speed": "0 m/s", "toward": "90 deg"},
+    ]
+    changes = {**STEADY, "site.current": surface_only, "phases.0.transit.depth": "2 m"}
+    found = figures(chesapeake(tmp_path, changes))
+    # under way there is none; at the surface it carries 27 m a surfacing, which the forecast aims off
+    assert found["ingress.distance_m"] == pytest.approx(1600.0 - 27.0 * found["ingress.surfacings"], rel=1e-9)
+    drifted = found["moor.offset_m"] / 0.3
+    assert found["moor.release_time_s"] < drifted < found["moor.release_time_s"] + 1.5
+
+
+def test_a_tide_turns_during_the_mission(tmp_path):
+    def tide(t, depth):
+        return 0.2 * math.cos(2 * math.pi * t / 14400.0), 0.0
+
+    times = range(0, 28801, 60)
+    mission = chesapeake(tmp_path, STEADY | csv(tmp_path, tide, times=times))
+    block = run_block(Setting.drawn(mission, recorded_current(mission), seed=1, block=0, size=1), 1, 0, 1, tracked=1)
+    ingress, moor = block.phases[:2]
+    egress = block.phases[2]
+
+    def travel(phase):
+        begin, end = (math.sin(2 * math.pi * float(t[0]) / 14400.0) for t in (phase.start, phase.end))
+        return 0.2 * 14400.0 / (2 * math.pi) * (end - begin)
+
+    out, back = (float(phase.quantities["distance_m"][0]) for phase in (ingress, egress))
+    assert travel(ingress) > 200.0  # the flood carries it in, and for a while against it out
+    assert out == pytest.approx(1600.0 - travel(ingress), abs=16.0)  # to the arrival radius
+    began = 1600.0 + float(moor.miss[0, 0] + moor.track[-1, 0, 0] - moor.anchor[0, 0])
+    assert back == pytest.approx(began + travel(egress), abs=16.0)
+    at = float(moor.start[0]) + 0.5 * float(moor.quantities["release_time_s"][0])
+    drift = float(moor.quantities["offset_m"][0])
+    sinking = float(moor.quantities["release_time_s"][0] + moor.quantities["descent_time_s"][0])
+    assert drift == pytest.approx(abs(0.2 * math.cos(2 * math.pi * (at + 5.0) / 14400.0)) * sinking, rel=0.05)
+
+
+def test_what_the_forecast_lacks_is_the_trials_own_draw(tmp_path):
+    uncertain = [{"down_to": "40 ft", "speed": {"mean": "0.2 m/s", "sd": "0.1 m/s"}, "toward": "0 deg"}]
+    block = simulate_block(chesapeake(tmp_path, {**STEADY, "site.current": uncertain}), seed=1, block=0)
+    arrived = block.phases[0].events["arrived"]
+    miss, speed = block.phases[0].miss[:, arrived], block.draws["site.current[0].speed"][arrived]
+    assert np.corrcoef(speed, miss[1])[0, 1] > 0.5
+    known = np.abs(speed - 0.2) < 0.001
+    assert np.abs(miss[:, known]).max() < 4.0
+
+
+def test_a_field_fills_land_and_places_itself(tmp_path):
+    mission = chesapeake(tmp_path, STEADY | netcdf(tmp_path, lambda t, d: (0.1 + 0.01 * d, t / 36000.0)))
+    current = recorded_current(mission)
+    assert np.isfinite(current.east).all()
+    east, north = current.velocity(np.array([5400.0]), np.array([4.0]), np.array([[800.0], [-20.0]]))[:, 0]
+    assert east == pytest.approx(0.14, abs=1e-6)
+    assert north == pytest.approx(0.15, abs=1e-6)
+    metres = np.diff(current.north_axis)
+    assert metres == pytest.approx(np.full(metres.size, 0.0175 * 110_990.0), rel=2e-3)
+    assert current.east_axis[0] == pytest.approx(-0.07 * 111_320.0 * math.cos(math.radians(37.25)), rel=3e-3)
+
+
+def test_a_field_that_does_not_reach_the_mission_is_refused(tmp_path):
+    away = chesapeake(tmp_path, STEADY | netcdf(tmp_path, steady, longitudes=(-76.45, -76.37)))
+    with pytest.raises(InputError, match=r"ingress\.to.*the field reaches"):
+        simulate(away, trials=10)
+    late = chesapeake(tmp_path, STEADY | netcdf(tmp_path, steady) | {"start": "2026-05-03T00:00:00Z"})
+    with pytest.raises(InputError, match="does not hold the start"):
+        simulate(late, trials=10)
+
+
+def test_a_record_that_ends_early_is_said(tmp_path):
+    short = chesapeake(tmp_path, STEADY | csv(tmp_path, steady, times=(0, 1800)))
+    found = simulate(short, trials=10)
+    assert any("record of the current ends after 1800 s" in notice for notice in found.provenance.notices)
+
+
+def test_without_layers_the_anchor_is_sized_for_one_design_current(tmp_path):
+    changes = {"phases.1.moor.anchor_wet_weight": "sized", "phases.1.moor.design_current": "0.5 kn"}
+    sized = chesapeake(tmp_path, STEADY | csv(tmp_path, steady) | changes)
+    setting = Setting.at_means(sized, recorded_current(sized))
+    speed = 0.5 * 0.514444 * 12.192 / 22.86
+    dive = setting.dive(sized.moors[0])
+    assert dive.wet_weight == pytest.approx(float(dive.vehicle_drag(speed)) + float(dive.anchor_drag(speed)), rel=1e-5)
