@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -25,7 +24,9 @@ NEEDED = (
 )
 MARGIN = 0.12
 """Share of the vehicle's depth at touchdown that is cut off above it."""
-LEAST_NOISE = 0.002
+FINE = 6
+LEAST_NOISE = 0.008
+"""What neither sensor nor integration is better than, over a bin [m]."""
 FOOT = 0.3048
 
 
@@ -38,7 +39,12 @@ class DiveLog:
     name : str
         Of the run.
     t, depth, sd : array, shape (m,)
-        Time since the separation by the log's clock [s], reading [m], and its noise's standard deviation [m].
+        Time since the separation by the log's clock [s], reading [m], and its noise's standard deviation [m], each
+        of a bin of neighbours.
+    fine : array, shape (f,)
+        Times within the bins [s]: a model is averaged over them as the readings were.
+    bins : array of int, shape (f,)
+        Bin of each of them.
     wet_weight, line_length, site_depth : float
         Of this dive [N, m, m].
     """
@@ -47,6 +53,8 @@ class DiveLog:
     t: Array
     depth: Array
     sd: Array
+    fine: Array
+    bins: NDArray[np.int_]
     wet_weight: float
     line_length: float
     site_depth: float
@@ -204,9 +212,7 @@ def _prepare(
     if gap > 0.2 * float(np.ptp(t)) and gap > 5.0 * float(np.median(np.diff(t))):
         notices.append(f"{name}: a gap of {gap:.1f} s in the log")
     noise = stated if stated is not None else estimate_noise(depth)
-    t, depth, counts = _thin(t, depth)
-    sd = np.maximum(noise / np.sqrt(counts), LEAST_NOISE)
-    return DiveLog(name, t, depth, sd, own["anchor_wet_weight"], own["line_length"], own["depth"])
+    return binned(name, t, depth, noise, own["anchor_wet_weight"], own["line_length"], own["depth"])
 
 
 def estimate_noise(depth: Array) -> float:
@@ -219,11 +225,21 @@ def estimate_noise(depth: Array) -> float:
     return by_median if by_median > 0.0 else float(np.sqrt(np.mean(second**2) / 6.0))
 
 
-def _thin(t: Array, depth: Array) -> tuple[Array, Array, NDArray[np.int_]]:
-    """Average neighbours until at most `MOST_SAMPLES` are left."""
-    bins = np.array_split(np.arange(len(t)), min(len(t), MOST_SAMPLES))
-    means: list[Any] = [[values[part].mean() for part in bins] for values in (t, depth)]
-    return np.array(means[0]), np.array(means[1]), np.array([len(part) for part in bins])
+def binned(
+    name: str, t: Array, depth: Array, noise: float, wet_weight: float, line_length: float, site_depth: float
+) -> DiveLog:
+    """Average neighbours until at most `MOST_SAMPLES` are left, and remember where in its bin each reading was.
+
+    Within a bin at most `FINE` times are kept, of readings averaged first where there are more.
+    """
+    parts = np.array_split(np.arange(len(t)), min(len(t), MOST_SAMPLES))
+    counts = np.array([len(part) for part in parts])
+    inner = [piece for part in parts for piece in np.array_split(part, min(len(part), FINE))]
+    fine = np.array([t[piece].mean() for piece in inner])
+    bins = np.repeat(np.arange(len(parts)), np.minimum(counts, FINE))
+    times, depths = (np.array([values[part].mean() for part in parts]) for values in (t, depth))
+    sd = np.maximum(noise / np.sqrt(counts), LEAST_NOISE)
+    return DiveLog(name, times, depths, sd, fine, bins, wet_weight, line_length, site_depth)
 
 
 def _suspicions(dives: list[DiveLog]) -> list[str]:

@@ -1,7 +1,8 @@
 """The descent phase as the diagnosis calls it: many settings of the parameters and all dives in one call."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from missionplan.phases.readings import simulate_readings
 
 Array = NDArray[np.float64]
 
-STEP = 0.1
+STEP = 0.08
 """Step of the integration [s]; readings are within a few mm of exact ones, 2 cm where the line goes taut."""
 NO_BOTTOM = 1e5
 """Site depth for the fit [m]: the logs end above touchdown, and so must no model of them reach it."""
@@ -27,14 +28,23 @@ class DescentForward:
 
     Attributes
     ----------
-    dive : Dive
-        The mission's descent with the weights and line lengths of the d dives, arrays of shape (d,).
+    build : callable
+        The mission's descent from wet weights [N] and line lengths [m], arrays of shape (d,).
     logs : tuple of DiveLog
-        Whose times are asked for.
+        The d dives, whose times are asked for.
+    given : tuple of DescentEffect
+        Effects that the mission has already.
     """
 
-    dive: Dive
+    build: Callable[[Array, Array], Dive]
     logs: tuple[DiveLog, ...]
+    given: tuple[DescentEffect, ...] = ()
+
+    @cached_property
+    def dive(self) -> Dive:
+        """Bodies and line of all dives, without a bottom."""
+        weights, lines = (np.array([getattr(log, key) for log in self.logs]) for key in ("wet_weight", "line_length"))
+        return replace(self.build(weights, lines), site_depth=NO_BOTTOM)
 
     @property
     def samples(self) -> int:
@@ -60,11 +70,12 @@ class DescentForward:
         """
         count, settings = len(self.logs), values.shape[1]
         spread = np.repeat(values, count, axis=1)
-        effects = [self._effect(name, parameters) for name, parameters in parameters_from(coordinates, spread).items()]
+        named = parameters_from(coordinates, spread).items()
+        effects = [*self.given, *(self._effect(name, parameters) for name, parameters in named)]
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
         depths = simulate_readings(self._tiled(settings, factor), self._times(settings), effects=effects, step=STEP)
         by_setting = depths.reshape(-1, settings, count)
-        return np.concatenate([by_setting[: len(log.t), :, index] for index, log in enumerate(self.logs)])
+        return np.concatenate([_averaged(log, by_setting[:, :, index]) for index, log in enumerate(self.logs)])
 
     @staticmethod
     def _effect(name: str, parameters: Mapping[str, Scalars]) -> DescentEffect:
@@ -79,20 +90,31 @@ class DescentForward:
         return effect
 
     def _tiled(self, settings: int, factor: Array) -> Dive:
-        tiled = {
-            field.name: np.tile(getattr(self.dive, field.name), settings)
-            for field in fields(Dive)
-            if isinstance(getattr(self.dive, field.name), np.ndarray)
-        }
-        dive = replace(self.dive, **{**tiled, "site_depth": NO_BOTTOM})
-        return replace(dive, wet_weight=dive.wet_weight * factor)
+        def tiled(value: Scalars) -> Scalars:
+            return np.tile(value, settings) if isinstance(value, np.ndarray) else value
+
+        dive = self.dive
+        return replace(
+            dive,
+            wet_weight=tiled(dive.wet_weight) * factor,
+            anchor_mass=tiled(dive.anchor_mass),
+            anchor_added_mass=tiled(dive.anchor_added_mass),
+            line_length=tiled(dive.line_length),
+        )
 
     def _times(self, settings: int) -> Array:
-        longest = max(len(log.t) for log in self.logs)
+        longest = max(len(log.fine) for log in self.logs)
         times = np.full((longest, len(self.logs)), np.nan)
         for index, log in enumerate(self.logs):
-            times[: len(log.t), index] = log.t
+            times[: len(log.fine), index] = log.fine
         return np.tile(times, (1, settings))
+
+
+def _averaged(log: DiveLog, depths: Array) -> Array:
+    """Average depths at a log's fine times over its bins, shape (m, settings)."""
+    starts = np.searchsorted(log.bins, np.arange(len(log.t)))
+    counts = np.diff(starts, append=len(log.fine))
+    return np.asarray(np.add.reduceat(depths[: len(log.fine)], starts, axis=0) / counts[:, None])
 
 
 def _limits(low: float, high: float) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """Model of dive logs: the descent phase with every cause, linearised where a set of causes fits best."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,15 +10,16 @@ from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 from scipy.stats import norm
 
+from missionplan.diagnose import descent_menu
 from missionplan.diagnose.coordinates import Coordinate, coordinates_of, estimates, is_possible
 from missionplan.diagnose.descent_axes import descent_axes
 from missionplan.diagnose.descent_fit import Ended, Lane, climb, from_settings, jacobian_settings
 from missionplan.diagnose.descent_forward import DescentForward
-from missionplan.diagnose.descent_noise import NOMINAL, Noise, dive_covariance, grid
+from missionplan.diagnose.descent_noise import NOMINAL, Noise, caricature, dive_covariance, grid
 from missionplan.diagnose.likelihood import Marginal, gaussian_marginal
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Residuals
-from missionplan.effects import effects_of
+from missionplan.effects import CATALOGUE, effects_of
 
 Array = NDArray[np.float64]
 
@@ -47,12 +48,15 @@ class Linear:
         Of all coordinates; shapes of effects that are no causes have none (zero).
     sensitivities : array, shape (N, 4)
         Of the readings to what differs from dive to dive.
+    readings : array, shape (N,)
+        The model there [m].
     """
 
     at: Array
     y: Array
     columns: Array
     sensitivities: Array
+    readings: Array
 
 
 @dataclass(frozen=True)
@@ -140,12 +144,18 @@ class DescentModel:
         y = self.y - here + columns[:, free] @ (at - self.centre)[free]
         names = [coordinate.effect for coordinate in self.coordinates]
         release, drag = columns[:, names.index("clock-offset")], columns[:, names.index("drag-bias")]
-        return Linear(at, y, columns, np.stack([release, np.ones_like(release), drag, weight], axis=1))
+        return Linear(at, y, columns, np.stack([release, np.ones_like(release), drag, weight], axis=1), here)
 
-    def blocks(self, linear: Linear, noise: Noise) -> list[Array]:
-        """Covariance of each dive's readings beside the catalogue's coordinates."""
+    def blocks(self, causes: Causes, linear: Linear, noise: Noise) -> list[Array]:
+        """Covariance of each dive's readings beside the catalogue's coordinates.
+
+        A cause with a shape of its own is a caricature of what it names: what it adds to the readings is uncertain
+        by a smooth factor, `SHAPE_SD`.
+        """
+        shaped = any(CATALOGUE[name].parameters[key].is_shape for name in causes for key in CATALOGUE[name].parameters)
+        added = linear.readings - self.base.readings if shaped else np.zeros(len(linear.readings))
         return [
-            dive_covariance(log.t, log.sd, linear.sensitivities[rows], noise)
+            dive_covariance(log.t, log.sd, linear.sensitivities[rows], noise) + caricature(log.t, added[rows])
             for log, rows in zip(self.forward.logs, self.parts, strict=True)
         ]
 
@@ -153,13 +163,15 @@ class DescentModel:
         """Covariance of all readings with the coordinates' priors, shape (N, N) [m²]."""
         scaled = linear.columns * self.prior_sd(causes)
         total = scaled @ scaled.T
-        for rows, block in zip(self.parts, self.blocks(linear, noise), strict=True):
+        for rows, block in zip(self.parts, self.blocks(causes, linear, noise), strict=True):
             total[np.ix_(rows, rows)] += block
         return np.asarray(total)
 
     def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
         """Fit several sets at once: climb from all their starts together, linearise, integrate."""
-        lanes = [(index, lane) for index, (causes, near) in enumerate(wanted) for lane in self._lanes(causes, near, index)]
+        lanes = [
+            (index, lane) for index, (causes, near) in enumerate(wanted) for lane in self._lanes(causes, near, index)
+        ]
         climbed = [lane for _, lane in lanes if len(lane.free)]
         nominal = self.total_covariance((), self.base, NOMINAL)
         ended = iter(climb(self.forward, self.coordinates, self.y, nominal, climbed) if climbed else [])
@@ -238,7 +250,7 @@ class DescentModel:
         prior = self.prior_sd(causes)
         whitened = []
         log_determinant = 0.0
-        for rows, block in zip(self.parts, self.blocks(linear, noise), strict=True):
+        for rows, block in zip(self.parts, self.blocks(causes, linear, noise), strict=True):
             factor = np.linalg.cholesky(block)
             both = np.concatenate([linear.columns[rows], linear.y[rows, None]], axis=1)
             whitened.append(solve_triangular(factor, both, lower=True, check_finite=False))
@@ -299,3 +311,18 @@ class DescentModel:
         log_score = -0.5 * float(white @ white) - float(np.log(np.diag(factor)).sum()) - 0.919 * len(error)
         inside = int((np.abs(error) <= norm.ppf(0.95) * np.sqrt(np.diag(covariance))).sum())
         return Score(name, log_score, float(error @ error), inside, len(error))
+
+    @property
+    def menu(self) -> Sequence[str]:
+        """Further dives, in words, cheapest first."""
+        return [what for what, *_ in descent_menu.MENU]
+
+    def separation(self, first: Fit, second: Fit, entry: int | None) -> float:
+        """Fit both sets to noise-free readings of the first, with the dives of a menu entry or without."""
+        logs = self.forward.logs + (descent_menu.planned(self.forward, entry) if entry is not None else ())
+        forward = replace(self.forward, logs=logs)
+        readings = forward.readings(self.coordinates, first.state.linear.at[:, None])[:, 0]
+        model = DescentModel(replace(forward, logs=descent_menu.filled(logs, readings)))
+        fitted = model.fit_all([(first.causes, (first,)), (second.causes, (second,))])
+        evidence = [fit.log_evidence if isinstance(fit, Fit) else -np.inf for fit in fitted]
+        return float(max(evidence[0] - evidence[1], 0.0))

@@ -58,3 +58,22 @@ def dive_covariance(t: Array, sd: Array, sensitivities: Array, noise: Noise) -> 
     scaled = noise.scatter * sensitivities * np.array(list(DIVE_SD.values()))
     since = t - min(0.0, float(t.min()))
     return np.asarray(np.diag(sd**2) + scaled @ scaled.T + noise.walk * np.minimum(since[:, None], since[None, :]))
+
+
+SHAPE_SD = 0.04
+"""Standard deviation of the smooth factor by which a cause's true shape differs from the catalogue's."""
+SHAPE_LENGTH = 0.25
+"""Its correlation length, of a dive's duration."""
+
+
+def caricature(t: Array, added: Array) -> Array:
+    """Covariance of what a cause adds to the readings, shape (m, m) [m²]: SHAPE_SD²·g(t)·g(t′)·exp(−½(Δt/ℓ)²).
+
+    Parameters
+    ----------
+    t, added : array, shape (m,)
+        Times [s] and what the cause adds, g [m].
+    """
+    length = SHAPE_LENGTH * max(float(np.ptp(t)), 1e-9)
+    kernel = np.exp(-0.5 * ((t[:, None] - t[None, :]) / length) ** 2)
+    return np.asarray(SHAPE_SD**2 * added[:, None] * added[None, :] * kernel)

@@ -91,7 +91,7 @@ def examine(model: Model, progress: Progress = silent) -> Examination:
         gains,
         left,
         base_remainder,
-        outlying_groups(residuals, residuals.innovations()),
+        outlying_groups(residuals),
     )
 
 

@@ -145,6 +145,25 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
     return Marginal(log_density, prior_sd * coefficients, covariance)
 
 
+def expected_log_ratio(mean: Array, truth: Array, first: Array, second: Array) -> float:
+    """Mean of ln N(y; 0, first) − ln N(y; 0, second) over y ~ N(mean, truth): what data are expected to say.
+
+    Parameters
+    ----------
+    mean : array, shape (N,)
+        Of the data under the truth.
+    truth, first, second : array, shape (N, N)
+        Covariances.
+    """
+    total = 0.0
+    for sign, covariance in ((-1.0, first), (1.0, second)):
+        factor = np.linalg.cholesky(covariance)
+        both = np.concatenate([np.linalg.cholesky(truth), mean[:, None]], axis=1)
+        white = solve_triangular(factor, both, lower=True, check_finite=False)
+        total += sign * (0.5 * float(np.sum(white**2)) + float(np.log(np.diag(factor)).sum()))
+    return total
+
+
 @dataclass(frozen=True)
 class Laplace:
     """Evidence about the mode of a few hyperparameters.

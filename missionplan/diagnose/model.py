@@ -110,3 +110,12 @@ class Model(Protocol):
     def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
         """Predict each group of the data from the others, under several fits."""
         ...
+
+    @property
+    def menu(self) -> Sequence[str]:
+        """Measurements that could be made next, in words, cheapest first."""
+        ...
+
+    def separation(self, first: Fit, second: Fit, entry: int | None) -> float:
+        """Expected ln Bayes factor of the first set over the second, were the first true: with an entry of the menu."""
+        ...

@@ -45,7 +45,7 @@ class Residuals:
     level: float
 
     def innovations(self) -> Array:
-        """One-step-ahead errors over their standard deviations, shape (N,): independent standard normals if all is well."""
+        """One-step-ahead errors over their standard deviations, shape (N,): standard normals if all is well."""
         factor = np.linalg.cholesky(self.covariance)
         return np.asarray(solve_triangular(factor, self.values, lower=True, check_finite=False))
 
@@ -109,13 +109,20 @@ def rejects(tests: tuple[ResidualTest, ...], level: float) -> bool:
     return any(test.p_value < level / len(tests) for test in tests)
 
 
-def outlying_groups(residuals: Residuals, innovations: Array) -> tuple[tuple[str, float], ...]:
-    """Groups whose innovations are together too large, with their p-values (Bonferroni over groups)."""
+def outlying_groups(residuals: Residuals) -> tuple[tuple[str, float], ...]:
+    """Groups that the others do not predict, with their p-values (Bonferroni over groups).
+
+    With the precision P = W⁻¹ a group's error against its prediction from all others is (P_gg)⁻¹(P r)_g, with
+    covariance (P_gg)⁻¹: its squared length is χ² with as many degrees of freedom as the group has values.
+    """
     names = list(dict.fromkeys(residuals.groups.tolist()))
+    precision = np.linalg.inv(residuals.covariance)
+    pulled = precision @ residuals.values
     found = []
     for name in names:
-        z = innovations[residuals.groups == name]
-        p_value = min(1.0, float(chi2.sf(z @ z, len(z))) * len(names))
+        own = np.flatnonzero(residuals.groups == name)
+        squared = float(pulled[own] @ np.linalg.solve(precision[np.ix_(own, own)], pulled[own]))
+        p_value = min(1.0, float(chi2.sf(squared, len(own))) * len(names))
         if p_value < STRICT and len(names) > 1:
             found.append((name, p_value))
     return tuple(found)

@@ -44,7 +44,7 @@ class Candidate:
 
     @property
     def score(self) -> float:
-        """ln BF less the price of each cause beyond the first; 0 for the base model."""
+        """Log Bayes factor less the price of each cause beyond the first; 0 for the base model."""
         return self.log_bayes_factor - PRICE * (len(self.causes) - 1) if self.causes else 0.0
 
 

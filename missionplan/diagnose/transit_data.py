@@ -57,6 +57,8 @@ class TransitData:
         Whether the log says how long the vehicle lay at the surface before the fix.
     notices : tuple of str
         Treatments the reader should know of.
+    epoch : float or None
+        Seconds since 1970 of the times' zero, where the log says.
     """
 
     name: str
@@ -73,6 +75,7 @@ class TransitData:
     fix_sd: float | None
     has_surface_time: bool
     notices: tuple[str, ...]
+    epoch: float | None = None
 
     @property
     def n(self) -> int:
@@ -180,8 +183,9 @@ def _build(table: pd.DataFrame, raw: RawDataset, mission: Mission, geographic: b
     surface = table["surface_s"].fillna(0.0).to_numpy() if "surface_s" in table else np.zeros(len(table))
     t_start = table["t_start_s"].to_numpy()
     under_way = table["t_end_s"].to_numpy() - t_start - surface
+    epoch = None
     if t_start.min() > EPOCH_SCALE:
-        zero = mission.start.timestamp() if mission.start else t_start.min()
+        epoch = zero = mission.start.timestamp() if mission.start else float(t_start.min())
         notices += [] if mission.start else ["times and phases count from the first fix: the mission has no start"]
         t_start = t_start - zero
     labels = table["leg"].to_numpy(dtype=str) if "leg" in table else np.array([str(k + 1) for k in range(len(table))])
@@ -200,6 +204,7 @@ def _build(table: pd.DataFrame, raw: RawDataset, mission: Mission, geographic: b
         raw.noise.get("fix"),
         bool(np.any(surface > 0.0)),
         tuple(notices),
+        epoch,
     )
 
 

@@ -4,15 +4,17 @@ The effects' own hooks give the columns, their own covariance functions the cova
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 from scipy.stats import norm
 
+from missionplan.diagnose import transit_menu
 from missionplan.diagnose.coordinates import (
     Coordinate,
     Estimate,
@@ -21,7 +23,15 @@ from missionplan.diagnose.coordinates import (
     is_possible,
     parameters_from,
 )
-from missionplan.diagnose.likelihood import LOG_2PI, Laplace, Marginal, gaussian_marginal, laplace, student_marginal
+from missionplan.diagnose.likelihood import (
+    LOG_2PI,
+    Laplace,
+    Marginal,
+    expected_log_ratio,
+    gaussian_marginal,
+    laplace,
+    student_marginal,
+)
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Residuals
 from missionplan.diagnose.transit_axes import transit_axes
@@ -88,6 +98,8 @@ class TransitModel:
         The mission's standard deviation of a fix [m]; 0 when not given.
     current_sd : tuple of float
         How unsure the mission itself is of the steady current, east and north [m/s].
+    only : tuple of Coordinate, optional
+        Coordinates to use; default those that the record can resolve.
     """
 
     data: TransitData
@@ -95,6 +107,7 @@ class TransitModel:
     covariance: Array
     fix_error: float
     current_sd: tuple[float, float] = (0.0, 0.0)
+    only: tuple[Coordinate, ...] | None = None
 
     @property
     def alternatives(self) -> Sequence[frozenset[str]]:
@@ -125,6 +138,8 @@ class TransitModel:
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Coordinates of all causes of the mean."""
+        if self.only is not None:
+            return self.only
         found: list[Coordinate] = []
         for name in self.candidates:
             if name == "tidal-current":
@@ -215,7 +230,9 @@ class TransitModel:
         return np.diag(variance) + np.diag(beside, 1) + np.diag(beside, -1)
 
     def noise(self, values: Mapping[tuple[str, str], float]) -> Array:
-        """Covariance of the velocity errors beside the causes of the mean, shape (2, n), (1, n, n) or (2, n, n) [m²/s²].
+        """Covariance of the velocity errors beside the causes of the mean [m²/s²].
+
+        Shape (2, n) where legs are independent, (1, n, n) where both axes share it, else (2, n, n).
 
         Parameters
         ----------
@@ -344,9 +361,13 @@ class TransitModel:
             TEST_LEVEL,
         )
 
-    def _total_covariance(self, fit: Fit, columns: Array) -> Array:
-        """Covariance of all errors with the coefficients' priors, first axis then second, shape (2n, 2n)."""
-        noise = self.noise(self.values(fit.causes, fit.state.posterior.mode))
+    def _total_covariance(self, fit: Fit, columns: Array, random: Fit | None = None) -> Array:
+        """Covariance of all errors with the coefficients' priors, first axis then second, shape (2n, 2n).
+
+        `random` says whose hyperparameters give the noise, the fit's own by default.
+        """
+        source = random or fit
+        noise = self.noise(self.values(source.causes, source.state.posterior.mode))
         full = noise if noise.ndim == 3 else noise[:, :, None] * np.eye(self.data.n)
         n = self.data.n
         scaled = (columns * self.prior_sd(fit.causes)).reshape(2 * n, -1)
@@ -355,29 +376,40 @@ class TransitModel:
         total[n:, n:] += full[-1]
         return cast(Array, total)
 
-    def predict(self, fit: Fit, seen: NDArray[np.int_], asked: NDArray[np.int_]) -> tuple[Array, Array]:
-        """Predict legs from others.
+    def predictor(self, fit: Fit) -> Callable[[NDArray[np.int_], NDArray[np.int_]], tuple[Array, Array]]:
+        """Predict legs from others under a fit.
 
         Parameters
         ----------
         fit : Fit
             Hyperparameters to use: those of a fit to the legs seen, or of an earlier part of them.
-        seen, asked : array of int
-            Legs known and legs asked for.
 
         Returns
         -------
-        mean, covariance : array, shape (2m,), (2m, 2m)
-            Of the velocity errors beyond the base model's mean, first axis then second [m/s].
+        callable
+            Of the legs seen and the legs asked for: mean, shape (2, m), and covariance, shape (2m, 2m), first axis
+            then second, of the velocity errors beyond the base model's mean [m/s].
         """
         y, columns = self.linearised(fit.state.about)
         total = self._total_covariance(fit, columns)
-        offset = (self.y - y).ravel()
         n = self.data.n
-        have, want = (np.concatenate([legs, legs + n]) for legs in (seen, asked))
-        weights = np.linalg.solve(total[np.ix_(have, have)], total[np.ix_(have, want)]).T
-        mean = weights @ y.ravel()[have] + offset[want]
-        return mean, total[np.ix_(want, want)] - weights @ total[np.ix_(have, want)]
+
+        def predict(seen: NDArray[np.int_], asked: NDArray[np.int_]) -> tuple[Array, Array]:
+            have, want = (np.concatenate([legs, legs + n]) for legs in (seen, asked))
+            weights = np.linalg.solve(total[np.ix_(have, have)], total[np.ix_(have, want)]).T
+            mean = (weights @ y.ravel()[have]).reshape(2, -1) + (self.y - y)[:, asked]
+            return mean, total[np.ix_(want, want)] - weights @ total[np.ix_(have, want)]
+
+        return predict
+
+    def one_step_errors(self, fit: Fit) -> Array:
+        """Error of each leg's prediction from the legs before it, on the principal axes, shape (2, n) [m/s]."""
+        residuals = self.residuals(fit)
+        factor = np.linalg.cholesky(residuals.covariance)
+        innovations = solve_triangular(factor, residuals.values, lower=True, check_finite=False).reshape(-1, 2)
+        places = 2 * np.arange(self.data.n)
+        own = np.stack([[factor[places + i, places + j] for j in (0, 1)] for i in (0, 1)])
+        return np.asarray(np.einsum("ijn,nj->in", own, innovations))
 
     def blocks(self) -> list[NDArray[np.int_]]:
         """Blocks of consecutive legs that are held out in turn."""
@@ -399,13 +431,34 @@ class TransitModel:
                 self.marginal(fit.causes, mode, linear).log_density
                 - self.marginal(fit.causes, mode, linear, others).log_density
             )
-            mean, covariance = self.predict(trained, others, block)
-            error = self.y[:, block].ravel() - mean
+            mean, covariance = self.predictor(trained)(others, block)
+            error = (self.y[:, block] - mean).ravel()
             half = norm.ppf(0.95) * np.sqrt(np.diag(covariance))
             name = f"legs {self.data.labels[block[0]]} to {self.data.labels[block[-1]]}"
             inside = int((np.abs(error) <= half).sum())
             scores.append(Score(name, log_score, float(error @ error), inside, error.size))
         return scores
+
+    @property
+    def menu(self) -> Sequence[str]:
+        """Further legs, in words, cheapest first."""
+        names = [what for what, _ in transit_menu.MENU]
+        return names if self.data.has_surface_time else [name for name in names if "fix 15" not in name]
+
+    def separation(self, first: Fit, second: Fit, entry: int | None) -> float:
+        """Expected ln Bayes factor under the first set's fit; see `expected_log_ratio`."""
+        model = self
+        if entry is not None:
+            names = [what for what, _ in transit_menu.MENU]
+            data = transit_menu.planned(self.data, names.index(self.menu[entry]))
+            added = np.repeat(self.base.mean(axis=1, keepdims=True), data.n - self.data.n, axis=1)
+            model = replace(self, data=data, base=np.concatenate([self.base, added], axis=1), only=self.coordinates)
+        columns = model.columns(np.zeros(len(self.coordinates)))
+        own = np.array([coordinate.effect in first.causes for coordinate in self.coordinates])
+        mean = (columns @ np.where(own, first.state.marginal.mean, 0.0)).ravel()
+        truth = model._total_covariance(replace(first, causes=()), columns, first)
+        wide = [model._total_covariance(fit, columns, fit) for fit in (first, second)]
+        return max(expected_log_ratio(mean, truth, *wide), 0.0)
 
     def _climb(
         self,

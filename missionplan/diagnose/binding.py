@@ -1,0 +1,130 @@
+"""From a mission and a data set to a model: the mission's own phases, at its means, bound to the data."""
+
+from collections.abc import Sequence
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.diagnose.descent_data import DescentData
+from missionplan.diagnose.descent_forward import DescentForward
+from missionplan.diagnose.descent_model import DescentModel
+from missionplan.diagnose.transit_data import TransitData
+from missionplan.diagnose.transit_model import TransitModel
+from missionplan.effects import CATALOGUE
+from missionplan.errors import InputError, Problem
+from missionplan.mission import Mission
+from missionplan.mission.phases import MoorPhase
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.phases.descent_forces import Dive
+from missionplan.phases.hooks import DescentEffect, TransitEffect
+from missionplan.studies.setting import Setting
+from missionplan.studies.site_current import recorded_current
+
+Array = NDArray[np.float64]
+
+DRAWS = 512
+"""Draws of the mission from which its own uncertainty of the current is taken."""
+
+
+def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitModel:
+    """Bind the mission's first transit to a navigation log.
+
+    Raises
+    ------
+    InputError
+        When the mission has no transit, or its current cannot be read.
+    """
+    problems = []
+    if not mission.transits:
+        problems.append(Problem("has no transit to lay the legs against", mission.file, key="phases"))
+    if mission.navigation is None:
+        problems.append(Problem("needs navigation.velocity_error to be diagnosed", mission.file, key="navigation"))
+    if problems:
+        raise InputError(problems)
+    assert mission.navigation is not None
+    recorded = recorded_current(mission)
+    means = Setting.at_means(mission, recorded)
+    drawn = Setting.drawn(mission, recorded, seed=seed, block=0, size=DRAWS)
+    name = mission.transits[0].name
+    base, spread = _expected_velocity(data, means, drawn, name)
+    error = mission.navigation.velocity_error
+    base = base + np.array([[mean_of(part)] for part in error.mean])
+    spread = np.hypot(spread, [np.std(np.asarray(drawn[f"navigation.velocity_error.mean[{k}]"])) for k in (0, 1)])
+    fix_error = float(np.sqrt(max(mean_of(mission.navigation.fix_error) ** 2, 0.0)))
+    model = TransitModel(data, base, error.covariance, fix_error, (float(spread[0]), float(spread[1])))
+    return _with_given_effects(model, mission)
+
+
+def _expected_velocity(data: TransitData, means: Setting, drawn: Setting, name: str) -> tuple[Array, Array]:
+    """Velocity error that the site's current gives each leg, shape (2, n), and how unsure it is, shape (2,) [m/s]."""
+    if means.current is None or drawn.current is None:
+        return np.zeros((2, data.n)), np.zeros(2)
+    depth = float(np.mean(means[f"{name}.depth"]))
+    through = data.dead_reckoned - data.start
+    velocity = means.current.mean_velocity(data.t_start, data.under_way, depth, data.start, through)
+    surfaced = data.t_start + data.under_way
+    drift = means.current.velocity(surfaced, 0.0, data.end)
+    expected = velocity + drift * data.surface / data.under_way
+    place = np.repeat(data.start[:, :1], DRAWS, axis=1)
+    draws = drawn.current.velocity(float(data.t_start[0]), depth, place)
+    return np.broadcast_to(expected, (2, data.n)).copy(), np.broadcast_to(draws, (2, DRAWS)).std(axis=1)
+
+
+def _given(mission: Mission) -> list[DescentEffect | TransitEffect]:
+    """The effects that the mission carries already, at their means; on readings too."""
+    return [
+        CATALOGUE[entry.effect].make({name: mean_of(value) for name, value in entry.parameters.items()})
+        for entry in mission.effects
+    ]
+
+
+def _with_given_effects(model: TransitModel, mission: Mission) -> TransitModel:
+    base = model.base.copy()
+    data, leg = model.data, model.leg
+    for effect in _given(mission):
+        if isinstance(effect, TransitEffect):
+            drift = effect.surface_velocity(data.t_start + data.under_way, data.surface, data.end)
+            base = base + effect.velocity(leg) + drift * data.surface / data.under_way
+    return TransitModel(data, base, model.covariance, model.fix_error, model.current_sd)
+
+
+def descent_model(data: DescentData, mission: Mission) -> DescentModel:
+    """Bind the mission's first mooring to dive logs.
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what a descent needs.
+    """
+    moor = mooring(mission)
+    setting = Setting.at_means(mission)
+
+    def build(weights: Array, lines: Array) -> Dive:
+        own = {f"{moor.name}.anchor_wet_weight": weights, f"{moor.name}.line_length": lines}
+        return Setting(mission, None, {**setting.draws, "site.depth": 0.0, **own}).dive(
+            moor.model_copy(update={"anchor_wet_weight": float(weights[0])})
+        )
+
+    given = cast(Sequence[DescentEffect], [e for e in _given(mission) if isinstance(e, DescentEffect)])
+    return DescentModel(DescentForward(build, data.dives, tuple(given)))
+
+
+def mooring(mission: Mission) -> MoorPhase:
+    """The mission's first mooring, when it has what a descent needs.
+
+    Raises
+    ------
+    InputError
+        When it lacks something.
+    """
+    problems = []
+    if not mission.moors:
+        problems.append(Problem("has no mooring to lay the dives against", mission.file, key="phases"))
+    if mission.vehicle is None or mission.vehicle.anchor is None or mission.vehicle.mass is None:
+        problems.append(Problem("needs a vehicle with mass and anchor to be diagnosed", mission.file, key="vehicle"))
+    if mission.site is None or mission.site.water is None:
+        problems.append(Problem("needs the site's water to be diagnosed", mission.file, key="site.water"))
+    if problems:
+        raise InputError(problems)
+    return mission.moors[0]

@@ -1,0 +1,246 @@
+"""`diagnose`: a mission and a data set in; verdict, causes, extended mission and gain out."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from missionplan.diagnose.binding import descent_model, transit_model
+from missionplan.diagnose.data import DIAGNOSED
+from missionplan.diagnose.decision import decide
+from missionplan.diagnose.descent_data import read_descent
+from missionplan.diagnose.descent_model import DescentModel
+from missionplan.diagnose.examination import Examination, examine
+from missionplan.diagnose.extension import extended_mission
+from missionplan.diagnose.gain import HeldOut
+from missionplan.diagnose.model import Fit
+from missionplan.diagnose.next_measurement import indistinguishable, next_measurements
+from missionplan.diagnose.one_step import one_step
+from missionplan.diagnose.remainder import Remainder
+from missionplan.diagnose.selection import Candidate
+from missionplan.diagnose.tables import (
+    descent_misfit,
+    descent_residuals,
+    descent_share,
+    transit_misfit,
+    transit_residuals,
+    transit_share,
+)
+from missionplan.diagnose.transit_data import TransitData, read_transit
+from missionplan.diagnose.transit_model import TransitModel
+from missionplan.errors import InputError
+from missionplan.mission import Mission
+from missionplan.mission.loading import load_document
+from missionplan.results.base import Provenance
+from missionplan.results.diagnosis import (
+    Diagnosis,
+    GroupScore,
+    HeldOutGain,
+    NextMeasurement,
+    ParameterEstimate,
+    RankedSet,
+    RemainderFound,
+)
+
+Progress = Callable[[int, int], None]
+
+LISTED = 12
+"""Sets of the ranking that are reported."""
+SEPARATED = 2
+"""Rivals for which a next measurement is sought."""
+STAGES = 8
+
+
+def diagnose(
+    mission: Mission,
+    dataset: str | Path,
+    *,
+    seed: int | None = None,
+    jobs: int = 1,
+    plan: bool = True,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Find out what a mission's simulation gets wrong about measured data, and why.
+
+    Parameters
+    ----------
+    mission : Mission
+        The base model.
+    dataset : str or Path
+        Folder of a data set of kind ``transit``, ``descent`` or ``summary``.
+    seed : int, optional
+        Of the plans before and after; default the mission's. The diagnosis itself draws nothing.
+    jobs : int
+        Processes for the plans.
+    plan : bool
+        Whether to plan with both models.
+    progress : callable, optional
+        Told stages done, of how many.
+
+    Raises
+    ------
+    InputError
+        When data set or mission lack what a diagnosis needs: all problems at once.
+    RunError
+        When not even the base model can be fitted.
+    """
+    started = time.perf_counter()
+    seed = mission.monte_carlo.seed if seed is None else seed
+    stage = _Stages(progress)
+    model, data, kind = _bind(Path(dataset), mission, seed)
+    stage("data read")
+    found = examine(model, lambda what, done, of: stage(what))
+    described = _Described(model, found)
+    extended = extended_mission(
+        mission.raw, found.best.estimates, found.best.calibration, data if isinstance(data, TransitData) else None
+    )
+    stage("next measurements")
+    first, rivals = found.best, [rival.fit for rival in found.claimed.rivals[:SEPARATED]] if found.claimed else []
+    separations = next_measurements(model, first, rivals)
+    alike = indistinguishable(model, first, rivals)
+    stage("plans")
+    decision = decide(kind, mission, extended, seed=seed, jobs=jobs) if plan else {"before": {}, "after": {}}
+    provenance = Provenance(
+        command="diagnose",
+        mission=mission.name,
+        file=mission.file,
+        seed=seed,
+        trials=0,
+        options={"dataset": str(dataset), "jobs": jobs},
+        elapsed_s=time.perf_counter() - started,
+        data=mission.raw,
+        notices=(*mission.notices(), *data.notices),
+    )
+    return Diagnosis(
+        provenance=provenance,
+        kind=kind,
+        data=data.name,
+        source=data.source,
+        verdict=found.verdict,
+        causes=found.best.causes,
+        misfit=described.misfit(),
+        credible_set=found.credible_set,
+        ranking=described.ranking(),
+        rivals=tuple(rival.causes for rival in found.claimed.rivals) if found.claimed else (),
+        remainder=_remainder(found.remainder),
+        base_remainder=_remainder(found.base_remainder),
+        scores=described.scores(),
+        outlying_groups=found.outlying_groups,
+        indistinguishable=alike,
+        next_measurements=tuple(
+            NextMeasurement((s.first, s.second), s.measurement, s.expected_log_bayes_factor) for s in separations
+        ),
+        decision=decision,
+        calibration=described.calibration(),
+        untestable=model.untestable,
+        failures={"+".join(failure.causes): failure.reason for failure in found.selection.failed},
+        residuals=described.residuals,
+        extended=extended,
+    )
+
+
+class _Stages:
+    """Counts stages for a progress bar."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self._progress, self._done = progress, 0
+
+    def __call__(self, what: str) -> None:
+        self._done = min(self._done + 1, STAGES)
+        if self._progress is not None:
+            self._progress(self._done, STAGES)
+
+
+def _bind(folder: Path, mission: Mission, seed: int) -> tuple[TransitModel | DescentModel, Any, str]:
+    """Read the data set and bind the mission to it."""
+    document = load_document(folder / "dataset.yaml")
+    kind = document.data.get("kind") if isinstance(document.data, dict) else None
+    if kind == "transit":
+        legs = read_transit(folder, mission)
+        return transit_model(legs, mission, seed), legs, kind
+    if kind == "descent":
+        dives = read_descent(folder, mission)
+        return descent_model(dives, mission), dives, kind
+    message = f"given {kind!r}, expected one of {', '.join(DIAGNOSED)}"
+    raise InputError([document.problem(("kind",), message, "`missionplan identify` reads tank data")])
+
+
+class _Described:
+    """An examination in the words and tables of the result."""
+
+    def __init__(self, model: TransitModel | DescentModel, found: Examination) -> None:
+        self._model, self._found = model, found
+        base, best = found.selection.base, found.best
+        self.residuals: pd.DataFrame
+        if isinstance(model, TransitModel):
+            self.residuals = transit_residuals(model, base, best)
+        else:
+            self.residuals = descent_residuals(model, base, best)
+
+    def misfit(self) -> str:
+        """Size of the misfit in the planner's terms."""
+        return transit_misfit(self._model) if isinstance(self._model, TransitModel) else descent_misfit(self.residuals)
+
+    def ranking(self) -> tuple[RankedSet, ...]:
+        """Sets, best first."""
+        return tuple(self._ranked(candidate) for candidate in self._found.selection.ranking[:LISTED])
+
+    def _ranked(self, candidate: Candidate) -> RankedSet:
+        gain = self._found.gains.get(candidate.causes)
+        return RankedSet(
+            candidate.causes,
+            candidate.log_bayes_factor,
+            candidate.score,
+            self._found.posterior.get(candidate.causes),
+            tuple(ParameterEstimate(**asdict(estimate)) for estimate in candidate.fit.estimates),
+            _gain(gain) if gain else None,
+            self._share(candidate.fit),
+        )
+
+    def _share(self, fit: Fit) -> float:
+        if isinstance(self._model, TransitModel):
+            return transit_share(self._model, fit)
+        return descent_share(self._model, self._found.selection.base, fit)
+
+    def scores(self) -> tuple[GroupScore, ...]:
+        """Held-out scores of the best set, group by group."""
+        ranking = self._found.selection.ranking
+        gain = self._found.gains.get(ranking[0].causes) if ranking else None
+        if gain is None:
+            return ()
+        return tuple(
+            GroupScore(
+                before.group,
+                before.log_score,
+                after.log_score,
+                float(np.sqrt(before.squared_error / before.count)),
+                float(np.sqrt(after.squared_error / after.count)),
+            )
+            for before, after in zip(gain.base, gain.extended, strict=True)
+        )
+
+    def calibration(self) -> Mapping[str, float]:
+        """Nuisances as fitted, and for navigation logs the prediction of the next leg."""
+        values = dict(self._found.best.calibration)
+        ahead = one_step(self._model, self._found.best) if isinstance(self._model, TransitModel) else None
+        if ahead is not None:
+            values |= {
+                "next_leg_mean_so_far_rms_m": ahead.mean_so_far,
+                "next_leg_last_leg_rms_m": ahead.last_leg,
+                "next_leg_model_rms_m": ahead.model,
+            }
+        return values
+
+
+def _gain(gain: HeldOut) -> HeldOutGain:
+    names = HeldOutGain.__dataclass_fields__
+    return HeldOutGain(**{name: getattr(gain, name) for name in names})
+
+
+def _remainder(found: Remainder) -> RemainderFound:
+    tests = tuple((test.name, test.p_value) for test in found.tests)
+    return RemainderFound(found.log_bayes_factor, found.axis, found.by_axis, tests)
