@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
+from missionplan.montecarlo.statistics import Probability
 from missionplan.report.geojson import track_geojson
 from missionplan.report.kml import track_kml
 from missionplan.report.numbers import has_spread, number, percent, plain, span, unit_for, with_error
@@ -50,13 +51,20 @@ def page(outcome: Outcome) -> Page:
 
 
 def terminal(outcome: Outcome) -> Terminal:
-    """Give the answer and a row a phase."""
+    """Give the answer, and a row a phase that fits 80 columns."""
     rows = []
     for phase in (*outcome.phases, outcome.total):
-        events = ", ".join(f"{plain(name)} {percent(probability)}" for name, probability in phase.events.items())
-        rows.append((phase.name, events, _range(outcome, phase, "duration_s"), _range(outcome, phase, "energy_wh")))
+        events = [f"{plain(name)} {_short(probability)}" for name, probability in phase.events.items()]
+        ranges = (_range(outcome, phase, key) for key in ("duration_s", "energy_wh"))
+        rows.append((phase.name, events[0] if events else "", *ranges))
     sentence = f"{_answer(outcome)} {_judgement(outcome)}".strip()
-    return Terminal(sentence, ("phase", "events", "duration, 5 to 95 %", "energy, 5 to 95 %"), rows)
+    return Terminal(sentence, ("phase", "of the trials", "duration (5–95 %)", "energy (5–95 %)"), rows)
+
+
+def _short(probability: Probability) -> str:
+    """Write a probability without its interval, never rounded to certainty."""
+    value = 100.0 * probability.value
+    return f"{value:.0f}\u00a0%" if value in (0.0, 100.0) else f"{min(max(value, 0.01), 99.99):.4g}\u00a0%"
 
 
 def files(outcome: Outcome) -> dict[str, str]:
