@@ -19,6 +19,7 @@ _PUBLIC = {
     "simulate": "missionplan.studies.simulate",
     "size_anchor": "missionplan.studies.size_anchor",
     "sweep_dmax": "missionplan.studies.sweep_dmax",
+    "sweep_transition": "missionplan.studies.sweep_transition",
 }
 
 __all__ = ["__version__", *_PUBLIC]

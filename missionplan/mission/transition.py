@@ -114,8 +114,8 @@ class WrittenTunnelThruster(Section):
 
     name: str = "tunnel thruster"
     diameter: q.FixedLength
-    thrust_constant: Annotated[float, _fixed("N*s^2", open_low=True)]
-    decay: _Positive
+    thrust_constant: Annotated[Quantity, PlainValidator(QuantityParser("N*s^2", low=0.0, open_low=True))]
+    decay: q.PositiveNumber
     position: _Lever = 0.0
     suction_gradient: Annotated[float, _fixed("")] = 0.0
     suction_offset: _Lever = 0.0

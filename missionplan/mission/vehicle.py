@@ -5,8 +5,9 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from missionplan.mission import quantities as q
+from missionplan.mission.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, Thruster
 from missionplan.mission.section import Section
-from missionplan.mission.transition import Manoeuvring, WrittenTunnelThruster
+from missionplan.mission.transition import Manoeuvring
 from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import Quantity
 
@@ -102,4 +103,7 @@ class Vehicle(Section):
     anchor: Anchor | None = None
     energy: EnergyBudget | None = Field(default=None)
     manoeuvring: Manoeuvring | None = None
-    thrusters: tuple[WrittenTunnelThruster, ...] = ()
+    drag: MeasuredDrag | None = None
+    added_mass: MeasuredAddedMass | None = None
+    propulsion: Propulsion | None = None
+    thrusters: tuple[Thruster, ...] = ()

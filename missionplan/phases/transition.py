@@ -277,7 +277,8 @@ class _Run:
     def __init__(self, vehicle: TransitionVehicle, manoeuvre: Manoeuvre, time_step: float) -> None:
         body = vehicle.body
         self.vehicle, self.manoeuvre, self.h = vehicle, manoeuvre, time_step
-        varying = (manoeuvre.deceleration, manoeuvre.mid_speed, manoeuvre.steepness, body.excess_buoyancy, body.x_g)
+        varying = [manoeuvre.deceleration, manoeuvre.mid_speed, manoeuvre.steepness, body.excess_buoyancy, body.x_g]
+        varying += [value for unit in vehicle.thrusters for value in (unit.thrust_constant, unit.decay)]
         shape = np.broadcast_shapes((1,), *(np.shape(value) for value in varying))
         self.inverse = inverse_inertia(body)
         speed = np.full(shape, manoeuvre.start_speed)

@@ -95,8 +95,8 @@ def surge_flow_damping(
 
 def from_open_water(
     diameter: float,
-    thrust_coefficient: tuple[float, float],
-    torque_coefficient: tuple[float, float],
+    thrust_coefficient: tuple[Scalars, Scalars],
+    torque_coefficient: tuple[Scalars, Scalars],
     *,
     density: float,
     axial_flow_factor: float = 0.0,
@@ -112,7 +112,7 @@ def from_open_water(
     ----------
     diameter : float
         Of the disc [m].
-    thrust_coefficient, torque_coefficient : (float, float)
+    thrust_coefficient, torque_coefficient : (float or array, float or array)
         (α₀, α₁) and (β₀, β₁); the slopes are negative. J is the advance speed over rev/s times diameter.
     density : float
         Of the water [kg/m³].

@@ -14,6 +14,9 @@ from missionplan.studies.estimation import Parameter, adds_something, derived, f
 from missionplan.studies.tank_data import PropellerGeometry, PropellerSettings, TankData
 
 TURN = 2.0 * math.pi
+_TORQUE_REMARK = (
+    "A vehicle file also needs `torque_coefficient`, which thrust alone does not tell: add it to the fragment."
+)
 
 
 def identify_propeller(data: TankData) -> Findings:
@@ -57,6 +60,7 @@ def identify_propeller(data: TankData) -> Findings:
         remarks=(
             f"Residuals: {dynamic.residual_sd:.3g} N with axial-flow dynamics, {steady.residual_sd:.3g} N without.",
             f"The flow's damping is taken as {run.damping:.4g} kg/m.",
+            *(() if settings.geometry.torque_coefficient else (_TORQUE_REMARK,)),
         ),
         fragment={"propulsion": _fragment(settings.geometry, fits, found[0].value, found[1].value)},
         derived=found,

@@ -12,6 +12,10 @@ from missionplan.results.identification import Curve, Findings, Fit, Panel
 from missionplan.studies.estimation import Parameter, adds_something, fit
 from missionplan.studies.tank_data import TankData, ThrusterGeometry, ThrusterSettings
 
+_RATE_REMARK = (
+    "A vehicle file carries thrust against shaft rate as `thrust_constant` of a tunnel thruster, with its `decay`: "
+    "give `geometry` and measure under way."
+)
 AT_REST = 0.01
 """Speeds below this count as bollard pull [m/s]."""
 
@@ -59,8 +63,8 @@ def _static(data: TankData, at_rest: NDArray[np.bool_]) -> Findings:
         answer=_constants_in_words(fits[0]),
         fits=fits,
         panels=(_static_panel(command, thrust, thrust_sd, fits[0], unit),),
-        remarks=_asymmetry(fits[0]),
-        fragment={"thrusters": [_static_fragment(fits[0], unit)]},
+        remarks=_asymmetry(fits[0]) + (() if unit == "V" else (_RATE_REMARK,)),
+        fragment={"thrusters": [_static_fragment(fits[0])]} if unit == "V" else {},
     )
 
 
@@ -81,11 +85,10 @@ def _asymmetry(best: Fit) -> tuple[str, ...]:
     )
 
 
-def _static_fragment(best: Fit, unit: str) -> dict[str, Any]:
-    square = "N/V^2" if unit == "V" else "N*s^2"
+def _static_fragment(best: Fit) -> dict[str, Any]:
     fragment: dict[str, Any] = {"name": "thruster"}
     for estimate in best.estimates:
-        its_unit = square if estimate.name != "deadband" else unit
+        its_unit = "N/V^2" if estimate.name != "deadband" else "V"
         fragment[estimate.name] = {"mean": f"{estimate.value:.5g} {its_unit}", "sd": f"{estimate.sd:.2g} {its_unit}"}
     return fragment
 

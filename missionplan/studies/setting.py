@@ -30,6 +30,7 @@ from missionplan.physics.energy import propulsive_power
 from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag, anchor_drag
 from missionplan.physics.water import Water, sea_water
 from missionplan.studies.anchor_weight import anchor_flooded_mass, worst_case_weight
+from missionplan.studies.measured_vehicle import measured_drag, propeller, propeller_power
 
 STILL_WATER = LayeredCurrent(np.ones(1), np.zeros(1), np.zeros(1))
 """For phases that need a current where the mission has none."""
@@ -119,7 +120,8 @@ class Setting:
         constant = FORM_CONSTANTS[form] if isinstance(form, str) else self[f"{path}.form_factor"]
         hull = Hull(self[f"{path}.length"], self[f"{path}.diameter"], constant)
         sail = Sail(*(self[f"vehicle.sail.{key}"] for key in ("chord", "span", "thickness"))) if vehicle.sail else None
-        return VehicleDrag(hull, sail, self["vehicle.appendage_factor"], self.water)
+        built_up = VehicleDrag(hull, sail, self["vehicle.appendage_factor"], self.water)
+        return measured_drag(vehicle, built_up, self.draws)
 
     @cached_property
     def transit_effects(self) -> tuple[TransitEffect, ...]:
@@ -213,6 +215,8 @@ class Setting:
         weight = self.wet_weight(phase)
         displaced = displaced_mass(self["vehicle.mass"], self["vehicle.net_buoyancy"])
         fraction = self.get("vehicle.hull.added_mass", lamb_axial_coefficient(hull.length / hull.diameter))
+        if "vehicle.added_mass.surge" in self.draws:
+            fraction = self["vehicle.added_mass.surge"] / displaced
         flooded = self.draws.get("vehicle.anchor.flooded_mass")
         return Dive(
             wet_weight=weight,
@@ -276,7 +280,11 @@ class Setting:
         """Power of propulsion [W]; nan without vehicle or water, from which its drag would follow."""
         if self.mission.vehicle is None or self.mission.site is None or self.mission.site.water is None:
             return float("nan")
-        return propulsive_power(self.vehicle_drag(speed), speed, self.energy("propulsive_efficiency"))
+        drag = self.vehicle_drag(speed)
+        unit = propeller(self.mission.vehicle, float(self.means.water.density), self.draws)
+        if unit is not None:
+            return propeller_power(unit, drag, speed, self["vehicle.propulsion.motor_efficiency"])
+        return propulsive_power(drag, speed, self.energy("propulsive_efficiency"))
 
 
 def leg_table(table: WrittenLegTable) -> LegTable:

@@ -2,7 +2,7 @@
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.transition import Manoeuvring, TransitionPhase
+from missionplan.mission.transition import Manoeuvring, TransitionPhase, WrittenTunnelThruster
 from missionplan.phases.transition import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
 from missionplan.physics.tunnel_thruster import TunnelThruster
 from missionplan.physics.vehicle_dynamics import Body, Derivatives
@@ -50,10 +50,25 @@ def transition_vehicle(setting: Setting, phase: TransitionPhase) -> TransitionVe
         body=_body(setting, written),
         propeller=written.propeller,
         speed_gain=written.speed_gain,
-        thrusters=tuple(TunnelThruster(**thruster.model_dump(exclude={"name"})) for thruster in vehicle.thrusters),
+        thrusters=tuple(
+            _tunnel_thruster(setting, thruster, f"vehicle.thrusters[{index}]")
+            for index, thruster in enumerate(vehicle.thrusters)
+            if isinstance(thruster, WrittenTunnelThruster)
+        ),
         suction_moment=phase.suction_moment,
         sternplanes=SternplaneControl(**written.sternplanes.model_dump()),
         thruster_control=ThrusterControl(**written.thruster_control.model_dump()),
+    )
+
+
+def _tunnel_thruster(setting: Setting, written: WrittenTunnelThruster, path: str) -> TunnelThruster:
+    return TunnelThruster(
+        diameter=written.diameter,
+        thrust_constant=setting[f"{path}.thrust_constant"],
+        decay=setting[f"{path}.decay"],
+        position=written.position,
+        suction_gradient=written.suction_gradient,
+        suction_offset=written.suction_offset,
     )
 
 
