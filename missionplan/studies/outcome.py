@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from missionplan.mission import Mission
-from missionplan.montecarlo.sensitivity import sensitivities
+from missionplan.montecarlo.sensitivity import Influence, sensitivities
 from missionplan.montecarlo.statistics import Count, RunningStatistic, Statistic
 from missionplan.results.base import Provenance
 from missionplan.results.simulation import (
@@ -112,7 +112,15 @@ class Findings:
         return tuple(steps)
 
     def _sensitivities(self) -> tuple[Sensitivity, ...]:
-        found = sensitivities(self._sampled("input:"), self._sampled("output:"))
+        """Of each phase's key figures to what was drawn until its end, and of the whole mission's to everything."""
+        inputs, outputs = self._sampled("input:"), self._sampled("output:")
+        names = [phase.name for phase in self.mission.phases]
+        found: list[Influence] = []
+        for index, name in enumerate([*names, "total"]):
+            later = tuple(f"{other}." for other in names[index + 1 :])
+            drawn = {source: values for source, values in inputs.items() if not source.startswith(later)}
+            figures = {output: values for output, values in outputs.items() if output.startswith(f"{name}.")}
+            found += sensitivities(drawn, figures)
         return tuple(Sensitivity(**vars(influence)) for influence in found)
 
     def _sampled(self, group: str) -> dict[str, Array]:

@@ -241,6 +241,8 @@ def test_sensitivities_name_what_matters(outcome):
     assert first["egress.duration_s"].source == "site.current[0].speed"
     assert first["moor.offset_m"].source.startswith("ingress.fix_error")
     assert {"moor.release_time", "ingress.velocity_error.along"} <= {found.source for found in outcome.sensitivities}
+    early = {found.source for found in outcome.sensitivities if found.output.startswith("ingress.")}
+    assert not any(source.startswith(("moor.", "egress.")) for source in early)  # what is yet to come changes nothing
 
 
 @pytest.mark.parametrize(
