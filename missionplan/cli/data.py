@@ -1,14 +1,42 @@
-"""Commands that learn from measurements: identify."""
+"""Commands that learn from measurements: diagnose, identify."""
+
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.running import deliver, report_folder
+from missionplan.cli.running import deliver, report_folder, run_study
+
+if TYPE_CHECKING:
+    from missionplan.mission import Mission
+    from missionplan.results.base import Result
 
 
 def register(app: typer.Typer) -> None:
     """Add the commands."""
+    app.command()(diagnose)
     app.command()(identify)
+
+
+def diagnose(
+    mission: o.MissionFile,
+    dataset: o.DatasetFolder,
+    seed: o.Seed = None,
+    jobs: o.Jobs = 0,
+    out: o.Out = None,
+    force: o.Force = False,
+    as_json: o.Json = False,
+    quiet: o.Quiet = False,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """What the simulation gets wrong about measured data, why, the extended mission, and what it gains."""
+
+    def study(loaded: "Mission", progress: Any) -> "Result":
+        from missionplan.diagnose.study import diagnose
+
+        return diagnose(loaded, dataset, seed=seed, jobs=o.worker_count(jobs), progress=progress)
+
+    run_study(mission, "diagnose", study, o.Output(out, force, as_json, quiet), allow_outside=allow_outside)
 
 
 def identify(

@@ -1,4 +1,4 @@
-"""Commands about files: validate."""
+"""Commands about files: validate, init, compare."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,12 +6,45 @@ from typing import Annotated
 import typer
 
 from missionplan.cli import options as o
+from missionplan.cli.running import deliver, report_folder
 from missionplan.errors import InputError, Problem
 
 
 def register(app: typer.Typer) -> None:
     """Add the commands."""
     app.command()(validate)
+    app.command()(init)
+    app.command()(compare)
+
+
+def init(
+    folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="Where to.")] = Path(),
+    quiet: o.Quiet = False,
+) -> None:
+    """Write a commented starter mission, vehicle and data set; nothing is overwritten."""
+    from missionplan.studies.init import init
+
+    written = init(folder)
+    if not quiet:
+        for path in written:
+            typer.echo(str(path))
+
+
+def compare(
+    first: Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder, before.", show_default=False)],
+    second: Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder, after.", show_default=False)],
+    out: o.Out = None,
+    force: o.Force = False,
+    as_json: o.Json = False,
+    quiet: o.Quiet = False,
+) -> None:
+    """Two reports of one command: what changed in the mission, what in the results, and is it more than noise."""
+    from missionplan.store.folder import check_new_folder
+    from missionplan.studies.compare import compare
+
+    folder = out or report_folder(second.resolve().name, "compare")
+    check_new_folder(folder, force=force)
+    deliver(compare(first, second), folder, o.Output(out, force, as_json, quiet))
 
 
 def validate(
