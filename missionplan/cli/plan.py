@@ -1,4 +1,4 @@
-"""Commands that plan: sweep-dmax, size-anchor, simulate."""
+"""Commands that plan: sweep-dmax, plan-legs, size-anchor, simulate, sweep-transition."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -27,11 +27,21 @@ class Method(StrEnum):
     MONTE_CARLO = "monte-carlo"
 
 
+class Aim(StrEnum):
+    """What legs are chosen for."""
+
+    MEAN = "mean"
+    P95 = "p95"
+    ENERGY = "energy"
+
+
 def register(app: typer.Typer) -> None:
     """Add the commands."""
     app.command("sweep-dmax")(sweep_dmax)
+    app.command("plan-legs")(plan_legs)
     app.command("size-anchor")(size_anchor)
     app.command()(simulate)
+    app.command("sweep-transition")(sweep_transition)
 
 
 def sweep_dmax(
@@ -67,6 +77,42 @@ def sweep_dmax(
         )
 
     run_study(mission, "sweep-dmax", study, o.Output(out, force, as_json, quiet), allow_outside=allow_outside)
+
+
+def plan_legs(
+    mission: o.MissionFile,
+    aim: Annotated[
+        Aim,
+        typer.Option(help="Mean time; time (or the mission's deadline) that 95 % keep; energy, with the speed chosen."),
+    ] = Aim.MEAN,
+    trials: o.Trials = None,
+    seed: o.Seed = None,
+    jobs: o.Jobs = 0,
+    backend: o.BackendOption = o.Backend.LOKY,
+    scheduler: o.Scheduler = None,
+    out: o.Out = None,
+    force: o.Force = False,
+    as_json: o.Json = False,
+    quiet: o.Quiet = False,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Legs that adapt to the distance left: a table better than any fixed d_max, and what it saves."""
+
+    def study(loaded: "Mission", progress: Any) -> "Result":
+        from missionplan.studies.plan_legs import plan_legs
+
+        return plan_legs(
+            loaded,
+            aim=aim.value,
+            trials=trials,
+            seed=seed,
+            jobs=o.worker_count(jobs),
+            backend=backend.value,
+            scheduler=scheduler,
+            progress=progress,
+        )
+
+    run_study(mission, "plan-legs", study, o.Output(out, force, as_json, quiet), allow_outside=allow_outside)
 
 
 def size_anchor(
@@ -175,3 +221,24 @@ def _last_unfinished(stem: str) -> Path:
         if (folder / BLOCKS).is_dir() and not (folder / "report.html").exists():
             return folder
     raise InputError([Problem("there is no unfinished run to resume", str(parent), hint="--out names its folder")])
+
+
+def sweep_transition(
+    mission: o.MissionFile,
+    phase: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Transition phase; default: the first.", show_default=False)
+    ] = None,
+    out: o.Out = None,
+    force: o.Force = False,
+    as_json: o.Json = False,
+    quiet: o.Quiet = False,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Depth, pitch and energy of slowing down to hover, over the grid of the transition phase."""
+
+    def study(loaded: "Mission", _progress: Any) -> "Result":
+        from missionplan.studies.sweep_transition import sweep_transition
+
+        return sweep_transition(loaded, phase=phase)
+
+    run_study(mission, "sweep-transition", study, o.Output(out, force, as_json, quiet), allow_outside=allow_outside)

@@ -85,12 +85,9 @@ def unassisted_figure(result: TransitionSweep) -> Figure:
     crossing = track.time[np.argmax(track.speed < result.saturation_speed)]
     for axes in (angles, depth):
         axes.axvline(crossing, color=GREY, linewidth=1.0, linestyle=":")
-    angles.annotate(
-        f"A: {result.saturation_speed:.2f} m/s",
-        (crossing, angles.get_ylim()[0]),
-        xytext=(4, 4),
-        textcoords="offset points",
-        va="bottom",
+    label = f"A: {result.saturation_speed:.2f} m/s"
+    depth.annotate(
+        label, (crossing, depth.get_ylim()[1]), xytext=(-4, -4), textcoords="offset points", ha="right", va="top"
     )
     angles.legend(loc="upper left")
     alt = (

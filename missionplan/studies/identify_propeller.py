@@ -14,9 +14,7 @@ from missionplan.studies.estimation import Parameter, adds_something, derived, f
 from missionplan.studies.tank_data import PropellerGeometry, PropellerSettings, TankData
 
 TURN = 2.0 * math.pi
-_TORQUE_REMARK = (
-    "A vehicle file also needs `torque_coefficient`, which thrust alone does not tell: add it to the fragment."
-)
+_TORQUE_REMARK = "A vehicle file also needs `torque_coefficient`, which thrust alone does not tell: add it."
 
 
 def identify_propeller(data: TankData) -> Findings:

@@ -11,14 +11,8 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.transition import TransitionGrid
 from missionplan.phases.hooks import Array
-from missionplan.phases.transition import (
-    History,
-    Manoeuvre,
-    TransitionRecord,
-    TransitionVehicle,
-    energy_until,
-    simulate_transition,
-)
+from missionplan.phases.transition import simulate_transition
+from missionplan.phases.transition_plan import History, Manoeuvre, TransitionRecord, TransitionVehicle, energy_until
 from missionplan.physics.tunnel_thruster import hover_power, revolutions_for
 from missionplan.physics.vehicle_dynamics import level_trim
 from missionplan.results.base import Provenance

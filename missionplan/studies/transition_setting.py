@@ -3,7 +3,7 @@
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.transition import Manoeuvring, TransitionPhase, WrittenTunnelThruster
-from missionplan.phases.transition import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
+from missionplan.phases.transition_plan import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
 from missionplan.physics.tunnel_thruster import TunnelThruster
 from missionplan.physics.vehicle_dynamics import Body, Derivatives
 from missionplan.studies.setting import Setting

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import missionplan
 from missionplan.phases import transition as tr
+from missionplan.phases import transition_plan as plan
 from missionplan.studies.setting import Setting
 from missionplan.studies.transition_setting import manoeuvre, transition_phase, transition_vehicle
 
@@ -30,20 +31,20 @@ def asked():
 
 @given(speed=st.floats(0, 3), mid=st.floats(0.3, 2), steepness=st.floats(0.01, 1))
 def test_interchange_is_a_share(speed, mid, steepness):
-    share = tr.interchange(speed, mid, steepness)
+    share = plan.interchange(speed, mid, steepness)
     assert 0.0 <= share <= 1.0
-    assert tr.interchange(mid, mid, steepness) == 0.5
-    assert tr.interchange(speed + 0.1, mid, steepness) <= share
+    assert plan.interchange(mid, mid, steepness) == 0.5
+    assert plan.interchange(speed + 0.1, mid, steepness) <= share
 
 
 def test_steep_interchange_is_a_step():
-    np.testing.assert_allclose(tr.interchange(np.array([0.7, 0.8]), 0.75, 0.01), [1.0, 0.0], atol=1e-4)
+    np.testing.assert_allclose(plan.interchange(np.array([0.7, 0.8]), 0.75, 0.01), [1.0, 0.0], atol=1e-4)
 
 
 @given(demand=st.floats(-1, 1))
 def test_allocation_shares_out_everything(demand):
-    share = tr.allocation(demand, 1.0, 0.17)
-    assert share + tr.allocation(-demand, 1.0, 0.17) == pytest.approx(1.0)
+    share = plan.allocation(demand, 1.0, 0.17)
+    assert share + plan.allocation(-demand, 1.0, 0.17) == pytest.approx(1.0)
 
 
 def test_survey_flight_is_steady_until_it_slows(vehicle, asked):
@@ -84,8 +85,8 @@ def test_heavier_ballast_errors_cost_energy(vehicle, asked):
 
 def test_energy_until_the_end_is_the_end_energy(vehicle, asked):
     record = tr.simulate_transition(vehicle, asked, time_step=0.5, sample=0.5)
-    assert tr.energy_until(record.history, record.end_time) == pytest.approx(record.end_energy)
-    assert np.isnan(tr.energy_until(record.history, np.nan)).all()
+    assert plan.energy_until(record.history, record.end_time) == pytest.approx(record.end_energy)
+    assert np.isnan(plan.energy_until(record.history, np.nan)).all()
 
 
 def test_no_history_unless_asked(vehicle, asked):
