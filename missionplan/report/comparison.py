@@ -1,7 +1,7 @@
 """Report of two runs side by side."""
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from missionplan.report.numbers import Unit, number, plain, unit_for, with_error
 from missionplan.report.page import BLUE, INK, ORANGE, Figure, Page, Section, Table, Terminal, to_figure
@@ -42,7 +42,7 @@ def _answer(comparison: Comparison) -> str:
     if changed:
         largest = max(changed, key=_importance)
         words = f"{len(changed)} of {len(judged)} numbers changed by more than Monte-Carlo noise, most clearly "
-        answer = f"{words}{_name(largest)} ({_shown_change(comparison, largest)})."
+        answer = f"{words}{_name(comparison, largest)} ({_shown_change(comparison, largest)})."
     elif any(item.verdict == "within noise" for item in judged):
         answer = "No number changed by more than Monte-Carlo noise."
     else:
@@ -62,9 +62,24 @@ def _importance(difference: Difference) -> float:
     return change / max(abs(difference.first or 0.0), abs(difference.second or 0.0), 1e-300)
 
 
-def _name(difference: Difference) -> str:
+def _name(comparison: Comparison, difference: Difference) -> str:
+    if difference.group == "requirement":
+        return f"{_requirement(comparison, difference.key)} (requirement)"
     group = difference.group if difference.group not in ("sweep", "anchor") else ""
     return plain(f"{group}.{difference.key}".lstrip(".")) if group != difference.key else plain(difference.key)
+
+
+def _requirement(comparison: Comparison, key: str) -> str:
+    """Write a requirement with its limit as the mission does; in SI where the mission has several on a quantity."""
+    quantity, _, limit = key.partition(", ")
+    written = (comparison.provenance.data["second"] or {}).get("requirements") or ()
+    alike = [item for item in written if isinstance(item, Mapping) and item.get("quantity") == quantity]
+    if limit and len(alike) == 1:
+        bounds = (
+            f"{bound.replace('_', ' ')} {alike[0][bound]}" for bound in ("at_most", "at_least") if bound in alike[0]
+        )
+        limit = next(bounds, limit)
+    return f"{plain(quantity)} {limit}".strip()
 
 
 def _unit(comparison: Comparison, difference: Difference) -> Unit:
@@ -89,7 +104,7 @@ def _row(comparison: Comparison, difference: Difference) -> tuple[str, str, str,
         "–" if value is None else number(unit(value), unit(error)) + unit.suffix
         for value in (difference.first, difference.second)
     )
-    return _name(difference), difference.verdict, first, second, _shown_change(comparison, difference)
+    return _name(comparison, difference), difference.verdict, first, second, _shown_change(comparison, difference)
 
 
 def _numbers(comparison: Comparison) -> list[tuple[str, str]]:
@@ -117,9 +132,12 @@ def _dots(comparison: Comparison) -> Figure | None:
     axes.axvspan(-1.96, 1.96, color=BLUE, alpha=0.15, linewidth=0.0)
     axes.axvline(0.0, color=INK, linewidth=0.8)
     scores = [(item.change or 0.0) / (item.standard_error or 1.0) for item in shown]
+    clearest = _name(comparison, shown[0])
     for row, (item, score) in enumerate(zip(shown, scores, strict=True)):
         axes.plot(score, row, "o", color=ORANGE if item.verdict == "changed" else BLUE, markersize=6)
-        axes.text(0.01, row - 0.22, _name(item), transform=axes.get_yaxis_transform(), va="bottom", fontsize=9)
+        axes.text(
+            0.01, row - 0.22, _name(comparison, item), transform=axes.get_yaxis_transform(), va="bottom", fontsize=9
+        )
     reach = 1.1 * max(3.0, *(abs(score) for score in scores))
     axes.set(yticks=[], ylim=(len(shown) - 0.5, -0.8), xlim=(-reach, reach))
     axes.set_xlabel("second − first, in standard errors of the difference")
@@ -127,7 +145,7 @@ def _dots(comparison: Comparison) -> Figure | None:
     return to_figure(
         figure,
         "changes",
-        f"Changes of {len(shown)} numbers in standard errors; the clearest is {_name(shown[0])} at {scores[0]:.1f}.",
+        f"Changes of {len(shown)} numbers in standard errors; the clearest is {clearest} at {scores[0]:.1f}.",
         "Orange: more than noise, all numbers taken together (Holm's correction at 5 %). Band: where 95 % of the "
         "differences of one number lie by noise alone.",
     )

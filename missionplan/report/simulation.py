@@ -26,6 +26,7 @@ _SHOWN = {"moor": ("offset_m", "lowest_altitude_m"), "total": ("duration_s", "en
 """Quantities whose distribution is always drawn, by kind of phase."""
 _MOST_INPUTS = 5
 _MOST_FIGURES = 4
+_LEAST_SHOWN = 0.01
 
 
 def page(outcome: Outcome) -> Page:
@@ -254,7 +255,10 @@ def _sensitivities(outcome: Outcome) -> Iterator[Section]:
     asked = tuple(item.quantity for item in outcome.requirements)
     # What the mission is judged by comes first, then what it costs as a whole.
     pictured = sorted(groups, key=lambda group: (not group[0].startswith(asked), not group[0].startswith("total")))
-    pictured = pictured[:_MOST_FIGURES]
+    pictured = [
+        (output, [influence for influence in found if influence.first_order > _LEAST_SHOWN] or found[:1])
+        for output, found in pictured[:_MOST_FIGURES]
+    ]
     output, (first, *_) = max(pictured, key=lambda group: group[1][0].first_order)
     rows = [_influence_row(influence) for _, found in groups for influence in found]
     yield Section(

@@ -1,6 +1,7 @@
 """Where a simulated mission goes, in plan."""
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,8 +39,8 @@ def track_map(outcome: Outcome) -> Figure:
     for ring in drawn:
         axes.plot(*ring.line, **_look(ring), linewidth=1.0)
     axes.set(xlim=west_east, ylim=south_north, xlabel="east (m)", ylabel="north (m)", aspect="equal")
-    _north_arrow(axes)
-    _scale_bar(axes, west_east)
+    corner = _emptiest_corner([*lines, *(ring.line for ring in drawn)], np.array([west_east, south_north]))
+    _north_and_scale(axes, west_east[1] - west_east[0], corner)
     return to_figure(
         figure,
         "track-map",
@@ -63,20 +64,39 @@ def _look(ring: Ring) -> dict[str, Any]:
     return {"color": _LOOKS[ring.kind], "linestyle": _OUTER if ring.share > 0.9 else "-"}
 
 
-def _north_arrow(axes: "Axes") -> None:
+def _emptiest_corner(lines: Sequence[Array], limits: Array) -> tuple[bool, bool]:
+    """Find the corner, (right, top), that the fewest way points and points between them fall into."""
+    dense = [_between(line) for line in lines if line.shape[1]]
+    across, up = (np.concatenate(dense, axis=1) - limits[:, :1]) / (limits[:, 1:] - limits[:, :1])
+    corners = [(right, top) for right in (False, True) for top in (True, False)]
+    crowd = [
+        np.count_nonzero(((across > 0.6) if right else (across < 0.4)) & ((up > 0.65) if top else (up < 0.35)))
+        for right, top in corners
+    ]
+    return corners[int(np.argmin(crowd))]
+
+
+def _between(line: Array) -> Array:
+    """Points along a line, ten a stretch."""
+    stretch = np.arange(line.shape[1])
+    fine = np.linspace(0.0, line.shape[1] - 1.0, 10 * line.shape[1])
+    return np.array([np.interp(fine, stretch, values) for values in line])
+
+
+def _north_and_scale(axes: "Axes", width: float, corner: tuple[bool, bool]) -> None:
+    """Draw the north arrow in a corner, and a scale bar beside it."""
+    right, top = corner
+    side, away = (0.97, -1.0) if right else (0.03, 1.0)
+    foot = 0.72 if top else 0.06
     arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.2}
-    axes.annotate("", (0.97, 0.97), (0.97, 0.74), xycoords="axes fraction", arrowprops=arrow)
-    axes.text(0.945, 0.86, "N", transform=axes.transAxes, ha="right", va="center", fontsize=10, weight="bold")
-
-
-def _scale_bar(axes: "Axes", west_east: tuple[float, float]) -> None:
-    width = west_east[1] - west_east[0]
+    axes.annotate("", (side, foot + 0.24), (side, foot), xycoords="axes fraction", arrowprops=arrow)
+    words: dict[str, Any] = {"transform": axes.transAxes, "va": "bottom"}
+    axes.text(side + 0.02 * away, foot + 0.1, "N", ha="right" if right else "left", weight="bold", **words)
     length = _nice(0.25 * width)
-    start, level = 0.04, 0.09
-    axes.plot([start, start + length / width], [level, level], transform=axes.transAxes, color=INK, linewidth=2.5)
-    axes.text(
-        start + 0.5 * length / width, level + 0.03, f"{length:g} m", transform=axes.transAxes, ha="center", va="bottom"
-    )
+    start = side + 0.08 * away
+    end = start + away * length / width
+    axes.plot([start, end], [foot, foot], transform=axes.transAxes, color=INK, linewidth=2.5)
+    axes.text(0.5 * (start + end), foot + 0.03, f"{length:g} m", ha="center", **words)
 
 
 def _nice(length: float) -> float:
@@ -114,8 +134,9 @@ def close_ups(outcome: Outcome) -> Figure | None:
         figure,
         "arrivals",
         f"Where each phase ends, about its goal, with circles of error: {words}.",
-        "True positions at the end of a transit and of the anchors, about the goal (cross). CEP: the circle about the "
-        "goal that holds that share of the trials that came so far.",
+        "True positions at the end of a transit, and of the anchors, about the goal (cross). CEP: the circle about the "
+        "goal that holds that share of the trials that came so far. The mooring circle, too, is drawn about the goal; "
+        "the mission's radius counts from the last fix.",
     )
 
 

@@ -207,6 +207,7 @@ def test_the_page_and_its_folder(report, tmp_path):
     html = render(comparison).html
     assert "missionplan compare " in html
     assert "1 of 6 numbers changed" in html
+    assert "requirement" in html
     comparison.save(tmp_path / "out")
     assert json.loads((tmp_path / "out/summary.json").read_text())["compared"] == "simulate"
     assert (tmp_path / "out/differences.csv").read_text().startswith("group,key,kind,first,second,change")
