@@ -1,7 +1,6 @@
 """From a mission and a data set to a model: the mission's own phases, at its means, bound to the data."""
 
-from collections.abc import Sequence
-from typing import cast
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +8,8 @@ from numpy.typing import NDArray
 from missionplan.diagnose.descent_data import DescentData
 from missionplan.diagnose.descent_forward import DescentForward
 from missionplan.diagnose.descent_model import DescentModel
+from missionplan.diagnose.summary_data import SummaryData
+from missionplan.diagnose.summary_model import SummaryForward, SummaryModel, as_log
 from missionplan.diagnose.transit_data import TransitData
 from missionplan.diagnose.transit_model import TransitModel
 from missionplan.effects import CATALOGUE
@@ -97,6 +98,25 @@ def descent_model(data: DescentData, mission: Mission) -> DescentModel:
     InputError
         When the mission lacks what a descent needs.
     """
+    build, given = _builder(mission)
+    return DescentModel(DescentForward(build, data.dives, given))
+
+
+def summary_model(data: SummaryData, mission: Mission) -> SummaryModel:
+    """Bind the mission's first mooring to summaries of dives.
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what a descent needs.
+    """
+    build, given = _builder(mission)
+    logs = tuple(as_log(test) for test in data.tests)
+    return SummaryModel(SummaryForward(build, logs, given, data.tests))
+
+
+def _builder(mission: Mission) -> tuple[Callable[[Array, Array], Dive], tuple[DescentEffect, ...]]:
+    """The mission's descent from weights and lines, and the effects that it carries."""
     moor = mooring(mission)
     setting = Setting.at_means(mission)
 
@@ -106,8 +126,7 @@ def descent_model(data: DescentData, mission: Mission) -> DescentModel:
             moor.model_copy(update={"anchor_wet_weight": float(weights[0])})
         )
 
-    given = cast(Sequence[DescentEffect], [e for e in _given(mission) if isinstance(e, DescentEffect)])
-    return DescentModel(DescentForward(build, data.dives, tuple(given)))
+    return build, tuple(effect for effect in _given(mission) if isinstance(effect, DescentEffect))
 
 
 def mooring(mission: Mission) -> MoorPhase:

@@ -23,7 +23,7 @@ def descent_axes(logs: Sequence[DiveLog], expected: Array) -> dict[str, Axis]:
     """
     t = np.concatenate([log.t for log in logs])
     dive = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs])
-    speed = np.concatenate([np.gradient(expected[dive == k], log.t) for k, log in enumerate(logs)])
+    speed = np.concatenate([_speed(log.t, expected[dive == k]) for k, log in enumerate(logs)])
     shared = np.ones((len(t), 1))
     own = (dive[:, None] == np.arange(len(logs))[None, :]).astype(float)
     axes = {
@@ -34,6 +34,10 @@ def descent_axes(logs: Sequence[DiveLog], expected: Array) -> dict[str, Axis]:
     if len(logs) > 1:
         axes["run"] = Axis("run", _unit(t), own)
     return axes
+
+
+def _speed(t: Array, depth: Array) -> Array:
+    return np.asarray(np.gradient(depth, t) if np.all(np.diff(t) > 0.0) else np.zeros_like(depth))
 
 
 def _unit(values: Array) -> Array:

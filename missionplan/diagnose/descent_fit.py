@@ -153,7 +153,9 @@ class _Problem:
         for lane in lanes:
             if self._key(lane) not in self._factors:
                 rows = np.arange(len(y)) if lane.rows is None else lane.rows
-                self._factors[self._key(lane)] = np.linalg.cholesky(covariance[np.ix_(rows, rows)])
+                self._factors[self._key(lane)] = np.asarray(
+                    np.linalg.cholesky(covariance[np.ix_(rows, rows)]), dtype=float
+                )
 
     @staticmethod
     def _key(lane: Lane) -> bytes:

@@ -20,17 +20,17 @@ MENU = (
 LONGEST = 120.0
 
 
-def planned(forward: DescentForward, entry: int) -> tuple[DiveLog, ...]:
+def planned(forward: DescentForward, entry: int | None) -> tuple[DiveLog, ...]:
     """Two dives of the menu, like the first two of the data but for the factor; depths are left zero.
 
     Parameters
     ----------
     forward : DescentForward
         The dives so far.
-    entry : int
-        Of `MENU`.
+    entry : int or None
+        Of `MENU`; None for the same dives again.
     """
-    _, weight, line, depth = MENU[entry]
+    _, weight, line, depth = MENU[entry] if entry is not None else ("", 1.0, 1.0, 1.0)
     logs = []
     for log in forward.logs[:2]:
         site = log.site_depth * depth + (line - 1.0) * log.line_length

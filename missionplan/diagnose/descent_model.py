@@ -30,6 +30,8 @@ FIRST = 0.5
 SHIFTS = (-1.2, 0.0, 1.2)
 """Where the first shape of an effect starts, in prior standard deviations about its centre."""
 WEIGHT_STEP = 0.01
+SHIFT = 0.15
+"""Shift of the separation at which the readings' bend is taken [s]: 1.5 standard deviations of its scatter."""
 REFITTED = 2
 """Gauss–Newton steps of a refit without one dive, from the fit with it."""
 
@@ -50,6 +52,9 @@ class Linear:
         Of the readings to what differs from dive to dive.
     readings : array, shape (N,)
         The model there [m].
+    bend : array, shape (N,)
+        What a shift of the separation by `SHIFT` does to the readings beyond the linear: large where the line goes
+        taut and the vehicle starts with a jerk [m].
     """
 
     at: Array
@@ -57,6 +62,7 @@ class Linear:
     columns: Array
     sensitivities: Array
     readings: Array
+    bend: Array
 
 
 @dataclass(frozen=True)
@@ -125,8 +131,10 @@ class DescentModel:
         for causes, at in wanted:
             chosen = [i for i, c in enumerate(self.coordinates) if c.kind != "shape" or c.effect in causes]
             ahead, steps = jacobian_settings(self.coordinates, at, np.array(chosen))
-            settings += [at[:, None], np.repeat(at[:, None], 2, axis=1), ahead]
-            factors += [np.ones(1), 1.0 + WEIGHT_STEP * np.array([1.0, -1.0]), np.ones(ahead.shape[1])]
+            shifted = np.repeat(at[:, None], 2, axis=1)
+            shifted[self._clock] += np.array([SHIFT, -SHIFT])
+            settings += [at[:, None], np.repeat(at[:, None], 2, axis=1), shifted, ahead]
+            factors += [np.ones(1), 1.0 + WEIGHT_STEP * np.array([1.0, -1.0]), np.ones(2 + ahead.shape[1])]
             plans.append((chosen, steps))
         readings = self.forward.readings(self.coordinates, np.concatenate(settings, axis=1), np.concatenate(factors))
         found, column = [], 0
@@ -134,17 +142,22 @@ class DescentModel:
             here = readings[:, column]
             weight = (readings[:, column + 1] - readings[:, column + 2]) / (2.0 * WEIGHT_STEP)
             columns = np.zeros((len(self.y), len(self.coordinates)))
-            columns[:, chosen] = from_settings(readings[:, column + 3 : column + 3 + 2 * len(chosen)], steps)
-            column += 3 + 2 * len(chosen)
-            found.append(self._linear(causes, at, here, columns, weight))
+            columns[:, chosen] = from_settings(readings[:, column + 5 : column + 5 + 2 * len(chosen)], steps)
+            bend = 0.5 * np.abs(readings[:, column + 3] + readings[:, column + 4] - 2.0 * here)
+            column += 5 + 2 * len(chosen)
+            found.append(self._linear(causes, at, here, columns, weight, bend))
         return found
 
-    def _linear(self, causes: Causes, at: Array, here: Array, columns: Array, weight: Array) -> Linear:
+    @cached_property
+    def _clock(self) -> int:
+        return [coordinate.effect for coordinate in self.coordinates].index("clock-offset")
+
+    def _linear(self, causes: Causes, at: Array, here: Array, columns: Array, weight: Array, bend: Array) -> Linear:
         free = self.free(causes)
         y = self.y - here + columns[:, free] @ (at - self.centre)[free]
         names = [coordinate.effect for coordinate in self.coordinates]
-        release, drag = columns[:, names.index("clock-offset")], columns[:, names.index("drag-bias")]
-        return Linear(at, y, columns, np.stack([release, np.ones_like(release), drag, weight], axis=1), here)
+        release, drag = columns[:, self._clock], columns[:, names.index("drag-bias")]
+        return Linear(at, y, columns, np.stack([release, np.ones_like(release), drag, weight], axis=1), here, bend)
 
     def blocks(self, causes: Causes, linear: Linear, noise: Noise) -> list[Array]:
         """Covariance of each dive's readings beside the catalogue's coordinates.
@@ -155,7 +168,8 @@ class DescentModel:
         shaped = any(CATALOGUE[name].parameters[key].is_shape for name in causes for key in CATALOGUE[name].parameters)
         added = linear.readings - self.base.readings if shaped else np.zeros(len(linear.readings))
         return [
-            dive_covariance(log.t, log.sd, linear.sensitivities[rows], noise) + caricature(log.t, added[rows])
+            dive_covariance(log.t, log.sd, linear.sensitivities[rows], linear.bend[rows], noise)
+            + caricature(log.t, added[rows])
             for log, rows in zip(self.forward.logs, self.parts, strict=True)
         ]
 
@@ -274,7 +288,7 @@ class DescentModel:
             state.linear.y,
             self.total_covariance(fit.causes, state.linear, state.noise),
             np.concatenate([np.full(len(log.t), k) for k, log in enumerate(logs)]),
-            descent_axes(logs, self.y - state.linear.y),
+            descent_axes(logs, state.linear.readings),
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
             TEST_LEVEL,
         )

@@ -43,8 +43,8 @@ def grid() -> tuple[Noise, ...]:
 NOMINAL = Noise(1.0, WALK_CENTRE, 0.0)
 
 
-def dive_covariance(t: Array, sd: Array, sensitivities: Array, noise: Noise) -> Array:
-    """σ²I + κ²(J S Jᵀ) + q·min(t, t′), shape (m, m) [m²].
+def dive_covariance(t: Array, sd: Array, sensitivities: Array, bend: Array, noise: Noise) -> Array:
+    """σ²I + κ²(J S Jᵀ + bend²) + q·min(t, t′), shape (m, m) [m²].
 
     Parameters
     ----------
@@ -52,12 +52,18 @@ def dive_covariance(t: Array, sd: Array, sensitivities: Array, noise: Noise) -> 
         Times [s] and the sensor's standard deviations [m].
     sensitivities : array, shape (m, 4)
         Of the readings to release, zero, drag and weight, in the order of `DIVE_SD`.
+    bend : array, shape (m,)
+        What the scatter of the separation does beyond the linear, where the vehicle starts with a jerk [m].
     noise : Noise
         Hyperparameters.
     """
     scaled = noise.scatter * sensitivities * np.array(list(DIVE_SD.values()))
     since = t - min(0.0, float(t.min()))
-    return np.asarray(np.diag(sd**2) + scaled @ scaled.T + noise.walk * np.minimum(since[:, None], since[None, :]))
+    return np.asarray(
+        np.diag(sd**2 + (noise.scatter * bend) ** 2)
+        + scaled @ scaled.T
+        + noise.walk * np.minimum(since[:, None], since[None, :])
+    )
 
 
 SHAPE_SD = 0.04

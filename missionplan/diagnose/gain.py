@@ -45,14 +45,16 @@ def compare(base: Sequence[Score], extended: Sequence[Score]) -> HeldOut:
     """Compare two models' scores on the same groups."""
     difference = np.array([b.log_score - a.log_score for a, b in zip(base, extended, strict=True)])
     spread = float(difference.std(ddof=1)) if len(difference) > 1 else math.nan
-    rmse, coverage = zip(*(_overall(scores) for scores in (base, extended)), strict=True)
+    (rmse_base, coverage_base), (rmse_extended, coverage_extended) = _overall(base), _overall(extended)
     return HeldOut(
         float(difference.sum()),
         spread * math.sqrt(len(difference)),
         int((difference > 0.0).sum()),
         len(difference),
-        *rmse,
-        *coverage,
+        rmse_base,
+        rmse_extended,
+        coverage_base,
+        coverage_extended,
         tuple(base),
         tuple(extended),
     )

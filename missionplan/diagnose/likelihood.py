@@ -6,6 +6,7 @@ Shapes: two independent axes (east and north, or the principal axes of the veloc
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -200,7 +201,7 @@ def laplace(
         Whether the curvature is wanted; without it the evidence is nan and the covariance is the guess.
     """
 
-    def negative(at: Array) -> float:
+    def negative(at: NDArray[Any]) -> float:
         try:
             value = log_posterior(at)
         except np.linalg.LinAlgError:
@@ -208,8 +209,8 @@ def laplace(
         return -value if math.isfinite(value) else 1e12
 
     best = min(starts, key=negative)
-    options = {"gtol": GRADIENT, "eps": SEARCH_STEP, "maxiter": 60, "hess_inv0": spread}
-    found = minimize(negative, best, method="BFGS", options=options)
+    options: dict[str, Any] = {"gtol": GRADIENT, "eps": SEARCH_STEP, "maxiter": 60, "hess_inv0": spread}
+    found = cast(Any, minimize)(negative, best, method="BFGS", options=options)
     mode = found.x if found.fun <= negative(best) else best
     if not integrate:
         return Laplace(math.nan, mode, spread)

@@ -53,7 +53,7 @@ def one_step(model: TransitModel, fit: Fit) -> OneStep | None:
     errors = []
     every = max(5, len(asked) // REFITS)
     current = fit
-    for k in asked:
+    for k in asked.tolist():
         if (k - FIRST) % every == 0:
             current = model.fit(fit.causes, (current,), np.arange(k), integrate=False)
             predictor = model.predictor(current)

@@ -51,7 +51,7 @@ class Remainder:
 
 def remainder(residuals: Residuals) -> Remainder:
     """Test what a model leaves, along every axis and by residual tests at the strict level."""
-    factor = np.linalg.cholesky(residuals.covariance)
+    factor = np.asarray(np.linalg.cholesky(residuals.covariance), dtype=float)
     innovations = solve_triangular(factor, residuals.values, lower=True, check_finite=False)
     typical = float(np.sqrt(np.median(np.diag(residuals.covariance))))
     found = [(axis.name, _log_bayes_factor(axis, factor, innovations, typical)) for axis in residuals.axes.values()]
@@ -82,7 +82,7 @@ def _log_bayes_factor(axis: Axis, factor: Array, innovations: Array, typical: fl
         projected = (vectors.T @ (whitened.T @ innovations)) ** 2 / values
         with_it += [_log_likelihoods(values, projected, total, count, size) + prior for size in SIZES]
     averaged = float(logsumexp(np.stack(with_it))) - np.log(len(with_it))
-    return averaged - float(logsumexp(plain + prior))
+    return float(averaged - logsumexp(plain + prior))
 
 
 def _log_likelihoods(values: Array, projected: Array, total: float, count: int, size: float) -> Array:

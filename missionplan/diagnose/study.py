@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from missionplan.diagnose.binding import descent_model, transit_model
+from missionplan.diagnose.binding import descent_model, summary_model, transit_model
 from missionplan.diagnose.data import DIAGNOSED
 from missionplan.diagnose.decision import decide
 from missionplan.diagnose.descent_data import read_descent
@@ -22,10 +22,13 @@ from missionplan.diagnose.next_measurement import indistinguishable, next_measur
 from missionplan.diagnose.one_step import one_step
 from missionplan.diagnose.remainder import Remainder
 from missionplan.diagnose.selection import Candidate
+from missionplan.diagnose.summary_data import read_summary
+from missionplan.diagnose.summary_model import SummaryModel
 from missionplan.diagnose.tables import (
     descent_misfit,
     descent_residuals,
     descent_share,
+    summary_misfit,
     transit_misfit,
     transit_residuals,
     transit_share,
@@ -44,6 +47,7 @@ from missionplan.results.diagnosis import (
     ParameterEstimate,
     RankedSet,
     RemainderFound,
+    Verdict,
 )
 
 Progress = Callable[[int, int], None]
@@ -120,7 +124,7 @@ def diagnose(
         kind=kind,
         data=data.name,
         source=data.source,
-        verdict=found.verdict,
+        verdict=_tempered(found.verdict, kind),
         causes=found.best.causes,
         misfit=described.misfit(),
         credible_set=found.credible_set,
@@ -165,6 +169,9 @@ def _bind(folder: Path, mission: Mission, seed: int) -> tuple[TransitModel | Des
     if kind == "descent":
         dives = read_descent(folder, mission)
         return descent_model(dives, mission), dives, kind
+    if kind == "summary":
+        tests = read_summary(folder, mission)
+        return summary_model(tests, mission), tests, kind
     message = f"given {kind!r}, expected one of {', '.join(DIAGNOSED)}"
     raise InputError([document.problem(("kind",), message, "`missionplan identify` reads tank data")])
 
@@ -183,7 +190,9 @@ class _Described:
 
     def misfit(self) -> str:
         """Size of the misfit in the planner's terms."""
-        return transit_misfit(self._model) if isinstance(self._model, TransitModel) else descent_misfit(self.residuals)
+        if isinstance(self._model, TransitModel):
+            return transit_misfit(self._model)
+        return (summary_misfit if isinstance(self._model, SummaryModel) else descent_misfit)(self.residuals)
 
     def ranking(self) -> tuple[RankedSet, ...]:
         """Sets, best first."""
@@ -234,6 +243,11 @@ class _Described:
                 "next_leg_model_rms_m": ahead.model,
             }
         return values
+
+
+def _tempered(verdict: Verdict, kind: str) -> Verdict:
+    """A summary of a few numbers, its times shifted by hand, explains nothing by itself."""
+    return "ambiguous" if kind == "summary" and verdict == "explained" else verdict
 
 
 def _gain(gain: HeldOut) -> HeldOutGain:

@@ -92,6 +92,15 @@ def transit_misfit(model: TransitModel) -> str:
     )
 
 
+def summary_misfit(table: pd.DataFrame) -> str:
+    """How far the numbers of the tests are from the model's, at worst."""
+    worst = table.loc[table["residual_base_m"].abs().idxmax()]
+    return (
+        f"{len(table)} numbers of {table['run'].nunique()} tests; the farthest from the simulation is of "
+        f"{worst['run']}, off by {worst['residual_base_m']:+.2f} (SI)."
+    )
+
+
 def descent_misfit(table: pd.DataFrame) -> str:
     """How late or early the vehicle is at the depth where the logs end, on the whole and at worst."""
     late = []

@@ -48,16 +48,20 @@ def _usual(data: TransitData, count: int, factor: float = 1.0) -> tuple[Array, A
     return np.full(count, factor * float(np.median(data.under_way))), np.full(count, float(np.median(data.surface)))
 
 
+def _numbers() -> Array:
+    return np.arange(MORE, dtype=np.float64)
+
+
 def _back(data: TransitData) -> TransitData:
     return _append(data, _headings(data)[::-1][:MORE] + np.pi, *_usual(data, min(MORE, data.n)))
 
 
 def _star(data: TransitData) -> TransitData:
-    return _append(data, np.arange(MORE) * 2.0 * np.pi * 0.38, *_usual(data, MORE))
+    return _append(data, 2.0 * np.pi * 0.38 * _numbers(), *_usual(data, MORE))
 
 
 def _short(data: TransitData) -> TransitData:
-    return _append(data, np.arange(MORE) * np.pi, *_usual(data, MORE, 0.25))
+    return _append(data, np.pi * _numbers(), *_usual(data, MORE, 0.25))
 
 
 def _longer(data: TransitData) -> TransitData:
@@ -66,7 +70,7 @@ def _longer(data: TransitData) -> TransitData:
 
 def _waiting(data: TransitData) -> TransitData:
     duration, surface = _usual(data, MORE)
-    return _append(data, np.arange(MORE) * np.pi, duration, surface + np.where(np.arange(MORE) % 2, 900.0, 0.0))
+    return _append(data, np.pi * _numbers(), duration, surface + np.where(np.arange(MORE) % 2, 900.0, 0.0))
 
 
 MENU: tuple[tuple[str, Callable[[TransitData], TransitData]], ...] = (

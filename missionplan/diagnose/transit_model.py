@@ -222,12 +222,12 @@ class TransitModel:
     def _fix_pattern(self) -> Array:
         """Covariance of the errors for a fix error of 1 m, shape (n,) or, with fixes that two legs share, (n, n)."""
         data = self.data
-        variance = 2.0 / data.under_way**2
+        variance: Array = 2.0 / data.under_way**2
         shared = np.all(data.end[:, :-1] == data.start[:, 1:], axis=0) & (data.run[:-1] == data.run[1:])
         if not shared.any():
             return variance
         beside = np.where(shared, -1.0 / (data.under_way[:-1] * data.under_way[1:]), 0.0)
-        return np.diag(variance) + np.diag(beside, 1) + np.diag(beside, -1)
+        return np.asarray(np.diag(variance) + np.diag(beside, 1) + np.diag(beside, -1))
 
     def noise(self, values: Mapping[tuple[str, str], float]) -> Array:
         """Covariance of the velocity errors beside the causes of the mean [m²/s²].
@@ -241,15 +241,15 @@ class TransitModel:
         """
         shape = np.linalg.eigvalsh(self.covariance) if np.any(self.covariance) else np.ones(2)
         shape = np.maximum(shape / max(shape.mean(), 1e-12), 1e-6)
-        white = values["", "sigma_v"] ** 2 * shape[:, None] * np.ones(self.data.n)
+        white: Array = values["", "sigma_v"] ** 2 * shape[:, None] * np.ones(self.data.n)
         fix = (values["", "fix_sd"] ** 2 + values.get(("fix-error", "sd"), 0.0) ** 2) * self._fix_pattern
         lasting = self._lasting(values)
         if fix.ndim == 1 and lasting is None:
-            return white + fix
-        full = (np.diag(fix) if fix.ndim == 1 else fix) + (0.0 if lasting is None else lasting)
+            return np.asarray(white + fix)
+        full: Array = (np.diag(fix) if fix.ndim == 1 else fix) + (0.0 if lasting is None else lasting)
         if np.ptp(shape) == 0.0:
-            return full[None] + np.diag(white[0])
-        return full[None] + white[:, :, None] * np.eye(self.data.n)
+            return np.asarray(full[None] + np.diag(white[0]))
+        return np.asarray(full[None] + white[:, :, None] * np.eye(self.data.n))
 
     def _lasting(self, values: Mapping[tuple[str, str], float]) -> Array | None:
         effects: list[PersistentError | RandomWalk] = []
@@ -374,7 +374,7 @@ class TransitModel:
         total = scaled @ scaled.T
         total[:n, :n] += full[0]
         total[n:, n:] += full[-1]
-        return cast(Array, total)
+        return total
 
     def predictor(self, fit: Fit) -> Callable[[NDArray[np.int_], NDArray[np.int_]], tuple[Array, Array]]:
         """Predict legs from others under a fit.

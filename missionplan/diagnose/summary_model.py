@@ -1,0 +1,104 @@
+"""Model of summaries of dives: the descent phase again, asked for terminal speeds and times instead of depths."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.diagnose import descent_menu
+from missionplan.diagnose.coordinates import Coordinate, parameters_from
+from missionplan.diagnose.descent_data import DiveLog
+from missionplan.diagnose.descent_forward import DescentForward
+from missionplan.diagnose.descent_model import DescentModel
+from missionplan.diagnose.model import Fit
+from missionplan.diagnose.residuals import Residuals
+from missionplan.diagnose.summary_data import TestSummary
+from missionplan.phases.currents import LayeredCurrent
+from missionplan.phases.descent import descend
+from missionplan.phases.hooks import Scalars
+
+Array = NDArray[np.float64]
+
+STILL_WATER = LayeredCurrent(np.ones(1), np.zeros(1), np.zeros(1))
+LOGGED_SD = 0.05
+"""Noise of the depth sensor that a proposed log is reckoned with [m]."""
+
+
+def as_log(test: TestSummary) -> DiveLog:
+    """A test in the shape of a dive log: all of its numbers at time zero, where no turbulence has gathered."""
+    zeros = np.zeros(len(test.values))
+    places = np.arange(len(zeros))
+    return DiveLog(
+        test.name, zeros, test.values, test.sd, zeros, places, test.wet_weight, test.line_length, test.site_depth
+    )
+
+
+@dataclass(frozen=True)
+class SummaryForward(DescentForward):
+    """Quantities of all tests under many settings at once, as `DescentForward` gives readings."""
+
+    tests: tuple[TestSummary, ...] = ()
+
+    def readings(self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0) -> Array:
+        """Quantities of all tests, less the base model's where the table prints measured less simulated.
+
+        Parameters and result as `DescentForward.readings`.
+        """
+        plain = np.array([[coordinate.centre] for coordinate in coordinates])
+        base = self._quantities(coordinates, plain, 1.0)
+        relative = np.concatenate([test.relative for test in self.tests])
+        found = self._quantities(coordinates, values, weight_factor)
+        return np.asarray(found - np.where(relative[:, None], base, 0.0))
+
+    def _quantities(self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars) -> Array:
+        count, settings = len(self.tests), values.shape[1]
+        named = parameters_from(coordinates, np.repeat(values, count, axis=1)).items()
+        effects = [*self.given, *(self._effect(name, parameters) for name, parameters in named)]
+        factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
+        trials = count * settings
+        depths = np.tile([test.site_depth for test in self.tests], settings)
+        record = descend(
+            replace(self._tiled(settings, factor), site_depth=depths),
+            effects=effects,
+            release_time=np.zeros(trials),
+            current=STILL_WATER,
+            position=np.zeros((2, trials)),
+            t_start=np.zeros(trials),
+        )
+        by_name = {"terminal_velocity_m_s": record.terminal_velocity, "descent_time_s": record.descent_time}
+        rows = [
+            by_name[quantity].reshape(settings, count)[:, index]
+            for index, test in enumerate(self.tests)
+            for quantity in test.quantities
+        ]
+        return np.stack(rows)
+
+
+@dataclass(frozen=True)
+class SummaryModel(DescentModel):
+    """Base model and catalogue bound to summaries."""
+
+    def residuals(self, fit: Fit) -> Residuals:
+        """Residuals without axes: a handful of numbers has no structure to be tested."""
+        return replace(super().residuals(fit), axes={})
+
+    @property
+    def menu(self) -> Sequence[str]:
+        """Logs of dives, in words."""
+        same = "depth logged five times a second on two such dives"
+        return [same, *(f"{what}, depth logged" for what, *_ in descent_menu.MENU)]
+
+    def separation(self, first: Fit, second: Fit, entry: int | None) -> float:
+        """Fit both sets to noise-free readings of the first on the dives of a menu entry, or to the numbers in hand."""
+        if entry is None:
+            return super().separation(first, second, None)
+        plain = DescentForward(self.forward.build, self.forward.logs, self.forward.given)
+        logs = descent_menu.planned(plain, None if entry == 0 else entry - 1)
+        logs = tuple(replace(log, sd=np.full(len(log.t), LOGGED_SD)) for log in logs)
+        forward = replace(plain, logs=logs)
+        readings = forward.readings(self.coordinates, first.state.linear.at[:, None])[:, 0]
+        model = DescentModel(replace(forward, logs=descent_menu.filled(logs, readings)))
+        fitted = model.fit_all([(first.causes, (first,)), (second.causes, (second,))])
+        evidence = [fit.log_evidence if isinstance(fit, Fit) else -np.inf for fit in fitted]
+        return float(max(evidence[0] - evidence[1], 0.0))
