@@ -8,10 +8,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from missionplan.montecarlo.statistics import Probability
+from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 
 Array = NDArray[np.float64]
+
+JOULES_PER_WATT_HOUR = 3600.0
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,8 @@ class LegCase:
         With the best fixed d_max and with the table of legs.
     saving, saving_error : float
         Mean time that the table saves, and its standard error, paired trial by trial [s].
+    energy_saving, energy_saving_error : float
+        Mean energy that it saves, likewise; nan where the mission has no energy budget [J].
     """
 
     name: str
@@ -58,6 +62,36 @@ class LegCase:
     adaptive: SampledCost
     saving: float
     saving_error: float
+    energy_saving: float
+    energy_saving_error: float
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A plan of legs judged by what the legs are chosen for, on trials other than those that it was chosen on.
+
+    Attributes
+    ----------
+    name : str
+    speed : float
+        [m/s]
+    duration : Statistic
+        Of the transit, of the trials that arrived, the arrival's surfacing included [s].
+    energy : Statistic
+        [J]
+    on_time : Probability
+        Of arriving by the deadline; of arriving where there is none.
+    value, standard_error : float
+        What the aim makes least [s, or J]; for a deadline the probability of meeting it, which it makes greatest.
+    """
+
+    name: str
+    speed: float
+    duration: Statistic
+    energy: Statistic
+    on_time: Probability
+    value: float
+    standard_error: float
 
 
 @dataclass(frozen=True)
@@ -72,9 +106,20 @@ class LegPlan(Result):
     phase_index : int
         Its place among the mission's phases.
     aim : str
-        What the legs are best for: ``mean``, the expected time.
+        What the legs are best for: ``mean``, the expected time; ``p95``, the time that 95 % of the trials keep, or a
+        deadline of the mission; ``energy``.
+    machinery : str
+        How the table was found, in a sentence.
+    deadline : float
+        By which the transit is to be done, for ``p95``; infinite without one [s].
     distance, speed, arrival_radius, surfacing_time, sigma : float
-        Of the transit, distributions at their means [m, m/s, m, s, m/s].
+        Of the transit, distributions at their means; the speed is chosen for ``energy`` [m, m/s, m, s, m/s].
+    mission_speed : float
+        The mission's own [m/s].
+    planned_sigma, base_spread : float
+        Spread of legs that the table reckons with: of the velocity, and of any leg [m/s, m].
+    goal : tuple of float
+        Where the transit goes [m].
     left, leg : array, shape (k,)
         Knots of the table: distance left and leg length [m].
     expected_cost : float
@@ -89,6 +134,8 @@ class LegPlan(Result):
         Expected cost of that, and of a single leg.
     cases : tuple of LegCase
         The mission itself, then others for robustness.
+    contenders : tuple of Contender
+        The best fixed d_max, the best legs for the mean time, and the table; empty for the aim ``mean``.
     fixed_tracks, adaptive_tracks : array, shape (2, m, j)
         Tracks of the same few trials by both plans: the start, where they surfaced and dived; nan after arrival [m].
     """
@@ -99,11 +146,17 @@ class LegPlan(Result):
     phase: str
     phase_index: int
     aim: str
+    machinery: str
+    deadline: float
     distance: float
     speed: float
+    mission_speed: float
     arrival_radius: float
     surfacing_time: float
     sigma: float
+    planned_sigma: float
+    base_spread: float
+    goal: tuple[float, float]
     left: Array
     leg: Array
     expected_cost: float
@@ -113,6 +166,7 @@ class LegPlan(Result):
     fixed_cost: float
     one_leg_cost: float
     cases: tuple[LegCase, ...]
+    contenders: tuple[Contender, ...]
     fixed_tracks: Array
     adaptive_tracks: Array
 
@@ -128,8 +182,15 @@ class LegPlan(Result):
 
     @property
     def recommended(self) -> bool:
-        """Whether the table saves time in the mission's own trials, by more than two standard errors."""
-        return self.cases[0].saving > 2.0 * self.cases[0].saving_error
+        """Whether the table does better in the mission's own trials, by more than two standard errors."""
+        own = self.cases[0]
+        if self.aim == "energy":
+            return own.energy_saving > 2.0 * own.energy_saving_error
+        if self.aim == "p95":
+            fixed, *_, table = self.contenders
+            gain = table.value - fixed.value if np.isfinite(self.deadline) else fixed.value - table.value
+            return gain > 2.0 * float(np.hypot(fixed.standard_error, table.standard_error))
+        return own.saving > 2.0 * own.saving_error
 
     @property
     def d_max(self) -> dict[str, list[list[str]]]:
@@ -139,7 +200,10 @@ class LegPlan(Result):
     def mission_with_legs(self) -> dict[str, Any]:
         """Give the mission's data with the table as the transit's d_max."""
         data = deepcopy(dict(self.provenance.data))
-        data["phases"][self.phase_index]["transit"]["d_max"] = self.d_max
+        transit = data["phases"][self.phase_index]["transit"]
+        transit["d_max"] = self.d_max
+        if self.speed != self.mission_speed:
+            transit["speed"] = f"{self.speed:.3f} m/s"
         return data
 
     def to_frame(self) -> pd.DataFrame:
@@ -159,10 +223,14 @@ class LegPlan(Result):
         return {
             **self.provenance.summary(),
             "aim": self.aim,
+            "machinery": self.machinery,
+            "deadline_s": self.deadline,
             "phase": self.phase,
             "distance_m": self.distance,
             "nominal_time_s": self.nominal_time,
+            "speed_m_s": self.speed,
             "sigma_m_s": self.sigma,
+            "planned": {"sigma_m_s": self.planned_sigma, "base_spread_m": self.base_spread},
             "fixed": {"d_max_m": self.fixed_d_max, "cost": self.fixed_cost},
             "one_leg": {"cost": self.one_leg_cost},
             "adaptive": {
@@ -177,7 +245,21 @@ class LegPlan(Result):
             "saving_s": self.saving,
             "recommended": "adaptive" if self.recommended else "fixed",
             "cases": [_case_summary(case) for case in self.cases],
+            "contenders": [_contender_summary(contender) for contender in self.contenders],
         }
+
+
+def _contender_summary(contender: Contender) -> dict[str, Any]:
+    return {
+        "name": contender.name,
+        "speed_m_s": contender.speed,
+        "duration_s": contender.duration.summary(),
+        "energy_wh": {
+            key: value if value is None else value / JOULES_PER_WATT_HOUR
+            for key, value in contender.energy.summary().items()
+        },
+        "on_time": contender.on_time.summary(),
+    }
 
 
 def _case_summary(case: LegCase) -> dict[str, Any]:
@@ -188,6 +270,10 @@ def _case_summary(case: LegCase) -> dict[str, Any]:
         "fixed": _cost_summary(case.fixed),
         "adaptive": _cost_summary(case.adaptive),
         "saving_s": {"mean": case.saving, "standard_error": case.saving_error},
+        "energy_saving_wh": {
+            "mean": case.energy_saving / JOULES_PER_WATT_HOUR,
+            "standard_error": case.energy_saving_error / JOULES_PER_WATT_HOUR,
+        },
     }
 
 

@@ -92,6 +92,17 @@ def test_json_is_all_that_stands_on_standard_output(
     ]
 
 
+def test_planned_legs_give_a_mission_that_validates(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], mission: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    assert run(monkeypatch, "plan-legs", str(mission), "--json", "--jobs", "1", "--out", str(out)) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["adaptive"]["cost"] == pytest.approx(0.0178, abs=2e-4)
+    assert "Let the legs adapt" in (out / "report.html").read_text()
+    assert run(monkeypatch, "validate", str(out / "mission-with-legs.yaml")) == 0
+
+
 def test_help_defers_heavy_imports() -> None:
     code = "import sys; sys.argv = ['missionplan', '--help']\nfrom missionplan.cli import main\ntry: main()\nexcept SystemExit: pass\n"
     code += "print([name for name in ('numpy', 'pandas', 'matplotlib', 'pint', 'pydantic', 'scipy') if name in sys.modules], file=sys.stderr)"
