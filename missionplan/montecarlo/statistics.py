@@ -221,10 +221,13 @@ class QuantileSketch:
         np.add.at(counts, place, np.concatenate((self.counts, other.counts)))
         return QuantileSketch(bins, counts)
 
-    def values(self) -> Array:
-        """Give the value that stands for each bin in use, within 0.05 % of those that it holds, shape (k,)."""
-        magnitude = np.exp((np.abs(self.bins) - _OFFSET) * _RATIO) * (1.0 - _ACCURACY)
-        return np.where(self.bins == 0, 0.0, np.copysign(magnitude, self.bins))
+    def bounds(self) -> tuple[Array, Array]:
+        """Give the ends of each bin in use, ascending, shape (k,) each."""
+        far = np.exp((np.abs(self.bins) - _OFFSET) * _RATIO)
+        near = far * math.exp(-_RATIO)
+        low = np.where(self.bins > 0, near, np.where(self.bins < 0, -far, -_SMALLEST))
+        high = np.where(self.bins > 0, far, np.where(self.bins < 0, -near, _SMALLEST))
+        return low, high
 
     def quantile(self, probability: float) -> float:
         """Give a quantile, within 0.05 % of an order statistic next to it; nan when empty."""

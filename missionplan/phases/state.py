@@ -24,7 +24,7 @@ class TrialState:
     energy : array, shape (n,)
         Used so far [J].
     alive : array of bool, shape (n,)
-        Whether every phase so far has succeeded.
+        Whether the trial goes on: it has arrived at every goal and come up from every mooring so far.
     """
 
     position: Array

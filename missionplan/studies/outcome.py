@@ -142,20 +142,26 @@ def _statistic(quantity: str, running: RunningStatistic) -> Statistic:
 
 
 def histogram(running: RunningStatistic) -> Histogram:
-    """Bin a quantity from its sketch; whole numbers get a bin each where these are few."""
-    values, counts = running.sketch.values(), running.sketch.counts
+    """Bin a quantity from its sketch; whole numbers get a bin each where these are few.
+
+    A bin of the sketch that lies across an edge is shared out as if it were evenly filled: counts may be fractions.
+    """
     low, high = running.quantile(0.001), running.quantile(0.999)
     if not math.isfinite(low):
         return Histogram(np.array([0.0, 1.0]), np.zeros(1))
+    starts, ends = running.sketch.bounds()
+    values, counts = 0.5 * (starts + ends), running.sketch.counts
     whole = np.round(values)
-    if high - low <= BINS and np.all(np.abs(values - whole) <= 1e-3 * np.maximum(whole, 1.0)):
-        edges, values = np.arange(round(low) - 0.5, round(high) + 1.0), whole
-    else:
-        margin = max(high - low, 1e-6 * max(abs(low), 1.0)) * 1e-3
-        edges = np.linspace(low - margin, high + margin, BINS + 1)
-    place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
-    binned = np.bincount(place, counts, minlength=len(edges) - 1)
-    return Histogram(edges, binned.astype(float))
+    if high - low <= BINS and np.all(np.abs(values - whole) <= 1e-3 * np.abs(whole)):
+        edges = np.arange(round(low) - 0.5, round(high) + 1.0)
+        place = np.clip(np.searchsorted(edges, whole, side="right") - 1, 0, len(edges) - 2)
+        return Histogram(edges, np.bincount(place, counts, minlength=len(edges) - 1).astype(float))
+    margin = max(high - low, 1e-6 * max(abs(low), 1.0)) * 1e-3
+    edges = np.linspace(low - margin, high + margin, BINS + 1)
+    inside = [np.clip(ends_of, float(running.moments.low), float(running.moments.high)) for ends_of in (starts, ends)]
+    share = (edges[1:-1, None] - inside[0]) / np.maximum(inside[1] - inside[0], 1e-300)
+    below = (np.clip(share, 0.0, 1.0) * counts).sum(axis=1)
+    return Histogram(edges, np.diff(below, prepend=0.0, append=counts.sum()))
 
 
 def tracks(mission: Mission, shown: MissionTrials) -> Tracks:

@@ -19,7 +19,7 @@ from missionplan.studies.mission_trials import MissionTrials
 from missionplan.studies.outcome import Findings
 from missionplan.studies.precision import Precision
 from missionplan.studies.setting import Setting
-from missionplan.studies.simulate_checks import check_complete, check_current, late_notices, notices
+from missionplan.studies.simulate_checks import check_complete, check_current, failure_notices, late_notices, notices
 from missionplan.studies.site_current import current_file, recorded_current
 from missionplan.studies.trials_table import TrialsTable
 
@@ -102,7 +102,7 @@ def simulate(
         options=options,
         elapsed_s=time.perf_counter() - started,
         data=mission.raw,
-        notices=(*said, *late_notices(means, found)),
+        notices=(*said, *late_notices(means, found), *failure_notices(failed)),
     )
     table = run.table.parquet() if run.table else None
     return Findings(mission, found, shown, failed, table).outcome(provenance)

@@ -1,5 +1,9 @@
 """What a mission must hold to be simulated, said before any work is done, and what its reader should know."""
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
@@ -101,10 +105,23 @@ def notices(mission: Mission, means: Setting) -> tuple[str, ...]:
     if mission.vehicle is not None and mission.site is not None and mission.site.water is not None:
         speeds = [mean_of(phase.speed) for phase in mission.phases if isinstance(phase, TransitPhase)]
         found += range_notes(means.vehicle_drag, min(speeds)) if speeds else ()
+    found += [words for phase in mission.transits if (words := _drift_notice(means, phase))]
     for entry in mission.effects:
         if not CATALOGUE[entry.effect].changes_plan:
             found.append(f"{entry.effect} acts on a reading alone: it is carried and does not change the plan.")
     return (*found, *_anchor_notices(mission, means))
+
+
+def _drift_notice(means: Setting, phase: TransitPhase) -> str:
+    """Say where the mean drift at the start is as fast as the vehicle, so that few trials can arrive."""
+    drift = np.array([float(means[f"navigation.velocity_error.mean[{axis}]"]) for axis in (0, 1)])
+    if means.current is not None:
+        depth, place = means[f"{phase.name}.depth"], np.zeros((2, 1))
+        drift = drift + means.current.velocity(0.0, depth, place)[:, 0]
+    speed, carried = float(means[f"{phase.name}.speed"]), float(np.hypot(*drift))
+    if carried < speed:
+        return ""
+    return f"{phase.name}: the mean drift, {carried:.3g} m/s, is as fast as the vehicle, {speed:.3g} m/s."
 
 
 def _anchor_notices(mission: Mission, means: Setting) -> list[str]:
@@ -122,6 +139,14 @@ def _anchor_notices(mission: Mission, means: Setting) -> list[str]:
                 f"{phase.name}: an anchor of {weight:.3g} N wet cannot be built as described: {failure.words}."
             )
     return found
+
+
+def failure_notices(failed: Sequence[str]) -> tuple[str, ...]:
+    """Say how to run a failed block alone."""
+    if not failed:
+        return ()
+    how = "missionplan.studies.simulate.simulate_block(mission, seed=…, block=…) runs one alone"
+    return (f"{len(failed)} blocks of trials failed and are left out, see failed_blocks; {how}.",)
 
 
 def late_notices(means: Setting, tally: Tally) -> tuple[str, ...]:

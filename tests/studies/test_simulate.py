@@ -365,6 +365,13 @@ def test_what_is_missing_is_said_before_any_work(tmp_path):
         simulate(chesapeake(tmp_path, unsized))
 
 
+def test_a_drift_as_fast_as_the_vehicle_is_said(tmp_path):
+    changes = {**EXACT, "navigation.velocity_error": {"mean": ["-1.6 m/s", "0 m/s"], "sigma": "0.01 m/s"}}
+    found = simulate(chesapeake(tmp_path, {**changes, "navigation.max_legs": 20}), trials=10)
+    assert found.phases[0].events["arrived"].value == 0.0
+    assert any("as fast as the vehicle" in notice for notice in found.provenance.notices)
+
+
 def test_keeping_trials_gives_one_row_each(tmp_path):
     mission = chesapeake(tmp_path, {"navigation.max_legs": 5})
     found = simulate(mission, trials=5000, keep_trials=True)
@@ -395,6 +402,7 @@ def test_a_block_that_fails_is_reported_and_the_others_kept(tmp_path, monkeypatc
     assert "block 1 (trials 4096 to 8191, seed 1)" in words
     assert found.provenance.trials == 2 * BLOCK
     assert found.summary()["failed_blocks"] == [words]
+    assert any("simulate_block" in notice for notice in found.provenance.notices)
     assert found.total.quantities["duration_s"].mean != whole.total.quantities["duration_s"].mean
 
 
