@@ -81,10 +81,7 @@ class DescentForward:
     def _effect(name: str, parameters: Mapping[str, Scalars]) -> DescentEffect:
         """The effect with its parameters held inside what the phase can integrate."""
         info = CATALOGUE[name]
-        held = {
-            key: np.clip(value, *_limits(info.parameters[key].low, info.parameters[key].high))
-            for key, value in parameters.items()
-        }
+        held = {key: np.clip(value, *_limits(name, key)) for key, value in parameters.items()}
         effect = info.make(held)
         assert isinstance(effect, DescentEffect)
         return effect
@@ -117,6 +114,12 @@ def _averaged(log: DiveLog, depths: Array) -> Array:
     return np.asarray(np.add.reduceat(depths[: len(log.fine)], starts, axis=0) / counts[:, None])
 
 
-def _limits(low: float, high: float) -> tuple[float, float]:
-    """Limits for the integration: a strength may go through zero so that its sign can be judged."""
-    return (-high if low == 0.0 and np.isfinite(high) else low), high
+def limits(coordinate: Coordinate) -> tuple[float, float]:
+    """Range inside which the phase is asked for a parameter [unit]; a strength may go through zero to be judged."""
+    return _limits(coordinate.effect, coordinate.name)
+
+
+def _limits(effect: str, name: str) -> tuple[float, float]:
+    parameter = CATALOGUE[effect].parameters[name]
+    through_zero = parameter.low == 0.0 and not parameter.is_shape and np.isfinite(parameter.high)
+    return (-parameter.high if through_zero else parameter.low), parameter.high

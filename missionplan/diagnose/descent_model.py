@@ -14,7 +14,7 @@ from missionplan.diagnose import descent_menu
 from missionplan.diagnose.coordinates import Coordinate, coordinates_of, estimates, is_possible
 from missionplan.diagnose.descent_axes import descent_axes
 from missionplan.diagnose.descent_fit import Ended, Lane, climb, from_settings, jacobian_settings
-from missionplan.diagnose.descent_forward import DescentForward
+from missionplan.diagnose.descent_forward import DescentForward, limits
 from missionplan.diagnose.descent_noise import NOMINAL, Noise, caricature, dive_covariance, grid
 from missionplan.diagnose.likelihood import Marginal, gaussian_marginal
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
@@ -257,7 +257,14 @@ class DescentModel:
         parameters = estimates([self.coordinates[i] for i in free], mean, marginal.covariance[np.ix_(free, free)])
         calibration = {"dive_scatter": noise.scatter, "depth_walk_m2_s": noise.walk}
         state = DescentState(linear, noise, marginal)
-        return Fit(causes, float(logsumexp(logs)), parameters, calibration, is_possible(parameters), state)
+        possible = is_possible(parameters) and all(self._inside(i, linear.at[i]) for i in free)
+        return Fit(causes, float(logsumexp(logs)), parameters, calibration, possible, state)
+
+    def _inside(self, index: int, at: float) -> bool:
+        """Whether a coordinate ended inside what the phase was asked: at a limit the linearisation means nothing."""
+        coordinate = self.coordinates[index]
+        low, high = limits(coordinate)
+        return low < (float(np.exp(at)) if coordinate.kind == "shape" else at) < high
 
     def _marginal(self, causes: Causes, linear: Linear, noise: Noise) -> Marginal:
         """Marginalise all coordinates about a linearisation; dives are independent given them."""

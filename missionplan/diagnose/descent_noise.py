@@ -59,11 +59,9 @@ def dive_covariance(t: Array, sd: Array, sensitivities: Array, bend: Array, nois
     """
     scaled = noise.scatter * sensitivities * np.array(list(DIVE_SD.values()))
     since = t - min(0.0, float(t.min()))
-    return np.asarray(
-        np.diag(sd**2 + (noise.scatter * bend) ** 2)
-        + scaled @ scaled.T
-        + noise.walk * np.minimum(since[:, None], since[None, :])
-    )
+    own = np.diag(sd**2 + (noise.scatter * bend) ** 2)
+    walk = noise.walk * np.minimum(since[:, None], since[None, :])
+    return np.asarray(own + scaled @ scaled.T + walk)
 
 
 SHAPE_SD = 0.04

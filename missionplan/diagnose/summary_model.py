@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from missionplan.diagnose import descent_menu
 from missionplan.diagnose.coordinates import Coordinate, parameters_from
 from missionplan.diagnose.descent_data import DiveLog
-from missionplan.diagnose.descent_forward import DescentForward
+from missionplan.diagnose.descent_forward import STEP, DescentForward
 from missionplan.diagnose.descent_model import DescentModel
 from missionplan.diagnose.model import Fit
 from missionplan.diagnose.residuals import Residuals
@@ -65,6 +65,7 @@ class SummaryForward(DescentForward):
             current=STILL_WATER,
             position=np.zeros((2, trials)),
             t_start=np.zeros(trials),
+            step=STEP,
         )
         by_name = {"terminal_velocity_m_s": record.terminal_velocity, "descent_time_s": record.descent_time}
         rows = [

@@ -94,7 +94,7 @@ def transit_misfit(model: TransitModel) -> str:
 
 def summary_misfit(table: pd.DataFrame) -> str:
     """How far the numbers of the tests are from the model's, at worst."""
-    worst = table.loc[table["residual_base_m"].abs().idxmax()]
+    worst = table.iloc[int(np.argmax(np.abs(table["residual_base_m"].to_numpy())))]
     return (
         f"{len(table)} numbers of {table['run'].nunique()} tests; the farthest from the simulation is of "
         f"{worst['run']}, off by {worst['residual_base_m']:+.2f} (SI)."
