@@ -211,7 +211,7 @@ def _prepare(
     gap = float(np.diff(t).max())
     if gap > 0.2 * float(np.ptp(t)) and gap > 5.0 * float(np.median(np.diff(t))):
         notices.append(f"{name}: a gap of {gap:.1f} s in the log")
-    noise = stated if stated is not None else estimate_noise(depth)
+    noise = max(stated or 0.0, estimate_noise(depth))
     return binned(name, t, depth, noise, own["anchor_wet_weight"], own["line_length"], own["depth"])
 
 

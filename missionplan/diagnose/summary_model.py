@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,11 +46,14 @@ class SummaryForward(DescentForward):
 
         Parameters and result as `DescentForward.readings`.
         """
-        plain = np.array([[coordinate.centre] for coordinate in coordinates])
-        base = self._quantities(coordinates, plain, 1.0)
         relative = np.concatenate([test.relative for test in self.tests])
         found = self._quantities(coordinates, values, weight_factor)
-        return np.asarray(found - np.where(relative[:, None], base, 0.0))
+        return np.asarray(found - np.where(relative[:, None], self._plain, 0.0))
+
+    @cached_property
+    def _plain(self) -> Array:
+        """Quantities of the base model, shape (N, 1)."""
+        return self._quantities((), np.zeros((0, 1)), 1.0)
 
     def _quantities(self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars) -> Array:
         count, settings = len(self.tests), values.shape[1]

@@ -1,0 +1,217 @@
+"""Figures of a diagnosis: data against both models, ranking, residuals, autocorrelation, held-out scores."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+from numpy.typing import NDArray
+
+from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.results.diagnosis import Diagnosis
+
+Array = NDArray[np.float64]
+_MOST_PANELS = 9
+_LISTED = 8
+
+
+def main_figure(diagnosis: Diagnosis) -> Figure:
+    """Draw the data against the base and the extended model."""
+    if diagnosis.kind == "transit":
+        return _legs(diagnosis)
+    return _dives(diagnosis) if diagnosis.kind == "descent" else _numbers(diagnosis)
+
+
+def _legs(diagnosis: Diagnosis) -> Figure:
+    table = diagnosis.residuals
+    hours = (table["t_start_s"] + 0.5 * table["duration_s"]).to_numpy() / 3600.0
+    figure = MatplotlibFigure(figsize=(6.4, 4.6))
+    panels = figure.subplots(2, 1, sharex=True)
+    for axes, component in zip(panels, ("east", "north"), strict=True):
+        error = 100.0 * table[f"error_{component}_m_s"].to_numpy()
+        expected = 100.0 * table[f"expected_{component}_m_s"].to_numpy()
+        axes.plot(hours, error, ".", color=GREY, markersize=4.0, label="measured")
+        axes.plot(hours, expected, "--", color=ORANGE, linewidth=1.3, label="mission")
+        if diagnosis.causes:
+            predicted = error - 100.0 * table[f"residual_extended_{component}_m_s"].to_numpy()
+            axes.plot(hours, predicted, "-", color=BLUE, linewidth=1.1, label="extended, a leg ahead")
+        axes.set(ylabel=f"{component.capitalize()} (cm/s)")
+    panels[0].legend(loc="best", fontsize=8, ncols=3, frameon=False)
+    panels[1].set_xlabel("Time (h)")
+    return to_figure(
+        figure,
+        "data",
+        alt="Velocity error of each leg toward east and north against time, with both models' predictions",
+        caption=(
+            "Velocity error of each leg: position error on surfacing over the time under way. Dashed: what the mission "
+            "expects. Line: what the extended model predicts from the legs before."
+        ),
+    )
+
+
+def _dives(diagnosis: Diagnosis) -> Figure:
+    runs = list(diagnosis.residuals.groupby("run", sort=False))[:_MOST_PANELS]
+    columns = min(3, len(runs))
+    rows = -(-len(runs) // columns)
+    figure = MatplotlibFigure(figsize=(6.4, 2.0 * rows + 0.6))
+    panels = np.atleast_1d(figure.subplots(rows, columns, sharex=True, sharey=True)).ravel()
+    for axes, (name, run) in zip(panels, runs, strict=False):
+        axes.plot(run["t_s"], run["depth_m"], ".", color=GREY, markersize=3.0, label="measured")
+        axes.plot(run["t_s"], run["base_m"], "--", color=ORANGE, linewidth=1.3, label="mission")
+        if diagnosis.causes:
+            axes.plot(run["t_s"], run["extended_m"], "-", color=BLUE, linewidth=1.1, label="extended")
+        axes.set_title(str(name), fontsize=9)
+    for axes in panels[len(runs) :]:
+        axes.set_visible(False)
+    panels[0].invert_yaxis()
+    panels[0].legend(loc="lower left", fontsize=7.5, frameon=False)
+    for axes in panels[-columns:]:
+        axes.set_xlabel("Time since separation (s)", fontsize=8.5)
+    for axes in panels[::columns]:
+        axes.set_ylabel("Depth (m)", fontsize=8.5)
+    return to_figure(
+        figure,
+        "data",
+        alt=f"Depth against time of {len(runs)} dives: measured, mission's model and extended model",
+        caption="Depth of the vehicle against time, dive by dive: measured, as the mission simulates it, and extended.",
+    )
+
+
+def _numbers(diagnosis: Diagnosis) -> Figure:
+    table = diagnosis.residuals
+    figure = MatplotlibFigure(figsize=(6.0, 0.35 * len(table) + 1.2))
+    axes = figure.subplots()
+    place = np.arange(len(table))
+    axes.plot(table["depth_m"], place, "o", color=GREY, label="measured")
+    axes.plot(table["base_m"], place, "s", color=ORANGE, fillstyle="none", label="mission")
+    if diagnosis.causes:
+        axes.plot(table["extended_m"], place, "D", color=BLUE, fillstyle="none", label="extended")
+    axes.set_yticks(place, [str(run) for run in table["run"]])
+    axes.invert_yaxis()
+    axes.set_xlabel("Value, or measured less simulated (SI)")
+    axes.legend(fontsize=8, frameon=False)
+    alt = "Numbers of each test: measured, mission's model, extended model"
+    return to_figure(figure, "data", alt=alt, caption="The numbers of the tests against both models.")
+
+
+def ranking_figure(diagnosis: Diagnosis) -> Figure:
+    """Draw the scores of the best sets."""
+    entries = list(reversed(diagnosis.ranking[:_LISTED]))
+    figure = MatplotlibFigure(figsize=(6.2, 0.36 * len(entries) + 0.9))
+    axes = figure.subplots()
+    scores = [entry.score for entry in entries]
+    colours = [BLUE if entry.causes == diagnosis.causes else GREY for entry in entries]
+    axes.barh(range(len(entries)), scores, color=colours, height=0.6)
+    axes.set_yticks(range(len(entries)), [" + ".join(entry.causes) for entry in entries], fontsize=8)
+    axes.axvline(3.0, color=ORANGE, linewidth=1.0, linestyle="--")
+    axes.annotate("claimed above 3", (3.0, len(entries) - 0.45), fontsize=7.5, color=ORANGE, annotation_clip=False)
+    axes.set_xlabel("Score: ln Bayes factor less 3 for each further cause")
+    alt = f"Scores of the best {len(entries)} sets of causes; {' + '.join(diagnosis.ranking[0].causes)} is first"
+    return to_figure(figure, "ranking", alt=alt, caption="Evidence for each set of causes over the mission's model.")
+
+
+def residual_figures(diagnosis: Diagnosis) -> list[Figure]:
+    """Draw what is left before and after, against the axes that matter to the kind of data."""
+    if diagnosis.kind == "summary":
+        return []
+    table = diagnosis.residuals
+    if diagnosis.kind == "transit":
+        pairs = [
+            ("Time (h)", table["t_start_s"].to_numpy() / 3600.0),
+            ("Heading (deg)", table["heading_deg"].to_numpy()),
+        ]
+        pairs.append(("Leg duration (min)", table["duration_s"].to_numpy() / 60.0))
+    else:
+        pairs = [("Time since separation (s)", table["t_s"].to_numpy()), ("Depth (m)", table["base_m"].to_numpy())]
+        pairs.append(("Speed (m/s)", _speeds(table)))
+    figure = MatplotlibFigure(figsize=(6.4, 4.2))
+    panels = figure.subplots(2, len(pairs), sharey=True, sharex="col")
+    before, after, unit = _before_and_after(diagnosis)
+    for column, (label, place) in enumerate(pairs):
+        _scatter(panels[0, column], place, before, ORANGE)
+        _scatter(panels[1, column], place, after, BLUE)
+        panels[1, column].set_xlabel(label, fontsize=8.5)
+    panels[0, 0].set_ylabel(f"Before ({unit})")
+    panels[1, 0].set_ylabel(f"After ({unit})")
+    rms = [float(np.sqrt(np.mean(np.concatenate(values) ** 2))) for values in (before, after)]
+    return [
+        to_figure(
+            figure,
+            "residuals",
+            alt=f"Residuals before and after against {', '.join(label for label, _ in pairs)}",
+            caption=f"What is left of the data: {rms[0]:.3g} {unit} rms before and {rms[1]:.3g} {unit} after.",
+        )
+    ]
+
+
+def _speeds(table: pd.DataFrame) -> Array:
+    parts = [
+        np.gradient(run["base_m"].to_numpy(), run["t_s"].to_numpy()) for _, run in table.groupby("run", sort=False)
+    ]
+    return np.concatenate(parts)
+
+
+def _before_and_after(diagnosis: Diagnosis) -> tuple[list[Array], list[Array], str]:
+    table = diagnosis.residuals
+    if diagnosis.kind == "transit":
+        names = ("east", "north")
+        values = [[100.0 * table[f"residual_{m}_{c}_m_s"].to_numpy() for c in names] for m in ("base", "extended")]
+        return values[0], values[1], "cm/s"
+    return [table["residual_base_m"].to_numpy()], [table["residual_extended_m"].to_numpy()], "m"
+
+
+def _scatter(axes: Axes, place: Array, values: list[Array], colour: str) -> None:
+    axes.axhline(0.0, color="#dddddd", linewidth=0.8)
+    for marker, part in zip((".", "x"), values, strict=False):
+        axes.plot(place, part, marker, color=colour, markersize=3.0, linestyle="none", alpha=0.8)
+
+
+def autocorrelation_figure(diagnosis: Diagnosis) -> Figure | None:
+    """Draw the autocorrelation of what is left, leg by leg; None for other data than navigation logs."""
+    if diagnosis.kind != "transit":
+        return None
+    before, after, _ = _before_and_after(diagnosis)
+    lags = np.arange(1, min(16, len(before[0]) // 3))
+    figure = MatplotlibFigure(figsize=(6.0, 2.6))
+    axes = figure.subplots()
+    for values, colour, label, shift in ((before, ORANGE, "mission", -0.15), (after, BLUE, "extended", 0.15)):
+        axes.vlines(
+            lags + shift,
+            0.0,
+            [_correlation(values, lag) for lag in lags.tolist()],
+            color=colour,
+            linewidth=3.0,
+            label=label,
+        )
+    limit = 1.96 / np.sqrt(2.0 * len(before[0]))
+    axes.axhspan(-limit, limit, color=GREY, alpha=0.15, linewidth=0.0)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    axes.set(xlabel="Legs apart", ylabel="Autocorrelation")
+    axes.legend(fontsize=8, frameon=False)
+    return to_figure(
+        figure,
+        "autocorrelation",
+        alt="Autocorrelation of the errors left with the mission's and with the extended model against lag in legs",
+        caption="How alike errors are some legs apart; independent ones stay in the grey band 19 times of 20.",
+    )
+
+
+def _correlation(values: list[Array], lag: int) -> float:
+    centred = [part - part.mean() for part in values]
+    return float(sum(p[lag:] @ p[:-lag] for p in centred) / max(sum(p @ p for p in centred), 1e-30))
+
+
+def held_out_figure(diagnosis: Diagnosis) -> Figure:
+    """Draw the held-out gain of each part."""
+    gains = [score.log_score_extended - score.log_score_base for score in diagnosis.scores]
+    figure = MatplotlibFigure(figsize=(6.0, 0.32 * len(gains) + 0.9))
+    axes = figure.subplots()
+    axes.barh(range(len(gains)), gains, color=[BLUE if gain > 0.0 else ORANGE for gain in gains], height=0.6)
+    axes.set_yticks(range(len(gains)), [score.group for score in diagnosis.scores], fontsize=8)
+    axes.invert_yaxis()
+    axes.axvline(0.0, color=GREY, linewidth=0.8)
+    axes.set_xlabel("Gain in ln probability of the part, predicted from the others")
+    better = sum(gain > 0.0 for gain in gains)
+    alt = f"Held-out gain of {len(gains)} parts; {better} of them better with the extended model"
+    return to_figure(
+        figure, "held-out", alt=alt, caption="Gain of the first set on each part of the data, held out in turn."
+    )
