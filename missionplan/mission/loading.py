@@ -166,6 +166,7 @@ class _Builder:
 
     def _scalar(self, node: yaml.Node, path: Path_) -> Any:
         try:
+            str(node.value).encode()  # an escape may spell half a character, which no file can hold
             return self._scalars.construct_object(node)
         except (yaml.YAMLError, ValueError) as error:
             line = node.start_mark.line + 1

@@ -45,10 +45,7 @@ class QuantityError(ValueError):
 
 @lru_cache(maxsize=1)
 def _registry() -> "pint.UnitRegistry[float]":
-    registry: pint.UnitRegistry[float] = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
-    registry.define("@alias knot = kn")
-    registry.define("@alias degree = degrees")
-    return registry
+    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
 
 def parse_number_with_unit(value: Any, unit: str, *, difference: bool = False) -> float:

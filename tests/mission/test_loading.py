@@ -59,6 +59,7 @@ def test_deep_nesting_is_refused_before_recursion(tmp_path: Path, opening: str) 
         ("a: !!python/name:os.system x\n", "could not determine a constructor"),
         ("? [1, 2]\n: 3\n", "plain word"),
         ("a: 2026-13-45\n", "cannot be read"),
+        ('a: "\\ud800"\n', "cannot be read"),
         ("a: 1\n---\nb: 2\n", "not valid YAML"),
     ],
 )
