@@ -9,14 +9,15 @@ import time
 from pathlib import Path
 
 import pytest
-from simulate_missions import chesapeake
+from simulate_missions import chesapeake, chesapeake_data
 
 from missionplan.errors import InputError
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.studies.simulate import simulate
 
 pytest.importorskip("distributed")
-QUICK = {"phases.1.moor.line_length": "11 m"}
+DATA = chesapeake_data()
+QUICK = {"phases": DATA["phases"][:1], "requirements": DATA["requirements"][:1]}  # the way in alone: cheap blocks
 QUIET = {**os.environ, "PYTHONWARNINGS": "ignore", "OMP_NUM_THREADS": "1"}
 
 
@@ -98,7 +99,7 @@ def test_a_cluster_gives_the_bits_of_one_process(cluster, mission):
 
 
 def test_a_worker_killed_in_mid_run_costs_no_results(cluster, mission):
-    trials = 8 * BLOCK
+    trials = 24 * BLOCK
     killed = []
 
     def kill_one(done, total):

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from simulate_missions import chesapeake
+from simulate_missions import chesapeake, chesapeake_data
 
 from missionplan.errors import InputError, RunError
 from missionplan.montecarlo.streams import BLOCK
@@ -18,7 +18,8 @@ from missionplan.studies.precision import Precision
 from missionplan.studies.simulate import simulate
 
 TRIALS = 2 * BLOCK + 500
-QUICK = {"phases.1.moor.line_length": "11 m", "phases.1.moor.hold": "0 s"}  # a short dive: blocks are cheap
+DATA = chesapeake_data()
+QUICK = {"phases": DATA["phases"][:1], "requirements": DATA["requirements"][:1]}  # the way in alone: cheap blocks
 
 
 def bits(outcome):
@@ -33,6 +34,11 @@ def bits(outcome):
 @pytest.fixture(scope="module")
 def mission(tmp_path_factory):
     return chesapeake(tmp_path_factory.mktemp("mission"), QUICK)
+
+
+@pytest.fixture(scope="module")
+def whole_mission(tmp_path_factory):
+    return chesapeake(tmp_path_factory.mktemp("mission"))
 
 
 @pytest.fixture(scope="module")
@@ -66,8 +72,8 @@ def test_a_precise_run_equals_the_run_of_that_many_trials(mission):
     assert bits(stopped) == bits(simulate(mission, trials=stopped.provenance.trials))
 
 
-def test_a_precision_out_of_reach_is_said(mission):
-    found = simulate(mission, trials=500, precision="moor.offset=0.1 mm")
+def test_a_precision_out_of_reach_is_said(whole_mission):
+    found = simulate(whole_mission, trials=500, precision="moor.offset=0.1 mm")
     assert any("was not reached in 500 trials" in notice for notice in found.provenance.notices)
 
 
@@ -83,8 +89,8 @@ def test_a_precision_out_of_reach_is_said(mission):
         ("ingress.surfacings=0.1", Precision("ingress.surfacings", 0.1, relative=False, is_event=False)),
     ],
 )
-def test_precisions_are_read(mission, text, expected):
-    found = Precision.parse(text, mission)
+def test_precisions_are_read(whole_mission, text, expected):
+    found = Precision.parse(text, whole_mission)
     assert found == replace(expected, error=pytest.approx(expected.error))
 
 
@@ -99,9 +105,9 @@ def test_precisions_are_read(mission, text, expected):
         ("0%", "more than 0"),
     ],
 )
-def test_precisions_that_cannot_be_read(mission, text, words):
+def test_precisions_that_cannot_be_read(whole_mission, text, words):
     with pytest.raises(InputError, match=words):
-        simulate(mission, precision=text)
+        simulate(whole_mission, precision=text)
 
 
 def test_finished_blocks_are_not_run_again(mission, reference, tmp_path, monkeypatch):
