@@ -191,6 +191,8 @@ def simulate(
     folder = out or (_last_unfinished(mission.stem) if resume else report_folder(mission.stem, "simulate"))
     check_new_folder(folder, force=force or resume)
     loaded = load(mission, allow_outside=allow_outside)
+    if force and not resume:
+        _discard_blocks(folder / BLOCKS)
     try:
         with progress_bar("simulate", shown=not quiet) as progress:
             outcome = simulate(
@@ -212,6 +214,12 @@ def simulate(
     deliver(outcome, folder, o.Output(out, force, as_json, quiet), force=True)
     if not outcome.requirements_met:
         raise typer.Exit(REQUIREMENT_NOT_MET)
+
+
+def _discard_blocks(folder: Path) -> None:
+    """Remove the finished blocks of an earlier run, and nothing that is not one."""
+    for path in (*folder.glob("block-*.npz"), folder / "run.json"):
+        path.unlink(missing_ok=True)
 
 
 def _last_unfinished(stem: str) -> Path:

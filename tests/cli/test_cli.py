@@ -108,3 +108,29 @@ def test_help_defers_heavy_imports() -> None:
     code += "print([name for name in ('numpy', 'pandas', 'matplotlib', 'pint', 'pydantic', 'scipy') if name in sys.modules], file=sys.stderr)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stderr.strip() == "[]"
+
+
+def test_simulate_is_resumed_refused_and_forced(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], mission: Path, tmp_path: Path
+) -> None:
+    out = str(tmp_path / "out")
+    common = ("simulate", str(mission), "--jobs", "1", "--json", "--out", out)
+    assert run(monkeypatch, *common, "--trials", "300") == 0
+    first = json.loads(capsys.readouterr().out)
+    assert run(monkeypatch, *common, "--trials", "300") == 2
+    assert "--force" in capsys.readouterr().err
+    assert run(monkeypatch, *common, "--trials", "300", "--resume") == 0
+    assert json.loads(capsys.readouterr().out)["phases"] == first["phases"]
+    assert run(monkeypatch, *common, "--trials", "300", "--seed", "2", "--resume") == 2
+    assert "seed" in capsys.readouterr().err
+    assert run(monkeypatch, *common, "--trials", "300", "--seed", "2", "--force") == 0
+    assert json.loads(capsys.readouterr().out)["seed"] == 2
+
+
+def test_a_requirement_that_is_not_met_exits_with_3(
+    monkeypatch: pytest.MonkeyPatch, mission: Path, tmp_path: Path
+) -> None:
+    mission.write_text(SMALL + "requirements: [{quantity: ingress.duration, at_most: 60 min, probability: 0.9}]\n")
+    arguments = ("simulate", str(mission), "--jobs", "1", "--quiet", "--trials", "300", "--out", str(tmp_path / "out"))
+    assert run(monkeypatch, *arguments) == 3
+    assert (tmp_path / "out" / "report.html").exists()
