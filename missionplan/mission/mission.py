@@ -71,13 +71,6 @@ class Navigation(Section):
     drift_compensation: Compensation = "none"
     max_legs: Annotated[int, Field(ge=1, le=100_000)] = 400
 
-    @field_validator("drift_compensation")
-    @classmethod
-    def _available(cls, value: Compensation) -> Compensation:
-        if value == "filter":
-            raise complain("'filter' is not yet available; use mean, forecast, last-leg or none")
-        return value
-
 
 class SweepGrid(Section):
     """Grid of d_max: `points` values from `start` to `stop`, of the distance or as lengths."""

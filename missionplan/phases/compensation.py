@@ -53,12 +53,19 @@ class LegBehind:
         Fix on diving − fix on surfacing [m].
     miss : array, shape (2, n)
         Fix on diving − nominal destination x′ [m].
+    t : array, shape (n,)
+        Start of the leg since the mission's start [s].
+    start, through : array, shape (2, n)
+        Fix that the leg started from, and its displacement through the water as it was steered, ℓ* [m].
     """
 
     velocity_error: Array
     duration: Array
     surface_drift: Array
     miss: Array
+    t: Array
+    start: Array
+    through: Array
 
 
 class Compensation(ABC):
@@ -163,14 +170,24 @@ class Forecast(Compensation):
 
     @override
     def offset(self, memory: Memory, leg: LegAhead) -> Array:
-        error = self.mean_error[:, None] * leg.duration
-        if self.current is None:
-            return error
-        water = self.current.mean_velocity(leg.t, leg.duration, self.depth, leg.fix, leg.nominal)
-        surface = self.current.mean_velocity(
-            leg.t + leg.duration, self.surfacing_time, 0.0, leg.fix + leg.nominal, np.zeros((2, 1))
+        under_way = self.under_way(leg.t, leg.duration, leg.fix, leg.nominal) * leg.duration
+        return under_way + self.at_surface(leg.t + leg.duration, leg.fix + leg.nominal)
+
+    def under_way(self, t: Array, duration: Array, start: Array, through: Array) -> Array:
+        """Mean velocity expected over a leg, shape (2, 1) or (2, n) [m/s]."""
+        error = self.mean_error[:, None]
+        return (
+            error
+            if self.current is None
+            else error + self.current.mean_velocity(t, duration, self.depth, start, through)
         )
-        return error + water * leg.duration + surface * self.surfacing_time
+
+    def at_surface(self, t: Array, position: Array) -> Array:
+        """Displacement expected while the vehicle is up, shape (2, 1) or (2, n) [m]."""
+        if self.current is None:
+            return np.zeros((2, 1))
+        still = np.zeros((2, 1))
+        return self.current.mean_velocity(t, self.surfacing_time, 0.0, position, still) * self.surfacing_time
 
 
 class AsPrinted(Compensation):

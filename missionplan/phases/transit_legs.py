@@ -78,9 +78,10 @@ class Legs:
         """Run leg `number`, from 0, to the fix on diving after it."""
         moving = self._moving
         length, course = self._nominal()
-        nominal_end = aim = None
+        nominal_end = aim = dived = started = None
         if self._way is not None:
             nominal_end = self._fix + course
+            dived, started = self._fix + self._goal, self._now()
             length = self._aim_off(length, course)
             aim = self._fix + course
         self._move(number, length, course)
@@ -89,10 +90,14 @@ class Legs:
         surfaced = self._surface(number)
         self._surfacings += 1.0 if moving is None else moving
         self._mark(moving)
-        if self._way is not None and aim is not None and nominal_end is not None:
+        if self._way is not None and nominal_end is not None:
+            assert aim is not None
+            assert dived is not None
+            assert started is not None
             duration = length / self._plan.speed
             error = (surfaced - aim) / np.where(duration > 0.0, duration, 1.0)
-            behind = LegBehind(error, duration, self._fix - surfaced, self._fix - nominal_end)
+            drift, miss = self._fix - surfaced, self._fix - nominal_end
+            behind = LegBehind(error, duration, drift, miss, started, dived, course)
             self._memory = self._way.learn(self._memory, behind)
         self._judge()
 

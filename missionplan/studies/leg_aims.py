@@ -221,14 +221,14 @@ def _on_trials(
     lengths = [round(float(share * problem.setting.distance), 1) for share in FIXED]
     tables = [LegTable(np.array([problem.setting.arrival_radius]), np.array([length])) for length in lengths]
     for table in _tables(problem, family):
-        tables += [table, *(_with_first_leg(table, problem.setting.distance, length) for length in lengths)]
+        tables += [table, *(with_first_leg(table, problem.setting.distance, length) for length in lengths)]
     plans = [LegsAtSpeed(table, factor) for table in tables]
     scores = [score(run) for run in run_plans(problem.setting, plans, seed, PILOT)]
     fixed, adaptive = int(np.argmin(scores[: len(lengths)])), int(np.argmin(scores))
     return _choice(problem, lengths[fixed], tables[adaptive], machinery)
 
 
-def _with_first_leg(table: LegTable, distance: float, length: float) -> LegTable:
+def with_first_leg(table: LegTable, distance: float, length: float) -> LegTable:
     """Give a table another leg near the whole distance, with a jump of `JUMP` below."""
     edge = round(FIRST * distance, 1)
     nearer = table.left < edge

@@ -19,6 +19,7 @@ from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.compensation import Compensation, Forecast, compensation_named
 from missionplan.phases.currents import Current, LayeredCurrent, layers
 from missionplan.phases.descent_forces import Dive
+from missionplan.phases.drift_filter import DriftFilter
 from missionplan.phases.hooks import Array, DescentEffect, Scalars, TransitEffect
 from missionplan.phases.legs import LegTable
 from missionplan.phases.moored import MoorPlan
@@ -30,10 +31,14 @@ from missionplan.physics.energy import propulsive_power
 from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag, anchor_drag
 from missionplan.physics.water import Water, sea_water
 from missionplan.studies.anchor_weight import anchor_flooded_mass, worst_case_weight
+from missionplan.studies.drift_model import drift_model
 from missionplan.studies.measured_vehicle import measured_drag, propeller, propeller_power
 
 STILL_WATER = LayeredCurrent(np.ones(1), np.zeros(1), np.zeros(1))
 """For phases that need a current where the mission has none."""
+
+PRIOR = 1 << 41
+"""Block of draws from which a filter's prior is taken: never one that a trial is run with."""
 
 
 @dataclass(frozen=True)
@@ -202,6 +207,9 @@ class Setting:
             surfacing_time=float(means.surfacing_time),
         )
         way, covariance = navigation.drift_compensation, navigation.velocity_error.covariance
+        if way == "filter":
+            prior = Setting.drawn(self.mission, self.recorded, seed=0, block=PRIOR)
+            return DriftFilter(forecast, drift_model(means, prior, phase, forecast))
         return compensation_named(way, forecast, covariance, means.fix_error)
 
     def dive(self, phase: MoorPhase) -> Dive:

@@ -10,6 +10,11 @@ DRIFT = np.array([0.03, -0.04])
 STILL = Forecast(None, np.zeros(2), 0.0, 60.0)
 
 
+def behind(velocity_error, seconds):
+    zero = np.zeros((2, 1))
+    return LegBehind(velocity_error, np.array([seconds]), zero, zero, np.zeros(1), zero, zero)
+
+
 def two_layers():
     return LayeredCurrent(np.array([2.0, 50.0]), np.array([0.1, 0.02]), np.array([0.1, -0.05]))
 
@@ -82,9 +87,8 @@ def test_running_mean_weights_short_legs_less():
     way = RunningMean(sigma**2 * np.eye(2), fix)
     memory = way.begin(1)
     legs = [(np.array([[0.1], [0.0]]), 100.0), (np.array([[0.3], [0.2]]), 1000.0), (np.array([[9.0], [9.0]]), 0.0)]
-    zero = np.zeros((2, 1))
     for velocity, seconds in legs:
-        memory = way.learn(memory, LegBehind(velocity, np.array([seconds]), zero, zero))
+        memory = way.learn(memory, behind(velocity, seconds))
     weights = [1.0 / (sigma**2 + 2.0 * fix**2 / seconds**2) for _, seconds in legs[:2]]
     expected = (0.1 * weights[0] + 0.3 * weights[1]) / sum(weights)
 
@@ -101,7 +105,7 @@ def test_running_mean_of_correlated_errors_is_generalised_least_squares():
     errors, times = np.array([[0.1, -0.05], [0.02, 0.07], [0.0, 0.01]]), [200.0, 900.0, 400.0]
     information, weighted = np.zeros((2, 2)), np.zeros(2)
     for error, seconds in zip(errors, times, strict=True):
-        memory = way.learn(memory, LegBehind(error[:, None], np.array([seconds]), np.zeros((2, 1)), np.zeros((2, 1))))
+        memory = way.learn(memory, behind(error[:, None], seconds))
         weight = np.linalg.inv(covariance + 2.0 * fix**2 / seconds**2 * np.eye(2))
         information, weighted = information + weight, weighted + weight @ error
 

@@ -1,0 +1,124 @@
+"""Make the figure and the table of `docs/drift-filter.md`: `python docs/figures/drift_filter.py` (some minutes).
+
+The table goes to standard output.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from missionplan.mission import load
+from missionplan.phases.leg_policy import best_legs
+from missionplan.phases.legs import LegTable
+from missionplan.studies.leg_aims import with_first_leg
+from missionplan.studies.leg_trials import LegsAtSpeed, run_plans
+from missionplan.studies.sweep_setting import SweepSetting
+
+FOLDER = Path(__file__).parent
+WAYS = ("none", "forecast", "last-leg", "mean", "filter")
+CURRENTS = (0.0, 0.1, 0.2, 0.3)
+TIMES = (60.0, 600.0, 3600.0, 21600.0, 1e7)
+SHARES = np.linspace(0.1, 1.0, 19)
+SIGMAS = (0.01, 0.02, 0.035, 0.06, 0.1)
+TRIALS = 4096
+MISSION = """
+name: An unknown mean current and an error that persists
+navigation:
+  velocity_error: {{mean: [{component}, {component}], sigma: 0.02 m/s}}
+  surfacing_time: 90 s
+  fix_error: 3 m
+  drift_compensation: {way}
+phases:
+  - transit: {{from: [0 m, 0 m], to: [8 km, 0 m], speed: 1 m/s, d_max: 2 km, arrival_radius: 50 m}}
+effects:
+  - persistent-error: {{sigma: 0.05 m/s, time: {time} s}}
+"""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Costs of each way with the legs that suit it best, and how much more the filter costs than the best other [%]."""
+
+    costs: tuple[float, ...]
+    excess: float
+    excess_error: float
+
+
+def cell(current: float, time: float, trials: int = TRIALS) -> Cell:
+    """Run every way on the same trials.
+
+    Parameters
+    ----------
+    current : float
+        Root mean square of the unknown mean current, normal on each axis and cut at 2.5 deviations [m/s].
+    time : float
+        Correlation time of the error that persists [s].
+    """
+    best = [_best(way, current, time, trials) for way in WAYS]
+    others = min(best[:-1], key=lambda costs: float(costs.mean()))
+    excess = best[-1] - others
+    return Cell(
+        tuple(float(costs.mean()) for costs in best),
+        float(excess.mean()),
+        float(excess.std(ddof=1) / np.sqrt(trials)),
+    )
+
+
+def family(setting: SweepSetting) -> list[LegsAtSpeed]:
+    """Fixed d_max, and legs that adapt, for several errors and with first legs of several lengths."""
+    lengths = [float(share * setting.distance) for share in SHARES]
+    plans: list[float | LegTable] = [*lengths]
+    for table in tables(setting.distance, setting.speed, setting.arrival_radius, setting.surfacing_time):
+        plans += [table, *(with_first_leg(table, setting.distance, length) for length in lengths)]
+    return [LegsAtSpeed(plan) for plan in plans]
+
+
+@cache
+def tables(distance: float, speed: float, arrival_radius: float, surfacing_time: float) -> list[LegTable]:
+    """Best legs for several velocity errors, with the spread that fixes of 3 m give."""
+    base = 3.0 * np.sqrt(2.0)
+    return [best_legs(distance, speed, arrival_radius, sigma, surfacing_time, base).legs for sigma in SIGMAS]
+
+
+def _best(way: str, current: float, time: float, trials: int) -> np.ndarray:
+    """Costs of the trials with the legs that are best for a way [%]."""
+    sd = current / np.sqrt(2.0)
+    spread = f"{{mean: 0 m/s, sd: {sd:.6f} m/s, low: {-2.5 * sd:.6f} m/s, high: {2.5 * sd:.6f} m/s}}"
+    component = spread if current else "0 m/s"
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "mission.yaml"
+        path.write_text(MISSION.format(component=component, way=way, time=time), encoding="utf-8")
+        setting = replace(SweepSetting.of(load(path)), sigmas=(None,))
+    runs = run_plans(setting, family(setting), seed=1, block=0, size=trials)
+    costs = [100.0 * run.cost for run in runs if run.arrived.all()]
+    return min(costs, key=lambda values: float(values.mean()))
+
+
+def main() -> None:
+    """Run the grid, print the table, draw the figure."""
+    grid = {(current, time): cell(current, time) for current in CURRENTS for time in TIMES}
+    print("| mean current, m/s | persists for, s | " + " | ".join(WAYS) + " | filter less the best other |")
+    print("|" + "---|" * (len(WAYS) + 3))
+    for (current, time), found in grid.items():
+        costs = " | ".join(f"{cost:.2f} %" for cost in found.costs)
+        print(f"| {current:g} | {time:g} | {costs} | {found.excess:+.3f} ± {found.excess_error:.3f} % |")
+    figure, panels = plt.subplots(1, len(CURRENTS), sharey=True, figsize=(9.0, 3.4))
+    for axes, current in zip(panels, CURRENTS, strict=True):
+        for number, way in enumerate(WAYS):
+            costs = [grid[current, time].costs[number] for time in TIMES]
+            axes.plot(TIMES, costs, ".-", label=way, linewidth=2.2 if way == "filter" else 1.2)
+        axes.set(title=f"mean current {current:g} m/s", xscale="log", xlabel="error persists for [s]")
+    panels[0].set(ylabel="cost with the best legs [%]", ylim=(0.0, None))
+    panels[0].legend(fontsize=8)
+    figure.savefig(FOLDER / "drift-filter.svg", metadata={"Date": None})
+    plt.close(figure)
+
+
+if __name__ == "__main__":
+    with plt.style.context(str(files("missionplan.report") / "style.mplstyle")):
+        main()

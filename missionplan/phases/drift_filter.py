@@ -1,0 +1,177 @@
+"""A Kalman filter over what carries the vehicle, fed by the fixes of each leg: `drift_compensation: filter`.
+
+The drift that the forecast does not hold is a linear model: a steady velocity (that may walk), a displacement each time
+at the surface, a velocity that persists for a while (Ornstein–Uhlenbeck), and oscillations of known frequencies. Its
+prior is the mission's own uncertainty. With the model true and everything normal, the estimate is that of least
+mean square; what the mission does not call uncertain, the filter takes as known. Kalman 1960, J. Basic Eng. 82, 35–45.
+
+The measurements are those of `compensation`: a leg's velocity error, of variance σ_v² + 2σ_fix²/T², and the drift
+between the fixes on surfacing and on diving, of variance 2σ_fix². Both hold the error of the fix on surfacing; half the
+drift's rate, added to the first, makes their errors independent, with σ_v² + 3σ_fix²/(2T²).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from missionplan.phases.compensation import Compensation, Forecast, LegAhead, LegBehind, Memory
+from missionplan.phases.hooks import Array
+
+STEADY, SURFACE, PERSISTENT, WAVES = 0, 2, 4, 6
+"""Where each part of the state begins: two components each, and four for each frequency of a tide."""
+
+
+@dataclass(frozen=True)
+class DriftModel:
+    """What the filter takes the drift beyond the forecast to be.
+
+    The state holds, east before north: the steady velocity [m/s], the displacement of one surfacing [m], the persistent
+    velocity [m/s]; for each frequency of `tides` the coefficients of cos ωt and sin ωt toward east, then toward
+    north; for `turning` A and B of (A cos ωt + B sin ωt, B cos ωt − A sin ωt), a current that turns clockwise [m/s].
+
+    Attributes
+    ----------
+    mean : array, shape (k,)
+        Of the state before the first leg.
+    prior : array, shape (k, k)
+        Its covariance.
+    tides : tuple of float
+        Angular frequencies [rad/s].
+    turning : float
+        Angular frequency; 0 for none [rad/s].
+    persistence : float
+        Correlation time of the persistent velocity [s].
+    walk : float
+        Growth of the steady velocity's deviation [m/s^1.5].
+    covariance : array, shape (2, 2)
+        Σ_v, of what is drawn anew each leg [m²/s²].
+    fix_error : float
+        σ_fix, each axis [m].
+    """
+
+    mean: Array
+    prior: Array
+    tides: tuple[float, ...]
+    turning: float
+    persistence: float
+    walk: float
+    covariance: Array
+    fix_error: float
+
+    def phasors(self, t: Array, duration: Array) -> Array:
+        """Means over each leg of cos ωt and sin ωt for every frequency, shape (frequencies, 2, n)."""
+        frequencies = np.array([*self.tides, *([self.turning] if self.turning else [])])[:, None]
+        angle, damping = frequencies * (t + 0.5 * duration), np.sinc(frequencies * duration / (2.0 * np.pi))
+        return np.stack([damping * np.cos(angle), damping * np.sin(angle)], axis=1)
+
+    def under_way(self, t: Array, duration: Array) -> Array:
+        """Matrix that gives a leg's mean velocity from the state, shape (2, k, n)."""
+        matrix = np.zeros((2, len(self.mean), t.size))
+        for axis in (0, 1):
+            matrix[axis, [STEADY + axis, PERSISTENT + axis]] = 1.0
+        phasors = self.phasors(t, duration)
+        for index in range(len(self.tides)):
+            for axis in (0, 1):
+                first = WAVES + 4 * index + 2 * axis
+                matrix[axis, first : first + 2] = phasors[index]
+        if self.turning:
+            cosine, sine = phasors[-1]
+            matrix[0, -2:] = cosine, sine
+            matrix[1, -2:] = -sine, cosine
+        return matrix
+
+
+@dataclass(frozen=True)
+class DriftFilter(Compensation):
+    """Expect what the filter makes of the fixes so far, beyond the forecast.
+
+    Attributes
+    ----------
+    forecast : Forecast
+    model : DriftModel
+    """
+
+    forecast: Forecast
+    model: DriftModel
+
+    @override
+    def begin(self, trials: int) -> Memory:
+        """Give state (k, n), covariance (k, k, n), and the time of the last leg's middle (n,), negative without one."""
+        state = np.repeat(self.model.mean[:, None], trials, axis=1)
+        return state, np.repeat(self.model.prior[:, :, None], trials, axis=2), np.full(trials, -1.0)
+
+    @override
+    def offset(self, memory: Memory, leg: LegAhead) -> Array:
+        state, _, last = memory
+        state = state * self._kept(last, leg.t + 0.5 * leg.duration)
+        matrix = self.model.under_way(leg.t, leg.duration)
+        velocity = np.einsum("akn,kn->an", matrix, state)
+        velocity = velocity + self.forecast.under_way(leg.t, leg.duration, leg.fix, leg.nominal)
+        surface = self.forecast.at_surface(leg.t + leg.duration, leg.fix + leg.nominal) + state[SURFACE : SURFACE + 2]
+        expected: Array = velocity * leg.duration + surface
+        return expected
+
+    @override
+    def learn(self, memory: Memory, leg: LegBehind) -> Memory:
+        model, (state, covariance, last) = self.model, memory
+        moved = leg.duration > 0.0
+        seconds, middle = np.where(moved, leg.duration, 1.0), leg.t + 0.5 * leg.duration
+        kept, added = self._kept(last, middle), self._added(last, middle)
+        state, covariance = state * kept, covariance * kept * kept[:, None] + added
+        drift = leg.surface_drift - self.forecast.at_surface(leg.t + leg.duration, leg.start + leg.through)
+        share = 0.5 / seconds if model.fix_error > 0.0 else np.zeros_like(seconds)
+        error = leg.velocity_error - self.forecast.under_way(leg.t, leg.duration, leg.start, leg.through)
+        velocity, rows = error + share * drift, model.under_way(leg.t, leg.duration)
+        surface = np.zeros_like(rows)
+        for axis in (0, 1):
+            surface[axis, SURFACE + axis] = 1.0
+        rows = rows + share * surface
+        variances, axes = np.linalg.eigh(model.covariance)
+        for index in (0, 1):
+            row = axes[0, index] * rows[0] + axes[1, index] * rows[1]
+            seen = axes[0, index] * velocity[0] + axes[1, index] * velocity[1]
+            noise = max(float(variances[index]), 0.0) + 1.5 * model.fix_error**2 / seconds**2
+            state, covariance = _updated(state, covariance, row, seen, noise, moved)
+        for axis in (0, 1):
+            noise = np.full_like(seconds, 2.0 * model.fix_error**2)
+            state, covariance = _updated(state, covariance, surface[axis], drift[axis], noise, moved)
+        return state, covariance, np.where(moved, middle, last)
+
+    def _kept(self, last: Array, now: Array) -> Array:
+        """Share of each state that is left at the middle of the next leg, shape (k, n)."""
+        kept = np.ones((len(self.model.mean), now.size))
+        elapsed = np.where(last >= 0.0, now - last, 0.0)
+        kept[PERSISTENT : PERSISTENT + 2] = np.exp(-elapsed / self.model.persistence)
+        return kept
+
+    def _added(self, last: Array, now: Array) -> Array:
+        """Covariance that the time between two legs adds, shape (k, k, n)."""
+        added = np.zeros((*self.model.prior.shape, now.size))
+        elapsed = np.where(last >= 0.0, now - last, 0.0)
+        gone = -np.expm1(-2.0 * elapsed / self.model.persistence)
+        for axis in (0, 1):
+            added[STEADY + axis, STEADY + axis] = self.model.walk**2 * elapsed
+            place = PERSISTENT + axis
+            added[place, place] = self.model.prior[place, place] * gone
+        return added
+
+
+def _updated(
+    state: Array, covariance: Array, row: Array, seen: Array, noise: Array, moved: NDArray[np.bool_]
+) -> tuple[Array, Array]:
+    """Take in one measurement, ``seen = row · state + noise``, of the trials that moved.
+
+    Parameters
+    ----------
+    state, covariance, row : array, shapes (k, n), (k, k, n), (k, n)
+    seen, noise, moved : array, shape (n,)
+        `noise` is a variance.
+    """
+    spread = np.einsum("ijn,jn->in", covariance, row)
+    variance = np.einsum("in,in->n", row, spread) + noise
+    told = moved & (variance > 0.0)
+    gain = np.where(told, spread / np.where(told, variance, 1.0), 0.0)
+    surprise = seen - np.einsum("in,in->n", row, state)
+    return state + gain * surprise, covariance - gain[:, None] * spread[None]
