@@ -1,5 +1,5 @@
 /* The sweep as a plain C loop: one trial after the other, its own normals for every leg (xoshiro256+, polar method).
-   Compiled and called by bench_sweep.py. Gives the mean cost of each cell and the number of legs run. */
+   Compiled and called by sweep.py. Gives the mean cost of each cell and the number of legs run. */
 
 #include <math.h>
 #include <stdint.h>

@@ -1,20 +1,19 @@
-"""Time a descent of the vectorised model against scipy.integrate.solve_ivp, one trial at a time, at equal accuracy.
-
-Run: OMP_NUM_THREADS=1 python benchmarks/bench_descent.py
+"""Descents of the vectorised model beside `scipy.integrate.solve_ivp`, one trial at a time, at equal accuracy.
 
 Both integrate the example's pay-out, pull-down and coasting with the drag of Eqs. 2–13 (the same functions), events
 included. Accuracy is the error of time and lowest altitude against DOP853 at a tolerance of 1e-12; solve_ivp is
 given the loosest tolerance at which it is as accurate as the model at its default step.
 """
 
-import time
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from benchmarks.common import Options, Row, Section, alternate, duration
 from missionplan.phases.currents import layers
-from missionplan.phases.descent import descend
+from missionplan.phases.descent import DescentRecord, descend
 from missionplan.phases.descent_forces import Dive
 from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag, anchor_drag
 from missionplan.physics.water import Water
@@ -33,10 +32,10 @@ DIVE = Dive(
     line_length=5.0,
     site_depth=100 * FOOT,
 )
-TRIALS = 10_000
+TRIALS, PEER_TRIALS = 10_000, 20
 
 
-def vectorised(trials):
+def vectorised(trials: int) -> DescentRecord:
     """Descents of many trials with their own weights and currents."""
     rng = np.random.default_rng(1)
     speed = [1.0 + 0.15 * rng.standard_normal(trials), 0.9 + 0.15 * rng.standard_normal(trials)]
@@ -50,7 +49,7 @@ def vectorised(trials):
     )
 
 
-def one_by_one(dive, method, tolerance):
+def one_by_one(dive: Dive, method: str, tolerance: float) -> np.ndarray:
     """One descent by solve_ivp: time to touchdown and lowest altitude."""
     drag, lone = dive.vehicle_drag, dive.anchor_drag
     pull = dive.wet_weight - dive.net_buoyancy
@@ -78,35 +77,38 @@ def one_by_one(dive, method, tolerance):
     return np.array([payout + down, dive.site_depth - deepest])
 
 
-def main():
-    """Print the ratio."""
+def as_accurate(method: str, exact: np.ndarray, error: float) -> float | None:
+    """Loosest tolerance at which solve_ivp errs no more than the model; None where none of those tried does."""
+    for tolerance in 10.0 ** -np.arange(3.0, 12.0, 0.5):
+        if np.abs(one_by_one(DIVE, method, tolerance) - exact).max() <= error:
+            return float(tolerance)
+    return None
+
+
+def compare(options: Options) -> Section:
+    """Time a descent of both."""
     exact = one_by_one(DIVE, "DOP853", 1e-12)
-    still = layers([1000.0], [0.0], [0.0])
     nought = np.zeros(1)
+    still = layers([1000.0], [0.0], [0.0])
     record = descend(DIVE, release_time=nought, current=still, position=np.zeros((2, 1)), t_start=nought)
     error = np.abs([record.descent_time[0], record.lowest_altitude[0]] - exact).max()
-    print(f"error of the model at its default step: {error:.1e}")
 
-    candidates = [("RK45", 10.0**-power) for power in np.arange(3.0, 12.0, 0.5)]
-    candidates += [("DOP853", 10.0**-power) for power in np.arange(3.0, 12.0, 0.5)]
-    alone = np.inf
-    for method in ("RK45", "DOP853"):
-        for name, tolerance in candidates:
-            if name == method and np.abs(one_by_one(DIVE, method, tolerance) - exact).max() <= error:
-                began = time.perf_counter()
-                for _ in range(20):
-                    one_by_one(DIVE, method, tolerance)
-                each = (time.perf_counter() - began) / 20
-                print(f"solve_ivp {method} at {tolerance:.0e}: {each * 1e3:.1f} ms a descent")
-                alone = min(alone, each)
-                break
+    trials = TRIALS // options.shrink
+    sides: dict[str, Callable[[], object]] = {"model": lambda: vectorised(trials)}
+    tolerances = {method: as_accurate(method, exact, float(error)) for method in ("RK45", "DOP853")}
+    for method, tolerance in tolerances.items():
+        if tolerance is not None:
+            sides[method] = lambda method=method, tolerance=tolerance: [
+                one_by_one(DIVE, method, tolerance) for _ in range(PEER_TRIALS)
+            ]
     vectorised(100)
-    began = time.perf_counter()
-    vectorised(TRIALS)
-    total = time.perf_counter() - began
-    print(f"vectorised: {TRIALS} descents in {total:.2f} s, {total / TRIALS * 1e6:.0f} µs a descent")
-    print(f"ratio: {alone / (total / TRIALS):.0f} (asked: 200)")
-
-
-if __name__ == "__main__":
-    main()
+    times = alternate(sides, options.repeats)
+    total = times.pop("model")
+    rows = [Row(f"{trials} descents on one core", duration(total), "", "", "≤ 1 s", total <= 1.0)]
+    for method, time in times.items():
+        ratio = time / PEER_TRIALS / (total / trials)
+        what = f"a descent: `solve_ivp` ({method}, tolerance {tolerances[method]:.0e})"
+        pair = duration(total / trials), duration(time / PEER_TRIALS)
+        rows.append(Row(what, *pair, f"{ratio:.0f} × faster", "≥ 200", ratio >= 200.0))
+    note = f"Both err by at most {error:.0e} (s, m) in descent time and lowest altitude."
+    return Section(tuple(rows), ("numpy", "scipy"), (note,))

@@ -1,0 +1,212 @@
+"""What the comparisons share: fair timing, memory of a command, the machine, rows of the table.
+
+Only the standard library is imported here: the module also runs inside a peer's own environment.
+"""
+
+import os
+import platform
+import shutil
+import statistics
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parent.parent
+MISSIONS = ROOT / "missions"
+POLL = 0.02
+"""Interval at which the memory of a command is read [s]."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How much to run.
+
+    Attributes
+    ----------
+    repeats : int
+        Times that each side is run, in alternation; the median counts.
+    shrink : int
+        Divides the sizes; 1 for a table that counts.
+    long : bool
+        Also what takes many minutes.
+    """
+
+    repeats: int = 3
+    shrink: int = 1
+    long: bool = False
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the table; what was not asked for has no `met`."""
+
+    what: str
+    ours: str
+    peer: str = ""
+    ratio: str = ""
+    asked: str = ""
+    met: bool | None = None
+
+
+@dataclass(frozen=True)
+class Section:
+    """What a comparison found; `packages` are those whose versions matter, `notes` go below the table."""
+
+    rows: tuple[Row, ...]
+    packages: tuple[str, ...] = ("numpy",)
+    notes: tuple[str, ...] = ()
+
+
+Comparison = Callable[[Options], Section]
+
+
+def alternate(sides: Mapping[str, Callable[[], Any]], repeats: int) -> dict[str, float]:
+    """Run the sides in alternation (A B A B …) and give the median wall time of each [s].
+
+    What slows the machine meanwhile slows all sides alike.
+    """
+    times: dict[str, list[float]] = {name: [] for name in sides}
+    for _ in range(repeats):
+        for name, run in sides.items():
+            started = time.perf_counter()
+            run()
+            times[name].append(time.perf_counter() - started)
+    return {name: statistics.median(found) for name, found in times.items()}
+
+
+@dataclass(frozen=True)
+class Run:
+    """A command that has ended: wall time [s], peak memory of it and its children [bytes], what it printed."""
+
+    wall: float
+    peak: int
+    output: str
+
+
+def run_command(command: Sequence[str | Path], *, accept: Sequence[int] = (0,)) -> Run:
+    """Run a command on one BLAS thread from the project's root, and watch its memory.
+
+    The peak is the sum over its processes of the largest resident size of each, pages that they share counted once
+    for each. It is read from ``/proc`` while they live (0 where there is none): the ``ru_maxrss`` of a child would
+    hold that of the process that forked it.
+
+    Raises
+    ------
+    RuntimeError
+        When the exit status is not one of those accepted.
+    """
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    started = time.perf_counter()
+    process = subprocess.Popen(
+        [str(word) for word in command],
+        cwd=ROOT,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    peaks: dict[int, int] = {}
+    ended = threading.Event()
+
+    def watch() -> None:
+        while not ended.wait(POLL):
+            for pid in _family(process.pid):
+                peaks[pid] = max(peaks.get(pid, 0), _peak_of(pid))
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    output, errors = process.communicate()
+    wall = time.perf_counter() - started
+    ended.set()
+    watcher.join()
+    if process.returncode not in accept:
+        raise RuntimeError(f"{' '.join(map(str, command))}: exit status {process.returncode}\n{errors[-2000:]}")
+    return Run(wall, sum(peaks.values()), output)
+
+
+def python(*words: str | Path) -> list[str | Path]:
+    """Command line of this Python with a module of the project."""
+    return [sys.executable, "-m", *words]
+
+
+def _family(pid: int) -> list[int]:
+    """Find a process and all that descend from it."""
+    found = [pid]
+    for parent in found:
+        for task in Path(f"/proc/{parent}/task").glob("*/children"):
+            try:
+                found += [int(child) for child in task.read_text().split()]
+            except OSError:  # it has ended meanwhile
+                continue
+    return found
+
+
+def _peak_of(pid: int) -> int:
+    try:
+        status = Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return 0
+    line = next((line for line in status.splitlines() if line.startswith("VmHWM:")), "VmHWM: 0 kB")
+    return int(line.split()[1]) * 1024
+
+
+def load_average() -> str:
+    """Say how busy the machine is; other work makes absolute times longer than they are on an idle one."""
+    return f"load average {os.getloadavg()[0]:.1f} before" if hasattr(os, "getloadavg") else ""
+
+
+def circumstances(packages: Sequence[str], load: str) -> str:
+    """Say when and on what a comparison ran: date, processor, versions, load of the machine; no names, no paths."""
+    parts = [f"{datetime.now(UTC):%Y-%m-%d}", f"{os.cpu_count()} × {_processor()}", _memory(), platform.system()]
+    parts += [f"Python {platform.python_version()}", *(f"{name} {_version(name)}" for name in packages)]
+    return ", ".join(part for part in (*parts, load) if part)
+
+
+def _processor() -> str:
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
+    model = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "")
+    return model or platform.processor() or platform.machine()
+
+
+def _memory() -> str:
+    try:
+        return f"{os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES') / 2**30:.0f} GiB"
+    except (AttributeError, ValueError, OSError):
+        return ""
+
+
+def _version(package: str) -> str:
+    if package == "cc":
+        return compiler_version()
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
+
+
+def compiler_version() -> str:
+    """Version of the C compiler; empty where there is none."""
+    if shutil.which("cc") is None:
+        return ""
+    return subprocess.run(["cc", "-dumpfullversion"], capture_output=True, text=True, check=False).stdout.strip()
+
+
+def duration(seconds: float) -> str:
+    """Write a time with three digits and a unit that suits it."""
+    for unit, scale in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= scale:
+            return f"{seconds / scale:.3g} {unit}" if seconds < 1000.0 * scale else f"{seconds / scale:.0f} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
+def megabytes(size: float) -> str:
+    """Write a memory size."""
+    return f"{size / 1e6:.0f} MB"

@@ -1,0 +1,50 @@
+"""Tables of the comparisons: as text, and between markers in `docs/performance.md`."""
+
+import re
+
+from benchmarks.common import ROOT, Row, Section
+
+PAGE = ROOT / "docs" / "performance.md"
+HEADINGS = ("", "missionplan", "peer", "ratio", "asked", "met")
+MET = {None: "", True: "yes", False: "**no**"}
+
+
+def as_text(section: Section) -> str:
+    """Lay a section out for a terminal: one line a row, what is empty left out."""
+    lines = []
+    for row in section.rows:
+        peer = f"; peer {row.peer}" if row.peer else ""
+        ratio = f"; {row.ratio}" if row.ratio else ""
+        asked = f" (asked {row.asked})" if row.asked else ""
+        missed = " MISSED" if row.met is False else ""
+        lines.append(f"  {row.what}: {row.ours}{peer}{ratio}{asked}{missed}")
+    return "\n".join([*lines, *(f"  {note}" for note in section.notes)])
+
+
+def as_markdown(section: Section, measured: str) -> str:
+    """Lay a section out as a Markdown table, columns that are empty left out, with when and where it was measured."""
+    cells = [HEADINGS, *(_cells(row) for row in section.rows)]
+    kept = [column for column in zip(*cells, strict=True) if any(column[1:])]
+    lines = ["| " + " | ".join(row) + " |" for row in zip(*kept, strict=True)]
+    lines.insert(1, "|" + " --- |" * len(kept))
+    return "\n".join([*lines, "", *section.notes, f"Measured {measured}."])
+
+
+def write(name: str, section: Section, measured: str) -> None:
+    """Put a section's table between its markers, the rest of the page untouched.
+
+    Raises
+    ------
+    ValueError
+        When the page has no such markers.
+    """
+    page = PAGE.read_text(encoding="utf-8")
+    marked = re.compile(rf"(<!-- begin {name} -->\n).*?(<!-- end {name} -->)", re.DOTALL)
+    if not marked.search(page):
+        raise ValueError(f"{PAGE.name} has no markers for {name}")
+    content = as_markdown(section, measured)
+    PAGE.write_text(marked.sub(lambda found: f"{found[1]}{content}\n{found[2]}", page), encoding="utf-8")
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    return (row.what, row.ours, row.peer, row.ratio, row.asked, MET[row.met])
