@@ -30,8 +30,8 @@ FIRST = 0.5
 SHIFTS = (-1.2, 0.0, 1.2)
 """Where the first shape of an effect starts, in prior standard deviations about its centre."""
 WEIGHT_STEP = 0.01
-SHIFT = 0.15
-"""Shift of the separation at which the readings' bend is taken [s]: 1.5 standard deviations of its scatter."""
+SHIFT = 0.3
+"""Shift of the separation at which the readings' bend is taken [s]: 3 standard deviations of its scatter."""
 REFITTED = 2
 """Gauss–Newton steps of a refit without one dive, from the fit with it."""
 

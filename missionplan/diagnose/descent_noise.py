@@ -64,7 +64,7 @@ def dive_covariance(t: Array, sd: Array, sensitivities: Array, bend: Array, nois
     return np.asarray(own + scaled @ scaled.T + walk)
 
 
-SHAPE_SD = 0.04
+SHAPE_SD = 0.02
 """Standard deviation of the smooth factor by which a cause's true shape differs from the catalogue's."""
 SHAPE_LENGTH = 0.25
 """Its correlation length, of a dive's duration."""

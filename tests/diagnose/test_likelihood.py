@@ -1,0 +1,104 @@
+"""Likelihoods against what a library or a closed form gives."""
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.integrate import quad
+
+from missionplan.diagnose.likelihood import expected_log_ratio, gaussian_marginal, laplace, student_marginal, whiten
+
+RNG = np.random.default_rng(5)
+
+
+def problem(n=6, k=3):
+    y = RNG.normal(size=(2, n))
+    design = RNG.normal(size=(2, n, k))
+    prior = np.array([0.5, 1.0, 2.0])[:k]
+    return y, design, prior
+
+
+def dense(design, prior, noise):
+    """Covariance of both axes' data with the coefficients integrated out."""
+    n = design.shape[1]
+    flat = (design * prior).reshape(2 * n, -1)
+    total = flat @ flat.T
+    total[:n, :n] += noise[0]
+    total[n:, n:] += noise[-1]
+    return total
+
+
+@pytest.mark.parametrize("shape", ["diagonal", "each", "both"])
+def test_gaussian_marginal_is_the_density_of_the_data(shape):
+    y, design, prior = problem()
+    root = RNG.normal(size=(2, 6, 6))
+    full = root @ root.transpose(0, 2, 1) + np.eye(6)
+    noise = {"diagonal": RNG.uniform(0.5, 2.0, (2, 6)), "each": full, "both": full[:1]}[shape]
+    matrices = np.stack([np.diag(row) for row in noise]) if noise.ndim == 2 else noise
+    found = gaussian_marginal(y, design, prior, noise)
+    expected = stats.multivariate_normal(np.zeros(12), dense(design, prior, matrices)).logpdf(y.ravel())
+    assert found.log_density == pytest.approx(expected)
+
+
+def test_posterior_of_the_coefficients_is_ridge_regression():
+    y, design, prior = problem()
+    found = gaussian_marginal(y, design, prior, np.full((2, 6), 0.25))
+    flat = design.reshape(12, 3)
+    precision = flat.T @ flat / 0.25 + np.diag(1.0 / prior**2)
+    np.testing.assert_allclose(found.mean, np.linalg.solve(precision, flat.T @ y.ravel() / 0.25))
+    np.testing.assert_allclose(found.covariance, np.linalg.inv(precision))
+
+
+def test_whitening_makes_the_covariance_the_identity():
+    root = RNG.normal(size=(1, 5, 5))
+    noise = root @ root.transpose(0, 2, 1) + np.eye(5)
+    values = np.stack([np.linalg.cholesky(noise[0])] * 2)
+    white, log_determinant = whiten(noise, values)
+    np.testing.assert_allclose(white, np.stack([np.eye(5)] * 2), atol=1e-12)
+    assert log_determinant == pytest.approx(2.0 * np.linalg.slogdet(noise[0])[1])
+
+
+def test_student_marginal_is_a_bivariate_t():
+    """Without coefficients to speak of, the density of each leg is scipy's multivariate t."""
+    y, design, _ = problem()
+    variance = np.full((2, 6), 0.7)
+    found = student_marginal(y, design, np.full(3, 1e-9), variance, 5.0)
+    law = stats.multivariate_t(np.zeros(2), 0.7 * np.eye(2) * 3.0 / 5.0, df=5.0)
+    assert found.log_density == pytest.approx(law.logpdf(y.T).sum())
+
+
+def test_student_marginal_tends_to_the_gaussian():
+    y, design, prior = problem()
+    variance = np.full((2, 6), 0.7)
+    student = student_marginal(y, design, prior, variance, 1e6)
+    assert student.log_density == pytest.approx(gaussian_marginal(y, design, prior, variance).log_density, abs=1e-3)
+
+
+def test_laplace_is_exact_for_a_gaussian():
+    precision = np.array([[4.0, 1.0], [1.0, 2.0]])
+
+    def log_posterior(at):
+        return 3.0 - 0.5 * (at - 1.0) @ precision @ (at - 1.0)
+
+    found = laplace(log_posterior, [np.zeros(2)], np.eye(2))
+    assert found.log_evidence == pytest.approx(
+        3.0 + np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(precision)[1], abs=0.02
+    )
+    np.testing.assert_allclose(found.mode, 1.0, atol=0.05)
+    np.testing.assert_allclose(found.covariance, np.linalg.inv(precision), rtol=1e-3)
+
+
+def test_laplace_of_a_gamma_density_is_close():
+    """ln ∫ e^(a·u − e^u) du = ln Γ(a): Laplace is Stirling's formula."""
+    exact = np.log(quad(lambda u: np.exp(30.0 * u - np.exp(u)), 0.0, 6.0)[0])
+    found = laplace(lambda at: float(30.0 * at[0] - np.exp(at[0])), [np.array([3.0])], np.eye(1))
+    assert found.log_evidence == pytest.approx(exact, abs=0.02)
+
+
+def test_expected_ratio_is_the_mean_over_draws():
+    first, second = np.diag([1.0, 2.0]), np.diag([3.0, 1.0])
+    mean, truth = np.array([0.5, -0.2]), np.diag([1.5, 1.0])
+    draws = mean + RNG.normal(size=(40_000, 2)) * np.sqrt(np.diag(truth))
+    laws = [stats.multivariate_normal(np.zeros(2), covariance) for covariance in (first, second)]
+    sampled = laws[0].logpdf(draws) - laws[1].logpdf(draws)
+    error = 4.0 * sampled.std() / 200.0
+    assert expected_log_ratio(mean, truth, first, second) == pytest.approx(sampled.mean(), abs=error)
