@@ -12,7 +12,7 @@ from missionplan.diagnose.summary_data import SummaryData
 from missionplan.diagnose.summary_model import SummaryForward, SummaryModel, as_log
 from missionplan.diagnose.transit_data import TransitData
 from missionplan.diagnose.transit_model import TransitModel
-from missionplan.effects import CATALOGUE
+from missionplan.effects import CATALOGUE, Effect
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.phases import MoorPhase
@@ -72,7 +72,7 @@ def _expected_velocity(data: TransitData, means: Setting, drawn: Setting, name: 
     return np.broadcast_to(expected, (2, data.n)).copy(), np.broadcast_to(draws, (2, DRAWS)).std(axis=1)
 
 
-def _given(mission: Mission) -> list[DescentEffect | TransitEffect]:
+def _given(mission: Mission) -> list[Effect]:
     """The effects that the mission carries already, at their means; on readings too."""
     return [
         CATALOGUE[entry.effect].make({name: mean_of(value) for name, value in entry.parameters.items()})

@@ -1,6 +1,7 @@
 """Dive logs: depth against time, trimmed of bottom contact and thinned."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,7 +28,8 @@ MARGIN = 0.12
 FINE = 6
 LEAST_NOISE = 0.008
 """What neither sensor nor integration is better than, over a bin [m]."""
-FOOT = 0.3048
+TOO_DEEP, TOO_FAST = 1.5, 3.0
+"""Readings over the site's depth, and their rate [m/s], above which metres are doubted."""
 
 
 @dataclass(frozen=True)
@@ -100,10 +102,13 @@ def read_descent(folder: Path, mission: Mission) -> DescentData:
     for column in ("pitch_deg", "density_kg_m3"):
         if column in table:
             notices.append(f"{column} is not used by the diagnosis of depths")
-    dives = []
+    dives: list[DiveLog] = []
+    deepest: dict[str, tuple[float, float]] = {}
     for name, run in table.groupby("run", sort=False):
         own = settings.get(str(name))
         problems += _check_run(str(name), run, own, raw)
+        if own is not None:
+            deepest[str(name)] = (float(run["depth_m"].max()), own.get("depth", math.inf))
         if own is not None and not problems:
             dive = _prepare(str(name), run, own, raw.noise.get("depth"), notices)
             dives += [dive] if dive else []
@@ -111,7 +116,7 @@ def read_descent(folder: Path, mission: Mission) -> DescentData:
         problems.append(Problem(f"has {len(dives)} usable dives, too few: {NEEDED}", raw.file))
     if problems:
         raise InputError(problems)
-    notices += _suspicions(dives)
+    notices += _suspicions(deepest, dives)
     return DescentData(raw.name, raw.source, tuple(dives), tuple(notices))
 
 
@@ -182,16 +187,7 @@ def _check_run(name: str, run: pd.DataFrame, own: dict[str, float] | None, raw: 
         if len(places):
             line = int(run.index[places[0] + 1])
             more = f"; {len(places) - 1} more like it" if len(places) > 1 else ""
-            problems.append(
-                Problem(
-                    f"{name}: the same time stands {kind}{more}"
-                    if kind == "twice"
-                    else f"{name}: the time stands {kind}{more}",
-                    raw.file,
-                    line,
-                    "t_s",
-                )
-            )
+            problems.append(Problem(f"{name}: a time stands {kind}{more}", raw.file, line, "t_s"))
     return problems
 
 
@@ -242,16 +238,17 @@ def binned(
     return DiveLog(name, times, depths, sd, fine, bins, wet_weight, line_length, site_depth)
 
 
-def _suspicions(dives: list[DiveLog]) -> list[str]:
-    """Say aloud, and never convert: depths in feet reach 3.3 times too deep before the log ends."""
-    ratio = float(np.median([np.max(dive.depth) / (dive.site_depth - dive.line_length) for dive in dives]))
-    rates = [_rate(dive) for dive in dives]
-    if np.median(rates) > 3.0:
-        return [
-            f"depths grow by {np.median(rates):.1f} a second, faster than such a vehicle can sink in metres: "
-            f"are they in feet ({np.median(rates) * FOOT:.1f} m/s)? Nothing was converted"
-        ]
-    return [] if ratio > 0.15 else ["the log covers less than a sixth of the dive; are the depths in metres?"]
+def _suspicions(deepest: Mapping[str, tuple[float, float]], dives: Sequence[DiveLog]) -> list[str]:
+    """Say aloud, and never convert, when depths look like feet: deeper than the site, or faster than can be."""
+    ratios = [reading / site for reading, site in deepest.values()]
+    rate = float(np.median([_rate(dive) for dive in dives])) if dives else 0.0
+    if ratios and np.median(ratios) > TOO_DEEP:
+        seen = f"depths reach {np.median(ratios):.1f} times the depth of the site"
+    elif rate > TOO_FAST:
+        seen = f"depths grow by {rate:.1f} a second, faster than such a vehicle sinks in metres"
+    else:
+        return []
+    return [f"{seen}: are they in feet (0.3048 m)? Nothing was converted"]
 
 
 def _rate(dive: DiveLog) -> float:

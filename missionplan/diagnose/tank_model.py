@@ -1,0 +1,274 @@
+"""Model of tank data: least squares about a set's best coordinates, every prior normal, the noise's size summed over."""
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+from scipy.stats import norm
+
+from missionplan.diagnose.coordinates import Coordinate, coordinates_of, estimates, is_possible, parameters_from
+from missionplan.diagnose.likelihood import LOG_2PI, Marginal
+from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
+from missionplan.diagnose.residuals import Axis, Residuals
+from missionplan.diagnose.tank_forward import TankForward, made
+from missionplan.effects import CATALOGUE
+
+Array = NDArray[np.float64]
+
+TEST_LEVEL = 1e-3
+"""Level of the residual tests, all together."""
+STEP = 1e-4
+"""Step of the derivatives, of a coordinate's prior standard deviation."""
+MOST_STEPS = 40
+HALVINGS = 8
+SETTLED = 1e-6
+STATED_SPREAD, UNSTATED_SPREAD = 0.4, 2.3
+"""Standard deviation of ln(noise over what is stated), where it is stated and where it is not."""
+LOOSE = 9.0
+"""Factor on the posterior covariance with which fitted coordinates enter the residuals: as good as unknown there."""
+
+
+@dataclass(frozen=True)
+class TankState:
+    """A fitted set: coordinates there, what is left, derivatives, noise factor and the posterior of the coordinates."""
+
+    at: Array
+    left: Array
+    columns: Array
+    active: NDArray[np.int_]
+    factor: float
+    marginal: Marginal
+
+
+@dataclass(frozen=True)
+class TankModel:
+    """Base model of a tank experiment and the effects that it may lack, bound to data."""
+
+    forward: TankForward
+    noise_known: bool = False
+    alternatives: Sequence[frozenset[str]] = ()
+
+    @property
+    def candidates(self) -> Causes:
+        """Effects that these data could show."""
+        return self.forward.candidates
+
+    @property
+    def untestable(self) -> Mapping[str, str]:
+        """Effects that they could not, and why."""
+        return self.forward.untestable
+
+    @cached_property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Coordinates of the candidates; those of the nuisances come before them in every array."""
+        return tuple(c for name in self.candidates for c in coordinates_of(CATALOGUE[name]))
+
+    @cached_property
+    def centre(self) -> Array:
+        """Prior means, shape (k,)."""
+        return np.array([n.centre for n in self.forward.nuisances] + [c.centre for c in self.coordinates])
+
+    def prior_sd(self, causes: Causes) -> Array:
+        """Prior standard deviations, shape (k,): slab for a cause, spike otherwise (0 for a shape)."""
+        own = [c.slab if c.effect in causes else c.spike for c in self.coordinates]
+        return np.array([n.sd for n in self.forward.nuisances] + own)
+
+    def predict(self, causes: Causes, places: Array) -> Array:
+        """Data that coordinates predict, (k, m) → (N, m); an effect with a shape alone is there as a cause only."""
+        fixed = len(self.forward.nuisances)
+        parameters = parameters_from(self.coordinates, list(places[fixed:]))
+        there = {
+            name: values
+            for name, values in parameters.items()
+            if name in causes or any(c.kind != "shape" for c in self.coordinates if c.effect == name)
+        }
+        return self.forward.predict(places[:fixed], made(there))
+
+    def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
+        """Fit several sets, one after the other."""
+        return [self._fit(causes, near) for causes, near in wanted]
+
+    def _fit(self, causes: Causes, near: Sequence[Fit]) -> Fit | Failure:
+        active = np.flatnonzero(self.prior_sd(causes) > 0.0)
+        reached = [self._climb(causes, start, active) for start in self._starts(causes, near)]
+        reached = [(objective, at) for objective, at in reached if np.isfinite(objective)]
+        if not reached:
+            return Failure(causes, "the model has no value at any of its starts")
+        at = min(reached, key=lambda item: item[0])[1]
+        here, columns = self._linearise(causes, at, active)
+        left = self.forward.y - here
+        try:
+            logs, marginals = self._integrated(causes, left, columns, at, active)
+        except np.linalg.LinAlgError as error:
+            return Failure(causes, str(error))
+        best = int(np.argmax(logs))
+        state = TankState(at, left, columns, active, float(self._factors[best]), marginals[best])
+        return Fit(causes, float(logsumexp(logs)), *self._described(causes, state), state)
+
+    def _described(self, causes: Causes, state: TankState) -> tuple[tuple, dict[str, float], bool]:  # type: ignore[type-arg]
+        fixed = len(self.forward.nuisances)
+        rows = [k for k, index in enumerate(state.active) if self._is_of(causes, int(index))]
+        chosen = [self.coordinates[int(state.active[k]) - fixed] for k in rows]
+        found = estimates(chosen, state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)])
+        calibration = {n.name: float(v) for n, v in zip(self.forward.nuisances, state.at, strict=False)}
+        noise = float(np.median(self.forward.sd)) * state.factor
+        return found, calibration | {f"noise_{self.forward.quantity}": noise}, is_possible(found)
+
+    def _is_of(self, causes: Causes, index: int) -> bool:
+        fixed = len(self.forward.nuisances)
+        return index >= fixed and self.coordinates[index - fixed].effect in causes
+
+    def _starts(self, causes: Causes, near: Sequence[Fit]) -> list[Array]:
+        begin = self.centre.copy()
+        for fit in reversed(near):
+            begin[fit.state.active] = fit.state.at[fit.state.active]
+        fixed, choices = len(self.forward.nuisances), []
+        for k, c in enumerate(self.coordinates):
+            guesses = self.forward.guesses.get((c.effect, c.name), ()) if c.effect in causes else ()
+            choices.append((*guesses, begin[fixed + k]) if guesses else (begin[fixed + k],))
+        return [np.concatenate([begin[:fixed], own]) for own in itertools.product(*choices)]
+
+    def _linearise(self, causes: Causes, at: Array, active: NDArray[np.int_]) -> tuple[Array, Array]:
+        """Prediction, shape (N,), and its derivatives along the active coordinates, shape (N, a)."""
+        steps = STEP * self.prior_sd(causes)[active]
+        moved = np.repeat(at[:, None], 1 + 2 * len(active), axis=1)
+        for k, index in enumerate(active):
+            moved[index, 1 + 2 * k] += steps[k]
+            moved[index, 2 + 2 * k] -= steps[k]
+        found = self.predict(causes, moved)
+        return found[:, 0], (found[:, 1::2] - found[:, 2::2]) / (2.0 * steps)
+
+    def _climb(self, causes: Causes, start: Array, active: NDArray[np.int_]) -> tuple[float, Array]:
+        """Gauss-Newton with halved steps; the noise's size follows what is left."""
+        prior = self.prior_sd(causes)[active]
+        at, last = start.copy(), np.inf
+        for _ in range(MOST_STEPS):
+            here, columns = self._linearise(causes, at, active)
+            if not np.all(np.isfinite(here)) or not np.all(np.isfinite(columns)):
+                return np.inf, at
+            left = (self.forward.y - here) / self.forward.sd
+            factor = self._plausible(float(np.sqrt(np.mean(left**2))))
+            scaled = columns / self.forward.sd[:, None] / factor
+            away = (at - self.centre)[active] / prior
+            gradient = prior * (scaled.T @ (left / factor)) - away
+            step = prior * np.linalg.solve(np.eye(len(prior)) + np.outer(prior, prior) * (scaled.T @ scaled), gradient)
+            before = self._objective(left, away, factor)
+            at, after = self._halved(causes, at, active, step, factor, before)
+            if not after < before - SETTLED:
+                return self._objective(left, away, factor, whole=True), at
+            last = after
+        return last, at
+
+    def _objective(self, left: Array, away: Array, factor: float, *, whole: bool = False) -> float:
+        size = len(left) * np.log(factor) if whole else 0.0
+        return float(0.5 * np.sum((left / factor) ** 2) + 0.5 * np.sum(away**2) + size)
+
+    def _halved(
+        self, causes: Causes, at: Array, active: NDArray[np.int_], step: Array, factor: float, before: float
+    ) -> tuple[Array, float]:
+        """Take the longest of a step's halves that gains; the place itself if none does."""
+        lengths = 0.5 ** np.arange(HALVINGS)
+        places = np.repeat(at[:, None], HALVINGS, axis=1)
+        places[active] += step[:, None] * lengths
+        prior = self.prior_sd(causes)[active, None]
+        for k in range(HALVINGS):
+            found = self.predict(causes, places[:, k : k + 1])[:, 0]
+            away = (places[active, k] - self.centre[active]) / prior[:, 0]
+            after = self._objective((self.forward.y - found) / self.forward.sd, away, factor)
+            if after < before:
+                return places[:, k], after
+        return at, before
+
+    @property
+    def _spread(self) -> float:
+        return STATED_SPREAD if self.forward.stated else UNSTATED_SPREAD
+
+    @cached_property
+    def _factors(self) -> Array:
+        """Factors on the sensor's noise over which the evidence is summed, evenly in their logarithm."""
+        if self.noise_known:
+            return np.ones(1)
+        reach = 5.0 if self.forward.stated else 3.0
+        count = 121 if self.forward.stated else 241
+        return np.exp(np.linspace(-reach * self._spread, reach * self._spread, count))
+
+    def _plausible(self, factor: float) -> float:
+        return float(np.clip(factor, self._factors[0], self._factors[-1]))
+
+    def _integrated(
+        self, causes: Causes, left: Array, columns: Array, at: Array, active: NDArray[np.int_]
+    ) -> tuple[Array, list[Marginal]]:
+        """Log evidence at each noise factor, its prior included, and the posterior there."""
+        prior, sd = self.prior_sd(causes)[active], self.forward.sd
+        y = left + columns @ (at - self.centre)[active]
+        log_prior = -0.5 * (np.log(self._factors) / self._spread) ** 2
+        log_prior -= logsumexp(log_prior)
+        found = [self._marginal(y, columns, prior, sd * factor, self.centre[active]) for factor in self._factors]
+        return log_prior + np.array([each.log_density for each in found]), found
+
+    def _marginal(self, y: Array, columns: Array, prior: Array, sd: Array, centre: Array) -> Marginal:
+        """Marginalise normal coordinates; the posterior mean is of the coordinates themselves."""
+        white, data = columns * prior / sd[:, None], y / sd
+        precision = np.eye(len(prior)) + white.T @ white
+        factor = np.linalg.cholesky(precision)
+        inverse = np.linalg.inv(precision)
+        mean = inverse @ (white.T @ data)
+        log_density = -0.5 * (float(data @ data) - float(mean @ (white.T @ data)))
+        log_density -= float(np.log(np.diag(factor)).sum()) + float(np.log(sd).sum()) + 0.5 * len(y) * LOG_2PI
+        return Marginal(log_density, centre + prior * mean, prior[:, None] * inverse * prior)
+
+    def promise(self, causes: Causes, parent: Fit) -> float:
+        """Unknown: the few effects of a tank are all fitted."""
+        return float("inf")
+
+    def residuals(self, fit: Fit) -> Residuals:
+        """What the fit leaves, the fitted coordinates as good as unknown."""
+        state = fit.state
+        noise = np.diag((state.factor * self.forward.sd) ** 2)
+        covariance = noise + LOOSE * state.columns @ state.marginal.covariance @ state.columns.T
+        count = len(state.left)
+        axes = {name: Axis(name, _unit(values), np.ones((count, 1))) for name, values in self.forward.axes.items()}
+        series = np.zeros(count, dtype=int)
+        return Residuals(state.left, covariance, series, axes, self.forward.groups, TEST_LEVEL)
+
+    def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
+        """Predict each group from the others under several fits, linearised where the fits are."""
+        names = list(dict.fromkeys(self.forward.groups.tolist()))
+        return [[self._score(fit, name) for name in names] for fit in fits]
+
+    def _score(self, fit: Fit, name: str) -> Score:
+        state, own = fit.state, self.forward.groups == name
+        sd = state.factor * self.forward.sd
+        prior, centre = self.prior_sd(fit.causes)[state.active], self.centre[state.active]
+        y = state.left + state.columns @ (state.at[state.active] - centre)
+        rest = self._marginal(y[~own], state.columns[~own], prior, sd[~own], np.zeros_like(centre))
+        columns = state.columns[own]
+        error = y[own] - columns @ rest.mean
+        covariance = columns @ rest.covariance @ columns.T + np.diag(sd[own] ** 2)
+        factor = np.linalg.cholesky(covariance)
+        white = np.linalg.solve(factor, error)
+        log_score = -0.5 * float(white @ white) - float(np.log(np.diag(factor)).sum()) - 0.5 * LOG_2PI * len(error)
+        inside = int((np.abs(error) <= norm.ppf(0.95) * np.sqrt(np.diag(covariance))).sum())
+        return Score(name, log_score, float(error @ error), inside, len(error))
+
+    @property
+    def menu(self) -> Sequence[str]:
+        """Further measurements, in words."""
+        return [what for what, _ in self.forward.menu]
+
+    def separation(self, first: Fit, second: Fit, entry: int | None) -> float:
+        """Fit both sets to noise-free data of the first, as measured or as an entry of the menu would."""
+        forward = self.forward if entry is None else self.forward.menu[entry][1]
+        expected = replace(self, forward=forward).predict(first.causes, first.state.at[:, None])[:, 0]
+        told = replace(forward, y=expected, sd=first.state.factor * self.forward.sd)
+        fitted = replace(self, forward=told, noise_known=True).fit_all([(f.causes, (f,)) for f in (first, second)])
+        evidence = [fit.log_evidence if isinstance(fit, Fit) else -np.inf for fit in fitted]
+        return float(max(evidence[0] - evidence[1], 0.0))
+
+
+def _unit(values: Array) -> Array:
+    return np.asarray((values - values.min()) / max(float(np.ptp(values)), 1e-9))[:, None]
