@@ -31,6 +31,7 @@ def page(sweep: Sweep) -> Page:
         numbers=numbers,
         sections=[
             Section("What each velocity error asks for", [best_table(sweep), _as_good_words(sweep)]),
+            *_table_section(sweep),
             *_arrival_section(sweep),
             Section("Why the curve has teeth", [_TEETH, close_up_figure(sweep, main)]),
             Section(
@@ -118,6 +119,7 @@ def cost_figure(sweep: Sweep) -> Figure:
             "Cost c = (t_f − t_nom)/t_nom of each maximum leg length, the arrival surfacing not charged. Dots: Monte "
             "Carlo with 95 % bands; thin line: the integral equation, where it applies; circle: the best; dashed: the "
             "critical points 1/a of the distance."
+            + (" Level dashes: the mission's own table of legs." if sweep.curves[0].table is not None else "")
         ),
     )
 
@@ -141,6 +143,8 @@ def _draw_curve(axes: Axes, curve: SweepCurve, colour: str, *, sampled: bool) ->
         axes.plot(ratio, 100.0 * np.array(analytic, dtype=float), color=colour, linewidth=0.8)
     elif sampled:
         axes.plot(ratio, cost, color=colour, linewidth=0.8)
+    if curve.table is not None:
+        axes.axhline(100.0 * curve.table.cost, color=colour, linewidth=1.2, linestyle=(0, (6, 2)))
     best = curve.best
     axes.plot(best.d_max_over_distance, 100.0 * best.cost, "o", color=colour, fillstyle="none", markersize=9)
 
@@ -240,6 +244,30 @@ def _as_good_words(sweep: Sweep) -> str:
         f"As good as the best, as far as these trials tell (cost higher by less than two standard errors of the paired "
         f"difference), is a d_max of these shares of the distance: {'; '.join(parts)}."
     )
+
+
+def _table_section(sweep: Sweep) -> list[Section]:
+    """Set the mission's own table of legs beside the best fixed d_max, where it has one."""
+    rows = [
+        [
+            f"{curve.sigma:g}",
+            _bare(curve.table.cost, curve.table.standard_error, _PERCENT),
+            _bare(curve.best.cost, curve.best.standard_error, _PERCENT),
+            _bare(
+                (curve.best.cost - curve.table.cost) * sweep.nominal_time, _table_error(sweep, curve.table), _MINUTES
+            ),
+        ]
+        for curve in sweep.curves
+        if curve.table is not None
+    ]
+    if not rows:
+        return []
+    heads = ["σ_v (m/s)", "Table (%)", "Best fixed d_max (%)", "The table saves (min)"]
+    return [Section("The mission's own table of legs beside a fixed d_max", [Table(heads, rows)])]
+
+
+def _table_error(sweep: Sweep, table: SweepPoint) -> float:
+    return table.excess_error * sweep.nominal_time
 
 
 def _arrival_section(sweep: Sweep) -> list[Section]:

@@ -65,12 +65,15 @@ class SweepCurve:
         Of the point of least cost, among those at which practically as many trials arrive as at any.
     one_leg : SweepPoint
         The naive choice: d_max the whole distance.
+    table : SweepPoint or None
+        The transit's own table of legs, where it has one; its `d_max` is nan.
     """
 
     sigma: float
     points: tuple[SweepPoint, ...]
     best_index: int
     one_leg: SweepPoint
+    table: SweepPoint | None = None
 
     @property
     def best(self) -> SweepPoint:
@@ -154,6 +157,7 @@ class Sweep(Result):
             "one_leg": _short(curve.one_leg),
             "as_good_as_best": [point.d_max for point in curve.as_good],
             "saving_s": self.saving(curve),
+            **({} if curve.table is None else {"table": _table_summary(curve.table)}),
         }
 
 
@@ -178,6 +182,11 @@ def _point_summary(point: SweepPoint) -> dict[str, Any]:
         del row["cost_analytic"]
     row["arrived"] = point.arrived.summary()
     return row
+
+
+def _table_summary(point: SweepPoint) -> dict[str, Any]:
+    summary = _point_summary(point)
+    return {key: value for key, value in summary.items() if not key.startswith("d_max")}
 
 
 def _short(point: SweepPoint) -> dict[str, Any]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.montecarlo.statistics import Moments
+from missionplan.phases.legs import LegTable
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit import transit
 from missionplan.phases.transit_plan import Surroundings, TransitNormals, TransitPlan
@@ -57,9 +58,9 @@ class CellTotals:
             self.products + other.products,
         )
 
-    def without_last(self) -> "CellTotals":
-        """Leave out the last d_max."""
-        kept = slice(None, -1)
+    def first(self, cells: int) -> "CellTotals":
+        """Leave out all but the first cells."""
+        kept = slice(None, cells)
         return CellTotals(
             self.cost.take(kept), self.surfacings.take(kept), self.groups, self.sums[kept], self.products[kept, kept]
         )
@@ -103,8 +104,9 @@ def run_cells(
     normals: TransitNormals,
     surroundings: Surroundings,
     d_max: Array,
+    table: LegTable | None = None,
 ) -> CellTotals:
-    """Run one block of trials through the transit for every d_max.
+    """Run one block of trials through the transit for every d_max, and for a table of legs after them.
 
     Parameters
     ----------
@@ -114,14 +116,18 @@ def run_cells(
         As of `transit`.
     d_max : array, shape (k,)
         [m]
+    table : LegTable, optional
+        One cell more, the last.
     """
     towards = np.asarray(plan.goal).reshape(2, -1) - state.position
     nominal = np.hypot(*towards) / plan.speed
+    lengths: list[float | LegTable] = [*(float(length) for length in d_max), *([table] if table is not None else [])]
     typical = np.ceil(float(np.mean(np.hypot(*towards))) / d_max) - 1.0
+    typical = np.append(typical, np.ones(len(lengths) - len(d_max)))
     reference = typical * float(np.mean(plan.surfacing_time)) / float(np.mean(nominal))
-    costs, surfacings = np.empty((len(d_max), state.trials)), np.empty((len(d_max), state.trials))
-    for index, length in enumerate(d_max):
-        _, record = transit(replace(plan, d_max=float(length)), state, normals, surroundings)
+    costs, surfacings = np.empty((len(lengths), state.trials)), np.empty((len(lengths), state.trials))
+    for index, length in enumerate(lengths):
+        _, record = transit(replace(plan, d_max=length), state, normals, surroundings)
         charged = np.maximum(record.surfacings - 1.0, 0.0) * plan.surfacing_time
         costs[index] = (record.distance / plan.speed + charged) / nominal - 1.0  # Eq. 25
         surfacings[index] = record.surfacings

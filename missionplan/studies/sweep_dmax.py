@@ -113,25 +113,28 @@ class SweepTask:
         drawn = Setting.drawn(setting.mission, recorded, seed=self.seed, block=block, size=size)
         state = setting.state(drawn, self.seed, block, size)
         normals = setting.normals(self.seed, block)
-        return run_cells(setting.plan(index, drawn), state, normals, setting.surroundings(drawn), setting.d_max)
+        plan, around = setting.plan(index, drawn), setting.surroundings(drawn)
+        return run_cells(plan, state, normals, around, setting.d_max, setting.table)
 
 
 def _curve(setting: SweepSetting, index: int, sampled: CellTotals | None, analytic: Analytic | None) -> SweepCurve:
-    """Make a curve; the last cell is the whole distance in one leg, which the grid need not hold."""
+    """Make a curve; after the grid come the whole distance in one leg, and the table where there is one."""
+    grid, cells = len(setting.d_max) - 1, len(setting.d_max) + (setting.table is not None)
     if sampled is not None:
-        cells = sampled.without_last()
-        best = cells.best()
-        as_good, errors = np.append(cells.as_good_as(best), False), np.append(cells.difference_error(best), 0.0)
+        swept = sampled.first(grid)
+        best, errors = swept.best(), sampled.difference_error(swept.best())
+        as_good = np.append(swept.as_good_as(best), np.zeros(cells - grid, dtype=bool))
     else:
         assert analytic is not None
         costs = np.array([expectation.cost for expectation in analytic])
-        best = int(np.argmin(costs[:-1]))
+        best = int(np.argmin(costs[:grid]))
         as_good, errors = costs <= costs[best], np.zeros(len(costs))
     points = [
         _point(setting, number, sampled, analytic, float(errors[number]), bool(as_good[number]))
-        for number in range(len(setting.d_max))
+        for number in range(cells)
     ]
-    return SweepCurve(setting.sigma(index), tuple(points[:-1]), best, points[-1])
+    table = points[-1] if setting.table is not None else None
+    return SweepCurve(setting.sigma(index), tuple(points[:grid]), best, points[grid], table)
 
 
 def _point(
@@ -154,9 +157,10 @@ def _point(
     else:
         assert expected is not None
         numbers, visits, arrived = (expected.cost, 0.0, float("nan")), expected.surfacings, Probability(1.0, 1.0, 1.0)
+    d_max = float(setting.d_max[number]) if number < len(setting.d_max) else float("nan")
     return SweepPoint(
-        d_max=float(setting.d_max[number]),
-        d_max_over_distance=float(setting.d_max[number] / setting.distance),
+        d_max=d_max,
+        d_max_over_distance=d_max / setting.distance,
         cost=numbers[0],
         standard_error=numbers[1],
         sd=numbers[2],

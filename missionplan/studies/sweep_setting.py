@@ -9,14 +9,16 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.mission import Navigation
+from missionplan.mission.phases import LegTable as WrittenLegTable
 from missionplan.mission.phases import TransitPhase
 from missionplan.mission.site import Position
 from missionplan.montecarlo.distributions import Distribution, mean_of
 from missionplan.montecarlo.streams import LegNormals
 from missionplan.phases.expectation import MAX_RATIO, TransitExpectation, expected_transit
+from missionplan.phases.legs import LegTable
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit_plan import Surroundings, TransitNormals, TransitPlan, VelocityError
-from missionplan.studies.setting import Setting
+from missionplan.studies.setting import Setting, leg_table
 from missionplan.studies.site_current import recorded_current
 
 Array = NDArray[np.float64]
@@ -84,6 +86,11 @@ class SweepSetting:
         """Its section `navigation`."""
         assert self.mission.navigation is not None
         return self.mission.navigation
+
+    @property
+    def table(self) -> LegTable | None:
+        """Legs that adapt to the distance left, where the transit has them instead of a d_max."""
+        return leg_table(self.phase.d_max) if isinstance(self.phase.d_max, WrittenLegTable) else None
 
     @property
     def speed(self) -> float:
@@ -158,11 +165,12 @@ class SweepSetting:
         return next((words for words, applies in obstacles.items() if applies), "")
 
     def analytic(self, index: int) -> tuple[TransitExpectation, ...]:
-        """Solve for the expected transit of every d_max of a curve."""
+        """Solve for the expected transit of every d_max of a curve, and of the table after them."""
         sigma = self.sigma(index)
+        lengths: list[float | LegTable] = [float(d_max) for d_max in self.d_max]
         return tuple(
-            expected_transit(self.distance, float(d_max), self.speed, self.arrival_radius, sigma, self.surfacing_time)
-            for d_max in self.d_max
+            expected_transit(self.distance, d_max, self.speed, self.arrival_radius, sigma, self.surfacing_time)
+            for d_max in [*lengths, *([self.table] if self.table is not None else [])]
         )
 
 

@@ -202,3 +202,17 @@ def test_sweep_and_plan_agree_on_the_best_d_max(mission, plan):
     curve = sweep_dmax(mission, method="analytic").curves[0]
     assert curve.best.cost >= plan.fixed_cost - 1e-9
     assert curve.best.cost == pytest.approx(plan.fixed_cost, abs=5e-4)
+
+
+def test_the_sweep_sets_a_table_beside_the_fixed_d_max(plan, tmp_path):
+    path = tmp_path / "mission.yaml"
+    path.write_text(plan.files()["mission-with-legs.yaml"], encoding="utf-8")
+    sweep = sweep_dmax(load(path), trials=4000)
+    curve = sweep.curves[0]
+    assert curve.table.cost_analytic == pytest.approx(plan.expected_cost, abs=1e-5)
+    assert curve.table.cost == pytest.approx(curve.table.cost_analytic, abs=3 * curve.table.standard_error)
+    assert curve.table.cost < curve.best.cost
+    summary = sweep.summary()["sweep"][0]["table"]
+    assert summary["cost"] == curve.table.cost
+    assert "d_max_m" not in summary
+    assert "table of legs" in (sweep.save(tmp_path / "out") / "report.html").read_text(encoding="utf-8")
