@@ -49,7 +49,7 @@ class Cell:
     excess_error: float
 
 
-def cell(current: float, time: float, trials: int = TRIALS) -> Cell:
+def cell(current: float, time: float, trials: int = TRIALS, *, fixed: bool = False) -> Cell:
     """Run every way on the same trials.
 
     Parameters
@@ -58,8 +58,11 @@ def cell(current: float, time: float, trials: int = TRIALS) -> Cell:
         Root mean square of the unknown mean current, normal on each axis and cut at 2.5 deviations [m/s].
     time : float
         Correlation time of the error that persists [s].
+    trials : int
+    fixed : bool
+        Whether a fixed d_max is all that may be chosen.
     """
-    best = [_best(way, current, time, trials) for way in WAYS]
+    best = [_best(way, current, time, trials, fixed) for way in WAYS]
     others = min(best[:-1], key=lambda costs: float(costs.mean()))
     excess = best[-1] - others
     return Cell(
@@ -69,10 +72,12 @@ def cell(current: float, time: float, trials: int = TRIALS) -> Cell:
     )
 
 
-def family(setting: SweepSetting) -> list[LegsAtSpeed]:
-    """Fixed d_max, and legs that adapt, for several errors and with first legs of several lengths."""
+def family(setting: SweepSetting, fixed: bool) -> list[LegsAtSpeed]:
+    """Fixed d_max; unless these are all, legs that adapt, for several errors and with first legs of several lengths."""
     lengths = [float(share * setting.distance) for share in SHARES]
     plans: list[float | LegTable] = [*lengths]
+    if fixed:
+        return [LegsAtSpeed(plan) for plan in plans]
     for table in tables(setting.distance, setting.speed, setting.arrival_radius, setting.surfacing_time):
         plans += [table, *(with_first_leg(table, setting.distance, length) for length in lengths)]
     return [LegsAtSpeed(plan) for plan in plans]
@@ -85,7 +90,7 @@ def tables(distance: float, speed: float, arrival_radius: float, surfacing_time:
     return [best_legs(distance, speed, arrival_radius, sigma, surfacing_time, base).legs for sigma in SIGMAS]
 
 
-def _best(way: str, current: float, time: float, trials: int) -> np.ndarray:
+def _best(way: str, current: float, time: float, trials: int, fixed: bool) -> np.ndarray:
     """Costs of the trials with the legs that are best for a way [%]."""
     sd = current / np.sqrt(2.0)
     spread = f"{{mean: 0 m/s, sd: {sd:.6f} m/s, low: {-2.5 * sd:.6f} m/s, high: {2.5 * sd:.6f} m/s}}"
@@ -94,19 +99,30 @@ def _best(way: str, current: float, time: float, trials: int) -> np.ndarray:
         path = Path(folder) / "mission.yaml"
         path.write_text(MISSION.format(component=component, way=way, time=time), encoding="utf-8")
         setting = replace(SweepSetting.of(load(path)), sigmas=(None,))
-    runs = run_plans(setting, family(setting), seed=1, block=0, size=trials)
+    runs = run_plans(setting, family(setting, fixed), seed=1, block=0, size=trials)
     costs = [100.0 * run.cost for run in runs if run.arrived.all()]
     return min(costs, key=lambda values: float(values.mean()))
 
 
 def main() -> None:
-    """Run the grid, print the table, draw the figure."""
+    """Run the grid with the best legs and with the best fixed d_max, print the tables, draw the figure of the first."""
     grid = {(current, time): cell(current, time) for current in CURRENTS for time in TIMES}
+    print_table(grid)
+    draw(grid)
+    print_table({(current, time): cell(current, time, fixed=True) for current in CURRENTS for time in TIMES})
+
+
+def print_table(grid: dict[tuple[float, float], Cell]) -> None:
+    """Print a grid as Markdown."""
     print("| mean current, m/s | persists for, s | " + " | ".join(WAYS) + " | filter less the best other |")
     print("|" + "---|" * (len(WAYS) + 3))
     for (current, time), found in grid.items():
         costs = " | ".join(f"{cost:.2f} %" for cost in found.costs)
         print(f"| {current:g} | {time:g} | {costs} | {found.excess:+.3f} ± {found.excess_error:.3f} % |")
+
+
+def draw(grid: dict[tuple[float, float], Cell]) -> None:
+    """Draw the cost of each way against persistence, a panel for each mean current."""
     figure, panels = plt.subplots(1, len(CURRENTS), sharey=True, figsize=(9.0, 3.4))
     for axes, current in zip(panels, CURRENTS, strict=True):
         for number, way in enumerate(WAYS):
