@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 KINDS = ("descent", "transit", "drag", "free-oscillation", "thruster", "propeller-transient", "summary")
 DIAGNOSED = ("descent", "transit", "summary")
+TANK = ("drag", "free-oscillation", "thruster", "propeller-transient")
 MAX_BYTES = 2_000_000_000
 SHOWN = 5
 """Bad cells of one column that are named one by one; the rest are counted."""
@@ -105,7 +106,6 @@ def _check_keys(document: Document, columns: Mapping[str, Any]) -> list[Problem]
             document.problem(
                 ("kind",),
                 f"a data set of kind {kind} cannot be diagnosed; expected one of {', '.join(columns)}",
-                "`missionplan identify` reads tank data" if kind not in DIAGNOSED else "",
             )
         )
     file = data.get("file")

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from missionplan.diagnose.data import TANK
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission, load
 from missionplan.mission.phases import MoorPhase
@@ -37,6 +38,8 @@ def decide(kind: str, base: Mission, extended: Mapping[str, Any], *, seed: int, 
         ``before`` and ``after``, and ``base_choice_under_extended``: how the base model's choice fares when the
         extended model is true; or ``reason`` why there is no plan to compare.
     """
+    if kind in TANK and not (base.moors and base.vehicle and base.vehicle.anchor):
+        return {"before": {}, "after": {}, "reason": "no mooring's anchor, whose choice the tank's data could change"}
     try:
         after = load_data(extended)
         choose = _leg_length if kind == "transit" else _anchor

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.diagnose.binding import descent_model, summary_model, transit_model
-from missionplan.diagnose.data import DIAGNOSED
+from missionplan.diagnose.data import DIAGNOSED, TANK
 from missionplan.diagnose.decision import decide
 from missionplan.diagnose.descent_data import read_descent
 from missionplan.diagnose.descent_model import DescentModel
@@ -33,6 +33,11 @@ from missionplan.diagnose.tables import (
     transit_residuals,
     transit_share,
 )
+from missionplan.diagnose.tank_extension import extended_tank_mission
+from missionplan.diagnose.tank_forward import bind
+from missionplan.diagnose.tank_model import TankModel
+from missionplan.diagnose.tank_rows import TankSet, read_tank
+from missionplan.diagnose.tank_tables import tank_misfit, tank_residuals, tank_share
 from missionplan.diagnose.transit_data import TransitData, read_transit
 from missionplan.diagnose.transit_model import TransitModel
 from missionplan.errors import InputError
@@ -75,7 +80,7 @@ def diagnose(
     mission : Mission
         The base model.
     dataset : str or Path
-        Folder of a data set of kind ``transit``, ``descent`` or ``summary``.
+        Folder of a data set of any kind.
     seed : int, optional
         Of the plans before and after; default the mission's. The diagnosis itself draws nothing.
     jobs : int
@@ -99,9 +104,7 @@ def diagnose(
     stage("data read")
     found = examine(model, lambda what, done, of: stage(what))
     described = _Described(model, found)
-    extended = extended_mission(
-        mission.raw, found.best.estimates, found.best.calibration, data if isinstance(data, TransitData) else None
-    )
+    extended = _extended(mission, found.best, data)
     stage("next measurements")
     first, rivals = found.best, [rival.fit for rival in found.claimed.rivals[:SEPARATED]] if found.claimed else []
     separations = next_measurements(model, first, rivals)
@@ -159,7 +162,14 @@ class _Stages:
             self._progress(self._done, STAGES)
 
 
-def _bind(folder: Path, mission: Mission, seed: int) -> tuple[TransitModel | DescentModel, Any, str]:
+def _extended(mission: Mission, best: Fit, data: Any) -> dict[str, Any]:
+    if isinstance(data, TankSet):
+        return extended_tank_mission(mission, best.estimates, best.calibration, data)
+    legs = data if isinstance(data, TransitData) else None
+    return extended_mission(mission.raw, best.estimates, best.calibration, legs)
+
+
+def _bind(folder: Path, mission: Mission, seed: int) -> tuple[TransitModel | DescentModel | TankModel, Any, str]:
     """Read the data set and bind the mission to it."""
     document = load_document(folder / "dataset.yaml")
     kind = document.data.get("kind") if isinstance(document.data, dict) else None
@@ -172,19 +182,24 @@ def _bind(folder: Path, mission: Mission, seed: int) -> tuple[TransitModel | Des
     if kind == "summary":
         tests = read_summary(folder, mission)
         return summary_model(tests, mission), tests, kind
-    message = f"given {kind!r}, expected one of {', '.join(DIAGNOSED)}"
-    raise InputError([document.problem(("kind",), message, "`missionplan identify` reads tank data")])
+    if kind in TANK:
+        tank = read_tank(folder)
+        return TankModel(bind(tank.tank, mission)), tank, kind
+    message = f"given {kind!r}, expected one of {', '.join((*DIAGNOSED, *TANK))}"
+    raise InputError([document.problem(("kind",), message)])
 
 
 class _Described:
     """An examination in the words and tables of the result."""
 
-    def __init__(self, model: TransitModel | DescentModel, found: Examination) -> None:
+    def __init__(self, model: TransitModel | DescentModel | TankModel, found: Examination) -> None:
         self._model, self._found = model, found
         base, best = found.selection.base, found.best
         self.residuals: pd.DataFrame
         if isinstance(model, TransitModel):
             self.residuals = transit_residuals(model, base, best)
+        elif isinstance(model, TankModel):
+            self.residuals = tank_residuals(model, best)
         else:
             self.residuals = descent_residuals(model, base, best)
 
@@ -192,6 +207,8 @@ class _Described:
         """Size of the misfit in the planner's terms."""
         if isinstance(self._model, TransitModel):
             return transit_misfit(self._model)
+        if isinstance(self._model, TankModel):
+            return tank_misfit(self._model, self.residuals)
         return (summary_misfit if isinstance(self._model, SummaryModel) else descent_misfit)(self.residuals)
 
     def ranking(self) -> tuple[RankedSet, ...]:
@@ -213,6 +230,8 @@ class _Described:
     def _share(self, fit: Fit) -> float:
         if isinstance(self._model, TransitModel):
             return transit_share(self._model, fit)
+        if isinstance(self._model, TankModel):
+            return tank_share(self.residuals, fit)
         return descent_share(self._model, self._found.selection.base, fit)
 
     def scores(self) -> tuple[GroupScore, ...]:

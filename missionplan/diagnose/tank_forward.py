@@ -3,12 +3,11 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.diagnose.tank_rows import blocks, thinned
+from missionplan.diagnose.tank_rows import blocks
 from missionplan.effects import CATALOGUE, Effect, TankEffect
 from missionplan.effects.drag_bias import DragBias
 from missionplan.errors import InputError, Problem
@@ -102,7 +101,6 @@ def bind(data: TankData, mission: Mission) -> TankForward:
     InputError
         When the data hold as many unknowns as numbers.
     """
-    data = thinned(data)
     settings, vehicle = data.settings, mission.vehicle
     if isinstance(settings, DragSettings):
         plain = _drag(data, settings, vehicle, 1.0)
@@ -135,7 +133,7 @@ def _drag(data: TankData, settings: DragSettings, vehicle: Vehicle | None, faste
     known = vehicle.drag if vehicle is not None else None
     speed, force = faster * data.columns["speed_m_s"], data.columns["force_n"]
     reynolds = np.asarray(reynolds_number(speed, settings.reference_length, data.viscosity))
-    middle = known.at_reynolds if known is not None and known.at_reynolds else middle_reynolds(reynolds)
+    middle = drag_reynolds(data, settings, vehicle)
     exponent = mean_of(known.exponent) if known is not None else 0.0
     area = settings.reference_area if known is None else known.area / settings.scale**2
     unit = np.asarray(drag_force(speed, reynolds_drag_coefficient(reynolds, 1.0, exponent, middle), area, data.density))
@@ -166,9 +164,12 @@ def _drag(data: TankData, settings: DragSettings, vehicle: Vehicle | None, faste
     )
 
 
-def middle_reynolds(reynolds: Array) -> float:
-    """Geometric mean of the Reynolds numbers towed at, to two figures."""
-    return float(f"{np.exp(np.mean(np.log(reynolds))):.2g}")
+def drag_reynolds(data: TankData, settings: DragSettings, vehicle: Vehicle | None) -> float:
+    """Re₀ at which the coefficient is stated: the vehicle's, else the geometric mean of those towed, to two figures."""
+    if vehicle is not None and vehicle.drag is not None and vehicle.drag.at_reynolds is not None:
+        return vehicle.drag.at_reynolds
+    towed = reynolds_number(data.columns["speed_m_s"], settings.reference_length, data.viscosity)
+    return float(f"{np.exp(np.mean(np.log(towed))):.2g}")
 
 
 def _oscillation(data: TankData, settings: OscillationSettings, vehicle: Vehicle | None, larger: float) -> TankForward:
@@ -300,4 +301,4 @@ def _propeller(data: TankData, settings: PropellerSettings) -> TankForward:
 
 def made(effects: Mapping[str, Mapping[str, Scalars]]) -> list[Effect]:
     """Effects from their parameters."""
-    return [cast(Effect, CATALOGUE[name].make(parameters)) for name, parameters in effects.items()]
+    return [CATALOGUE[name].make(parameters) for name, parameters in effects.items()]

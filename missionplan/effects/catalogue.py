@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 from missionplan.effects import (
     added_mass,
+    axial_flow,
     broadside_start,
     clock_offset,
     compass_bias,
@@ -16,15 +17,19 @@ from missionplan.effects import (
     fix_error,
     heavy_tails,
     inertial_current,
+    jet_suction,
     line_payout,
     mean_current,
     persistent_error,
+    quadratic_damping,
     random_walk,
+    reynolds_drag,
     sensor_lag,
     slow_flooding,
     speed_scale,
     stratification,
     surface_drift,
+    thrust_asymmetry,
     tidal_current,
     trapped_gas,
     vertical_current,
@@ -56,10 +61,15 @@ _FILES = (
     fix_error,
     heavy_tails,
     current_shear,
+    reynolds_drag,
+    quadratic_damping,
+    jet_suction,
+    thrust_asymmetry,
+    axial_flow,
 )
 
 CATALOGUE: Mapping[str, EffectInfo] = MappingProxyType({file.INFO.id: file.INFO for file in _FILES})
-"""Effects of the descent, then of the transit, by name."""
+"""Effects of the descent, then of the transit, then of the tank alone, by name."""
 
 
 def effects_of(phase: Phase) -> tuple[EffectInfo, ...]:

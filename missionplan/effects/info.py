@@ -5,10 +5,34 @@ from dataclasses import dataclass
 from math import inf
 from typing import Literal
 
-from missionplan.phases.hooks import DescentEffect, Scalars, TransitEffect
+from missionplan.phases.hooks import Array, DescentEffect, Scalars, TransitEffect
 
-Phase = Literal["transit", "descent"]
+Phase = Literal["transit", "descent", "tank"]
 Tier = Literal["physical", "statistical"]
+
+
+@dataclass(frozen=True)
+class TankEffect:
+    """Neutral base of effects that the tank alone shows; it shows a descent's `drag-bias` and `added-mass` too."""
+
+    def drag_factor(self, reynolds_ratio: Array) -> Array | float:
+        """Return the factor on the drag coefficient, from Re/Re₀."""
+        return 1.0
+
+    def thrust_factor(self, command: Array, jet_ratio: Array) -> Array | float:
+        """Return the factor on static thrust, from the command and the vehicle's speed over the jet's."""
+        return 1.0
+
+    def damping(self) -> Scalars:
+        """Return quadratic damping over the total mass [1/m]."""
+        return 0.0
+
+    def flow_mass_factor(self) -> Scalars:
+        """Return the mass of the flow in the disc over ρ A_p D; 0 where it follows at once."""
+        return 0.0
+
+
+Effect = TransitEffect | DescentEffect | TankEffect
 
 
 @dataclass(frozen=True)
@@ -89,7 +113,7 @@ class EffectInfo:
     id: str
     phase: Phase
     tier: Tier
-    effect: type[TransitEffect] | type[DescentEffect]
+    effect: type[TransitEffect] | type[DescentEffect] | type[TankEffect]
     parameters: Mapping[str, Parameter]
     what: str
     sizes: str
@@ -98,7 +122,7 @@ class EffectInfo:
     changes_plan: bool = True
     polar: tuple[tuple[str, str], ...] = ()
 
-    def make(self, values: Mapping[str, Scalars]) -> TransitEffect | DescentEffect:
+    def make(self, values: Mapping[str, Scalars]) -> Effect:
         """Build the effect from parameters by their names; those left out take their defaults.
 
         Raises

@@ -11,6 +11,7 @@ from missionplan.report.diagnosis_figures import (
     residual_figures,
 )
 from missionplan.report.page import Block, Figure, Page, Section, Table, Terminal
+from missionplan.report.tank_figures import TANK_UNITS
 from missionplan.results.diagnosis import Diagnosis, ParameterEstimate, RankedSet
 
 _PHRASES = {
@@ -18,7 +19,7 @@ _PHRASES = {
     "unexplained": "Something is left that no cause of the catalogue explains, structured along {axis}.",
 }
 _STATISTICAL = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
-_UNITS = {"transit": "m/s", "descent": "m", "summary": "SI"}
+_UNITS = {"transit": "m/s", "descent": "m", "summary": "SI", **TANK_UNITS}
 
 
 def page(diagnosis: Diagnosis) -> Page:

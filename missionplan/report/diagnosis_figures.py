@@ -7,6 +7,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from numpy.typing import NDArray
 
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.report.tank_figures import TANK_UNITS, tank_figure, tank_residual_figure
 from missionplan.results.diagnosis import Diagnosis
 
 Array = NDArray[np.float64]
@@ -16,6 +17,8 @@ _LISTED = 8
 
 def main_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the data against the base and the extended model."""
+    if diagnosis.kind in TANK_UNITS:
+        return tank_figure(diagnosis)
     if diagnosis.kind == "transit":
         return _legs(diagnosis)
     return _dives(diagnosis) if diagnosis.kind == "descent" else _numbers(diagnosis)
@@ -113,6 +116,8 @@ def residual_figures(diagnosis: Diagnosis) -> list[Figure]:
     """Draw what is left before and after, against the axes that matter to the kind of data."""
     if diagnosis.kind == "summary":
         return []
+    if diagnosis.kind in TANK_UNITS:
+        return [tank_residual_figure(diagnosis)]
     table = diagnosis.residuals
     if diagnosis.kind == "transit":
         pairs = [

@@ -89,7 +89,7 @@ def _from_record(data: TankData) -> Findings:
     time, record = data.columns["t_s"], data.columns["displacement_m"]
     noise = data.settings.noise.displacement
     record_sd = None if noise is None else np.full_like(record, noise)
-    parameters = _start(time, record)
+    parameters = starting_values(time, record)
 
     def linear(values: Array) -> Array:
         f, start, velocity, offset, delta = values
@@ -121,7 +121,7 @@ def _from_record(data: TankData) -> Findings:
     )
 
 
-def _start(time: Array, record: Array) -> list[Parameter]:
+def starting_values(time: Array, record: Array) -> list[Parameter]:
     """Starting values: the strongest frequency of the record, its first sample and its mean."""
     step = float(np.median(np.diff(time)))
     even = np.arange(time[0], time[-1], step)

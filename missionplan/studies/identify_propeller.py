@@ -30,7 +30,7 @@ def identify_propeller(data: TankData) -> Findings:
     """
     settings = data.settings
     assert isinstance(settings, PropellerSettings)
-    run = _Run(data, settings.geometry)
+    run = TransientRun(data, settings.geometry)
     measured = data.columns["thrust_n"]
     noise = settings.noise.thrust
     thrust_sd = None if noise is None else np.full_like(measured, noise)
@@ -79,7 +79,7 @@ def _fragment(geometry: PropellerGeometry, fits: tuple[Fit, ...], level: float, 
     return fragment
 
 
-class _Run:
+class TransientRun:
     """The measured run, and the thrust that a propeller would make in it."""
 
     def __init__(self, data: TankData, geometry: PropellerGeometry) -> None:

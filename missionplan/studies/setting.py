@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from missionplan.effects import CATALOGUE
+from missionplan.effects import CATALOGUE, Effect
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.phases import LegTable as WrittenLegTable
@@ -266,7 +266,7 @@ class Setting:
         return self.mission.vehicle
 
     @cached_property
-    def _effects(self) -> tuple[TransitEffect | DescentEffect, ...]:
+    def _effects(self) -> tuple[Effect, ...]:
         return tuple(
             CATALOGUE[entry.effect].make({key: self[f"effects.{entry.effect}.{key}"] for key in entry.parameters})
             for entry in self.mission.effects

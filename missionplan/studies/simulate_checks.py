@@ -108,7 +108,8 @@ def notices(mission: Mission, means: Setting) -> tuple[str, ...]:
     found += [words for phase in mission.transits if (words := _drift_notice(means, phase))]
     for entry in mission.effects:
         if not CATALOGUE[entry.effect].changes_plan:
-            found.append(f"{entry.effect} acts on a reading alone: it is carried and does not change the plan.")
+            where = "shows in the tank alone" if CATALOGUE[entry.effect].phase == "tank" else "acts on a reading alone"
+            found.append(f"{entry.effect} {where}: it is carried and does not change the plan.")
     return (*found, *_anchor_notices(mission, means))
 
 

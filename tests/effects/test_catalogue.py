@@ -31,6 +31,11 @@ CONTRACT = {
     "random-walk": ["rate"],
     "fix-error": ["sd"],
     "heavy-tails": ["dof"],
+    "reynolds-drag": ["exponent"],
+    "quadratic-damping": ["rate"],
+    "jet-suction": ["decay"],
+    "thrust-asymmetry": ["fraction"],
+    "axial-flow": ["mass_factor"],
 }
 
 
@@ -48,7 +53,7 @@ def legs(n=7, latitude=0.5):
 
 
 def test_names_are_the_contract():
-    assert len(CATALOGUE) == 24
+    assert len(CATALOGUE) == 29
     assert len(effects_of("descent")) == len(effects_of("transit")) == 12
     for name, parameters in CONTRACT.items():
         assert list(CATALOGUE[name].parameters) == parameters

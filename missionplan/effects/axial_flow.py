@@ -1,0 +1,35 @@
+"""Water in the propeller's disc that takes time to gather speed (Blanke, Lindegaard & Fossen 2000)."""
+
+from dataclasses import dataclass
+
+from missionplan.effects.info import EffectInfo, Parameter, TankEffect
+from missionplan.phases.hooks import Scalars
+
+
+@dataclass(frozen=True)
+class AxialFlow(TankEffect):
+    """Flow in the disc with dynamics of its own, its mass `mass_factor`·ρ A_p D (γ of the paper's m_f)."""
+
+    mass_factor: Scalars = 1.0
+
+    def flow_mass_factor(self) -> Scalars:
+        """Return m_f over ρ A_p D."""
+        return self.mass_factor
+
+
+INFO = EffectInfo(
+    id="axial-flow",
+    phase="tank",
+    tier="physical",
+    effect=AxialFlow,
+    parameters={
+        "mass_factor": Parameter(
+            "", "water that moves with the disc over ρ A_p D", 0.02, 50.0, median=1.0, factor=3.0, default=1.0
+        )
+    },
+    what="After a change of shaft rate thrust overshoots until the flow in the disc has caught up.",
+    sizes="The paper leaves the factor open; a disc diameter of water is 1.",
+    confused_with=(),
+    told_apart_by="Steps of shaft rate, thrust sampled several times within the flow's settling time.",
+    changes_plan=False,
+)

@@ -1,0 +1,32 @@
+"""A tunnel thruster's jet that bends back along the hull and sucks at it (Palmer, Hearn & Stevenson 2009)."""
+
+from dataclasses import dataclass
+
+from missionplan.effects.info import EffectInfo, Parameter, TankEffect
+from missionplan.phases.hooks import Array, Scalars
+from missionplan.physics.tunnel_thruster import force_factor
+
+
+@dataclass(frozen=True)
+class JetSuction(TankEffect):
+    """Static force times exp(-`decay`·(u/u_j)²), Eq. 4."""
+
+    decay: Scalars = 0.0
+
+    def thrust_factor(self, command: Array, jet_ratio: Array) -> Array | float:
+        """Return the share of the static force that the vehicle feels."""
+        return force_factor(jet_ratio, self.decay)
+
+
+INFO = EffectInfo(
+    id="jet-suction",
+    phase="tank",
+    tier="physical",
+    effect=JetSuction,
+    parameters={"decay": Parameter("", "c of K_F = exp(-c(u/u_j)²)", 0.0, 50.0, scale=5.0, spike=0.05)},
+    what="Under way the jet lowers the pressure on the hull beside it: the vehicle feels less than the static thrust.",
+    sizes="c of 3 for an aft thruster to 7 for a forward one (Palmer et al.).",
+    confused_with=("thrust-asymmetry",),
+    told_apart_by="Thrust at rest and at two speeds ahead, with the same shaft rates either way.",
+    changes_plan=False,
+)

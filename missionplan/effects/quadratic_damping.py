@@ -1,0 +1,31 @@
+"""Damping of an oscillation that grows with its speed."""
+
+from dataclasses import dataclass
+
+from missionplan.effects.info import EffectInfo, Parameter, TankEffect
+from missionplan.phases.hooks import Scalars
+
+
+@dataclass(frozen=True)
+class QuadraticDamping(TankEffect):
+    """Deceleration `rate`·ẋ|ẋ| of the oscillating mass [1/m]: the drag ½ρAC_D over mass and added mass."""
+
+    rate: Scalars = 0.0
+
+    def damping(self) -> Scalars:
+        """Return β of ẍ + 2δẋ + βẋ|ẋ| + ω²x = 0 [1/m]."""
+        return self.rate
+
+
+INFO = EffectInfo(
+    id="quadratic-damping",
+    phase="tank",
+    tier="physical",
+    effect=QuadraticDamping,
+    parameters={"rate": Parameter("1/m", "quadratic damping over the total mass", 0.0, 50.0, scale=2.0, spike=0.02)},
+    what="Separated flow: large swings die away faster than small ones.",
+    sizes="C_D/4 over the body's length: 0.1 to 5 1/m for models of 0.2 to 1 m.",
+    confused_with=("added-mass",),
+    told_apart_by="Releases from several displacements: linear damping takes the same share of each swing.",
+    changes_plan=False,
+)

@@ -1,0 +1,33 @@
+"""A drag coefficient that changes with the Reynolds number."""
+
+from dataclasses import dataclass
+
+from missionplan.effects.info import EffectInfo, Parameter, TankEffect
+from missionplan.phases.hooks import Array, Scalars
+
+
+@dataclass(frozen=True)
+class ReynoldsDrag(TankEffect):
+    """Drag coefficient times (Re/Re₀)^`exponent`, Re₀ being where the vehicle's coefficient is stated."""
+
+    exponent: Scalars = 0.0
+
+    def drag_factor(self, reynolds_ratio: Array) -> Array | float:
+        """Return the factor on the drag coefficient."""
+        return reynolds_ratio**self.exponent
+
+
+INFO = EffectInfo(
+    id="reynolds-drag",
+    phase="tank",
+    tier="physical",
+    effect=ReynoldsDrag,
+    parameters={
+        "exponent": Parameter("", "power of Re that C_D follows, falling negative", -1.0, 1.0, scale=0.15, spike=0.01)
+    },
+    what="Friction or a boundary layer that is not yet turbulent: C_D is not the same at all speeds towed.",
+    sizes="Turbulent friction follows Re to the -1/6, laminar Re to the -1/2; bluff bodies none.",
+    confused_with=("drag-bias",),
+    told_apart_by="Towing over a wider range of speeds: a bias is the same at all of them.",
+    changes_plan=False,
+)

@@ -1,0 +1,35 @@
+"""A thruster that pushes less one way than the other."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.effects.info import EffectInfo, Parameter, TankEffect
+from missionplan.phases.hooks import Array, Scalars
+
+
+@dataclass(frozen=True)
+class ThrustAsymmetry(TankEffect):
+    """Thrust for negative commands times 1 - `fraction`."""
+
+    fraction: Scalars = 0.0
+
+    def thrust_factor(self, command: Array, jet_ratio: Array) -> Array | float:
+        """Return the factor on the static force."""
+        return np.where(command < 0.0, 1.0 - np.asarray(self.fraction), 1.0)
+
+
+INFO = EffectInfo(
+    id="thrust-asymmetry",
+    phase="tank",
+    tier="physical",
+    effect=ThrustAsymmetry,
+    parameters={
+        "fraction": Parameter("", "share of its thrust that it lacks astern", -2.0, 0.95, scale=0.25, spike=0.01)
+    },
+    what="Blades, nozzle and hub are made for one direction: astern the same command gives another thrust.",
+    sizes="A third less astern for the thruster of Avila et al.; 0 to 40 %.",
+    confused_with=("jet-suction",),
+    told_apart_by="Bollard pull with the same commands ahead and astern.",
+    changes_plan=False,
+)
