@@ -47,6 +47,8 @@ class DiveLog:
         Times within the bins [s]: a model is averaged over them as the readings were.
     bins : array of int, shape (f,)
         Bin of each of them.
+    shares : array, shape (f,)
+        Weight of each in its bin's mean.
     wet_weight, line_length, site_depth : float
         Of this dive [N, m, m].
     """
@@ -57,6 +59,7 @@ class DiveLog:
     sd: Array
     fine: Array
     bins: NDArray[np.int_]
+    shares: Array
     wet_weight: float
     line_length: float
     site_depth: float
@@ -233,9 +236,10 @@ def binned(
     inner = [piece for part in parts for piece in np.array_split(part, min(len(part), FINE))]
     fine = np.array([t[piece].mean() for piece in inner])
     bins = np.repeat(np.arange(len(parts)), np.minimum(counts, FINE))
+    shares = np.array([len(piece) for piece in inner]) / counts[bins]
     times, depths = (np.array([values[part].mean() for part in parts]) for values in (t, depth))
     sd = np.maximum(noise / np.sqrt(counts), LEAST_NOISE)
-    return DiveLog(name, times, depths, sd, fine, bins, wet_weight, line_length, site_depth)
+    return DiveLog(name, times, depths, sd, fine, bins, shares, wet_weight, line_length, site_depth)
 
 
 def _suspicions(deepest: Mapping[str, tuple[float, float]], dives: Sequence[DiveLog]) -> list[str]:

@@ -110,8 +110,7 @@ class DescentForward:
 def _averaged(log: DiveLog, depths: Array) -> Array:
     """Average depths at a log's fine times over its bins, shape (m, settings)."""
     starts = np.searchsorted(log.bins, np.arange(len(log.t)))
-    counts = np.diff(starts, append=len(log.fine))
-    return np.asarray(np.add.reduceat(depths[: len(log.fine)], starts, axis=0) / counts[:, None])
+    return np.asarray(np.add.reduceat(log.shares[:, None] * depths[: len(log.fine)], starts, axis=0))
 
 
 def limits(coordinate: Coordinate) -> tuple[float, float]:

@@ -44,14 +44,16 @@ def _timed(forward: DescentForward, log: DiveLog) -> DiveLog:
     """Sample a dive evenly until the base model nears touchdown."""
     grid = np.linspace(0.0, LONGEST, 600)
     places = np.arange(600)
-    whole = replace(log, t=grid, depth=np.zeros(600), sd=np.ones(600), fine=grid, bins=places)
+    whole = replace(log, t=grid, depth=np.zeros(600), sd=np.ones(600), fine=grid, bins=places, shares=np.ones(600))
     none: tuple[Coordinate, ...] = ()
     depth = replace(forward, logs=(whole,)).readings(none, np.zeros((0, 1)))[:, 0]
     near = np.flatnonzero(depth > (1.0 - MARGIN) * (log.site_depth - log.line_length))
     end = grid[near[0]] if len(near) else LONGEST
     times = np.linspace(0.0, float(end), MOST_SAMPLES)
     sd = np.full(MOST_SAMPLES, float(np.median(log.sd)))
-    return replace(log, t=times, depth=0.0 * times, sd=sd, fine=times, bins=np.arange(MOST_SAMPLES))
+    return replace(
+        log, t=times, depth=0.0 * times, sd=sd, fine=times, bins=np.arange(MOST_SAMPLES), shares=np.ones(MOST_SAMPLES)
+    )
 
 
 def filled(logs: tuple[DiveLog, ...], readings: Array) -> tuple[DiveLog, ...]:

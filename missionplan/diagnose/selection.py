@@ -110,7 +110,7 @@ def select(model: Model, progress: Progress = lambda what, done, of: None) -> Se
             if size == 1:
                 alone[fit.causes[0]] = fit
         best = sorted(tried.values(), key=lambda candidate: -candidate.score)
-        frontier = [candidate for candidate in best if len(candidate.causes) == size][:BEAM]
+        frontier = [c for c in best if len(c.causes) == size and (size == 1 or _earned(c, tried))][:BEAM]
         if not frontier or frontier[0].score < best[0].score - PRICE or best[0].score <= 0.0:
             break
     possible = [candidate for candidate in best if candidate.fit.possible and _earned(candidate, tried)]

@@ -31,7 +31,16 @@ def as_log(test: TestSummary) -> DiveLog:
     zeros = np.zeros(len(test.values))
     places = np.arange(len(zeros))
     return DiveLog(
-        test.name, zeros, test.values, test.sd, zeros, places, test.wet_weight, test.line_length, test.site_depth
+        test.name,
+        zeros,
+        test.values,
+        test.sd,
+        zeros,
+        places,
+        np.ones(len(zeros)),
+        test.wet_weight,
+        test.line_length,
+        test.site_depth,
     )
 
 

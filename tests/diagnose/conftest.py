@@ -80,7 +80,7 @@ def legs():
     return make_legs
 
 
-def make_legs(n=60, seed=1, sigma=0.03, error=None):
+def make_legs(n=48, seed=1, sigma=0.03, error=None):
     """Legs on a wandering course with independent errors, and what `error(t, heading)` adds [m/s]."""
     rng = np.random.default_rng(seed)
     duration = rng.uniform(500.0, 1100.0, n)

@@ -15,7 +15,7 @@ def problems(excinfo):
 
 def test_reads_legs(folder, transit_mission, legs):
     data = read_transit(folder(KIND, legs()), transit_mission)
-    assert data.n == 60
+    assert data.n == 48
     assert data.fix_sd == 3.0
     assert data.latitude == pytest.approx(np.radians(37.0))
     assert np.sqrt(np.mean(data.velocity_error**2)) == pytest.approx(0.03, rel=0.2)
@@ -71,7 +71,7 @@ def test_blank_and_marked_rows_are_left_out_with_a_notice(folder, transit_missio
     table.loc[:2, "ok"] = 0
     table.loc[10, "x_end_m"] = np.nan
     data = read_transit(folder(KIND, table), transit_mission)
-    assert data.n == 56
+    assert data.n == 44
     assert any("3 rows left out as marked" in notice for notice in data.notices)
     assert any("1 legs without all of their times" in notice for notice in data.notices)
 

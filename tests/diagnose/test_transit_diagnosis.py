@@ -36,7 +36,7 @@ def test_legs_that_share_a_fix_share_its_error(folder, transit_mission, legs):
     bound = model(folder, transit_mission, table)
     noise = bound.noise({("", "sigma_v"): 0.03, ("", "fix_sd"): 5.0})
     duration = bound.data.under_way
-    assert noise.shape == (1, 60, 60)
+    assert noise.shape == (1, 48, 48)
     np.testing.assert_allclose(noise[0, 0, 1], -25.0 / (duration[0] * duration[1]))
 
 
@@ -66,6 +66,7 @@ def test_effect_free_legs_are_adequate(quick, legs):
     assert () in found.credible_set
 
 
+@pytest.mark.slow
 def test_calibration_is_no_cause(quick, legs):
     found = quick(legs(sigma=0.045))
     assert found.verdict == "adequate"
@@ -77,10 +78,15 @@ def test_calibration_is_no_cause(quick, legs):
     [
         ("mean-current", lambda t, heading: np.array([[0.08], [-0.05]]) + 0.0 * t),
         ("speed-scale", lambda t, heading: 0.07 * 1.2 * np.stack([np.sin(heading), np.cos(heading)])),
-        ("compass-bias", lambda t, heading: 1.2 * np.radians(5.0) * np.stack([np.cos(heading), -np.sin(heading)])),
-        (
+        pytest.param(
+            "compass-bias",
+            lambda t, heading: 1.2 * np.radians(5.0) * np.stack([np.cos(heading), -np.sin(heading)]),
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
             "tidal-current",
             lambda t, heading: np.stack([0.1 * np.cos(t * 1.405e-4), 0.08 * np.sin(t * 1.405e-4)]),
+            marks=pytest.mark.slow,
         ),
     ],
 )
@@ -102,6 +108,7 @@ def test_parameters_and_extended_mission(quick, legs):
     assert extended.effects[0].parameters["east"].sd == pytest.approx(east.sd, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_diagnosis_of_the_extended_mission_finds_nothing_more(folder, transit_mission, legs):
     place = folder(KIND, legs(error=lambda t, heading: np.array([[0.08], [-0.05]]) + 0.0 * t))
     first = diagnose(transit_mission, place, plan=False)

@@ -1,0 +1,102 @@
+"""Dive logs end to end, against readings of the phase itself with noise and dive-to-dive scatter."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from missionplan.diagnose.binding import descent_model
+from missionplan.diagnose.descent_data import DescentData, binned
+from missionplan.diagnose.descent_noise import NOMINAL, caricature, dive_covariance
+from missionplan.diagnose.examination import examine
+from missionplan.effects import CATALOGUE
+from missionplan.phases.readings import simulate_readings
+
+WEIGHTS, LINES = np.array([9.0, 12.0, 16.0, 20.0]), np.array([3.0, 5.0, 7.0, 4.0])
+
+
+@pytest.fixture
+def measured(descent_mission):
+    """Bind the mission to dives of the phase with one effect."""
+
+    def make(name=None, lines=LINES, **parameters):
+        rng = np.random.default_rng(8)
+        times = np.tile(np.linspace(0.0, 13.0, 66)[:, None], (1, len(WEIGHTS)))
+        empty = tuple(
+            binned(f"dive-{k}", times[:, k], times[:, k], 0.03, WEIGHTS[k], lines[k], 60.0) for k in range(len(WEIGHTS))
+        )
+        forward = descent_model(DescentData("", "", empty, ()), descent_mission).forward
+        effects = [CATALOGUE[name].make(parameters)] if name else []
+        late = rng.normal(0.0, 0.05, len(WEIGHTS))
+        dive = replace(forward.dive, wet_weight=forward.dive.wet_weight * (1.0 + rng.normal(0.0, 0.006, len(WEIGHTS))))
+        depth = simulate_readings(dive, times - late, effects=effects) + rng.normal(0.0, 0.03, times.shape)
+        logs = tuple(
+            binned(log.name, times[:, k], depth[:, k], 0.03, log.wet_weight, log.line_length, 60.0)
+            for k, log in enumerate(empty)
+        )
+        return descent_model(DescentData("", "", logs, ()), descent_mission)
+
+    return make
+
+
+def test_readings_of_many_settings_are_those_of_each(measured):
+    model = measured()
+    values = np.stack([model.centre, model.centre + 0.1], axis=1)
+    both = model.forward.readings(model.coordinates, values)
+    for column in (0, 1):
+        one = model.forward.readings(model.coordinates, values[:, column : column + 1])
+        np.testing.assert_allclose(both[:, column], one[:, 0], atol=1e-9)
+
+
+def test_covariance_of_a_dive():
+    t = np.array([0.0, 1.0, 2.0])
+    sensitivities = np.array([[0.0, 1.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0]])
+    found = dive_covariance(t, np.full(3, 0.1), sensitivities, np.zeros(3), NOMINAL)
+    expected = 0.01 * np.eye(3) + 0.01 * np.outer(t, t) + 0.0025 + NOMINAL.walk * np.minimum.outer(t, t)
+    np.testing.assert_allclose(found, expected)
+    np.testing.assert_allclose(np.diag(caricature(t, np.full(3, 2.0))), (0.02 * 2.0) ** 2)
+
+
+def test_effect_free_dives_are_adequate(measured):
+    assert examine(measured()).verdict == "adequate"
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("drag-bias", {"fraction": 0.35}),
+        pytest.param("line-payout", {"delay_per_length": 0.25}, marks=pytest.mark.slow),
+        pytest.param("slow-flooding", {"fraction": 0.4, "time": 4.0}, marks=pytest.mark.slow),
+        pytest.param("trapped-gas", {"lift": 2.5}, marks=pytest.mark.slow),
+        pytest.param("stratification", {"lift": 2.0, "depth": 6.0, "thickness": 1.5}, marks=pytest.mark.slow),
+        pytest.param("broadside-start", {"extra_drag": 6.0, "time": 2.0}, marks=pytest.mark.slow),
+        pytest.param("added-mass", {"fraction": 0.6}, marks=pytest.mark.slow),
+        pytest.param("clock-offset", {"time": 0.6}, marks=pytest.mark.slow),
+        pytest.param("depth-scale", {"fraction": 0.12}, marks=pytest.mark.slow),
+        pytest.param("vertical-current", {"speed": 0.2}, marks=pytest.mark.slow),
+    ],
+)
+def test_a_hidden_cause_is_found_and_measured(measured, name, parameters):
+    found = examine(measured(name, **parameters))
+    assert found.claimed is not None
+    assert found.claimed.candidate.causes == (name,)
+    for estimate in found.best.estimates:
+        assert abs(estimate.value - parameters[estimate.name]) < 4.0 * estimate.sd
+    gain = found.gains[(name,)]
+    assert gain.log_score_gain > 0.0
+    assert gain.rmse_extended < 0.6 * gain.rmse_base
+
+
+def test_payout_and_clock_are_tied_when_the_line_never_varies(measured):
+    found = examine(measured("clock-offset", lines=np.full(4, 5.0), time=0.5))
+    assert found.verdict == "ambiguous"
+    assert {("clock-offset",), ("line-payout",)} <= set(found.credible_set)
+
+
+@pytest.mark.slow
+def test_a_mislabelled_dive_is_named(measured):
+    model = measured()
+    logs = model.forward.logs
+    wrong = replace(logs[1], wet_weight=2.0 * logs[1].wet_weight)
+    shuffled = replace(model, forward=replace(model.forward, logs=(logs[0], wrong, *logs[2:])))
+    assert "dive-1" in [name for name, _ in examine(shuffled).outlying_groups]
