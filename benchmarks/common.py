@@ -83,9 +83,10 @@ def alternate(sides: Mapping[str, Callable[[], Any]], repeats: int) -> dict[str,
 
 @dataclass(frozen=True)
 class Run:
-    """A command that has ended: wall time [s], peak memory of it and its children [bytes], what it printed."""
+    """A command that has ended: wall and CPU time [s], peak memory of it and its children [bytes], what it printed."""
 
     wall: float
+    cpu: float
     peak: int
     output: str
 
@@ -103,7 +104,7 @@ def run_command(command: Sequence[str | Path], *, accept: Sequence[int] = (0,)) 
         When the exit status is not one of those accepted.
     """
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-    started = time.perf_counter()
+    started, before = time.perf_counter(), _cpu_of_children()
     process = subprocess.Popen(
         [str(word) for word in command],
         cwd=ROOT,
@@ -128,12 +129,17 @@ def run_command(command: Sequence[str | Path], *, accept: Sequence[int] = (0,)) 
     watcher.join()
     if process.returncode not in accept:
         raise RuntimeError(f"{' '.join(map(str, command))}: exit status {process.returncode}\n{errors[-2000:]}")
-    return Run(wall, sum(peaks.values()), output)
+    return Run(wall, _cpu_of_children() - before, sum(peaks.values()), output)
 
 
 def python(*words: str | Path) -> list[str | Path]:
     """Command line of this Python with a module of the project."""
     return [sys.executable, "-m", *words]
+
+
+def _cpu_of_children() -> float:
+    times = os.times()
+    return times.children_user + times.children_system
 
 
 def _family(pid: int) -> list[int]:
@@ -205,6 +211,11 @@ def duration(seconds: float) -> str:
         if seconds >= scale:
             return f"{seconds / scale:.3g} {unit}" if seconds < 1000.0 * scale else f"{seconds / scale:.0f} {unit}"
     return f"{seconds / 1e-9:.3g} ns"
+
+
+def grouped(count: int) -> str:
+    """Write a whole number with its thousands apart."""
+    return f"{count:_}".replace("_", " ")
 
 
 def megabytes(size: float) -> str:

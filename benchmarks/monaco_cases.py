@@ -10,7 +10,7 @@ import sys
 import time
 from importlib.metadata import version
 
-import monaco
+import monaco  # type: ignore[import-not-found]
 from scipy.stats import norm
 
 from benchmarks.transit_trial import SPEED, SPEED_SD, transit_trial

@@ -43,7 +43,7 @@ def install(folder: Path) -> Path | None:
     """Make an environment with monaco; give its Python, or None where it cannot be installed."""
     venv.create(folder, with_pip=True)
     interpreter = folder / ("Scripts" if sys.platform == "win32" else "bin") / "python"
-    command = [interpreter, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "monaco"]
+    command = [str(interpreter), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "monaco"]
     done = subprocess.run(command, capture_output=True, check=False)
     return interpreter if done.returncode == 0 else None
 
@@ -55,7 +55,7 @@ def compare(options: Options) -> Section:
         interpreter = install(Path(folder))
         if interpreter is None:
             return Section((Row("`monaco` could not be installed here", "not run"),))
-        command = [interpreter, "-c", "from importlib.metadata import version; print(version('monaco'))"]
+        command = [str(interpreter), "-c", "from importlib.metadata import version; print(version('monaco'))"]
         release = run_command(command).output.strip()
         monaco = {
             (cases, workers): Cases.of(
@@ -80,9 +80,9 @@ def compare(options: Options) -> Section:
     ratio = monaco[sizes[-1], 1].each / sustained.each
     rows.append(Row(what, duration(sustained.each), duration(monaco[sizes[-1], 1].each), f"{ratio:.0f} × faster"))
     for workers in (1, 2):
-        ours, theirs = function[sizes[-1], workers], monaco[sizes[-1], workers]
+        key = sizes[-1], workers
         what = f"peak memory, same function, {sizes[-1]} cases, {_count(workers)}"
-        rows.append(Row(what, megabytes(ours.peak), megabytes(theirs.peak)))
+        rows.append(Row(what, megabytes(function[key].peak), megabytes(monaco[key].peak)))
     growth = [(runs[sizes[1], 1].peak - runs[sizes[0], 1].peak) / (sizes[1] - sizes[0]) for runs in (function, monaco)]
     ours_grows, monaco_grows = (f"{max(size, 0.0) / 1e3:.1f} kB" for size in growth)
     rows.append(Row(f"memory a case more, {sizes[0]} to {sizes[1]} cases, 1 worker", ours_grows, monaco_grows))
@@ -101,7 +101,9 @@ def _time_row(cases: int, workers: int, ours: Cases, theirs: Cases) -> Row:
 
 
 def _overhead_row(what: str, ours: float, theirs: float) -> Row:
-    return Row(what, duration(ours), duration(theirs), f"1/{theirs / ours:.0f}", "≤ 1/100", theirs / ours >= ASKED)
+    times = theirs / ours
+    ratio = f"1/{times:.0f}" if times >= 1.5 else f"{1.0 / times:.1f} ×"
+    return Row(what, duration(ours), duration(theirs), ratio, "≤ 1/100", times >= ASKED)
 
 
 def _count(workers: int) -> str:

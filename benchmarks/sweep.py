@@ -134,7 +134,7 @@ def compare(options: Options) -> Section:
 def _apart(ours: Sweep, theirs: np.ndarray) -> float:
     """Largest difference of the mean costs, in standard errors of the difference."""
     return max(
-        abs(point.cost - cost) / max(math.sqrt(2.0) * point.standard_error, 1e-6)
+        abs(point.cost - float(cost)) / max(math.sqrt(2.0) * point.standard_error, 1e-6)
         for curve, row in zip(ours.curves, theirs, strict=True)
         for point, cost in zip(curve.points, row, strict=True)
     )
