@@ -122,14 +122,17 @@ def print_table(grid: dict[tuple[float, float], Cell]) -> None:
 
 
 def draw(grid: dict[tuple[float, float], Cell]) -> None:
-    """Draw the cost of each way against persistence, a panel for each mean current."""
+    """Draw what each way costs more than the filter against persistence, a panel for each mean current."""
     figure, panels = plt.subplots(1, len(CURRENTS), sharey=True, figsize=(9.0, 3.4))
     for axes, current in zip(panels, CURRENTS, strict=True):
-        for number, way in enumerate(WAYS):
-            costs = [grid[current, time].costs[number] for time in TIMES]
-            axes.plot(TIMES, costs, ".-", label=way, linewidth=2.2 if way == "filter" else 1.2)
+        filtered = np.array([grid[current, time].costs[-1] for time in TIMES])
+        for number, way in enumerate(WAYS[:-1]):
+            costs = np.array([grid[current, time].costs[number] for time in TIMES])
+            axes.plot(TIMES, costs - filtered, ".-" if way != "forecast" else ".:", label=way)
+        axes.axhline(0.0, color="0.3", linewidth=1.0)
+        axes.annotate(f"filter {filtered.min():.1f} to {filtered.max():.1f} %", (60.0, -0.055), fontsize=8)
         axes.set(title=f"mean current {current:g} m/s", xscale="log", xlabel="error persists for [s]")
-    panels[0].set(ylabel="cost with the best legs [%]", ylim=(0.0, None))
+    panels[0].set(ylabel="cost less the filter's, best legs of each [%]", ylim=(-0.08, 0.55))
     panels[0].legend(fontsize=8)
     figure.savefig(FOLDER / "drift-filter.svg", metadata={"Date": None})
     plt.close(figure)

@@ -11,6 +11,11 @@ _PERCENT = Unit("%", 0.01)
 _SECONDS = Unit("s", 1.0)
 _MINUTES = Unit("min", 60.0)
 _WATT_HOURS = Unit("W\u202fh", JOULES_PER_WATT_HOUR)
+_BEYOND = "The trials have more than the integral equation knows"
+_BEYOND_WORDS = (
+    "What the legs were planned with is an approximation here; what they cost is what the mission's own trials say, "
+    "other ones than those on which the legs were chosen."
+)
 
 
 def page(plan: LegPlan) -> Page:
@@ -24,24 +29,18 @@ def page(plan: LegPlan) -> Page:
             with_error(own.fixed.cost, own.fixed.standard_error, _PERCENT),
         ),
     ]
-    beyond = [
-        Section(
-            "The trials have more than the integral equation knows",
-            [*(notice[0].upper() + notice[1:] + "." for notice in plan.provenance.notices), _trials_table(plan)],
-        )
-    ]
     return Page(
         title=f"Legs for {plan.phase}: {plan.provenance.mission}",
         answer=answer(plan),
         figure=policy_figure(plan),
         numbers=numbers,
         sections=[
-            *(beyond if plan.provenance.notices else []),
+            *([] if plan.integral_applies else [Section(_BEYOND, [_BEYOND_WORDS, _trials_table(plan)])]),
             *_aim_section(plan),
             Section("The table for the mission file", [_how_found(plan), Listing(_written(plan))]),
             Section("What the legs do", [tracks_figure(plan)]),
             Section(_robustness_heading(plan), [cases_figure(plan), _cases_table(plan)]),
-            *([] if plan.provenance.notices else [Section("Trials and integral equation", [_trials_table(plan)])]),
+            *([Section("Trials and integral equation", [_trials_table(plan)])] if plan.integral_applies else []),
         ],
         verdict="good" if plan.recommended else "",
     )
@@ -49,18 +48,19 @@ def page(plan: LegPlan) -> Page:
 
 def terminal(plan: LegPlan) -> Terminal:
     """Build the terminal's view of a plan of legs."""
-    rows = [[f"{left:.1f}", f"{leg:.1f}", f"{left - leg:.1f}"] for left, leg in zip(plan.left, plan.leg, strict=True)]
+    rows = [
+        [f"{left:.1f}", f"{leg:.1f}", f"{max(left - leg, 0.0):.1f}"]
+        for left, leg in zip(plan.left, plan.leg, strict=True)
+    ]
     return Terminal(answer(plan), ["Distance left (m)", "Leg (m)", "Short of the target by (m)"], rows)
 
 
 def answer(plan: LegPlan) -> str:
     """Say whether to let the legs adapt, and what it saves."""
     fixed = f"the best fixed d_max, {_length(plan.fixed_d_max)}"
-    at_speed = f" At {plan.speed:.3g} m/s, not {plan.mission_speed:.3g} m/s." if plan.aim == "energy" else ""
+    at_speed = _speed_words(plan) if plan.aim == "energy" else ""
     if not plan.recommended:
-        return (
-            f"Keep a fixed d_max of {_length(plan.fixed_d_max)}: in the trials no table of legs does better.{at_speed}"
-        )
+        return f"Keep a fixed d_max of {_length(plan.fixed_d_max)}: in the trials no table of legs does better, or not by more than chance.{at_speed}"
     own = plan.cases[0]
     if plan.aim == "energy":
         saved = with_error(own.energy_saving, own.energy_saving_error, _WATT_HOURS)
@@ -78,6 +78,15 @@ def answer(plan: LegPlan) -> str:
         )
     saved = with_error(own.saving, own.saving_error, _SECONDS if own.saving < 120.0 else _MINUTES)
     return f"Let the legs adapt: the transit then takes {saved} less on average than with {fixed}."
+
+
+def _speed_words(plan: LegPlan) -> str:
+    slow, fast = (plan.contenders[index].energy for index in (0, 1))
+    needs, needed = (with_error(energy.mean, energy.standard_error, _WATT_HOURS) for energy in (slow, fast))
+    return (
+        f" Go at {plan.speed:.3g} m/s: with a fixed d_max that needs {needs}, at the mission's "
+        f"{plan.mission_speed:.3g} m/s {needed}."
+    )
 
 
 def _saving(plan: LegPlan) -> tuple[str, str]:
@@ -143,18 +152,22 @@ def _trials_table(plan: LegPlan) -> Block:
         [
             name,
             with_error(sampled.cost, sampled.standard_error, Unit("", 0.01)),
-            number(100.0 * expected, 0.01),
+            *([number(100.0 * expected, 0.01)] if plan.integral_applies else []),
             f"{sampled.surfacings:.2f}",
             percent(sampled.arrived),
         ]
         for name, expected, sampled in plans
     ]
-    heads = ["Plan", "Cost in the trials (%)", "Cost by the integral equation (%)", "Surfacings", "Arrive"]
-    least = f"The least that any legs cost by the integral equation is {number(100.0 * plan.least_cost, 0.01)} %."
-    return Table(heads, rows, caption=f"Arrival surfacing not charged. {least}")
+    heads, caption = ["Plan", "Cost in the trials (%)", "Surfacings", "Arrive"], "Arrival surfacing not charged."
+    if plan.integral_applies:
+        heads.insert(2, "Cost by the integral equation (%)")
+        caption += f" The least that any legs cost by that equation is {number(100.0 * plan.least_cost, 0.01)} %."
+    return Table(heads, rows, caption=caption)
 
 
 def _robustness_heading(plan: LegPlan) -> str:
+    if plan.left.size == 1:
+        return "The table is the fixed d_max itself"
     losing = [case.name for case in plan.cases[1:] if not case.saving > 0.0]
     if not losing:
         return "The table still saves when the errors are not as planned"

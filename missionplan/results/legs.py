@@ -181,6 +181,11 @@ class LegPlan(Result):
         return (self.fixed_cost - self.expected_cost) * self.nominal_time
 
     @property
+    def integral_applies(self) -> bool:
+        """Whether the integral equation knows all that the mission has, so that its costs are the trials'."""
+        return self.planned_sigma == self.sigma and self.base_spread == 0.0
+
+    @property
     def recommended(self) -> bool:
         """Whether the table does better in the mission's own trials, by more than two standard errors."""
         own = self.cases[0]
