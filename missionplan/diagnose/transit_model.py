@@ -1,13 +1,11 @@
-"""Model of a navigation log: legs' velocity errors, linear in the causes, with a covariance of a few hyperparameters.
+"""Model of a navigation log: fits of causes, what they leave, what they predict.
 
-The effects' own hooks give the columns, their own covariance functions the covariance: nothing is modelled twice.
+`transit_mean` holds the causes' columns, `transit_noise` the covariance: nothing is modelled here twice.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,61 +13,19 @@ from scipy.linalg import solve_triangular
 from scipy.stats import norm
 
 from missionplan.diagnose import transit_menu
-from missionplan.diagnose.coordinates import (
-    Coordinate,
-    Estimate,
-    coordinates_of,
-    estimates,
-    is_possible,
-    parameters_from,
-)
-from missionplan.diagnose.likelihood import (
-    LOG_2PI,
-    Laplace,
-    Marginal,
-    expected_log_ratio,
-    gaussian_marginal,
-    laplace,
-    student_marginal,
-)
+from missionplan.diagnose.coordinates import Coordinate, Estimate, estimates, is_possible
+from missionplan.diagnose.likelihood import LOG_2PI, Laplace, Marginal, expected_log_ratio, laplace
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Residuals
 from missionplan.diagnose.transit_axes import transit_axes
-from missionplan.diagnose.transit_data import TransitData
-from missionplan.effects import CATALOGUE, effects_of
-from missionplan.effects.persistent_error import PersistentError
-from missionplan.effects.random_walk import RandomWalk
-from missionplan.effects.tidal_current import resolvable
-from missionplan.phases.hooks import Leg, TransitEffect
+from missionplan.diagnose.transit_mean import RANDOM
+from missionplan.diagnose.transit_noise import ALL, Hyper, Rows, TransitNoise
 
 Array = NDArray[np.float64]
-Rows = slice | NDArray[np.int_]
-ALL = slice(None)
 
-RANDOM = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
-"""Effects that enter the covariance and not the mean."""
 ALTERNATIVES = (frozenset({"persistent-error", "random-walk", "heavy-tails"}),)
-
-SIGMA_SPREAD = 0.7
-"""How far the velocity error's size may lie from the mission's: standard deviation of its logarithm."""
-FIX_SPREAD = 0.4
-FIX_UNSTATED = (3.0, 0.7)
-"""Median [m] and log-spread of the fix error where neither data set nor mission states one."""
 TEST_LEVEL = 0.01
 """Level of the residual tests, all together."""
-LEAST_DOF = 2.02
-STEP = 1e-3
-"""Step of the finite differences, in prior standard deviations of a cause."""
-
-
-@dataclass(frozen=True)
-class Hyper:
-    """A hyperparameter of the covariance, by its logarithm: normal prior about `centre` with `spread`."""
-
-    effect: str
-    name: str
-    centre: float
-    spread: float
 
 
 @dataclass(frozen=True)
@@ -83,218 +39,13 @@ class TransitState:
 
 
 @dataclass(frozen=True)
-class TransitModel:
-    """Base model of a mission's transit and every cause that the record could show.
-
-    Attributes
-    ----------
-    data : TransitData
-        The log.
-    base : array, shape (2, n)
-        Velocity error that the mission expects: site's current and mean of the velocity error [m/s].
-    covariance : array, shape (2, 2)
-        Σ_v of the mission [m²/s²].
-    fix_error : float
-        The mission's standard deviation of a fix [m]; 0 when not given.
-    current_sd : tuple of float
-        How unsure the mission itself is of the steady current, east and north [m/s].
-    only : tuple of Coordinate, optional
-        Coordinates to use; default those that the record can resolve.
-    """
-
-    data: TransitData
-    base: Array
-    covariance: Array
-    fix_error: float
-    current_sd: tuple[float, float] = (0.0, 0.0)
-    only: tuple[Coordinate, ...] | None = None
+class TransitModel(TransitNoise):
+    """Base model of a mission's transit and every cause that the record could show."""
 
     @property
     def alternatives(self) -> Sequence[frozenset[str]]:
         """Descriptions of the errors' randomness that exclude each other."""
         return ALTERNATIVES
-
-    @cached_property
-    def untestable(self) -> Mapping[str, str]:
-        """Effects that this record cannot show, and why."""
-        why = {}
-        if not math.isfinite(self.data.latitude):
-            why["inertial-current"] = "needs the latitude: site.origin in the mission, or positions by latitude"
-        if not self.data.has_surface_time:
-            why["surface-drift"] = "needs the time at the surface before each fix: column surface_s"
-        if not resolvable(self._length):
-            why["tidal-current"] = "needs a record of at least half a tidal period"
-        return why
-
-    @property
-    def _length(self) -> float:
-        return float(np.ptp(self.data.middle))
-
-    @cached_property
-    def candidates(self) -> Causes:
-        """Effects of the catalogue that this record could show."""
-        return tuple(info.id for info in effects_of("transit") if info.id not in self.untestable)
-
-    @cached_property
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        """Coordinates of all causes of the mean."""
-        if self.only is not None:
-            return self.only
-        found: list[Coordinate] = []
-        for name in self.candidates:
-            if name == "tidal-current":
-                tides = resolvable(self._length)
-                names = [key for key in CATALOGUE[name].parameters if key.split("_")[0] in tides]
-                found += coordinates_of(CATALOGUE[name], names)
-            elif name not in RANDOM:
-                found += coordinates_of(CATALOGUE[name])
-        return tuple(found)
-
-    @cached_property
-    def axes(self) -> Array:
-        """Principal axes of Σ_v as columns, shape (2, 2); east and north when it is isotropic."""
-        if np.allclose(self.covariance, self.covariance[0, 0] * np.eye(2)):
-            return np.eye(2)
-        return cast(Array, np.linalg.eigh(self.covariance)[1])
-
-    @cached_property
-    def y(self) -> Array:
-        """Velocity errors less what the mission expects, on the principal axes, shape (2, n) [m/s]."""
-        return self.axes.T @ (self.data.velocity_error - self.base)
-
-    @cached_property
-    def leg(self) -> Leg:
-        """The legs as an effect sees them: the course is the one dead-reckoned."""
-        data = self.data
-        path = data.dead_reckoned - data.start
-        length = np.hypot(*path)
-        return Leg(
-            data.t_start,
-            data.under_way,
-            data.start,
-            path / np.maximum(length, 1e-9),
-            length / data.under_way,
-            data.latitude,
-        )
-
-    def mean_error(self, values: Array) -> Array:
-        """Velocity errors that the causes of the mean give, on the principal axes, shape (2, n) [m/s]."""
-        total = np.zeros((2, self.data.n))
-        data = self.data
-        for name, parameters in parameters_from(self.coordinates, values).items():
-            effect = cast(TransitEffect, CATALOGUE[name].make(parameters))
-            total += effect.velocity(self.leg)
-            drift = effect.surface_velocity(data.t_start + data.under_way, data.surface, data.end)
-            total += drift * data.surface / data.under_way
-        return self.axes.T @ total
-
-    def columns(self, about: Array) -> Array:
-        """Columns of the coordinates by central differences through the effects' hooks, shape (2, n, k)."""
-        steps = np.diag([STEP * coordinate.slab for coordinate in self.coordinates])
-        rows = [(self.mean_error(about + step) - self.mean_error(about - step)) / (2.0 * step.sum()) for step in steps]
-        return np.stack(rows, axis=2)
-
-    @cached_property
-    def _columns_at_zero(self) -> Array:
-        return self.columns(np.zeros(len(self.coordinates)))
-
-    def prior_sd(self, causes: Causes) -> Array:
-        """Prior standard deviation of each coordinate: its slab when its effect is a cause, else its spike."""
-        values = [c.slab if c.effect in causes else c.spike for c in self.coordinates]
-        for index, coordinate in enumerate(self.coordinates):
-            if coordinate.effect == "mean-current":
-                values[index] = math.hypot(values[index], self.current_sd[coordinate.name == "north"])
-        return np.array(values)
-
-    def hypers(self, causes: Causes) -> tuple[Hyper, ...]:
-        """Hyperparameters under a set of causes."""
-        sigma = math.sqrt(max(0.5 * float(np.trace(self.covariance)), 1e-6))
-        stated = self.data.fix_sd or self.fix_error
-        fix, spread = (stated, FIX_SPREAD) if stated > 0.0 else FIX_UNSTATED
-        found = [Hyper("", "sigma_v", math.log(sigma), SIGMA_SPREAD), Hyper("", "fix_sd", math.log(fix), spread)]
-        for name in RANDOM:
-            if name in causes:
-                parameters = CATALOGUE[name].parameters
-                found += [Hyper(name, key, math.log(p.median), math.log(p.factor)) for key, p in parameters.items()]
-        return tuple(found)
-
-    @cached_property
-    def _fix_pattern(self) -> Array:
-        """Covariance of the errors for a fix error of 1 m, shape (n,) or, with fixes that two legs share, (n, n)."""
-        data = self.data
-        variance: Array = 2.0 / data.under_way**2
-        shared = np.all(data.end[:, :-1] == data.start[:, 1:], axis=0) & (data.run[:-1] == data.run[1:])
-        if not shared.any():
-            return variance
-        beside = np.where(shared, -1.0 / (data.under_way[:-1] * data.under_way[1:]), 0.0)
-        return np.asarray(np.diag(variance) + np.diag(beside, 1) + np.diag(beside, -1))
-
-    def noise(self, values: Mapping[tuple[str, str], float]) -> Array:
-        """Covariance of the velocity errors beside the causes of the mean [m²/s²].
-
-        Shape (2, n) where legs are independent, (1, n, n) where both axes share it, else (2, n, n).
-
-        Parameters
-        ----------
-        values : mapping
-            Hyperparameters by effect and name, not their logarithms.
-        """
-        shape = np.linalg.eigvalsh(self.covariance) if np.any(self.covariance) else np.ones(2)
-        shape = np.maximum(shape / max(shape.mean(), 1e-12), 1e-6)
-        white: Array = values["", "sigma_v"] ** 2 * shape[:, None] * np.ones(self.data.n)
-        fix = (values["", "fix_sd"] ** 2 + values.get(("fix-error", "sd"), 0.0) ** 2) * self._fix_pattern
-        lasting = self._lasting(values)
-        if fix.ndim == 1 and lasting is None:
-            return np.asarray(white + fix)
-        full: Array = (np.diag(fix) if fix.ndim == 1 else fix) + (0.0 if lasting is None else lasting)
-        if np.ptp(shape) == 0.0:
-            return np.asarray(full[None] + np.diag(white[0]))
-        return np.asarray(full[None] + white[:, :, None] * np.eye(self.data.n))
-
-    def _lasting(self, values: Mapping[tuple[str, str], float]) -> Array | None:
-        effects: list[PersistentError | RandomWalk] = []
-        if ("persistent-error", "sigma") in values:
-            effects.append(PersistentError(values["persistent-error", "sigma"], values["persistent-error", "time"]))
-        if ("random-walk", "rate") in values:
-            effects.append(RandomWalk(values["random-walk", "rate"]))
-        if not effects:
-            return None
-        total = np.zeros((self.data.n, self.data.n))
-        for run in np.unique(self.data.run):
-            legs = np.flatnonzero(self.data.run == run)
-            total[np.ix_(legs, legs)] += sum(effect.covariance(self.data.middle[legs]) for effect in effects)
-        return total
-
-    def linearised(self, about: Array) -> tuple[Array, Array]:
-        """Data and columns of the model linearised about coordinates: y ≈ columns·coordinates, (2, n), (2, n, k)."""
-        if not np.any(about):
-            return self.y, self._columns_at_zero
-        columns = self.columns(about)
-        return self.y - self.mean_error(about) + columns @ about, columns
-
-    def marginal(self, causes: Causes, at: Array, linear: tuple[Array, Array], rows: Rows = ALL) -> Marginal:
-        """Marginalise the causes of the mean at given hyperparameters (their logarithms), from some of the legs.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            When the hyperparameters give no covariance.
-        """
-        values = self.values(causes, at)
-        y, columns = linear[0][:, rows], linear[1][:, rows]
-        dof = values.get(("heavy-tails", "dof"))
-        noise = self.noise(values)[:, rows]
-        noise = noise[:, :, rows] if noise.ndim == 3 else noise
-        if dof is None:
-            return gaussian_marginal(y, columns, self.prior_sd(causes), noise)
-        if dof <= LEAST_DOF:
-            raise np.linalg.LinAlgError("the variance of the errors does not exist")
-        variance = noise if noise.ndim == 2 else np.diagonal(noise, axis1=1, axis2=2) * np.ones((2, 1))
-        return student_marginal(y, columns, self.prior_sd(causes), variance, dof)
-
-    def values(self, causes: Causes, at: Array) -> dict[tuple[str, str], float]:
-        """Hyperparameters by effect and name, from their logarithms."""
-        return {(h.effect, h.name): math.exp(value) for h, value in zip(self.hypers(causes), at, strict=True)}
 
     def fit(self, causes: Causes, near: Sequence[Fit] = (), rows: Rows = ALL, *, integrate: bool = True) -> Fit:
         """Fit a set of causes: hyperparameters by Laplace, coefficients exactly, angles linearised where they end up.
