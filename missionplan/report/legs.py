@@ -60,7 +60,10 @@ def answer(plan: LegPlan) -> str:
     fixed = f"the best fixed d_max, {_length(plan.fixed_d_max)}"
     at_speed = _speed_words(plan) if plan.aim == "energy" else ""
     if not plan.recommended:
-        return f"Keep a fixed d_max of {_length(plan.fixed_d_max)}: in the trials no table of legs does better, or not by more than chance.{at_speed}"
+        return (
+            f"Keep a fixed d_max of {_length(plan.fixed_d_max)}: in the trials no table of legs does better, or not by "
+            f"more than chance.{at_speed}"
+        )
     own = plan.cases[0]
     if plan.aim == "energy":
         saved = with_error(own.energy_saving, own.energy_saving_error, _WATT_HOURS)
