@@ -107,7 +107,7 @@ def ranking_figure(diagnosis: Diagnosis) -> Figure:
     axes.set_yticks(range(len(entries)), [" + ".join(entry.causes) for entry in entries], fontsize=8)
     axes.axvline(3.0, color=ORANGE, linewidth=1.0, linestyle="--")
     axes.annotate("claimed above 3", (3.0, len(entries) - 0.45), fontsize=7.5, color=ORANGE, annotation_clip=False)
-    axes.set_xlabel("Score: ln Bayes factor less 3 for each further cause")
+    axes.set_xlabel("Score (nats)")
     alt = f"Scores of the best {len(entries)} sets of causes; {' + '.join(diagnosis.ranking[0].causes)} is first"
     return to_figure(figure, "ranking", alt=alt, caption="Evidence for each set of causes over the mission's model.")
 
