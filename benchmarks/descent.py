@@ -74,7 +74,8 @@ def one_by_one(dive: Dive, method: Method, tolerance: float) -> np.ndarray:
             rtol=tolerance,
             atol=tolerance,
         )
-        assert found.t_events is not None and found.y_events is not None
+        assert found.t_events is not None
+        assert found.y_events is not None
         return found.t_events[0][0], found.y_events[0][0]
 
     payout, (_, fast) = stage(

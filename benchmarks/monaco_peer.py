@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import venv
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,26 +18,27 @@ from benchmarks.common import Options, Row, Run, Section, duration, megabytes, p
 CASES = (1024, 8192)
 SUSTAINED = 100_000
 ASKED = 100.0
+RESOLUTION = 1e-8
+"""Least overhead a trial that the difference of two times can tell [s]."""
 
 
 @dataclass(frozen=True)
 class Cases:
-    """A run of many cases: time of all, and of the model in it, a case [s]; peak memory [bytes]."""
+    """A run of many cases: time a case, and what of it the framework adds to the model [s]; peak memory [bytes]."""
 
     each: float
-    inside: float
+    overhead: float
     peak: int
 
     @classmethod
     def of(cls, run: Run, cases: int) -> "Cases":
         """Read what a child printed."""
         found = json.loads(run.output.splitlines()[-1])
-        return cls(found["wall"] / cases, found["inside"] / cases, run.peak)
+        return cls(found["wall"] / cases, found["overhead"] / cases, run.peak)
 
-    @property
-    def overhead(self) -> float:
-        """What the framework adds to the model, a case [s]."""
-        return self.each - self.inside
+
+Runs = Mapping[tuple[int, int], Cases]
+"""By cases and workers."""
 
 
 def install(folder: Path) -> Path | None:
@@ -65,29 +67,37 @@ def compare(options: Options) -> Section:
             for workers in (1, 2)
         }
     function = {key: own("function", *key) for key in monaco}
-    sustained = own("simulate", SUSTAINED // options.shrink, 1)
-    mission = {cases: own("simulate", cases, 1) for cases in sizes}
+    many, most = SUSTAINED // options.shrink, sizes[-1]
     rows = [_time_row(*key, function[key], theirs) for key, theirs in monaco.items()]
     for cases in sizes:
-        theirs = monaco[cases, 1].overhead
         what = f"overhead a case, same function, {cases} cases"
-        rows.append(_overhead_row(what, function[cases, 1].overhead, theirs))
-        what = f"overhead a trial, `simulate` with all its report needs, {cases} trials"
-        rows.append(_overhead_row(what, mission[cases].overhead, theirs))
-    what = f"the same, {SUSTAINED // options.shrink} trials, beside {sizes[-1]} cases"
-    rows.append(_overhead_row(what, sustained.overhead, monaco[sizes[-1], 1].overhead))
-    what = f"whole time a trial, model included, {SUSTAINED // options.shrink} trials beside {sizes[-1]} cases"
-    ratio = monaco[sizes[-1], 1].each / sustained.each
-    rows.append(Row(what, duration(sustained.each), duration(monaco[sizes[-1], 1].each), f"{ratio:.0f} × faster"))
+        rows.append(_overhead_row(what, function[cases, 1], monaco[cases, 1]))
+    for study in ("sweep", "simulate"):
+        for cases in (most, many):
+            what = f"overhead a trial, `{study}`, {cases} trials beside {most} cases"
+            rows.append(_overhead_row(what, own(study, cases, 1), monaco[most, 1]))
+    simulated = own("simulate", many, 1).each
+    what = f"whole time a trial, `simulate`, model included, {many} trials beside {most} cases"
+    pair = duration(simulated), duration(monaco[most, 1].each)
+    rows.append(Row(what, *pair, f"{monaco[most, 1].each / simulated:.0f} × faster"))
+    rows += _memory_rows(sizes, function, monaco)
+    alone = monaco[most, 1].each - monaco[most, 1].overhead
+    return Section(
+        tuple(rows), ("numpy", "joblib"), (f"The function alone takes {duration(alone)}. monaco {release}.",)
+    )
+
+
+def _memory_rows(sizes: list[int], ours: Runs, theirs: Runs) -> list[Row]:
+    """Peaks, and what a case more takes."""
+    few, many = sizes
+    rows = []
     for workers in (1, 2):
-        key = sizes[-1], workers
-        what = f"peak memory, same function, {sizes[-1]} cases, {_count(workers)}"
-        rows.append(Row(what, megabytes(function[key].peak), megabytes(monaco[key].peak)))
-    growth = [(runs[sizes[1], 1].peak - runs[sizes[0], 1].peak) / (sizes[1] - sizes[0]) for runs in (function, monaco)]
-    ours_grows, monaco_grows = (f"{max(size, 0.0) / 1e3:.1f} kB" for size in growth)
-    rows.append(Row(f"memory a case more, {sizes[0]} to {sizes[1]} cases, 1 worker", ours_grows, monaco_grows))
-    alone = f"The function alone takes {duration(monaco[sizes[-1], 1].inside)} a case. monaco {release}."
-    return Section(tuple(rows), ("numpy", "joblib"), (alone,))
+        key = many, workers
+        what = f"peak memory, same function, {many} cases, {_count(workers)}"
+        rows.append(Row(what, megabytes(ours[key].peak), megabytes(theirs[key].peak)))
+    growth = [max(runs[many, 1].peak - runs[few, 1].peak, 0) / (many - few) for runs in (ours, theirs)]
+    what = f"memory a case more, {few} to {many} cases, 1 worker"
+    return [*rows, Row(what, f"{growth[0] / 1e3:.1f} kB", f"{growth[1] / 1e3:.1f} kB")]
 
 
 def own(what: str, cases: int, workers: int) -> Cases:
@@ -100,10 +110,11 @@ def _time_row(cases: int, workers: int, ours: Cases, theirs: Cases) -> Row:
     return Row(what, duration(ours.each), duration(theirs.each), f"{theirs.each / ours.each:.1f} × faster")
 
 
-def _overhead_row(what: str, ours: float, theirs: float) -> Row:
-    times = theirs / ours
+def _overhead_row(what: str, ours: Cases, theirs: Cases) -> Row:
+    own_overhead = max(ours.overhead, RESOLUTION)
+    times = theirs.overhead / own_overhead
     ratio = f"1/{times:.0f}" if times >= 1.5 else f"{1.0 / times:.1f} ×"
-    return Row(what, duration(ours), duration(theirs), ratio, "≤ 1/100", times >= ASKED)
+    return Row(what, duration(own_overhead), duration(theirs.overhead), ratio, "≤ 1/100", times >= ASKED)
 
 
 def _count(workers: int) -> str:

@@ -22,6 +22,7 @@ phases:
       speed: {{mean: {SPEED} m/s, sd: {SPEED_SD} m/s}}
       d_max: {D_MAX} m
       arrival_radius: {RADIUS} m
+sweep: {{d_max: {{from: 0.1, to: 1.0, points: 16, of: distance}}}}
 monte_carlo: {{trials: 8192, seed: 1}}
 """
 """The same transit as a mission."""
