@@ -48,6 +48,10 @@ def _check_phases(mission: Mission, document: Document) -> list[Problem]:
             if isinstance(position, Geographic) and no_origin:
                 message = "given latitude and longitude, but the mission has no site.origin"
                 problems.append(document.problem((*path, key), message))
+        has_propeller = mission.vehicle is not None and mission.vehicle.propulsion is not None
+        if phase.shaft_rate is not None and not (has_propeller and mission.site and mission.site.water):
+            message = "a speed from the shaft rate needs vehicle.propulsion and site.water"
+            problems.append(document.problem((*path, "shaft_rate"), message))
         if mission.navigation is None:
             problems.append(document.problem(path, "a transit needs the section `navigation`"))
     names = [phase.name for phase in mission.transits]

@@ -46,7 +46,10 @@ class MeasuredAddedMass(Section):
 
 
 class Propulsion(Section):
-    """A propeller by its open-water lines K_T = α₀ + α₁J and K_Q = β₀ + β₁J (Blanke et al., Eq. 19)."""
+    """A propeller by its open-water lines K_T = α₀ + α₁J and K_Q = β₀ + β₁J (Blanke et al., Eq. 19).
+
+    `thrust_factor` and `drag_factor`: true thrust and drag over this file's, from which speed is inferred.
+    """
 
     diameter: q.FixedLength
     thrust_coefficient: tuple[q.PositiveNumber, _Negative]
@@ -56,6 +59,8 @@ class Propulsion(Section):
     axial_flow_factor: _Fraction = 0.0
     flow_mass: q.Mass | None = None
     motor_efficiency: q.Efficiency = 1.0
+    thrust_factor: q.PositiveNumber = 1.0
+    drag_factor: q.PositiveNumber = 1.0
 
 
 class StaticThruster(Section):

@@ -1,6 +1,7 @@
 """Phases of a mission as the file writes them."""
 
 import itertools
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -39,16 +40,24 @@ def _has_table(value: Any) -> bool:
 
 
 class TransitPhase(Section):
-    """A transit by dead reckoning with surfacings."""
+    """A transit by dead reckoning with surfacings; `speed` is nan where `shaft_rate` is given instead."""
 
     kind: Literal["transit"] = Field(default="transit", exclude=True)
     name: str = "transit"
     start: Position | None = Field(default=None, alias="from")
     to: Position
     depth: q.Distance = 0.0
-    speed: q.PositiveSpeed
+    speed: q.PositiveSpeed = math.nan
+    shaft_rate: q.ShaftRate | None = None
     d_max: DMax
     arrival_radius: q.PositiveLength
+
+    @model_validator(mode="after")
+    def _one_of_speed_and_shaft_rate(self) -> "TransitPhase":
+        given = self.model_fields_set & {"speed", "shaft_rate"}
+        if len(given) != 1:
+            raise complain("expected exactly one of speed and shaft_rate" if given else "missing", ("speed",))
+        return self
 
 
 DesignCurrent = Annotated[

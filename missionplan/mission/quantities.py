@@ -16,6 +16,7 @@ FixedDistance = Annotated[float, PlainValidator(QuantityParser("m", low=0.0, fix
 SignedSpeed = Annotated[Quantity, PlainValidator(QuantityParser("m/s"))]
 Speed = Annotated[Quantity, PlainValidator(QuantityParser("m/s", low=0.0))]
 PositiveSpeed = Annotated[Quantity, PlainValidator(QuantityParser("m/s", low=0.0, open_low=True))]
+ShaftRate = Annotated[Quantity, PlainValidator(QuantityParser("rad/s", low=0.0, open_low=True))]
 FixedSpeed = Annotated[float, PlainValidator(QuantityParser("m/s", low=0.0, fixed=True))]
 FixedVariance = Annotated[float, PlainValidator(QuantityParser("m^2/s^2", fixed=True))]
 Duration = Annotated[Quantity, PlainValidator(QuantityParser("s", low=0.0))]

@@ -47,7 +47,7 @@ def transit(
             break
         legs.run(number)
     came = legs.finish()
-    under_way, at_surface = came.distance / plan.speed, came.surfacings * plan.surfacing_time
+    under_way, at_surface = plan.time_under_way(came.distance, came.surfacings), came.surfacings * plan.surfacing_time
     energy = under_way * plan.power_under_way + at_surface * plan.power_at_surface
     energy += came.surfacings * plan.surfacing_energy
     arrived = state.alive & ~came.under_way

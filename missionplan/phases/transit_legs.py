@@ -60,6 +60,7 @@ class Legs:
         self._distance, self._surfacings = np.zeros(state.trials), np.zeros(state.trials)
         self._done: Outcome | None = None
         self._memory: Memory = self._way.begin(state.trials) if self._way else ()
+        self._started = 0.0 * self._distance if plan.length_lost is not None else None  # legs begun
         self._moving: Array | None = None  # 1 for a trial under way, 0 for one that is not; None while all are
         self._count = state.trials  # trials under way
         self._set_moving(state.alive & (self._left >= plan.arrival_radius))
@@ -86,6 +87,8 @@ class Legs:
             aim = self._fix + course
         self._move(number, length, course)
         self._distance += length
+        if self._started is not None:
+            self._started += 1.0 if moving is None else moving
         self._mark(moving)
         surfaced = self._surface(number)
         self._surfacings += 1.0 if moving is None else moving
@@ -94,7 +97,7 @@ class Legs:
             assert aim is not None
             assert dived is not None
             assert started is not None
-            duration = length / self._plan.speed
+            duration = self._duration(length, moving)
             error = (surfaced - aim) / np.where(duration > 0.0, duration, 1.0)
             drift, miss = self._fix - surfaced, self._fix - nominal_end
             behind = LegBehind(error, duration, drift, miss, started, dived, course)
@@ -138,7 +141,7 @@ class Legs:
     def _aim_off(self, length: Array, course: Array) -> Array:
         """Adjust the nominal course in place (Eq. 22) and give its length."""
         assert self._way is not None
-        ahead = LegAhead(self._now(), self._fix + self._goal, course, length / self._plan.speed)
+        ahead = LegAhead(self._now(), self._fix + self._goal, course, self._duration(length, self._moving))
         offset = self._way.offset(self._memory, ahead)
         course -= offset if self._moving is None else offset * self._moving
         return _norm(course)
@@ -147,11 +150,11 @@ class Legs:
         """Move along `course` through the water and with what carries the vehicle meanwhile."""
         error, speed = self._plan.velocity_error, self._plan.speed
         normals = drawn(self._normals.velocity, number, self._trials)
-        if self._is_still and error.is_plain:
+        if self._is_still and error.is_plain and self._started is None:
             np.multiply(length, error.root[0, 0] / speed, out=self._ratio)
             np.multiply(normals, self._ratio, out=self._error)
         else:
-            duration = length / speed
+            duration = self._duration(length, self._moving)
             velocity = self._drift.of_leg(number, normals, self._now(), duration, self._x + self._goal, course)
             np.multiply(velocity, duration, out=self._error)
         self._error += course
@@ -211,6 +214,7 @@ class Legs:
         self._left, self._clock = self._left[kept], self._clock[kept]
         self._goal = per_trial(self._goal, kept)
         self._distance, self._surfacings = self._distance[kept], self._surfacings[kept]
+        self._started = None if self._started is None else self._started[kept]
         self._memory = tuple(array[..., kept] for array in self._memory)
         self._plan = _plan_of(self._plan, kept)
         self._drift = self._drift.take(self._plan, kept)
@@ -218,9 +222,18 @@ class Legs:
         self._moving, self._far = None, np.ones(kept.size, dtype=bool)
         self._allocate()
 
+    def _duration(self, length: Array, moving: Array | None) -> Array:
+        """Time that a leg takes, gathering way included [s]."""
+        lost = self._plan.length_lost
+        if lost is None:
+            return length / self._plan.speed
+        return (length + (lost if moving is None else lost * moving)) / self._plan.speed
+
     def _now(self) -> Array:
         """Time since the mission's start [s]."""
-        return self._clock + self._distance / self._plan.speed + self._surfacings * self._plan.surfacing_time
+        legs = self._started if self._started is not None else self._surfacings
+        under_way = self._plan.time_under_way(self._distance, legs)
+        return self._clock + under_way + self._surfacings * self._plan.surfacing_time
 
     def _mark(self, moving: Array | None) -> None:
         """Note where the tracked trials are, nan for those that have arrived."""
@@ -250,4 +263,5 @@ def _plan_of(plan: TransitPlan, trials: NDArray[np.intp]) -> TransitPlan:
         surfacing_time=per_trial(plan.surfacing_time, trials),
         velocity_error=VelocityError(per_trial(error.mean, trials), per_trial(error.root, trials)),
         depth=per_trial(plan.depth, trials),
+        length_lost=None if plan.length_lost is None else per_trial(plan.length_lost, trials),
     )

@@ -98,6 +98,9 @@ class TransitPlan:
         For each surfacing [J].
     latitude : float
         Of the coordinates' origin, for effects [rad]; nan when not known.
+    length_lost : float or None
+        By which a leg from rest falls short of U all along: its time is (length + length lost)/U [m]; None: at once
+        at speed. Legs are taken to be much longer.
     """
 
     goal: Array
@@ -113,6 +116,12 @@ class TransitPlan:
     power_at_surface: Scalars = 0.0
     surfacing_energy: Scalars = 0.0
     latitude: float = float("nan")
+    length_lost: Scalars | None = None
+
+    def time_under_way(self, distance: Array, legs: Array) -> Array:
+        """Time that legs of a total `distance` through the water take, gathering way included [s]."""
+        time: Array = distance / self.speed
+        return time if self.length_lost is None else time + legs * (self.length_lost / self.speed)
 
 
 @dataclass(frozen=True)

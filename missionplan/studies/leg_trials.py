@@ -113,7 +113,7 @@ def run_plans(
         _, record = transit(plan, state, normals, around, tracked=tracked)
         nominal = np.hypot(*(np.asarray(plan.goal).reshape(2, -1) - state.position)) / plan.speed
         charged = np.maximum(record.surfacings - 1.0, 0.0) * plan.surfacing_time
-        cost = (record.distance / plan.speed + charged) / nominal - 1.0  # Eq. 25
+        cost = (plan.time_under_way(record.distance, record.surfacings) + charged) / nominal - 1.0  # Eq. 25
         track = record.track.position if record.track is not None else None
         runs.append(Run(cost, record.duration, record.energy, record.surfacings, record.arrived, nominal, track))
     return runs

@@ -1,7 +1,7 @@
 """A mission with the draws of a block of trials, as the parameters of its phases."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -33,6 +33,7 @@ from missionplan.physics.water import Water, sea_water
 from missionplan.studies.anchor_weight import anchor_flooded_mass, worst_case_weight
 from missionplan.studies.drift_model import drift_model
 from missionplan.studies.measured_vehicle import measured_drag, propeller, propeller_power
+from missionplan.studies.shaft_speed import inferred_speed, length_lost, shaft_speeds
 
 STILL_WATER = LayeredCurrent(np.ones(1), np.zeros(1), np.zeros(1))
 """For phases that need a current where the mission has none."""
@@ -61,7 +62,8 @@ class Setting:
     @classmethod
     def at_means(cls, mission: Mission, recorded: Current | None = None) -> "Setting":
         """Give the mission with every distribution at its mean."""
-        return cls(mission, recorded, {path: mean_of(value) for path, value in mission.quantities().items()})
+        means = {path: mean_of(value) for path, value in mission.quantities().items()}
+        return cls(mission, recorded, means)._with_shaft_speeds()
 
     @classmethod
     def drawn(
@@ -70,7 +72,13 @@ class Setting:
         """Draw a block of trials (see `montecarlo.draws`)."""
         ties = [Correlation(correlation.between, correlation.rho) for correlation in mission.correlations]
         quantities: dict[str, Quantity] = mission.quantities()
-        return cls(mission, recorded, draw(quantities, ties, seed, block, size))
+        return cls(mission, recorded, draw(quantities, ties, seed, block, size))._with_shaft_speeds()
+
+    def _with_shaft_speeds(self) -> "Setting":
+        """Add the speeds that shaft rates give."""
+        if all(phase.shaft_rate is None for phase in self.mission.transits):
+            return self
+        return replace(self, draws={**self.draws, **shaft_speeds(self)})
 
     @cached_property
     def means(self) -> "Setting":
@@ -194,7 +202,14 @@ class Setting:
             power_at_surface=hotel,
             surfacing_energy=self.energy("surfacing"),
             latitude=self.latitude,
+            length_lost=length_lost(self, speed),
         )
+
+    def effects_under_way(self, phase: TransitPhase) -> tuple[TransitEffect, ...]:
+        """Effects on one transit: the mission's, and a speed inferred wrongly from the shaft rate."""
+        if self.mission.vehicle is None or self.mission.vehicle.propulsion is None:
+            return self.transit_effects
+        return (*self.transit_effects, *inferred_speed(self, self[f"{phase.name}.speed"]))
 
     def compensation(self, phase: TransitPhase) -> Compensation | None:
         """What the vehicle does about its drift, knowing the means alone."""

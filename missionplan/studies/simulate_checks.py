@@ -9,7 +9,6 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.phases import TransitPhase
 from missionplan.mission.transition import TransitionPhase
-from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.currents import FieldCurrent, SeriesCurrent
 from missionplan.phases.hooks import Array
 from missionplan.physics.anchor import solve_anchor
@@ -103,7 +102,7 @@ def notices(mission: Mission, means: Setting) -> tuple[str, ...]:
     elif mission.transits and (mission.site is None or mission.site.water is None):
         found.append("The mission has no site.water: the energy of propulsion is not reckoned.")
     if mission.vehicle is not None and mission.site is not None and mission.site.water is not None:
-        speeds = [mean_of(phase.speed) for phase in mission.phases if isinstance(phase, TransitPhase)]
+        speeds = [float(means[f"{phase.name}.speed"]) for phase in mission.transits]
         found += range_notes(means.vehicle_drag, min(speeds)) if speeds else ()
     found += [words for phase in mission.transits if (words := _drift_notice(means, phase))]
     for entry in mission.effects:

@@ -129,7 +129,7 @@ def run_cells(
     for index, length in enumerate(lengths):
         _, record = transit(replace(plan, d_max=length), state, normals, surroundings)
         charged = np.maximum(record.surfacings - 1.0, 0.0) * plan.surfacing_time
-        costs[index] = (record.distance / plan.speed + charged) / nominal - 1.0  # Eq. 25
+        costs[index] = (plan.time_under_way(record.distance, record.surfacings) + charged) / nominal - 1.0  # Eq. 25
         surfacings[index] = record.surfacings
         if not record.arrived.all():
             costs[index, ~record.arrived] = surfacings[index, ~record.arrived] = math.nan

@@ -68,7 +68,7 @@ class SweepSetting:
         distance = float(np.hypot(*(goal - origin)))
         if distance == 0.0:
             raise InputError([Problem("ends where it starts; a sweep needs a distance", mission.file, key=phase.name)])
-        drift, speed = float(np.hypot(*_mean_drift(means, phase, origin))), mean_of(phase.speed)
+        drift, speed = float(np.hypot(*_mean_drift(means, phase, origin))), float(means[f"{phase.name}.speed"])
         if drift >= speed:
             message = f"the mean drift, {drift:.3g} m/s, is as fast as the vehicle, {speed:.3g} m/s: it cannot arrive"
             raise InputError([Problem(message, mission.file, key=f"{phase.name}.speed")])
@@ -95,7 +95,7 @@ class SweepSetting:
     @property
     def speed(self) -> float:
         """U at its mean [m/s]."""
-        return mean_of(self.phase.speed)
+        return float(self.means[f"{self.phase.name}.speed"])
 
     @property
     def surfacing_time(self) -> float:
@@ -122,7 +122,7 @@ class SweepSetting:
 
     def surroundings(self, drawn: Setting) -> Surroundings:
         """Build current, compensation and effects from the draws of a block."""
-        return Surroundings(drawn.current, drawn.compensation(self.phase), drawn.transit_effects)
+        return Surroundings(drawn.current, drawn.compensation(self.phase), drawn.effects_under_way(self.phase))
 
     def normals(self, seed: int, block: int) -> TransitNormals:
         """Open the streams of the legs: named by the phase, so that every σ_v and every d_max has the same ones."""
@@ -146,13 +146,15 @@ class SweepSetting:
         error = navigation.velocity_error
         start = self.start[0] if isinstance(self.start[0], tuple) else ()
         goal = phase.to if isinstance(phase.to, tuple) else ()
-        uncertain = (phase.speed, phase.arrival_radius, navigation.surfacing_time, *error.mean, *start, *goal)
+        course = (phase.speed, phase.shaft_rate, phase.arrival_radius, *start, *goal)
+        uncertain = (*course, navigation.surfacing_time, *error.mean)
         own_error = () if mission.sweep.sigma else (error.sigma,)
         obstacles = {
             "a current": bool(mission.site and mission.site.current),
             "drift compensation": navigation.drift_compensation != "none",
             "a fix error": navigation.fix_error != 0.0,
             "effects": bool(self.means.transit_effects),
+            "a propeller, which takes time to gather way": self.plan(0, self.means).length_lost is not None,
             "uncertain speed, error, surfacing time or place": any(
                 isinstance(quantity, Distribution) for quantity in (*uncertain, *own_error)
             ),

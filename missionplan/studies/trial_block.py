@@ -81,7 +81,7 @@ class BlockRun:
     def _transit(self, phase: TransitPhase, state: TrialState) -> tuple[TrialState, PhaseTrials, Array]:
         setting = self.setting
         plan, normals = setting.transit_plan(phase), self._leg_normals(phase)
-        around = Surroundings(setting.current, setting.compensation(phase), setting.transit_effects)
+        around = Surroundings(setting.current, setting.compensation(phase), setting.effects_under_way(phase))
         after, record = transit(plan, state, normals, around, tracked=min(self.tracked, state.trials))
         kept, out = self._spend(after)
         goal = np.broadcast_to(plan.goal.reshape(2, -1), (2, state.trials))
