@@ -56,7 +56,7 @@ def run_blocks(
         raise InputError(f"--jobs: given {jobs}, expected a positive number, or -1 for every core")
     results: Generator[Result, None, None] = (
         (task(item) for item in items)
-        if (jobs == 1 and backend != "dask") or not items
+        if not items or (backend != "dask" and (jobs == 1 or len(items) == 1))
         else _in_parallel(task, items, jobs, backend, scheduler)
     )
     total = len(items)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission.loading import load_document, read_text
@@ -204,7 +204,7 @@ def _noise(first: Reading, second: Reading, runs: tuple[Run, Run]) -> tuple[floa
         return None, None
     if pooled == 0.0:
         return 0.0, 1.0 if math.isclose(first[1], second[1], rel_tol=1e-9, abs_tol=1e-12) else 0.0
-    return error, float(2.0 * norm.sf(abs(change) / pooled))
+    return error, float(2.0 * ndtr(-abs(change) / pooled))
 
 
 def _two_proportions(first: float, second: float, n: int, m: int) -> tuple[float, float]:
