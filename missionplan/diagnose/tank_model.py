@@ -245,7 +245,8 @@ class TankModel:
         covariance = noise + LOOSE * state.columns @ state.marginal.covariance @ state.columns.T
         count = len(state.left)
         axes = {name: Axis(name, _unit(values), np.ones((count, 1))) for name, values in self.forward.axes.items()}
-        series = np.zeros(count, dtype=int)
+        # rows of a table are no series: only a record in time is tested for errors that follow one another
+        series = np.zeros(count, dtype=int) if "time" in axes else np.arange(count)
         return Residuals(state.left, covariance, series, axes, self.forward.groups, TEST_LEVEL)
 
     def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
