@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from threadpoolctl import threadpool_limits
 
 from missionplan.diagnose.binding import descent_model, summary_model, transit_model
 from missionplan.diagnose.data import DIAGNOSED, TANK
@@ -102,13 +103,14 @@ def diagnose(
     stage = _Stages(progress)
     model, data, kind = _bind(Path(dataset), mission, seed)
     stage("data read")
-    found = examine(model, lambda what, done, of: stage(what))
-    described = _Described(model, found)
-    extended = _extended(mission, found.best, data)
-    stage("next measurements")
-    first, rivals = found.best, [rival.fit for rival in found.claimed.rivals[:SEPARATED]] if found.claimed else []
-    separations = next_measurements(model, first, rivals)
-    alike = indistinguishable(model, first, rivals)
+    with threadpool_limits(limits=1):  # matrices of some hundred rows: more threads only wait for each other
+        found = examine(model, lambda what, done, of: stage(what))
+        described = _Described(model, found)
+        extended = _extended(mission, found.best, data)
+        stage("next measurements")
+        first, rivals = found.best, [rival.fit for rival in found.claimed.rivals[:SEPARATED]] if found.claimed else []
+        separations = next_measurements(model, first, rivals)
+        alike = indistinguishable(model, first, rivals)
     stage("plans")
     decision = decide(kind, mission, extended, seed=seed, jobs=jobs) if plan else {"before": {}, "after": {}}
     provenance = Provenance(

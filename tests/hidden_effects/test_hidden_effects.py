@@ -4,6 +4,10 @@ Thresholds stand on the aggregate: a figure fails when so few cases as these are
 """
 
 import dataclasses
+import multiprocessing
+import os
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import pytest
 
@@ -21,7 +25,10 @@ def outcomes(request, tmp_path_factory):
         pytest.skip(reason)
     folder = tmp_path_factory.mktemp(request.param)
     drawn = cases(20, FAST_SEED, request.param)
-    return [ask(case, folder / "seen", folder / "truth", in_process=True) for case in drawn]
+    ask_one = partial(ask, folder=folder / "seen", truth_folder=folder / "truth", in_process=True)
+    # fresh interpreters, each imported once and kept, one for each core
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
+        return list(pool.map(ask_one, drawn))
 
 
 def test_no_figure_asked_for_is_refuted(outcomes):
