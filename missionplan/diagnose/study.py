@@ -1,7 +1,7 @@
 """`diagnose`: a mission and a data set in; verdict, causes, extended mission and gain out."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -28,7 +28,7 @@ from missionplan.diagnose.summary_model import SummaryModel
 from missionplan.diagnose.tables import (
     descent_misfit,
     descent_residuals,
-    descent_share,
+    descent_shares,
     summary_misfit,
     transit_misfit,
     transit_residuals,
@@ -215,9 +215,11 @@ class _Described:
 
     def ranking(self) -> tuple[RankedSet, ...]:
         """Sets, best first."""
-        return tuple(self._ranked(candidate) for candidate in self._found.selection.ranking[:LISTED])
+        listed = self._found.selection.ranking[:LISTED]
+        shares = self._shares([candidate.fit for candidate in listed])
+        return tuple(self._ranked(candidate, share) for candidate, share in zip(listed, shares, strict=True))
 
-    def _ranked(self, candidate: Candidate) -> RankedSet:
+    def _ranked(self, candidate: Candidate, share: float) -> RankedSet:
         gain = self._found.gains.get(candidate.causes)
         return RankedSet(
             candidate.causes,
@@ -226,15 +228,15 @@ class _Described:
             self._found.posterior.get(candidate.causes),
             tuple(ParameterEstimate(**asdict(estimate)) for estimate in candidate.fit.estimates),
             _gain(gain) if gain else None,
-            self._share(candidate.fit),
+            share,
         )
 
-    def _share(self, fit: Fit) -> float:
+    def _shares(self, fits: Sequence[Fit]) -> list[float]:
         if isinstance(self._model, TransitModel):
-            return transit_share(self._model, fit)
+            return [transit_share(self._model, fit) for fit in fits]
         if isinstance(self._model, TankModel):
-            return tank_share(self.residuals, fit)
-        return descent_share(self._model, self._found.selection.base, fit)
+            return [tank_share(self.residuals, fit) for fit in fits]
+        return descent_shares(self._model, self._found.selection.base, fits)
 
     def scores(self) -> tuple[GroupScore, ...]:
         """Held-out scores of the best set, group by group."""

@@ -1,6 +1,7 @@
 """Residuals row by row, and the size of the misfit in the planner's terms."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -67,12 +68,12 @@ def transit_share(model: TransitModel, fit: Fit) -> float:
     return float(np.clip(1.0 - np.sum(model.one_step_errors(fit) ** 2) / max(before, 1e-30), 0.0, 1.0))
 
 
-def descent_share(model: DescentModel, base: Fit, fit: Fit) -> float:
-    """Share of the squared depth residuals that goes with a set."""
-    places = np.stack([base.state.linear.at, fit.state.linear.at], axis=1)
+def descent_shares(model: DescentModel, base: Fit, fits: Sequence[Fit]) -> list[float]:
+    """Share of the squared depth residuals that goes with each set, by one call of the phase."""
+    places = np.stack([fit.state.linear.at for fit in (base, *fits)], axis=1)
     left = model.y[:, None] - model.forward.readings(model.coordinates, places)
-    before, after = np.sum(left**2, axis=0)
-    return float(np.clip(1.0 - after / max(float(before), 1e-30), 0.0, 1.0))
+    before, *after = (float(value) for value in np.sum(left**2, axis=0))
+    return [float(np.clip(1.0 - value / max(before, 1e-30), 0.0, 1.0)) for value in after]
 
 
 def transit_misfit(model: TransitModel) -> str:
