@@ -26,6 +26,12 @@ NEEDED = (
 MARGIN = 0.12
 """Share of the vehicle's depth at touchdown that is cut off above it."""
 FINE = 6
+STARTED = 0.5
+"""Reading from which a dive is fitted [m].
+
+Before it lies the jerk of the taut line, which a scatter of the separation by a tenth of a second blurs, and a sensor
+at rest, whose quantised readings have no white noise.
+"""
 LEAST_NOISE = 0.008
 """What neither sensor nor integration is better than, over a bin [m]."""
 TOO_DEEP, TOO_FAST = 1.5, 3.0
@@ -197,12 +203,14 @@ def _check_run(name: str, run: pd.DataFrame, own: dict[str, float] | None, raw: 
 def _prepare(
     name: str, run: pd.DataFrame, own: dict[str, float], stated: float | None, notices: list[str]
 ) -> DiveLog | None:
-    """Trim bottom contact with a margin, estimate the noise, thin by averaging; None when too little is left."""
+    """Trim start and bottom contact, estimate the noise, thin by averaging; None when too little is left."""
     t, depth = run["t_s"].to_numpy(), run["depth_m"].to_numpy()
     deepest = (1.0 - MARGIN) * (own["depth"] - own["line_length"])
     beyond = np.flatnonzero(depth > deepest)
     end = int(beyond[0]) if len(beyond) else len(t)
-    keep = (np.arange(len(t)) < end) & (t >= 0.0)
+    moving = np.flatnonzero(depth > STARTED)
+    first = t[moving[0]] if len(moving) else 0.0
+    keep = (np.arange(len(t)) < end) & (t >= max(0.0, first))
     t, depth = t[keep], depth[keep]
     if len(t) < LEAST_SAMPLES:
         notices.append(f"{name} is left out: {len(t)} samples between separation and touchdown, {LEAST_SAMPLES} needed")

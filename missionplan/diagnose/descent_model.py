@@ -15,7 +15,7 @@ from missionplan.diagnose.coordinates import Coordinate, coordinates_of, estimat
 from missionplan.diagnose.descent_axes import descent_axes
 from missionplan.diagnose.descent_fit import Ended, Lane, climb, from_settings, jacobian_settings
 from missionplan.diagnose.descent_forward import DescentForward, limits
-from missionplan.diagnose.descent_noise import NOMINAL, Noise, caricature, dive_covariance, grid
+from missionplan.diagnose.descent_noise import DIVE_SD, NOMINAL, Noise, caricature, dive_covariance, grid
 from missionplan.diagnose.likelihood import Marginal, gaussian_marginal
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Residuals
@@ -23,8 +23,9 @@ from missionplan.effects import CATALOGUE, effects_of
 
 Array = NDArray[np.float64]
 
-TEST_LEVEL = 1e-4
-"""Level of the residual tests, all together: strict, for turbulence is no random walk to the letter."""
+TEST_LEVEL = 1e-6
+"""Level of the residual tests, all together: strict, for turbulence is no random walk and a quantised reading's noise is
+not white to the letter."""
 FIRST = 0.5
 """Where strengths start, in prior standard deviations; both signs for those of either sign and a shape."""
 SHIFTS = (-1.2, 0.0, 1.2)
@@ -53,8 +54,8 @@ class Linear:
     readings : array, shape (N,)
         The model there [m].
     bend : array, shape (N,)
-        What a shift of the separation by `SHIFT` does to the readings beyond the linear: large where the line goes
-        taut and the vehicle starts with a jerk [m].
+        What the scatter of the separation does to the readings beyond the linear: large where the line goes taut
+        and the vehicle starts with a jerk [m]. Taken at a shift by `SHIFT`, so that it reaches far enough.
     """
 
     at: Array
@@ -143,7 +144,8 @@ class DescentModel:
             weight = (readings[:, column + 1] - readings[:, column + 2]) / (2.0 * WEIGHT_STEP)
             columns = np.zeros((len(self.y), len(self.coordinates)))
             columns[:, chosen] = from_settings(readings[:, column + 5 : column + 5 + 2 * len(chosen)], steps)
-            bend = 0.5 * np.abs(readings[:, column + 3] + readings[:, column + 4] - 2.0 * here)
+            both = readings[:, column + 3] + readings[:, column + 4] - 2.0 * here
+            bend = 0.5 * np.abs(both) * DIVE_SD["release"] / SHIFT
             column += 5 + 2 * len(chosen)
             found.append(self._linear(causes, at, here, columns, weight, bend))
         return found
@@ -175,7 +177,7 @@ class DescentModel:
 
     def total_covariance(self, causes: Causes, linear: Linear, noise: Noise) -> Array:
         """Covariance of all readings with the coordinates' priors, shape (N, N) [m²]."""
-        scaled = linear.columns * self.prior_sd(causes)
+        scaled = np.concatenate([linear.columns * self.prior_sd(causes), noise.scatter * linear.bend[:, None]], axis=1)
         total = scaled @ scaled.T
         for rows, block in zip(self.parts, self.blocks(causes, linear, noise), strict=True):
             total[np.ix_(rows, rows)] += block
@@ -267,19 +269,23 @@ class DescentModel:
         return low < (float(np.exp(at)) if coordinate.kind == "shape" else at) < high
 
     def _marginal(self, causes: Causes, linear: Linear, noise: Noise) -> Marginal:
-        """Marginalise all coordinates about a linearisation; dives are independent given them."""
-        prior = self.prior_sd(causes)
+        """Marginalise all coordinates about a linearisation; dives are independent given them.
+
+        The scatter of the separation smooths the jerk of every dive to the same side: a column that they share.
+        """
+        prior = np.append(self.prior_sd(causes), noise.scatter)
         whitened = []
         log_determinant = 0.0
         for rows, block in zip(self.parts, self.blocks(causes, linear, noise), strict=True):
             factor = np.linalg.cholesky(block)
-            both = np.concatenate([linear.columns[rows], linear.y[rows, None]], axis=1)
+            columns = [linear.columns[rows], linear.bend[rows, None], linear.y[rows, None]]
+            both = np.concatenate(columns, axis=1)
             whitened.append(solve_triangular(factor, both, lower=True, check_finite=False))
             log_determinant += 2.0 * float(np.log(np.diag(factor)).sum())
         white = np.concatenate(whitened)
         unit = np.ones((1, len(white)))
         result = gaussian_marginal(white[None, :, -1], white[None, :, :-1], prior, unit)
-        return Marginal(result.log_density - 0.5 * log_determinant, result.mean, result.covariance)
+        return Marginal(result.log_density - 0.5 * log_determinant, result.mean[:-1], result.covariance[:-1, :-1])
 
     def promise(self, causes: Causes, parent: Fit) -> float:
         """What further causes add to a parent's log density in its linearisation, shapes at their centres."""
