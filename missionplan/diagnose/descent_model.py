@@ -24,8 +24,8 @@ from missionplan.effects import CATALOGUE, effects_of
 Array = NDArray[np.float64]
 
 TEST_LEVEL = 1e-6
-"""Level of the residual tests, all together: strict, for turbulence is no random walk and a quantised reading's noise is
-not white to the letter."""
+"""Level of the residual tests, all together: strict, for turbulence is no random walk to the letter and a quantised
+reading's noise is not white."""
 FIRST = 0.5
 """Where strengths start, in prior standard deviations; both signs for those of either sign and a shape."""
 SHIFTS = (-1.2, 0.0, 1.2)
