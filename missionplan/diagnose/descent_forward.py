@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 STEP = 0.08
 """Step of the integration [s]; readings are within a few mm of exact ones, 2 cm where the line goes taut."""
+LEAST_FACTOR = -0.9
+"""Least strength of an effect that multiplies a drag or a weight: less would turn it round."""
 NO_BOTTOM = 1e5
 """Site depth for the fit [m]: the logs end above touchdown, and so must no model of them reach it."""
 
@@ -73,7 +75,11 @@ class DescentForward:
         named = parameters_from(coordinates, spread).items()
         effects = [*self.given, *(self._effect(name, parameters) for name, parameters in named)]
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
-        depths = simulate_readings(self._tiled(settings, factor), self._times(settings), effects=effects, step=STEP)
+        dive, times = self._tiled(settings, factor), self._times(settings)
+        with np.errstate(
+            over="ignore", invalid="ignore"
+        ):  # a start that runs away is given up: its objective is infinite
+            depths = simulate_readings(dive, times, effects=effects, step=STEP)
         by_setting = depths.reshape(-1, settings, count)
         return np.concatenate([_averaged(log, by_setting[:, :, index]) for index, log in enumerate(self.logs)])
 
@@ -120,5 +126,6 @@ def limits(coordinate: Coordinate) -> tuple[float, float]:
 
 def _limits(effect: str, name: str) -> tuple[float, float]:
     parameter = CATALOGUE[effect].parameters[name]
-    through_zero = parameter.low == 0.0 and not parameter.is_shape and np.isfinite(parameter.high)
-    return (-parameter.high if through_zero else parameter.low), parameter.high
+    if parameter.low != 0.0 or parameter.is_shape or not np.isfinite(parameter.high):
+        return parameter.low, parameter.high
+    return max(-parameter.high, LEAST_FACTOR) if parameter.unit == "" else -parameter.high, parameter.high
