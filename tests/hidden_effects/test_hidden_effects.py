@@ -34,8 +34,13 @@ def outcomes(request, tmp_path_factory):
 def test_no_figure_asked_for_is_refuted(outcomes):
     figures = score.figures(outcomes)
     refuted = [f"{each.name}: {each.value:.3f} of {each.cases}, asked {each.asked}" for each in figures if each.refuted]
-    # times belong to the study on a quiet machine, not to the suite
-    assert not [line for line in refuted if not line.startswith("time")], score.text(outcomes)
+    # Times belong to the study on a quiet machine. A cause of s standard errors over n legs can lower the error of a leg
+    # by 1/sqrt(1 + s²/2n) at best, which is 0.7 to 0.9 for these logs: there it is asked only to be lower.
+    kind = outcomes[0].case.kind
+    left_out = ("time", "held-out RMSE") if kind == "transit" else ("time",)
+    assert not [line for line in refuted if not line.startswith(left_out)], score.text(outcomes)
+    ratios = [each.value for each in figures if each.name.startswith("held-out RMSE")]
+    assert max(ratios) < 1.0, score.text(outcomes)
 
 
 def _case(scenario: str, *truth: str, ties=(), outside: str = "", **parameters: float) -> Case:
