@@ -1,5 +1,6 @@
 """Fan-out of blocks over processes, threads or a cluster: joblib is the only way out of this process."""
 
+import itertools
 import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import ExitStack, closing
@@ -78,18 +79,26 @@ def _in_parallel(
         # each worker's BLAS keeps to one thread: the blocks are the parallelism
         options: dict[str, Any] = {"inner_max_num_threads": 1} if backend == "loky" else {}
         with joblib.parallel_config(backend=backend, n_jobs=jobs, **options):
-            parallel = joblib.Parallel(return_as="generator", batch_size=1, pre_dispatch="3*n_jobs")
-        results: Any = parallel(joblib.delayed(task)(item) for item in items)
+            # no more in flight than loky's call queue holds: killing workers while others wait outside it
+            # ends its manager thread with a KeyError
+            parallel = joblib.Parallel(return_as="generator", batch_size=1, pre_dispatch="2*n_jobs")
+        wanted = True
+        results: Any = parallel(joblib.delayed(task)(item) for item in itertools.takewhile(lambda _: wanted, items))
         try:
             for result in results:  # noqa: UP028  (`yield from` would close it before the filter below)
                 yield result
+        except GeneratorExit:  # a reader who stops early: let the few in flight end, and keep the workers
+            wanted = False
+            for _ in results:
+                pass
+            raise
         except KeyboardInterrupt:
             _kill_workers(backend)
             raise
         except BrokenProcessPool as error:
             raise RunError("a worker process died (out of memory, or killed)") from error
         finally:
-            with warnings.catch_warnings():  # a reader who stops early knows that blocks are left over
+            with warnings.catch_warnings():  # after an error nobody asks about the blocks left over
                 warnings.simplefilter("ignore", UserWarning)
                 results.close()
 

@@ -68,6 +68,19 @@ def test_a_reader_may_stop_early(jobs, backend):
     assert list(run_blocks(slow_block, range(3), jobs=jobs, backend=backend)) == [0, 1, 2]
 
 
+def worker_after(block):
+    time.sleep(0.02)
+    return os.getpid()
+
+
+def test_workers_outlive_a_reader_who_stops_early():
+    before = set(run_blocks(worker_after, range(12), jobs=2))
+    results = run_blocks(worker_after, range(50), jobs=2)
+    next(results)
+    results.close()
+    assert set(run_blocks(worker_after, range(12), jobs=2)) <= before
+
+
 def test_an_error_in_a_block_reaches_the_caller():
     with pytest.raises(ZeroDivisionError):
         list(run_blocks(functools.partial(divmod, 1), [1, 0], jobs=2))
