@@ -1,13 +1,16 @@
 """Free oscillation on springs: added mass from its frequency, damping from its decay (Avila et al., section 4.2)."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from missionplan.physics.arrays import Array, Scalars
 
-STEPS_A_PERIOD = 60
-"""Runge-Kutta steps in a period: 2e-7 of the amplitude a period."""
+STEPS_A_PERIOD = 40
+"""Steps in a period: 2e-5 of the release A where βA = 0.1, 2e-4 where it is 1; exact without quadratic damping."""
+NODE = 0.5 - math.sqrt(3.0) / 6.0
+"""First of the two Gauss nodes of a step."""
 
 
 def natural_frequency(stiffness: Scalars, total_mass: Scalars) -> Scalars:
@@ -54,7 +57,9 @@ def displacement(
 ) -> Array:
     """Displacement of a mass on a spring with linear and quadratic damping.
 
-    ẍ + 2δẋ + βẋ|ẋ| + ω²x = 0 with ω² = k/(m + m_ad), stepped by Runge-Kutta at `STEPS_A_PERIOD` or finer.
+    ẍ + 2δẋ + βẋ|ẋ| + ω²x = 0 with ω² = k/(m + m_ad), split into its linear part and the quadratic damping, each
+    solved exactly: SABA2 (Laskar and Robutel 2001, Celest. Mech. 80), with an error of order βA h⁴ + (βA)²h². A step
+    of any length is stable, below and above critical damping.
 
     Parameters
     ----------
@@ -73,27 +78,64 @@ def displacement(
         Displacement [m].
     """
     shape = np.broadcast_shapes(*(np.shape(value) for value in (start, start_velocity, frequency, linear, quadratic)))
-    x, v = np.broadcast_to(start, shape).astype(float), np.broadcast_to(start_velocity, shape).astype(float)
-    square = (2.0 * math.pi * frequency) ** 2
+    since = time - time[0]
+    count = max(1, math.ceil(float(since[-1]) * float(np.max(frequency)) * STEPS_A_PERIOD))
+    h = float(since[-1]) / count or 1.0
+    step = _Step.of(h, frequency, linear, quadratic)
+    x, v = _plain(start), _plain(start_velocity)
+    positions, velocities = np.empty((count, *shape)), np.empty((count, *shape))
+    for k in range(count):
+        positions[k], velocities[k] = x, v
+        x, v = step(x, v)
+    # each sample is reached from the step before it, by a shorter one
+    before = np.minimum((since / h).astype(int), count - 1)
+    rest = (since - before * h).reshape(-1, *(1 for _ in shape))
+    return np.asarray(_Step.of(rest, frequency, linear, quadratic)(positions[before], velocities[before])[0])
 
-    def force(x: Array, v: Array) -> Array:
-        acceleration: Array = -square * x - (2.0 * linear + quadratic * np.abs(v)) * v
-        return acceleration
 
-    longest = 1.0 / (STEPS_A_PERIOD * float(np.max(frequency)))
-    result = np.empty((len(time), *shape))
-    result[0] = x
-    for sample, interval in enumerate(np.diff(time), start=1):
-        substeps = max(1, math.ceil(interval / longest))
-        h = interval / substeps
-        for _ in range(substeps):
-            k1 = force(x, v)
-            k2 = force(x + h / 2 * v, v + h / 2 * k1)
-            k3 = force(x + h / 2 * v + h * h / 4 * k1, v + h / 2 * k2)
-            k4 = force(x + h * v + h * h / 2 * k2, v + h * k3)
-            x, v = x + h * v + h * h / 6 * (k1 + k2 + k3), v + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-        result[sample] = x
-    return result
+Flow = tuple[Scalars, Scalars, Scalars, Scalars]
+"""Rows of the matrix that carries displacement and velocity over a time."""
+
+
+@dataclass(frozen=True)
+class _Step:
+    """A step of `displacement`: linear flow to the Gauss nodes and on, quadratic damping for half a step at each."""
+
+    outer: Flow
+    inner: Flow
+    damping: Scalars
+
+    @classmethod
+    def of(cls, time: Scalars, frequency: Scalars, linear: Scalars, quadratic: Scalars) -> "_Step":
+        """Of a length [s], with the constants of `displacement`."""
+        outer = _linear_flow(NODE * time, frequency, linear)
+        inner = _linear_flow((1.0 - 2.0 * NODE) * time, frequency, linear)
+        return cls(outer, inner, _plain(0.5 * time * quadratic))
+
+    def __call__(self, x: Scalars, v: Scalars) -> tuple[Scalars, Scalars]:
+        """Displacement and velocity at its end."""
+        (a, b, c, d), (e, f, g, h), damping = self.outer, self.inner, self.damping
+        x, v = a * x + b * v, c * x + d * v
+        v = v / (1.0 + damping * abs(v))
+        x, v = e * x + f * v, g * x + h * v
+        v = v / (1.0 + damping * abs(v))
+        return a * x + b * v, c * x + d * v
+
+
+def _linear_flow(time: Scalars, frequency: Scalars, linear: Scalars) -> Flow:
+    """Solve ẍ + 2δẋ + ω²x = 0 over a time, at any damping."""
+    square = np.asarray((2.0 * math.pi * frequency) ** 2)
+    root = np.sqrt(np.asarray(linear**2 - square, dtype=complex))
+    slow, fast = np.exp((root - linear) * time), np.exp((-root - linear) * time)
+    critical = np.abs(root * time) < 1e-6
+    sine = np.where(critical, time * np.exp(-linear * time), ((slow - fast) / np.where(critical, 1.0, 2.0 * root)).real)
+    cosine = 0.5 * (slow + fast).real
+    return _plain(cosine + linear * sine), _plain(sine), _plain(-square * sine), _plain(cosine - linear * sine)
+
+
+def _plain(value: Scalars) -> Scalars:
+    """A float where there is one number: stepping is several times faster on floats than on numpy's."""
+    return np.asarray(value, dtype=float) if np.ndim(value) else float(value)
 
 
 def envelope(time: Array, amplitude: Scalars, frequency: Scalars, linear: Scalars, quadratic: Scalars) -> Array:

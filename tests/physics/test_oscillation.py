@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 from missionplan.physics import oscillation as osc
 
@@ -20,12 +21,32 @@ def test_error_of_added_mass_is_its_slope_in_frequency():
     assert osc.added_mass_sd(1.7, 0.01, 4000.0) == pytest.approx(-0.01 * slope, rel=1e-6)
 
 
-def test_linear_damping_is_the_damped_cosine():
-    time = np.linspace(0.0, 6.0, 241)
-    rate, frequency = 0.4, 1.7
-    damped = np.sqrt((2 * np.pi * frequency) ** 2 - rate**2)
-    exact = 0.05 * np.exp(-rate * time) * (np.cos(damped * time) + rate / damped * np.sin(damped * time))
-    np.testing.assert_allclose(osc.displacement(time, 0.05, 0.0, frequency, rate, 0.0), exact, atol=1e-6 * 0.05 * 10)
+@pytest.mark.parametrize("rate", [0.0, 0.4, 9.0, 2 * np.pi * 1.7, 14.0], ids=lambda rate: f"{rate:.3g}")
+def test_linear_damping_is_exact_below_and_above_critical(rate):
+    time = np.linspace(0.0, 6.0, 97) ** 1.5
+    root = np.sqrt(complex(rate**2 - (2 * np.pi * 1.7) ** 2))
+    if root == 0.0:
+        exact = 0.05 * np.exp(-rate * time) * (1.0 + rate * time)
+    else:
+        slow, fast = (root + rate) * np.exp((root - rate) * time), (root - rate) * np.exp((-root - rate) * time)
+        exact = 0.05 * ((slow + fast) / (2.0 * root)).real
+    np.testing.assert_allclose(osc.displacement(time, 0.05, 0.0, 1.7, rate, 0.0), exact, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("rate", "quadratic", "share"), [(0.05, 0.5, 1e-5), (0.05, 2.0, 2e-5), (0.4, 2.0, 2e-5), (0.2, 20.0, 3e-4)]
+)
+def test_both_dampings_agree_with_a_fine_integration(rate, quadratic, share):
+    time = np.sort(np.random.default_rng(8).uniform(0.0, 7.0, 200))
+    square = (2 * np.pi * 1.7) ** 2
+
+    def motion(t, state):
+        x, v = state
+        return v, -square * x - (2.0 * rate + quadratic * abs(v)) * v
+
+    exact = solve_ivp(motion, time[[0, -1]], (0.05, 0.1), "DOP853", time, rtol=1e-9, atol=1e-11, max_step=0.05).y[0]
+    found = osc.displacement(time, 0.05, 0.1, 1.7, rate, quadratic)
+    np.testing.assert_allclose(found, exact, atol=share * 0.05)
 
 
 def test_amplitude_follows_the_averaged_envelope():
@@ -45,10 +66,22 @@ def test_envelope_without_linear_damping_is_hyperbolic():
 def test_undamped_energy_is_kept():
     time = np.linspace(0.0, 50.0, 501)
     record = osc.displacement(time, 0.05, 0.0, 1.0, 0.0, 0.0)
-    np.testing.assert_allclose(record[::10], 0.05, rtol=1e-4)
+    np.testing.assert_allclose(record[::10], 0.05, rtol=1e-9)
 
 
 def test_columns_are_independent_oscillations():
     time = np.linspace(0.0, 2.0, 41)
     both = osc.displacement(time, np.array([0.05, 0.02]), 0.0, 1.7, 0.1, np.array([0.0, 2.0]))
     np.testing.assert_allclose(both[:, 1], osc.displacement(time, 0.02, 0.0, 1.7, 0.1, 2.0))
+
+
+@given(quadratic=st.floats(0.0, 100.0), rate=st.floats(0.0, 20.0), velocity=st.floats(-3.0, 3.0))
+def test_energy_never_grows(quadratic, rate, velocity):
+    time = np.linspace(0.0, 4.0, 60)
+    record = osc.displacement(time, 0.05, velocity, 1.7, rate, quadratic)
+    most = np.hypot(0.05, velocity / (2 * np.pi * 1.7))
+    assert np.all(np.abs(record) <= most * (1.0 + 1e-9))
+
+
+def test_one_sample_is_the_start():
+    assert osc.displacement(np.array([3.0]), 0.05, 0.2, 1.7, 0.1, 1.0).tolist() == [0.05]
