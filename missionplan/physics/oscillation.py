@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missionplan.physics.arrays import Array, Scalars
+from missionplan.physics.arrays import Array, Scalars, magnitude
 
 STEPS_A_PERIOD = 40
 """Steps in a period: 2e-5 of the release A where βA = 0.1, 2e-4 where it is 1; exact without quadratic damping."""
@@ -116,20 +116,20 @@ class _Step:
         """Displacement and velocity at its end."""
         (a, b, c, d), (e, f, g, h), damping = self.outer, self.inner, self.damping
         x, v = a * x + b * v, c * x + d * v
-        v = v / (1.0 + damping * abs(v))
+        v = v / (1.0 + damping * magnitude(v))
         x, v = e * x + f * v, g * x + h * v
-        v = v / (1.0 + damping * abs(v))
+        v = v / (1.0 + damping * magnitude(v))
         return a * x + b * v, c * x + d * v
 
 
 def _linear_flow(time: Scalars, frequency: Scalars, linear: Scalars) -> Flow:
     """Solve ẍ + 2δẋ + ω²x = 0 over a time, at any damping."""
-    square = np.asarray((2.0 * math.pi * frequency) ** 2)
+    square = (2.0 * math.pi * frequency) ** 2
     root = np.sqrt(np.asarray(linear**2 - square, dtype=complex))
     slow, fast = np.exp((root - linear) * time), np.exp((-root - linear) * time)
     critical = np.abs(root * time) < 1e-6
-    sine = np.where(critical, time * np.exp(-linear * time), ((slow - fast) / np.where(critical, 1.0, 2.0 * root)).real)
-    cosine = 0.5 * (slow + fast).real
+    cosine: Array = np.real(slow + fast) / 2.0
+    sine: Array = np.where(critical, time * cosine, np.real((slow - fast) / np.where(critical, 1.0, 2.0 * root)))
     return _plain(cosine + linear * sine), _plain(sine), _plain(-square * sine), _plain(cosine - linear * sine)
 
 
