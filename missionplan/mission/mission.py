@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from datetime import datetime
-from typing import Annotated, Any, Literal, cast
+from typing import Annotated, Any, Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -215,10 +215,14 @@ class Mission(Section):
         return {path: value for path, value in self.quantities().items() if isinstance(value, Distribution)}
 
 
+_QUANTITY = (float, *get_args(Distribution))
+"""A tuple: asked of every value of a mission once a block, where building a union anew takes longest."""
+
+
 def _collect(value: Any, path: str, found: dict[str, Quantity]) -> None:
-    if isinstance(value, bool):
+    if value is None or isinstance(value, bool | str):
         return
-    if isinstance(value, float | Distribution):
+    if isinstance(value, _QUANTITY):
         found[path] = value
     elif isinstance(value, EffectEntry):
         for name, parameter in value.parameters.items():

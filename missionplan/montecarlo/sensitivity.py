@@ -60,31 +60,61 @@ def sensitivities(inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> 
         Output by output, most important input first. Inputs and outputs that do not vary, and outputs that fewer
         than `LEAST_TRIALS` trials reached, are left out.
     """
-    return tuple(
-        influence
-        for output, values in outputs.items()
-        for influence in sorted(_influences(inputs, output, values), key=lambda found: -found.first_order)
-    )
+    prepared: dict[bytes, dict[str, _Source]] = {}  # most outputs are reached by the same trials
+    found: list[Influence] = []
+    for output, values in outputs.items():
+        reached = np.isfinite(values)
+        y = values[reached]
+        if len(y) < LEAST_TRIALS or _constant(y):
+            continue
+        sources = prepared.setdefault(reached.tobytes(), {})
+        if not sources:
+            sources |= {name: _Source.of(draws[reached]) for name, draws in inputs.items()}
+        found += sorted(_influences(sources, output, y), key=lambda influence: -influence.first_order)
+    return tuple(found)
 
 
-def _influences(inputs: Mapping[str, Array], output: str, values: Array) -> Iterator[Influence]:
-    reached = np.isfinite(values)
-    y = values[reached]
-    if len(y) < LEAST_TRIALS or _constant(y):
-        return
-    ranks = _ranks(y)
-    for source, draws in inputs.items():
-        x = draws[reached]
-        if not _constant(x):
-            correlation = float(np.corrcoef(_ranks(x), ranks)[0, 1])
-            yield Influence(output, source, correlation, *first_order_index(x, y))
+@dataclass(frozen=True)
+class _Source:
+    """An input, with what all outputs need of it, shape (n,) each: values, ranks, classes of equal counts.
+
+    Equal values share a rank and a class, so that choices are classes.
+    """
+
+    values: Array
+    ranks: Array
+    classes: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, values: Array) -> "_Source":
+        different, place, count = np.unique(values, return_inverse=True, return_counts=True)
+        ranks = _shared_ranks(count)[place]
+        bins = min(_MOST_BINS, max(1, len(values) // _TRIALS_PER_BIN))
+        if len(different) <= bins:
+            return cls(values, ranks, np.asarray(place, dtype=np.int64))
+        edges = np.quantile(np.repeat(different, count), np.arange(1, bins) / bins)
+        classes = np.searchsorted(edges, different, side="left")[place]
+        return cls(values, ranks, np.asarray(classes, dtype=np.int64))
 
 
-def _ranks(values: Array) -> Array:
-    """Ranks from 1, equal values sharing the mean of theirs; importing scipy.stats for it would cost a second."""
-    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
+def _influences(sources: Mapping[str, _Source], output: str, y: Array) -> Iterator[Influence]:
+    _, place, count = np.unique(y, return_inverse=True, return_counts=True)
+    ranks = _shared_ranks(count)[place]
+    for name, source in sources.items():
+        if not _constant(source.values):
+            yield Influence(output, name, _correlation(source.ranks, ranks), *_first_order(source, y))
+
+
+def _shared_ranks(count: NDArray[np.int64]) -> Array:
+    """Ranks from 1 of ascending values, equal ones sharing the mean; importing scipy.stats would cost a second."""
     shared: Array = np.cumsum(count) - 0.5 * (count - 1)
-    return shared[place]
+    return shared
+
+
+def _correlation(x: Array, y: Array) -> float:
+    """Pearson's, without BLAS, whose bits depend on its threads."""
+    dx, dy = x - x.mean(), y - y.mean()
+    return float(np.sum(dx * dy) / np.sqrt(np.sum(dx * dx) * np.sum(dy * dy)))
 
 
 def _constant(values: Array) -> bool:
@@ -110,22 +140,16 @@ def first_order_index(x: Array, y: Array) -> tuple[float, float]:
     -------
     index, standard_error : float
     """
+    return _first_order(_Source.of(x), y)
+
+
+def _first_order(source: _Source, y: Array) -> tuple[float, float]:
     # Centred, so that the sums of squares keep their digits.
-    sums = _class_sums(_classes(x), x - x.mean(), (y - y.mean()) / y.std())
-    whole = sums.sum(axis=2)
-    left_out = [_adjusted_share(whole - sums[:, :, group]) for group in range(_GROUPS)]
-    spread = math.sqrt((_GROUPS - 1) * float(np.var(left_out)))
-    return _adjusted_share(whole), spread
-
-
-def _classes(x: Array) -> NDArray[np.int64]:
-    """Class of each value, shape (n,): equal counts; equal values share a class, so that choices are classes."""
-    bins = min(_MOST_BINS, max(1, len(x) // _TRIALS_PER_BIN))
-    values, place = np.unique(x, return_inverse=True)
-    if len(values) <= bins:
-        return np.asarray(place, dtype=np.int64)
-    edges = np.quantile(x, np.arange(1, bins) / bins)
-    return np.asarray(np.searchsorted(edges, x, side="left"), dtype=np.int64)
+    x = source.values - source.values.mean()
+    sums = _class_sums(source.classes, x, (y - y.mean()) / y.std())
+    whole = sums.sum(axis=2, keepdims=True)
+    shares = _adjusted_share(np.concatenate((whole, whole - sums), axis=2))  # of all, then with each group left out
+    return float(shares[0]), math.sqrt((_GROUPS - 1) * float(np.var(shares[1:])))
 
 
 def _class_sums(classes: NDArray[np.int64], x: Array, y: Array) -> Array:
@@ -136,15 +160,26 @@ def _class_sums(classes: NDArray[np.int64], x: Array, y: Array) -> Array:
     return np.array([np.bincount(cell, weight, cells).reshape(-1, _GROUPS) for weight in weights], dtype=float)
 
 
-def _adjusted_share(sums: Array) -> float:
-    """Share of the variance that a line in each class explains, corrected for the parameters; sums (6, classes)."""
-    n, sum_x, sum_y, sum_xx, sum_xy, sum_yy = sums[:, sums[0] > 0]
+def _adjusted_share(sums: Array) -> Array:
+    """Share of the variance that a line in each class explains, corrected for the parameters.
+
+    Parameters
+    ----------
+    sums : array, shape (6, classes, samples)
+
+    Returns
+    -------
+    array, shape (samples,)
+    """
+    count, sum_x, sum_y, sum_xx, sum_xy, sum_yy = sums
+    n, used = np.maximum(count, 1.0), count > 0.0
     within_xx = sum_xx - sum_x**2 / n
     within_xy = sum_xy - sum_x * sum_y / n
     within_yy = sum_yy - sum_y**2 / n
-    sloped = (n > 2) & (within_xx > 1e-12 * (sum_xx + sum_x**2 / n))
+    sloped = (count > 2) & (within_xx > 1e-12 * (sum_xx + sum_x**2 / n))
     explained = np.where(sloped, within_xy**2 / np.where(sloped, within_xx, 1.0), 0.0)
-    residual = float(np.sum(within_yy - explained))
-    total = float(sum_yy.sum() - sum_y.sum() ** 2 / n.sum())
-    freedom = n.sum() - len(n) - np.count_nonzero(sloped)
-    return float(1.0 - (residual / freedom) / (total / (n.sum() - 1)))
+    residual = np.sum(within_yy - explained, axis=0)
+    trials = count.sum(axis=0)
+    total = sum_yy.sum(axis=0) - sum_y.sum(axis=0) ** 2 / trials
+    freedom = trials - np.count_nonzero(used, axis=0) - np.count_nonzero(sloped, axis=0)
+    return np.asarray(1.0 - (residual / freedom) / (total / (trials - 1)))

@@ -4,6 +4,7 @@ A value that is nan belongs to a trial that never reached the quantity: it is le
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,10 +13,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_ACCURACY = 0.0005  # relative, of a quantile
-_RATIO = math.log((1.0 + _ACCURACY) / (1.0 - _ACCURACY))
-_SMALLEST = 1e-9  # magnitudes below count as zero
-_OFFSET = 1 - math.ceil(math.log(_SMALLEST) / _RATIO)  # makes the bin numbers of positive values positive
+_CUT = 42  # of the 52 bits of a mantissa: 1024 bins between a power of 2 and the next
+_SMALLEST = 2.0**-30  # magnitudes below count as zero
+_BELOW = (int(np.float64(_SMALLEST).view(np.int64)) >> _CUT) - 1  # makes the numbers of positive bins positive
+_DENSE = 8  # times as many bins as values are counted without sorting them
 _Z95 = 1.959963984540054
 
 
@@ -165,7 +166,7 @@ class Moments:
             high=np.maximum(self.high, other.high),
         )
 
-    def take(self, which: slice) -> "Moments":
+    def take(self, which: slice | int) -> "Moments":
         """Select some of an array of quantities."""
         return Moments(
             self.count[which],
@@ -189,10 +190,13 @@ class Moments:
 
 @dataclass(frozen=True)
 class QuantileSketch:
-    """Counts in bins of equal ratio (DDSketch, Masson, Rim & Lee 2019): quantiles to 0.05 % of their value.
+    """Counts in bins of nearly equal ratio: quantiles to 0.05 % of their value.
 
-    Counts are integers, so that merging is exact in any order. Only bins in use are kept: some ten thousand a
-    decade-spanning quantity, however many the trials.
+    A bin is what shares sign, exponent and the first ten bits of the mantissa, 1024 bins between a power of 2 and the
+    next (DDSketch of Masson, Rim & Lee 2019 with their linear interpolation for the logarithm): its middle is within
+    2⁻¹¹ of all that it holds. Finding a bin takes no logarithm, only whole numbers, so that it is fast and the same on
+    every machine. Counts are integers too: merging is exact in any order. Only bins in use are kept: some ten thousand
+    a decade-spanning quantity, however many the trials.
 
     Attributes
     ----------
@@ -207,21 +211,38 @@ class QuantileSketch:
     @classmethod
     def of(cls, values: Array) -> "QuantileSketch":
         """Sketch one block, shape (n,); nan is left out."""
-        kept = values[~np.isnan(values)]
-        magnitude = np.abs(kept)
-        exponent = np.ceil(np.log(np.maximum(magnitude, _SMALLEST)) / _RATIO) + _OFFSET
-        signed = np.where(magnitude <= _SMALLEST, 0.0, np.copysign(exponent, kept))
-        numbers = signed.astype(np.int64)
-        if numbers.size and int(np.ptp(numbers)) < 8 * numbers.size:  # counting is faster than sorting
-            lowest = numbers.min()
+        missing = np.isnan(values)
+        if missing.any():
+            values = values[~missing]
+        magnitude = np.abs(values)
+        numbers = (magnitude.view(np.int64) >> _CUT) - _BELOW
+        np.copyto(numbers, 0, where=magnitude < _SMALLEST)
+        np.negative(numbers, out=numbers, where=values < 0.0)
+        return cls._counted(numbers)
+
+    @classmethod
+    def _counted(cls, numbers: Integers) -> "QuantileSketch":
+        if not numbers.size:
+            return cls(numbers, numbers)
+        lowest, highest = int(numbers.min()), int(numbers.max())
+        if highest - lowest < _DENSE * numbers.size:  # counting is faster than sorting
             counts = np.bincount(numbers - lowest)
             used = np.flatnonzero(counts)
-            return cls(used + lowest, counts[used].astype(np.int64))
-        bins, counts = np.unique(numbers, return_counts=True)
-        return cls(bins, counts.astype(np.int64))
+            return cls(used + lowest, counts[used])
+        return cls(*np.unique(numbers, return_counts=True))
 
     def merge(self, other: "QuantileSketch") -> "QuantileSketch":
         """Add another block."""
+        if not (self.bins.size and other.bins.size):
+            return self if self.bins.size else other
+        lowest = min(self.bins[0], other.bins[0])
+        size = int(max(self.bins[-1], other.bins[-1]) - lowest) + 1
+        if size < _DENSE * (self.bins.size + other.bins.size):
+            counts = np.zeros(size, dtype=np.int64)
+            counts[self.bins - lowest] = self.counts
+            counts[other.bins - lowest] += other.counts
+            used = np.flatnonzero(counts)
+            return QuantileSketch(used + lowest, counts[used])
         bins, place = np.unique(np.concatenate((self.bins, other.bins)), return_inverse=True)
         counts = np.zeros(len(bins), dtype=np.int64)
         np.add.at(counts, place, np.concatenate((self.counts, other.counts)))
@@ -229,8 +250,7 @@ class QuantileSketch:
 
     def bounds(self) -> tuple[Array, Array]:
         """Give the ends of each bin in use, ascending, shape (k,) each."""
-        far = np.exp((np.abs(self.bins) - _OFFSET) * _RATIO)
-        near = far * math.exp(-_RATIO)
+        near, far = _ends(np.abs(self.bins))
         low = np.where(self.bins > 0, near, np.where(self.bins < 0, -far, -_SMALLEST))
         high = np.where(self.bins > 0, far, np.where(self.bins < 0, -near, _SMALLEST))
         return low, high
@@ -241,10 +261,18 @@ class QuantileSketch:
             return math.nan
         reached = np.cumsum(self.counts)
         rank = probability * (reached[-1] - 1)
-        number = int(self.bins[np.searchsorted(reached, rank, side="right")])
+        place = np.searchsorted(reached, rank, side="right")
+        number = self.bins[place]
         if number == 0:
             return 0.0
-        return math.copysign(math.exp((abs(number) - _OFFSET) * _RATIO) * (1.0 - _ACCURACY), number)
+        near, far = _ends(np.abs(number))
+        return math.copysign(0.5 * (float(near) + float(far)), number)
+
+
+def _ends(number: Integers) -> tuple[Array, Array]:
+    """Ends of the bins of positive values."""
+    first = (np.asarray(number, dtype=np.int64) + _BELOW) << _CUT
+    return first.view(np.float64), (first + (1 << _CUT)).view(np.float64)
 
 
 @dataclass(frozen=True)
@@ -258,6 +286,20 @@ class RunningStatistic:
     def of(cls, values: Array) -> "RunningStatistic":
         """Take one block, shape (n,)."""
         return cls(Moments.of(values), QuantileSketch.of(values))
+
+    @classmethod
+    def of_each(cls, quantities: Mapping[str, Array]) -> "dict[str, RunningStatistic]":
+        """Take one block of several quantities, shape (n,) each, at once: the same as one by one, and quicker."""
+        if not quantities:
+            return {}
+        rows = np.stack(list(quantities.values()))
+        complete = ~np.isnan(rows).any(axis=-1)
+        found = {}
+        for alike in (complete, ~complete):  # rows that nan is missing from take fewer passes
+            moments = Moments.of(rows[alike])
+            for place, index in enumerate(np.flatnonzero(alike)):
+                found[int(index)] = cls(moments.take(place), QuantileSketch.of(rows[index]))
+        return {name: found[index] for index, name in enumerate(quantities)}
 
     def merge(self, other: "RunningStatistic") -> "RunningStatistic":
         """Add the next block."""

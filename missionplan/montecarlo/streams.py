@@ -1,6 +1,7 @@
 """Named random streams: a draw depends on the seed, the quantity's name and the block of trials, on nothing else."""
 
 import hashlib
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,11 +54,14 @@ class LegNormals:
     """
 
     def __init__(self, seed: int, quantity: str, block: int) -> None:
-        self._stream = stream(seed, quantity, block)
+        self._open = partial(stream, seed, quantity, block)
+        self._stream: np.random.Generator | None = None  # opened when first asked for: many are not
         self._legs: list[Array] = []
 
     def leg(self, number: int) -> Array:
         """Give the normals of a leg, from 0: read-only, shape (2, BLOCK)."""
+        if self._stream is None:
+            self._stream = self._open()
         while len(self._legs) <= number:
             drawn = self._stream.standard_normal((2, BLOCK))
             drawn.flags.writeable = False

@@ -159,9 +159,11 @@ def histogram(running: RunningStatistic) -> Histogram:
     margin = max(high - low, 1e-6 * max(abs(low), 1.0)) * 1e-3
     edges = np.linspace(low - margin, high + margin, BINS + 1)
     inside = [np.clip(ends_of, float(running.moments.low), float(running.moments.high)) for ends_of in (starts, ends)]
-    share = (edges[1:-1, None] - inside[0]) / np.maximum(inside[1] - inside[0], 1e-300)
-    below = (np.clip(share, 0.0, 1.0) * counts).sum(axis=1)
-    return Histogram(edges, np.diff(below, prepend=0.0, append=counts.sum()))
+    reached = np.cumsum(counts)
+    below = np.interp(
+        edges[1:-1], np.stack(inside, axis=1).ravel(), np.stack((reached - counts, reached), axis=1).ravel()
+    )
+    return Histogram(edges, np.diff(below, prepend=0.0, append=reached[-1]))
 
 
 def tracks(mission: Mission, shown: MissionTrials) -> Tracks:

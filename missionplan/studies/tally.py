@@ -107,12 +107,12 @@ def tally(mission: Mission, trials: MissionTrials, *, sampled: bool) -> Tally:
         Whether to keep inputs and key figures trial by trial.
     """
     columns = trials.columns()
-    statistics = {f"total.{name}": RunningStatistic.of(values) for name, values in trials.total.items()}
+    quantities = {f"total.{name}": values for name, values in trials.total.items()}
     counts = {"total.success": Count.of(trials.success)}
     for phase in trials.phases:
         timed = {"start": phase.start, "end": phase.end}
         for name, values in {**phase.quantities, **timed}.items():
-            statistics[f"{phase.name}.{name}"] = RunningStatistic.of(values)
+            quantities[f"{phase.name}.{name}"] = values
         for name, happened in phase.events.items():
             counts[f"{phase.name}.{name}"] = Count.of(happened)
     counts |= {step: Count.of(lost) for step, lost in _first_losses(trials).items()}
@@ -120,7 +120,7 @@ def tally(mission: Mission, trials: MissionTrials, *, sampled: bool) -> Tally:
         key, bounds = requirement_key(mission, requirement.quantity)
         limits = {side: getattr(requirement, side) for side in ("at_most", "at_least")}
         counts[f"requirement {index}"] = Count.of(_meets(columns[key], limits, bounds))
-    return Tally(statistics, counts, _sample(trials, columns) if sampled else {})
+    return Tally(RunningStatistic.of_each(quantities), counts, _sample(trials, columns) if sampled else {})
 
 
 def requirement_key(mission: Mission, quantity: str) -> tuple[str, str | None]:

@@ -75,7 +75,8 @@ class BlockRun:
         place = np.zeros(2)
         if isinstance(first, TransitPhase) and first.start is not None:
             place = self.setting.position(first.start, f"{first.name}.from")
-        noise = self.setting.fix_sd * self.normals(f"{first.name}.fix_at_start", trials)
+        sd = self.setting.fix_sd
+        noise = sd * self.normals(f"{first.name}.fix_at_start", trials) if np.any(sd) else 0.0
         return TrialState.at(place, trials, noise)
 
     def _transit(self, phase: TransitPhase, state: TrialState) -> tuple[TrialState, PhaseTrials, Array]:
@@ -176,8 +177,8 @@ class BlockRun:
 
     def _spend(self, state: TrialState) -> tuple[TrialState, Flags]:
         """End the trials that have used more than the battery holds; also give which."""
-        under_way = np.stack((*state.position, *state.fix, state.clock))[:, state.alive]
-        if not np.isfinite(under_way).all():
+        known = np.isfinite(np.stack((*state.position, *state.fix, state.clock))).all(axis=0)
+        if not known[state.alive].all():
             raise FloatingPointError("a trial under way has lost its place or its time")
         out = state.alive & (state.energy > self.setting.capacity)
         return replace(state, alive=state.alive & ~out), out
@@ -198,16 +199,18 @@ def _leg_inputs(
     length = np.hypot(course[0], course[1])
     along = course / np.where(length > 0.0, length, 1.0)
     legs = record.surfacings
+    fewest, most = int(legs.min()), int(legs.max())
     total = np.zeros((2, state.trials))
-    for number in range(int(legs.max(initial=0.0))):
-        total += np.where(legs > number, random_part(plan.velocity_error, _leg(normals.velocity, number, state)), 0.0)
-    mean = total / np.maximum(legs, 1.0)
-    found = {"velocity_error": mean}
+    for number in range(most):
+        normal = _leg(normals.velocity, number, state)
+        total += normal if number < fewest else np.where(legs > number, normal, 0.0)
+    # the error is linear in its normals
+    found = {"velocity_error": random_part(plan.velocity_error, total / np.maximum(legs, 1.0))}
     if normals.fix_on_diving is not None and np.any(plan.fix_error):
         last = np.zeros((2, state.trials))
-        for number in range(int(legs.max(initial=0.0))):
-            last = np.where(legs == number + 1, plan.fix_error * _leg(normals.fix_on_diving, number, state), last)
-        found["fix_error"] = last
+        for number in range(max(fewest - 1, 0), most):
+            last = np.where(legs == number + 1, _leg(normals.fix_on_diving, number, state), last)
+        found["fix_error"] = plan.fix_error * last
     return {
         f"{name}.{side}": values
         for name, vector in found.items()

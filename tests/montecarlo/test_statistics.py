@@ -77,6 +77,27 @@ def test_sketches_merge_exactly_in_any_order():
     assert np.array_equal(forwards.counts, backwards.counts)
 
 
+@given(st.lists(arrays(float, 20, elements=VALUES | st.just(math.nan)), min_size=1, max_size=5))
+def test_several_quantities_at_once_are_as_one_by_one(rows):
+    found = RunningStatistic.of_each({str(index): row for index, row in enumerate(rows)})
+    for index, row in enumerate(rows):
+        alone = RunningStatistic.of(row)
+        assert found[str(index)].statistic().summary() == alone.statistic().summary()
+        assert found[str(index)].sketch.counts.tobytes() == alone.sketch.counts.tobytes()
+
+
+@given(arrays(float, st.integers(1, 60), elements=st.floats(-1e12, 1e12)))
+def test_the_middle_of_a_bin_is_within_half_a_thousandth_of_what_it_holds(values):
+    sketch = QuantileSketch.of(values)
+    low, high = sketch.bounds()
+    assert np.all(low[1:] >= high[:-1])
+    for value in values:
+        held = (low <= value) & (value <= high)
+        assert held.any()
+        near = np.min(np.abs(0.5 * (low + high) - value)[held])
+        assert near <= max(2.0**-11 * abs(value), 2.0**-30)
+
+
 def test_memory_is_bounded_however_many_the_trials():
     running = RunningStatistic.of(np.zeros(1))
     for block in range(40):
