@@ -56,18 +56,11 @@ class Ended:
 
 
 def jacobian_settings(coordinates: Sequence[Coordinate], at: Array, free: NDArray[np.int_]) -> tuple[Array, Array]:
-    """Settings for central differences, shape (k, 2·len(free)), and the steps, shape (len(free),)."""
+    """Settings for forward differences, shape (k, len(free)), and the steps, shape (len(free),)."""
     steps = np.array([DIFFERENCE * coordinates[index].slab for index in free])
-    settings = np.repeat(at[:, None], 2 * len(free), axis=1)
-    for column, index in enumerate(free):
-        settings[index, 2 * column] += steps[column]
-        settings[index, 2 * column + 1] -= steps[column]
+    settings = np.repeat(at[:, None], len(free), axis=1)
+    settings[free, np.arange(len(free))] += steps
     return settings, steps
-
-
-def from_settings(readings: Array, steps: Array) -> Array:
-    """Columns of the Jacobian from readings at `jacobian_settings`."""
-    return np.asarray((readings[:, 0::2] - readings[:, 1::2]) / (2.0 * steps))
 
 
 def climb(

@@ -1,4 +1,4 @@
-"""Model of dive logs: the descent phase with every cause, linearised where a set of causes fits best."""
+"""Model of dive logs: fits of causes, linearised where each set fits best; what they leave, what they predict."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,15 +11,16 @@ from scipy.special import logsumexp
 from scipy.stats import norm
 
 from missionplan.diagnose import descent_menu
-from missionplan.diagnose.coordinates import Coordinate, coordinates_of, estimates, is_possible
+from missionplan.diagnose.coordinates import estimates, is_possible
 from missionplan.diagnose.descent_axes import descent_axes
-from missionplan.diagnose.descent_fit import Ended, Lane, climb, from_settings, jacobian_settings
-from missionplan.diagnose.descent_forward import DescentForward, limits
-from missionplan.diagnose.descent_noise import DIVE_SD, NOMINAL, Noise, caricature, dive_covariance, grid
-from missionplan.diagnose.likelihood import Marginal, gaussian_marginal
+from missionplan.diagnose.descent_fit import Ended, Lane, climb
+from missionplan.diagnose.descent_forward import limits
+from missionplan.diagnose.descent_linear import DescentLinear, Evidence, Linear
+from missionplan.diagnose.descent_noise import NOMINAL, grid
+from missionplan.diagnose.importance import DRAWS, Importance, importance
+from missionplan.diagnose.likelihood import LOG_2PI, Marginal
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Residuals
-from missionplan.effects import CATALOGUE, effects_of
 
 Array = NDArray[np.float64]
 
@@ -30,62 +31,25 @@ FIRST = 0.5
 """Where strengths start, in prior standard deviations; both signs for those of either sign and a shape."""
 SHIFTS = (-1.2, 0.0, 1.2)
 """Where the first shape of an effect starts, in prior standard deviations about its centre."""
-WEIGHT_STEP = 0.01
-SHIFT = 0.3
-"""Shift of the separation at which the readings' bend is taken [s]: 3 standard deviations of its scatter."""
 REFITTED = 2
 """Gauss–Newton steps of a refit without one dive, from the fit with it."""
 
 
 @dataclass(frozen=True)
-class Linear:
-    """The model linearised at a set's best coordinates.
-
-    Attributes
-    ----------
-    at : array, shape (k,)
-        Coordinates.
-    y : array, shape (N,)
-        Data less the model there, plus columns times the distance of `at` from the priors' centres.
-    columns : array, shape (N, k)
-        Of all coordinates; shapes of effects that are no causes have none (zero).
-    sensitivities : array, shape (N, 4)
-        Of the readings to what differs from dive to dive.
-    readings : array, shape (N,)
-        The model there [m].
-    bend : array, shape (N,)
-        What the scatter of the separation does to the readings beyond the linear: large where the line goes taut
-        and the vehicle starts with a jerk [m]. Taken at a shift by `SHIFT`, so that it reaches far enough.
-    """
-
-    at: Array
-    y: Array
-    columns: Array
-    sensitivities: Array
-    readings: Array
-    bend: Array
-
-
-@dataclass(frozen=True)
 class DescentState:
-    """A fitted set: its linearisation, the best hyperparameters, and the coordinates' posterior."""
+    """A fitted set: its linearisation, the likelihood there, the grid's best noise and the coordinates' posterior."""
 
     linear: Linear
-    noise: Noise
+    evidence: Evidence
+    best: int
     marginal: Marginal
 
 
 @dataclass(frozen=True)
-class DescentModel:
-    """Base model of a mission's descent and every cause of the catalogue, bound to dive logs."""
+class DescentModel(DescentLinear):
+    """Base model of a mission's descent and every cause of the catalogue, fitted to dive logs."""
 
-    forward: DescentForward
     alternatives: Sequence[frozenset[str]] = ()
-
-    @cached_property
-    def candidates(self) -> Causes:
-        """Effects of the catalogue on a descent."""
-        return tuple(info.id for info in effects_of("descent"))
 
     @property
     def untestable(self) -> Mapping[str, str]:
@@ -93,95 +57,9 @@ class DescentModel:
         return {}
 
     @cached_property
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        """Coordinates of all causes."""
-        return tuple(c for info in effects_of("descent") for c in coordinates_of(info))
-
-    @cached_property
-    def y(self) -> Array:
-        """Readings of all dives, one after the other, shape (N,) [m]."""
-        return np.concatenate([log.depth for log in self.forward.logs])
-
-    @cached_property
-    def parts(self) -> tuple[NDArray[np.int_], ...]:
-        """Rows of each dive."""
-        lengths = [len(log.t) for log in self.forward.logs]
-        return tuple(np.split(np.arange(sum(lengths)), np.cumsum(lengths)[:-1]))
-
-    @cached_property
-    def centre(self) -> Array:
-        """Prior means of the coordinates, shape (k,)."""
-        return np.array([coordinate.centre for coordinate in self.coordinates])
-
-    def prior_sd(self, causes: Causes) -> Array:
-        """Prior standard deviation of each coordinate: slab for a cause, spike otherwise (0 for a shape)."""
-        return np.array([c.slab if c.effect in causes else c.spike for c in self.coordinates])
-
-    def free(self, causes: Causes) -> NDArray[np.int_]:
-        """Coordinates of the causes."""
-        return np.flatnonzero([coordinate.effect in causes for coordinate in self.coordinates])
-
-    @cached_property
-    def base(self) -> Linear:
-        """The base model, linearised."""
-        return self.linearise([((), self.centre)])[0]
-
-    def linearise(self, wanted: Sequence[tuple[Causes, Array]]) -> list[Linear]:
-        """Linearise the phase for several sets in one call: all strengths, the causes' shapes, the dives' scatter."""
-        settings, factors, plans = [], [], []
-        for causes, at in wanted:
-            chosen = [i for i, c in enumerate(self.coordinates) if c.kind != "shape" or c.effect in causes]
-            ahead, steps = jacobian_settings(self.coordinates, at, np.array(chosen))
-            shifted = np.repeat(at[:, None], 2, axis=1)
-            shifted[self._clock] += np.array([SHIFT, -SHIFT])
-            settings += [at[:, None], np.repeat(at[:, None], 2, axis=1), shifted, ahead]
-            factors += [np.ones(1), 1.0 + WEIGHT_STEP * np.array([1.0, -1.0]), np.ones(2 + ahead.shape[1])]
-            plans.append((chosen, steps))
-        readings = self.forward.readings(self.coordinates, np.concatenate(settings, axis=1), np.concatenate(factors))
-        found, column = [], 0
-        for (causes, at), (chosen, steps) in zip(wanted, plans, strict=True):
-            here = readings[:, column]
-            weight = (readings[:, column + 1] - readings[:, column + 2]) / (2.0 * WEIGHT_STEP)
-            columns = np.zeros((len(self.y), len(self.coordinates)))
-            columns[:, chosen] = from_settings(readings[:, column + 5 : column + 5 + 2 * len(chosen)], steps)
-            both = readings[:, column + 3] + readings[:, column + 4] - 2.0 * here
-            bend = 0.5 * np.abs(both) * DIVE_SD["release"] / SHIFT
-            column += 5 + 2 * len(chosen)
-            found.append(self._linear(causes, at, here, columns, weight, bend))
-        return found
-
-    @cached_property
-    def _clock(self) -> int:
-        return [coordinate.effect for coordinate in self.coordinates].index("clock-offset")
-
-    def _linear(self, causes: Causes, at: Array, here: Array, columns: Array, weight: Array, bend: Array) -> Linear:
-        free = self.free(causes)
-        y = self.y - here + columns[:, free] @ (at - self.centre)[free]
-        names = [coordinate.effect for coordinate in self.coordinates]
-        release, drag = columns[:, self._clock], columns[:, names.index("drag-bias")]
-        return Linear(at, y, columns, np.stack([release, np.ones_like(release), drag, weight], axis=1), here, bend)
-
-    def blocks(self, causes: Causes, linear: Linear, noise: Noise) -> list[Array]:
-        """Covariance of each dive's readings beside the catalogue's coordinates.
-
-        A cause with a shape of its own is a caricature of what it names: what it adds to the readings is uncertain
-        by a smooth factor, `SHAPE_SD`.
-        """
-        shaped = any(CATALOGUE[name].parameters[key].is_shape for name in causes for key in CATALOGUE[name].parameters)
-        added = linear.readings - self.base.readings if shaped else np.zeros(len(linear.readings))
-        return [
-            dive_covariance(log.t, log.sd, linear.sensitivities[rows], linear.bend[rows], noise)
-            + caricature(log.t, added[rows])
-            for log, rows in zip(self.forward.logs, self.parts, strict=True)
-        ]
-
-    def total_covariance(self, causes: Causes, linear: Linear, noise: Noise) -> Array:
-        """Covariance of all readings with the coordinates' priors, shape (N, N) [m²]."""
-        scaled = np.concatenate([linear.columns * self.prior_sd(causes), noise.scatter * linear.bend[:, None]], axis=1)
-        total = scaled @ scaled.T
-        for rows, block in zip(self.parts, self.blocks(causes, linear, noise), strict=True):
-            total[np.ix_(rows, rows)] += block
-        return np.asarray(total)
+    def _nominal(self) -> Array:
+        """Covariance for the climb, the same for all sets so that their objectives compare, shape (N, N) [m²]."""
+        return self.total_covariance(self.base, NOMINAL, self.prior_sd(()))
 
     def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
         """Fit several sets at once: climb from all their starts together, linearise, integrate."""
@@ -189,7 +67,7 @@ class DescentModel:
             (index, lane) for index, (causes, near) in enumerate(wanted) for lane in self._lanes(causes, near, index)
         ]
         climbed = [lane for _, lane in lanes if len(lane.free)]
-        nominal = self.total_covariance((), self.base, NOMINAL)
+        nominal = self._nominal
         ended = iter(climb(self.forward, self.coordinates, self.y, nominal, climbed) if climbed else [])
         best: dict[int, Ended] = {}
         for index, lane in lanes:
@@ -246,19 +124,18 @@ class DescentModel:
     def _integrated(self, causes: Causes, linear: Linear) -> Fit | Failure:
         if not np.all(np.isfinite(linear.y)) or not np.all(np.isfinite(linear.columns)):
             return Failure(causes, "the descent does not go down with these parameters")
-        found = []
-        for noise in grid():
-            try:
-                found.append((noise, self._marginal(causes, linear, noise)))
-            except np.linalg.LinAlgError as error:
-                return Failure(causes, str(error))
-        logs = np.array([noise.log_prior + marginal.log_density for noise, marginal in found])
-        noise, marginal = found[int(np.argmax(logs))]
+        try:
+            evidence = self.evidence(linear)
+            found = evidence.marginals(self.prior_sd(causes))
+        except np.linalg.LinAlgError as error:
+            return Failure(causes, str(error))
+        logs = _weighted(found)
+        best = int(np.argmax(logs))
         free = self.free(causes)
-        mean = self.centre[free] + marginal.mean[free]
-        parameters = estimates([self.coordinates[i] for i in free], mean, marginal.covariance[np.ix_(free, free)])
-        calibration = {"dive_scatter": noise.scatter, "depth_walk_m2_s": noise.walk}
-        state = DescentState(linear, noise, marginal)
+        mean = self.centre[free] + found[best].mean[free]
+        parameters = estimates([self.coordinates[i] for i in free], mean, found[best].covariance[np.ix_(free, free)])
+        calibration = {"dive_scatter": grid()[best].scatter, "depth_walk_m2_s": grid()[best].walk}
+        state = DescentState(linear, evidence, best, found[best])
         possible = is_possible(parameters) and all(self._inside(i, linear.at[i]) for i in free)
         return Fit(causes, float(logsumexp(logs)), parameters, calibration, possible, state)
 
@@ -268,30 +145,32 @@ class DescentModel:
         low, high = limits(coordinate)
         return low < (float(np.exp(at)) if coordinate.kind == "shape" else at) < high
 
-    def _marginal(self, causes: Causes, linear: Linear, noise: Noise) -> Marginal:
-        """Marginalise all coordinates about a linearisation; dives are independent given them.
-
-        The scatter of the separation smooths the jerk of every dive to the same side: a column that they share.
-        """
-        prior = np.append(self.prior_sd(causes), noise.scatter)
-        whitened = []
-        log_determinant = 0.0
-        for rows, block in zip(self.parts, self.blocks(causes, linear, noise), strict=True):
-            factor = np.linalg.cholesky(block)
-            columns = [linear.columns[rows], linear.bend[rows, None], linear.y[rows, None]]
-            both = np.concatenate(columns, axis=1)
-            whitened.append(solve_triangular(factor, both, lower=True, check_finite=False))
-            log_determinant += 2.0 * float(np.log(np.diag(factor)).sum())
-        white = np.concatenate(whitened)
-        unit = np.ones((1, len(white)))
-        result = gaussian_marginal(white[None, :, -1], white[None, :, :-1], prior, unit)
-        return Marginal(result.log_density - 0.5 * log_determinant, result.mean[:-1], result.covariance[:-1, :-1])
-
     def promise(self, causes: Causes, parent: Fit) -> float:
         """What further causes add to a parent's log density in its linearisation, shapes at their centres."""
         state = parent.state
-        wider, narrow = (self._marginal(names, state.linear, state.noise) for names in (causes, parent.causes))
-        return wider.log_density - narrow.log_density
+        wider, narrow = (state.evidence.marginal(state.best, self.prior_sd(names)) for names in (causes, parent.causes))
+        return float(wider.log_density - narrow.log_density)
+
+    def importance(self, fit: Fit) -> Importance:
+        """Integrate over the causes by the phase itself; narrow priors and noise as in the fit."""
+        free, state, linear = self.free(fit.causes), fit.state, fit.state.linear
+        if not len(free):
+            return Importance(fit.log_evidence, float(DRAWS))
+        slab, narrow = self.prior_sd(fit.causes)[free], self.prior_sd(fit.causes)
+        narrow[free] = 0.0
+        factors = [_factor(self.total_covariance(linear, noise, narrow)) for noise in grid()]
+
+        def log_joint(at: Array) -> Array:
+            settings = np.repeat(self.centre[:, None], len(at), axis=1)
+            settings[free] = at.T
+            left = self.y[:, None] - self.forward.readings(self.coordinates, settings)
+            logs = [noise.log_prior + _log_normal(left, factor) for noise, factor in zip(grid(), factors, strict=True)]
+            prior = np.asarray(norm.logpdf(at, self.centre[free], slab))
+            return np.asarray(logsumexp(logs, axis=0) + prior.sum(axis=1))
+
+        return importance(
+            log_joint, self.centre[free] + state.marginal.mean[free], state.marginal.covariance[np.ix_(free, free)]
+        )
 
     def residuals(self, fit: Fit) -> Residuals:
         """Readings less the model at the priors' centres of the linearisation, and their covariance."""
@@ -299,7 +178,7 @@ class DescentModel:
         logs = self.forward.logs
         return Residuals(
             state.linear.y,
-            self.total_covariance(fit.causes, state.linear, state.noise),
+            self.total_covariance(state.linear, grid()[state.best], self.prior_sd(fit.causes)),
             np.concatenate([np.full(len(log.t), k) for k, log in enumerate(logs)]),
             descent_axes(logs, state.linear.readings),
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
@@ -307,37 +186,31 @@ class DescentModel:
         )
 
     def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
-        """Predict each dive from the others under several fits, the causes fitted to the others alone."""
+        """Predict each dive from the others under several fits: causes and noise fitted to the others alone."""
         others = [np.setdiff1d(np.arange(len(self.y)), rows) for rows in self.parts]
-        folds = [(fit, seen) for fit in fits for seen in others]
+        folds = [(fit, dive) for fit in fits for dive in range(len(self.parts))]
         lanes = [
-            Lane(self.free(fit.causes), fit.state.linear.at, family, seen) for family, (fit, seen) in enumerate(folds)
+            Lane(self.free(fit.causes), fit.state.linear.at, family, others[dive])
+            for family, (fit, dive) in enumerate(folds)
         ]
-        nominal = self.total_covariance((), self.base, NOMINAL)
-        ended = climb(self.forward, self.coordinates, self.y, nominal, lanes, steps=REFITTED)
+        ended = climb(self.forward, self.coordinates, self.y, self._nominal, lanes, steps=REFITTED)
         linears = self.linearise([(fit.causes, end.at) for (fit, _), end in zip(folds, ended, strict=True)])
-        scores = []
-        for k, fit in enumerate(fits):
-            own = linears[k * len(others) : (k + 1) * len(others)]
-            logs = self.forward.logs
-            scores.append(
-                [
-                    self._score(log.name, fit, linear, seen, rows)
-                    for log, linear, seen, rows in zip(logs, own, others, self.parts, strict=True)
-                ]
-            )
-        return scores
+        scores = [self._score(fit, linear, dive) for (fit, dive), linear in zip(folds, linears, strict=True)]
+        return [scores[k * len(others) : (k + 1) * len(others)] for k in range(len(fits))]
 
-    def _score(self, name: str, fit: Fit, linear: Linear, seen: NDArray[np.int_], rows: NDArray[np.int_]) -> Score:
-        total = self.total_covariance(fit.causes, linear, fit.state.noise)
-        weights = np.linalg.solve(total[np.ix_(seen, seen)], total[np.ix_(seen, rows)]).T
-        error = linear.y[rows] - weights @ linear.y[seen]
-        covariance = total[np.ix_(rows, rows)] - weights @ total[np.ix_(seen, rows)]
-        factor = np.linalg.cholesky(covariance)
-        white = np.linalg.solve(factor, error)
-        log_score = -0.5 * float(white @ white) - float(np.log(np.diag(factor)).sum()) - 0.919 * len(error)
-        inside = int((np.abs(error) <= norm.ppf(0.95) * np.sqrt(np.diag(covariance))).sum())
-        return Score(name, log_score, float(error @ error), inside, len(error))
+    def _score(self, fit: Fit, linear: Linear, dive: int) -> Score:
+        """Predict one dive: its log score over all noises, weighed by the other dives; its errors at their best one."""
+        prior, evidence = self.prior_sd(fit.causes), self.evidence(linear)
+        others = np.delete(np.arange(len(self.parts)), dive)
+        seen = _weighted(evidence.marginals(prior, others))
+        log_score = float(logsumexp(_weighted(evidence.marginals(prior))) - logsumexp(seen))
+        total = self.total_covariance(linear, grid()[int(np.argmax(seen))], prior)
+        own, rest = self.parts[dive], np.concatenate([self.parts[k] for k in others])
+        weights = np.linalg.solve(total[np.ix_(rest, rest)], total[np.ix_(rest, own)]).T
+        error = linear.y[own] - weights @ linear.y[rest]
+        variance = np.diag(total[np.ix_(own, own)] - weights @ total[np.ix_(rest, own)])
+        inside = int((np.abs(error) <= norm.ppf(0.95) * np.sqrt(variance)).sum())
+        return Score(self.forward.logs[dive].name, log_score, float(error @ error), inside, len(error))
 
     @property
     def menu(self) -> Sequence[str]:
@@ -353,3 +226,18 @@ class DescentModel:
         fitted = model.fit_all([(first.causes, (first,)), (second.causes, (second,))])
         evidence = [fit.log_evidence if isinstance(fit, Fit) else -np.inf for fit in fitted]
         return float(max(evidence[0] - evidence[1], 0.0))
+
+
+def _weighted(marginals: Sequence[Marginal]) -> Array:
+    """Log density at each noise of the grid with the noise's prior."""
+    return np.array([noise.log_prior + found.log_density for noise, found in zip(grid(), marginals, strict=True)])
+
+
+def _factor(covariance: Array) -> Array:
+    return np.asarray(np.linalg.cholesky(covariance), dtype=float)
+
+
+def _log_normal(left: Array, factor: Array) -> Array:
+    """Ln N(left; 0, L Lᵀ) of each column of left, shape (N, s) → (s,)."""
+    white = solve_triangular(factor, left, lower=True, check_finite=False)
+    return np.asarray(-0.5 * np.sum(white**2, axis=0) - np.log(np.diag(factor)).sum() - 0.5 * len(left) * LOG_2PI)

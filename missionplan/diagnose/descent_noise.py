@@ -1,7 +1,9 @@
 """Covariance of a dive's readings: sensor, what differs from dive to dive, turbulence."""
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +29,7 @@ class Noise:
     log_prior: float
 
 
+@cache
 def grid() -> tuple[Noise, ...]:
     """Grid of hyperparameters with normalised prior weights."""
     points = list(itertools.product(SCATTERS, WALKS))
@@ -41,10 +44,11 @@ def grid() -> tuple[Noise, ...]:
 
 
 NOMINAL = Noise(1.0, WALK_CENTRE, 0.0)
+"""In the middle of the grid, for the climb."""
 
 
-def dive_covariance(t: Array, sd: Array, sensitivities: Array, bend: Array, noise: Noise) -> Array:
-    """σ²I + κ²(J S Jᵀ + bend²) + q·min(t, t′), shape (m, m) [m²].
+def dive_covariance(t: Array, sd: Array, sensitivities: Array, bend: Array, noises: Sequence[Noise]) -> Array:
+    """σ²I + κ²(J S Jᵀ + bend²) + q·min(t, t′) for each of g noises, shape (g, m, m) [m²].
 
     Parameters
     ----------
@@ -54,14 +58,17 @@ def dive_covariance(t: Array, sd: Array, sensitivities: Array, bend: Array, nois
         Of the readings to release, zero, drag and weight, in the order of `DIVE_SD`.
     bend : array, shape (m,)
         What the scatter of the separation does beyond the linear, where the vehicle starts with a jerk [m].
-    noise : Noise
+    noises : sequence of Noise, length g
         Hyperparameters.
     """
-    scaled = noise.scatter * sensitivities * np.array(list(DIVE_SD.values()))
+    scaled = sensitivities * np.array(list(DIVE_SD.values()))
+    scattered = scaled @ scaled.T + np.diag(bend**2)
     since = t - min(0.0, float(t.min()))
-    own = np.diag(sd**2 + (noise.scatter * bend) ** 2)
-    walk = noise.walk * np.minimum(since[:, None], since[None, :])
-    return np.asarray(own + scaled @ scaled.T + walk)
+    walked = np.minimum(since[:, None], since[None, :])
+    scatter, walk = (
+        np.array([getattr(noise, name) for noise in noises])[:, None, None] for name in ("scatter", "walk")
+    )
+    return np.asarray(np.diag(sd**2) + scatter**2 * scattered + walk * walked)
 
 
 SHAPE_SD = 0.02

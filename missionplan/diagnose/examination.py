@@ -40,6 +40,8 @@ class Examination:
         Sets that hold 95 %, best first.
     gains : mapping
         Held-out gain of the best sets.
+    checks : mapping
+        Their ln Bayes factors by importance sampling.
     remainder, base_remainder : Remainder
         What the claimed model leaves, and the base model.
     outlying_groups : tuple
@@ -53,6 +55,7 @@ class Examination:
     posterior: Mapping[Causes, float]
     credible_set: tuple[Causes, ...]
     gains: Mapping[Causes, HeldOut]
+    checks: Mapping[Causes, float]
     remainder: Remainder
     base_remainder: Remainder
     outlying_groups: tuple[tuple[str, float], ...]
@@ -70,6 +73,7 @@ def examine(model: Model, progress: Progress = silent) -> Examination:
     """
     selection = select(model, progress)
     gains = _gains(model, selection, progress)
+    checks = _checks(model, selection, tuple(gains))
     best = selection.ranking[0] if selection.ranking else None
     claimed = claim(selection, gains.get(best.causes) if best else None)
     progress("testing the remainder", 0, 1)
@@ -89,6 +93,7 @@ def examine(model: Model, progress: Progress = silent) -> Examination:
         posterior,
         tuple(credible_set(posterior)),
         gains,
+        checks,
         left,
         base_remainder,
         outlying_groups(residuals),
@@ -103,6 +108,15 @@ def _gains(model: Model, selection: Selection, progress: Progress) -> dict[Cause
     progress("predicting held-out data", 0, 1)
     base, *extended = model.held_out([selection.base, *(candidate.fit for candidate in worth)])
     return {candidate.causes: compare(base, scores) for candidate, scores in zip(worth, extended, strict=True)}
+
+
+def _checks(model: Model, selection: Selection, scored: tuple[Causes, ...]) -> dict[Causes, float]:
+    """Bayes factors (ln) of the sets that were scored, by importance sampling."""
+    if not scored:
+        return {}
+    base = model.importance(selection.base).log_evidence
+    fits = {candidate.causes: candidate.fit for candidate in selection.ranking}
+    return {causes: model.importance(fits[causes]).log_evidence - base for causes in scored}
 
 
 def _worth_scoring(candidate: Candidate, selection: Selection) -> bool:

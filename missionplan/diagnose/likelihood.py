@@ -90,17 +90,38 @@ def gaussian_marginal(y: Array, design: Array, prior_sd: Array, noise: Array) ->
     numpy.linalg.LinAlgError
         When a covariance is not positive definite.
     """
-    columns = np.concatenate([design * prior_sd, y[:, :, None]], axis=2)
-    whitened, log_determinant = whiten(noise, columns)
+    whitened, log_determinant = whiten(noise, np.concatenate([design, y[:, :, None]], axis=2))
     flat = whitened.reshape(-1, whitened.shape[2])
-    gram = flat.T @ flat
+    return marginal_of(flat.T @ flat, prior_sd, log_determinant, y.size)
+
+
+def marginal_of(gram: Array, prior_sd: Array, log_determinant: float, count: int) -> Marginal:
+    """Marginalise the coefficients of a linear model of whitened data.
+
+    Parameters
+    ----------
+    gram : array, shape (k + 1, k + 1)
+        Inner products of the whitened columns and, last, the whitened data; those of parts of the data add up.
+    prior_sd : array, shape (k,)
+        Prior standard deviations of the coefficients.
+    log_determinant : float
+        ln |covariance| of the noise.
+    count : int
+        Number of data.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        When the posterior has no covariance.
+    """
     k = len(prior_sd)
-    factor = cho_factor(gram[:k, :k] + np.eye(k), lower=True)
-    scaled = cho_solve(factor, gram[:k, k])
-    quadratic = float(gram[k, k] - gram[:k, k] @ scaled)
+    right = prior_sd * gram[:k, k]
+    factor = cho_factor(prior_sd[:, None] * gram[:k, :k] * prior_sd + np.eye(k), lower=True)
+    scaled = cho_solve(factor, right)
     log_determinant += 2.0 * float(np.log(np.diag(factor[0])).sum())
-    covariance = prior_sd[:, None] * cho_solve(factor, np.eye(k)) * prior_sd[None, :]
-    return Marginal(-0.5 * (quadratic + log_determinant + y.size * LOG_2PI), prior_sd * scaled, covariance)
+    covariance = prior_sd[:, None] * cho_solve(factor, np.eye(k)) * prior_sd
+    quadratic = float(gram[k, k] - right @ scaled)
+    return Marginal(-0.5 * (quadratic + log_determinant + count * LOG_2PI), prior_sd * scaled, covariance)
 
 
 def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, dof: float) -> Marginal:

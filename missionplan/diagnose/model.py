@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.diagnose.coordinates import Estimate
+from missionplan.diagnose.importance import Importance
 from missionplan.diagnose.residuals import Residuals
 
 Array = NDArray[np.float64]
@@ -101,6 +102,10 @@ class Model(Protocol):
 
     def promise(self, causes: Causes, parent: Fit) -> float:
         """A quick bound on what further causes would add to a parent's log evidence, prices aside; inf if unknown."""
+        ...
+
+    def importance(self, fit: Fit) -> Importance:
+        """Evidence of a fit by importance sampling."""
         ...
 
     def residuals(self, fit: Fit) -> Residuals:

@@ -229,6 +229,7 @@ class _Described:
             tuple(ParameterEstimate(**asdict(estimate)) for estimate in candidate.fit.estimates),
             _gain(gain) if gain else None,
             share,
+            self._found.checks.get(candidate.causes),
         )
 
     def _shares(self, fits: Sequence[Fit]) -> list[float]:

@@ -18,6 +18,7 @@ from missionplan.diagnose.coordinates import (
     is_possible,
     parameters_from,
 )
+from missionplan.diagnose.importance import Importance, importance
 from missionplan.diagnose.likelihood import LOG_2PI, Marginal
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Axis, Residuals
@@ -237,6 +238,24 @@ class TankModel:
     def promise(self, causes: Causes, parent: Fit) -> float:
         """Unknown: the few effects of a tank are all fitted."""
         return float("inf")
+
+    def importance(self, fit: Fit) -> Importance:
+        """Integrate over nuisances and causes by the model itself, not linearised."""
+        state, sd = fit.state, self.forward.sd
+        prior, centre = self.prior_sd(fit.causes)[state.active], self.centre[state.active]
+        log_weights = -0.5 * (np.log(self._factors) / self._spread) ** 2
+        log_weights -= logsumexp(log_weights) + len(sd) * np.log(self._factors)
+        constant = -float(np.log(sd).sum()) - 0.5 * len(sd) * LOG_2PI
+
+        def log_joint(at: Array) -> Array:
+            places = np.repeat(self.centre[:, None], len(at), axis=1)
+            places[state.active] = at.T
+            left = (self.forward.y[:, None] - self.predict(fit.causes, places)) / sd[:, None]
+            quadratic = -0.5 * np.sum(left**2, axis=0)[:, None] / self._factors**2
+            log_prior = np.asarray(norm.logpdf(at, centre, prior)).sum(axis=1)
+            return np.asarray(logsumexp(quadratic + log_weights, axis=1) + constant + log_prior)
+
+        return importance(log_joint, state.marginal.mean, state.marginal.covariance)
 
     def residuals(self, fit: Fit) -> Residuals:
         """What the fit leaves, the fitted coordinates as good as unknown."""

@@ -14,6 +14,7 @@ from scipy.stats import norm
 
 from missionplan.diagnose import transit_menu
 from missionplan.diagnose.coordinates import Coordinate, Estimate, estimates, is_possible
+from missionplan.diagnose.importance import Importance, importance
 from missionplan.diagnose.likelihood import LOG_2PI, Laplace, Marginal, expected_log_ratio, laplace
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Residuals
@@ -222,15 +223,25 @@ class TransitModel(TransitNoise):
         *,
         integrate: bool,
     ) -> Laplace:
-        centre = np.array([hyper.centre for hyper in hypers])
-        spread = np.array([hyper.spread for hyper in hypers])
-
         def log_posterior(at: Array) -> float:
-            scaled = (at - centre) / spread
-            prior = -0.5 * float(scaled @ scaled) - float(np.log(spread).sum()) - 0.5 * len(at) * LOG_2PI
-            return prior + self.marginal(causes, at, linear, rows).log_density
+            return _log_prior(hypers, at) + self.marginal(causes, at, linear, rows).log_density
 
         return laplace(log_posterior, starts, guess, integrate=integrate)
+
+    def importance(self, fit: Fit) -> Importance:
+        """Integrate over the hyperparameters; the causes of the mean exactly, as in the fit."""
+        state, linear = fit.state, self.linearised(fit.state.about)
+
+        def log_joint(at: Array) -> float:
+            try:
+                return _log_prior(state.hypers, at) + self.marginal(fit.causes, at, linear).log_density
+            except np.linalg.LinAlgError:
+                return -math.inf
+
+        def all_of(draws: Array) -> Array:
+            return np.array([log_joint(at) for at in draws])
+
+        return importance(all_of, state.posterior.mode, state.posterior.covariance)
 
     def _described(self, causes: Causes, state: TransitState) -> Fit:
         chosen = [i for i, coordinate in enumerate(self.coordinates) if coordinate.effect in causes]
@@ -245,6 +256,13 @@ class TransitModel(TransitNoise):
             if not h.effect
         }
         return Fit(causes, state.posterior.log_evidence, found, calibration, is_possible(found), state)
+
+
+def _log_prior(hypers: tuple[Hyper, ...], at: Array) -> float:
+    """Of the hyperparameters' logarithms."""
+    spread = np.array([hyper.spread for hyper in hypers])
+    scaled = (at - np.array([hyper.centre for hyper in hypers])) / spread
+    return -0.5 * float(scaled @ scaled) - float(np.log(spread).sum()) - 0.5 * len(at) * LOG_2PI
 
 
 def _starts(hypers: tuple[Hyper, ...], near: Sequence[Fit]) -> tuple[list[Array], Array]:

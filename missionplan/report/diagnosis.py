@@ -132,8 +132,10 @@ def _ranking_section(diagnosis: Diagnosis) -> Section:
     heading = f"{names(best.causes).capitalize()} comes first"
     meaning = (
         "ln BF is the evidence for a set of causes over the mission's own model: 3 means that the data are 20 times "
-        "more probable with it. The score charges 3 for each cause beyond the first. The posterior is the probability "
-        "among the sets tried, when each cause was equally likely before; supersets of the best set have none."
+        "more probable with it. It is computed with the model linearised at its best, and checked for the first few "
+        "by importance sampling, which does without that. The score charges 3 for each cause beyond the first. The "
+        "posterior is the probability among the sets tried, when each cause was equally likely before; supersets of "
+        "the best set have none."
     )
     return Section(
         heading,
@@ -142,11 +144,12 @@ def _ranking_section(diagnosis: Diagnosis) -> Section:
 
 
 def _ranking_rows(ranking: Sequence[RankedSet]) -> tuple[list[str], list[list[str]]]:
-    columns = ["Causes", "ln BF", "Score", "Posterior", "Held-out gain", "Share explained"]
+    columns = ["Causes", "ln BF", "Checked", "Score", "Posterior", "Held-out gain", "Share explained"]
     rows = [
         [
             names(entry.causes),
             f"{entry.log_bayes_factor:.1f}",
+            "" if entry.importance is None else f"{entry.importance:.1f}",
             f"{entry.score:.1f}",
             "" if entry.posterior is None else f"{100.0 * entry.posterior:.1f} %",
             "" if entry.held_out is None else f"{entry.held_out.log_score_gain:.1f} ± {entry.held_out.paired_se:.1f}",

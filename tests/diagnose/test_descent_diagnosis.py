@@ -51,7 +51,7 @@ def test_readings_of_many_settings_are_those_of_each(measured):
 def test_covariance_of_a_dive():
     t = np.array([0.0, 1.0, 2.0])
     sensitivities = np.array([[0.0, 1.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0]])
-    found = dive_covariance(t, np.full(3, 0.1), sensitivities, np.zeros(3), NOMINAL)
+    (found,) = dive_covariance(t, np.full(3, 0.1), sensitivities, np.zeros(3), [NOMINAL])
     expected = 0.01 * np.eye(3) + 0.01 * np.outer(t, t) + 0.0025 + NOMINAL.walk * np.minimum.outer(t, t)
     np.testing.assert_allclose(found, expected)
     np.testing.assert_allclose(np.diag(caricature(t, np.full(3, 2.0))), (0.02 * 2.0) ** 2)
