@@ -1,5 +1,6 @@
 """Selection: one, two or three causes at once, by evidence; physical impossibilities out; posteriors."""
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -17,6 +18,8 @@ WORTH_SHARE = 0.03
 HOPELESS = -4.0
 """Nats of quick promise below which a further cause is not fitted."""
 BEAM = 3
+HIDDEN = 8
+"""Pairs outside the beam that are fitted as well, by their quick promise."""
 MOST = 3
 CREDIBLE = 0.95
 
@@ -101,6 +104,8 @@ def select(model: Model, progress: Progress = lambda what, done, of: None) -> Se
         wanted = _extensions(frontier, model, set(tried))
         if size > 1:
             wanted = [(causes, parent) for causes, parent in wanted if model.promise(causes, parent) > HOPELESS]
+        if size == 2:
+            wanted += _promising(model, base, {*tried, *(frozenset(causes) for causes, _ in wanted)})
         progress(f"fitting sets of {size}", 0, len(wanted))
         for fit in model.fit_all([(causes, _parts(causes, parent, alone)) for causes, parent in wanted]):
             if isinstance(fit, Failure):
@@ -116,6 +121,22 @@ def select(model: Model, progress: Progress = lambda what, done, of: None) -> Se
     possible = [candidate for candidate in best if candidate.fit.possible and _earned(candidate, tried)]
     impossible = [candidate for candidate in best if not candidate.fit.possible]
     return Selection(base, tuple(possible), tuple(impossible), tuple(failed), len(model.candidates))
+
+
+def _promising(model: Model, base: Fit, known: set[frozenset[str]]) -> list[tuple[Causes, Fit]]:
+    """Find pairs that promise much together though neither is among the best alone: causes that hide each other."""
+    pairs = [
+        pair
+        for pair in itertools.combinations(model.candidates, 2)
+        if frozenset(pair) not in known and not _exclusive(frozenset(pair), model)
+    ]
+    promises = {pair: model.promise(pair, base) for pair in pairs}
+    likely = sorted((pair for pair in pairs if np.isfinite(promises[pair])), key=lambda pair: -promises[pair])
+    return [(pair, base) for pair in likely[:HIDDEN]]
+
+
+def _exclusive(causes: frozenset[str], model: Model) -> bool:
+    return any(len(group & causes) > 1 for group in model.alternatives)
 
 
 def _parts(causes: Causes, parent: Fit, alone: dict[str, Fit]) -> tuple[Fit, ...]:
@@ -136,8 +157,7 @@ def _extensions(frontier: Sequence[Candidate], model: Model, tried: set[frozense
     for parent in frontier:
         for name in model.candidates:
             together = frozenset({*parent.causes, name})
-            exclusive = any(len(group & together) > 1 for group in model.alternatives)
-            if len(together) > len(parent.causes) and not exclusive and together not in tried:
+            if len(together) > len(parent.causes) and not _exclusive(together, model) and together not in tried:
                 found.setdefault(together, parent.fit)
     return [(tuple(sorted(causes, key=order.__getitem__)), parent) for causes, parent in found.items()]
 
