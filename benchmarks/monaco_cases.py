@@ -1,7 +1,8 @@
 """Run `transit_trial` under monaco: ``python -m benchmarks.monaco_cases CASES WORKERS``, in monaco's environment.
 
 Prints JSON: wall time [s] of a run with the workers warm, what of it was not spent in the function itself (one worker
-only) [s], mean duration of the transit [s].
+only) [s], mean duration of the transit [s]; with a third word ``analysis`` also the time [s] of a sensitivity
+analysis of both outputs, which is no part of the run.
 """
 
 import json
@@ -10,9 +11,12 @@ import sys
 import time
 
 import monaco  # type: ignore[import-not-found]
+import numpy as np
 from scipy.stats import norm
 
 from benchmarks.transit_trial import SPEED, SPEED_SD, transit_trial
+
+RUNS = 3
 
 inside = 0.0
 
@@ -37,27 +41,40 @@ def postprocess(case: monaco.Case, duration: float, surfacings: int) -> None:
     case.addOutVal("surfacings", surfacings)
 
 
-def main(cases: int, workers: int) -> None:
-    """Run three times: the first run starts the workers; of the others the least of each time counts."""
+def run_all(sim: monaco.Sim) -> None:
+    """Run all cases, and take of each output the statistics that missionplan gives: no confidence intervals."""
+    sim.runSim()
+    for output in sim.outvars.values():
+        output.addVarStat("mean")
+        output.addVarStat(np.std)
+        output.addVarStat("percentile", {"p": [0.05, 0.5, 0.95]})
+
+
+def main(cases: int, workers: int, *, analyse: bool) -> None:
+    """Run `RUNS` times after one that starts the workers; the least of each time counts."""
     global inside
     functions = {"preprocess": preprocess, "run": run, "postprocess": postprocess}
     settings = {"seed": 1, "singlethreaded": workers == 1, "ncores": workers, "verbose": False, "debug": True}
     sim = monaco.Sim("transit", cases, functions, **settings)
     sim.addInVar("speed", norm, {"loc": SPEED, "scale": SPEED_SD})
-    sim.runSim()
+    run_all(sim)
     runs = []
-    for _ in range(2):
+    for _ in range(RUNS):
         inside = 0.0
         started = time.perf_counter()
-        sim.runSim()
+        run_all(sim)
         runs.append((time.perf_counter() - started, inside))
     found = {
         "wall": min(wall for wall, _ in runs),
         "overhead": min(wall - function for wall, function in runs),
         "mean": statistics.fmean(sim.outvars["duration"].nums),
     }
+    if analyse:
+        started = time.perf_counter()
+        sim.calcSensitivities()
+        found["analysis"] = time.perf_counter() - started
     print(json.dumps(found))
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), int(sys.argv[2]))
+    main(int(sys.argv[1]), int(sys.argv[2]), analyse="analysis" in sys.argv[3:])

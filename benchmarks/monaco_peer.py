@@ -2,6 +2,8 @@
 
 monaco gets an environment of its own in a temporary folder. Both run the same scalar function (`transit_trial`);
 missionplan also runs the same transit as a mission, vectorised. Overhead is the wall time less that of the model.
+Both sides draw the inputs, and give mean, standard deviation and three quantiles of the outputs; imports, reports and
+the analysis of sensitivities are in neither side's overhead, and the last is compared in a row of its own.
 """
 
 import json
@@ -24,17 +26,28 @@ RESOLUTION = 1e-8
 
 @dataclass(frozen=True)
 class Cases:
-    """A run of many cases: time a case, and what of it the framework adds to the model [s]; peak memory [bytes]."""
+    """A run of many cases.
+
+    Attributes
+    ----------
+    each, overhead : float
+        Time a case, and what of it the framework adds to the model [s].
+    analysis : float
+        Time of the sensitivity analysis, where there is one [s].
+    peak : int
+        Memory [bytes].
+    """
 
     each: float
     overhead: float
+    analysis: float
     peak: int
 
     @classmethod
     def of(cls, run: Run, cases: int) -> "Cases":
         """Read what a child printed."""
         found = json.loads(run.output.splitlines()[-1])
-        return cls(found["wall"] / cases, found["overhead"] / cases, run.peak)
+        return cls(found["wall"] / cases, found["overhead"] / cases, found.get("analysis", 0.0), run.peak)
 
 
 Runs = Mapping[tuple[int, int], Cases]
@@ -59,27 +72,29 @@ def compare(options: Options) -> Section:
             return Section((Row("`monaco` could not be installed here", "not run"),))
         command = [str(interpreter), "-c", "from importlib.metadata import version; print(version('monaco'))"]
         release = run_command(command).output.strip()
+        child: list[str | Path] = [interpreter, "-m", "benchmarks.monaco_cases"]
         monaco = {
-            (cases, workers): Cases.of(
-                run_command([interpreter, "-m", "benchmarks.monaco_cases", str(cases), str(workers)]), cases
-            )
+            (cases, workers): Cases.of(run_command([*child, str(cases), str(workers)]), cases)
             for cases in sizes
             for workers in (1, 2)
         }
+        analysed = Cases.of(run_command([*child, str(sizes[0]), "1", "analysis"]), sizes[0])
     function = {key: own("function", *key) for key in monaco}
     many, most = SUSTAINED // options.shrink, sizes[-1]
     rows = [_time_row(*key, function[key], theirs) for key, theirs in monaco.items()]
     for cases in sizes:
         what = f"overhead a case, same function, {cases} cases"
         rows.append(_overhead_row(what, function[cases, 1], monaco[cases, 1]))
-    for study in ("sweep", "simulate"):
+    simulated = {cases: own("simulate", cases, 1) for cases in (sizes[0], most, many)}
+    swept = {cases: own("sweep", cases, 1) for cases in (most, many)}
+    for study, runs in (("sweep", swept), ("simulate", simulated)):
         for cases in (most, many):
             what = f"overhead a trial, `{study}`, {cases} trials beside {most} cases"
-            rows.append(_overhead_row(what, own(study, cases, 1), monaco[most, 1]))
-    simulated = own("simulate", many, 1).each
-    what = f"whole time a trial, `simulate`, model included, {many} trials beside {most} cases"
-    pair = duration(simulated), duration(monaco[most, 1].each)
-    rows.append(Row(what, *pair, f"{monaco[most, 1].each / simulated:.0f} × faster"))
+            rows.append(_overhead_row(what, runs[cases], monaco[most, 1]))
+    what = f"whole time a trial, `simulate`, model and analysis included, {many} trials beside {most} cases"
+    rows.append(_faster_row(what, simulated[many].each, monaco[most, 1].each))
+    what = f"sensitivity analysis, once, {sizes[0]} cases: 4 outputs here, 2 there"
+    rows.append(_faster_row(what, simulated[sizes[0]].analysis, analysed.analysis))
     rows += _memory_rows(sizes, function, monaco)
     alone = monaco[most, 1].each - monaco[most, 1].overhead
     return Section(
@@ -106,8 +121,13 @@ def own(what: str, cases: int, workers: int) -> Cases:
 
 
 def _time_row(cases: int, workers: int, ours: Cases, theirs: Cases) -> Row:
-    what = f"time a case, same function, {cases} cases, {_count(workers)}"
-    return Row(what, duration(ours.each), duration(theirs.each), f"{theirs.each / ours.each:.1f} × faster")
+    return _faster_row(
+        f"time a case, same function, {cases} cases, {_count(workers)}", ours.each, theirs.each, digits=1
+    )
+
+
+def _faster_row(what: str, ours: float, theirs: float, digits: int = 0) -> Row:
+    return Row(what, duration(ours), duration(theirs), f"{theirs / ours:.{digits}f} × faster")
 
 
 def _overhead_row(what: str, ours: Cases, theirs: Cases) -> Row:

@@ -4,19 +4,17 @@ A value that is nan belongs to a trial that never reached the quantity: it is le
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from missionplan.montecarlo.quantile_sketch import QuantileSketch
+
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_CUT = 42  # of the 52 bits of a mantissa: 1024 bins between a power of 2 and the next
-_SMALLEST = 2.0**-30  # magnitudes below count as zero
-_BELOW = (int(np.float64(_SMALLEST).view(np.int64)) >> _CUT) - 1  # makes the numbers of positive bins positive
-_DENSE = 8  # times as many bins as values are counted without sorting them
 _Z95 = 1.959963984540054
 
 
@@ -189,93 +187,6 @@ class Moments:
 
 
 @dataclass(frozen=True)
-class QuantileSketch:
-    """Counts in bins of nearly equal ratio: quantiles to 0.05 % of their value.
-
-    A bin is what shares sign, exponent and the first ten bits of the mantissa, 1024 bins between a power of 2 and the
-    next (DDSketch of Masson, Rim & Lee 2019 with their linear interpolation for the logarithm): its middle is within
-    2⁻¹¹ of all that it holds. Finding a bin takes no logarithm, only whole numbers, so that it is fast and the same on
-    every machine. Counts are integers too: merging is exact in any order. Only bins in use are kept: some ten thousand
-    a decade-spanning quantity, however many the trials.
-
-    Attributes
-    ----------
-    bins : integers, shape (k,)
-        Bin numbers in use, ascending: negative values, zero, positive values.
-    counts : integers, shape (k,)
-    """
-
-    bins: Integers
-    counts: Integers
-
-    @classmethod
-    def of(cls, values: Array) -> "QuantileSketch":
-        """Sketch one block, shape (n,); nan is left out."""
-        missing = np.isnan(values)
-        if missing.any():
-            values = values[~missing]
-        magnitude = np.abs(values)
-        numbers = (magnitude.view(np.int64) >> _CUT) - _BELOW
-        np.copyto(numbers, 0, where=magnitude < _SMALLEST)
-        np.negative(numbers, out=numbers, where=values < 0.0)
-        return cls._counted(numbers)
-
-    @classmethod
-    def _counted(cls, numbers: Integers) -> "QuantileSketch":
-        if not numbers.size:
-            return cls(numbers, numbers)
-        lowest, highest = int(numbers.min()), int(numbers.max())
-        if highest - lowest < _DENSE * numbers.size:  # counting is faster than sorting
-            counts = np.bincount(numbers - lowest)
-            used = np.flatnonzero(counts)
-            return cls(used + lowest, counts[used])
-        return cls(*np.unique(numbers, return_counts=True))
-
-    def merge(self, other: "QuantileSketch") -> "QuantileSketch":
-        """Add another block."""
-        if not (self.bins.size and other.bins.size):
-            return self if self.bins.size else other
-        lowest = min(self.bins[0], other.bins[0])
-        size = int(max(self.bins[-1], other.bins[-1]) - lowest) + 1
-        if size < _DENSE * (self.bins.size + other.bins.size):
-            counts = np.zeros(size, dtype=np.int64)
-            counts[self.bins - lowest] = self.counts
-            counts[other.bins - lowest] += other.counts
-            used = np.flatnonzero(counts)
-            return QuantileSketch(used + lowest, counts[used])
-        bins, place = np.unique(np.concatenate((self.bins, other.bins)), return_inverse=True)
-        counts = np.zeros(len(bins), dtype=np.int64)
-        np.add.at(counts, place, np.concatenate((self.counts, other.counts)))
-        return QuantileSketch(bins, counts)
-
-    def bounds(self) -> tuple[Array, Array]:
-        """Give the ends of each bin in use, ascending, shape (k,) each."""
-        near, far = _ends(np.abs(self.bins))
-        low = np.where(self.bins > 0, near, np.where(self.bins < 0, -far, -_SMALLEST))
-        high = np.where(self.bins > 0, far, np.where(self.bins < 0, -near, _SMALLEST))
-        return low, high
-
-    def quantile(self, probability: float) -> float:
-        """Give a quantile, within 0.05 % of an order statistic next to it; nan when empty."""
-        if not len(self.bins):
-            return math.nan
-        reached = np.cumsum(self.counts)
-        rank = probability * (reached[-1] - 1)
-        place = np.searchsorted(reached, rank, side="right")
-        number = self.bins[place]
-        if number == 0:
-            return 0.0
-        near, far = _ends(np.abs(number))
-        return math.copysign(0.5 * (float(near) + float(far)), number)
-
-
-def _ends(number: Integers) -> tuple[Array, Array]:
-    """Ends of the bins of positive values."""
-    first = (np.asarray(number, dtype=np.int64) + _BELOW) << _CUT
-    return first.view(np.float64), (first + (1 << _CUT)).view(np.float64)
-
-
-@dataclass(frozen=True)
 class RunningStatistic:
     """Moments and quantiles of one quantity so far."""
 
@@ -293,13 +204,13 @@ class RunningStatistic:
         if not quantities:
             return {}
         rows = np.stack(list(quantities.values()))
-        complete = ~np.isnan(rows).any(axis=-1)
-        found = {}
-        for alike in (complete, ~complete):  # rows that nan is missing from take fewer passes
-            moments = Moments.of(rows[alike])
-            for place, index in enumerate(np.flatnonzero(alike)):
-                found[int(index)] = cls(moments.take(place), QuantileSketch.of(rows[index]))
-        return {name: found[index] for index, name in enumerate(quantities)}
+        complete = ~np.isnan(rows).any(axis=-1) & (rows.shape[-1] > 0)
+        moments = Moments._of_all(rows if complete.all() else rows[complete])
+        place = np.cumsum(complete) - 1
+        return {
+            name: cls(moments.take(place[index]), QuantileSketch._of_all(row)) if complete[index] else cls.of(row)
+            for index, (name, row) in enumerate(zip(quantities, rows, strict=True))
+        }
 
     def merge(self, other: "RunningStatistic") -> "RunningStatistic":
         """Add the next block."""
@@ -307,19 +218,26 @@ class RunningStatistic:
 
     def quantile(self, probability: float) -> float:
         """Give a quantile, within the values' range; nan when no trial reached the quantity."""
-        value = self.sketch.quantile(probability)
-        return min(max(value, float(self.moments.low)), float(self.moments.high)) if math.isfinite(value) else value
+        return self.quantiles((probability,))[0]
+
+    def quantiles(self, probabilities: Sequence[float]) -> list[float]:
+        """Give several quantiles, within the values' range; nan when no trial reached the quantity."""
+        values = self.sketch.quantiles(probabilities)
+        low, high = float(self.moments.low), float(self.moments.high)
+        return [min(max(value, low), high) if math.isfinite(value) else value for value in values]
 
     def statistic(self) -> Statistic:
         """Give what is reported."""
-        moments, any_reached = self.moments, bool(self.moments.count)
+        count = int(self.moments.count)
+        p05, p50, p95 = self.quantiles((0.05, 0.50, 0.95))
+        sd = math.sqrt(float(self.moments.squares) / (count - 1)) if count > 1 else math.nan
         return Statistic(
-            mean=float(moments.mean) if any_reached else math.nan,
-            sd=math.sqrt(float(moments.variance)),
-            p05=self.quantile(0.05),
-            p50=self.quantile(0.50),
-            p95=self.quantile(0.95),
-            standard_error=float(moments.standard_error),
-            count=int(moments.count),
-            missing=int(moments.missing),
+            mean=float(self.moments.mean) if count else math.nan,
+            sd=sd,
+            p05=p05,
+            p50=p50,
+            p95=p95,
+            standard_error=sd / math.sqrt(max(count, 1)),
+            count=count,
+            missing=int(self.moments.missing),
         )

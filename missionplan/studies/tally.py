@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from missionplan.mission import Mission
 from missionplan.mission.requirements import EVENTS, QUANTITIES
-from missionplan.montecarlo.statistics import Count, Moments, QuantileSketch, RunningStatistic
+from missionplan.montecarlo.quantile_sketch import QuantileSketch
+from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic
 from missionplan.studies.mission_trials import Array, Flags, MissionTrials
 
 SAMPLED_BLOCKS = 4

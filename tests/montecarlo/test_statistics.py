@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy import stats
 
-from missionplan.montecarlo.statistics import Count, Moments, QuantileSketch, RunningStatistic, wilson
+from missionplan.montecarlo.quantile_sketch import QuantileSketch
+from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic, wilson
 from missionplan.montecarlo.streams import stream
 
 VALUES = st.floats(-1e6, 1e6, allow_subnormal=False)
