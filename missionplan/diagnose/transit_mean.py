@@ -116,20 +116,35 @@ class TransitMean:
 
     def mean_error(self, values: Array) -> Array:
         """Velocity errors that the causes of the mean give, on the principal axes, shape (2, n) [m/s]."""
-        total = np.zeros((2, self.data.n))
+        return self.axes.T @ sum(
+            (self._error(own, values) for own in self._by_effect.values()), np.zeros((2, self.data.n))
+        )
+
+    @cached_property
+    def _by_effect(self) -> dict[str, list[int]]:
+        """Coordinates of each effect."""
+        found: dict[str, list[int]] = {}
+        for index, coordinate in enumerate(self.coordinates):
+            found.setdefault(coordinate.effect, []).append(index)
+        return found
+
+    def _error(self, own: list[int], values: Array) -> Array:
+        """Velocity errors east and north that one effect gives, shape (2, n) [m/s]."""
         data = self.data
-        for name, parameters in parameters_from(self.coordinates, values).items():
-            effect = cast(TransitEffect, CATALOGUE[name].make(parameters))
-            total += effect.velocity(self.leg)
-            drift = effect.surface_velocity(data.t_start + data.under_way, data.surface, data.end)
-            total += drift * data.surface / data.under_way
-        return self.axes.T @ total
+        ((name, parameters),) = parameters_from([self.coordinates[i] for i in own], values[own]).items()
+        effect = cast(TransitEffect, CATALOGUE[name].make(parameters))
+        drift = effect.surface_velocity(data.t_start + data.under_way, data.surface, data.end)
+        return effect.velocity(self.leg) + drift * data.surface / data.under_way
 
     def columns(self, about: Array) -> Array:
         """Columns of the coordinates by central differences through the effects' hooks, shape (2, n, k)."""
-        steps = np.diag([STEP * coordinate.slab for coordinate in self.coordinates])
-        rows = [(self.mean_error(about + step) - self.mean_error(about - step)) / (2.0 * step.sum()) for step in steps]
-        return np.stack(rows, axis=2)
+        columns = []
+        for index, coordinate in enumerate(self.coordinates):
+            own, step = self._by_effect[coordinate.effect], np.zeros(len(about))
+            step[index] = STEP * coordinate.slab
+            ahead, behind = (self._error(own, about + sign * step) for sign in (1.0, -1.0))
+            columns.append(self.axes.T @ (ahead - behind) / (2.0 * step[index]))
+        return np.stack(columns, axis=2)
 
     @cached_property
     def _columns_at_zero(self) -> Array:

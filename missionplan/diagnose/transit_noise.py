@@ -97,10 +97,15 @@ class TransitNoise(TransitMean):
         if not effects:
             return None
         total = np.zeros((self.data.n, self.data.n))
-        for run in np.unique(self.data.run):
-            legs = np.flatnonzero(self.data.run == run)
-            total[np.ix_(legs, legs)] += sum(effect.covariance(self.data.middle[legs]) for effect in effects)
+        for legs in self._runs:  # what lasts begins anew with each run
+            total[legs] = sum(effect.covariance(self.data.middle[legs[1][0]]) for effect in effects)
         return total
+
+    @cached_property
+    def _runs(self) -> tuple[tuple[NDArray[np.int_], ...], ...]:
+        """Rows and columns of each run's legs, for a block of a covariance."""
+        legs = [np.flatnonzero(self.data.run == run) for run in np.unique(self.data.run)]
+        return tuple(np.ix_(own, own) for own in legs)
 
     def marginal(self, causes: Causes, at: Array, linear: tuple[Array, Array], rows: Rows = ALL) -> Marginal:
         """Marginalise the causes of the mean at given hyperparameters (their logarithms), from some of the legs.
