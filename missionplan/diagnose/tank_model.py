@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,19 +22,15 @@ from missionplan.diagnose.importance import Importance, importance
 from missionplan.diagnose.likelihood import LOG_2PI, Marginal
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Axis, Residuals
+from missionplan.diagnose.tank_climb import Climb
 from missionplan.diagnose.tank_forward import TankForward, made
+from missionplan.diagnose.tank_linear import LinearData, marginal
 from missionplan.effects import CATALOGUE
 
 Array = NDArray[np.float64]
 
 TEST_LEVEL = 1e-3
 """Level of the residual tests, all together."""
-STEP = 1e-4
-"""Step of the derivatives, of a coordinate's prior standard deviation."""
-MOST_STEPS = 25
-HALVINGS = 8
-SETTLED = 1e-3
-"""Gain of a step below which the climb ends [nats]."""
 STATED_SPREAD, UNSTATED_SPREAD = 0.4, 2.3
 """Standard deviation of ln(noise over what is stated), where it is stated and where it is not."""
 LOOSE = 9.0
@@ -103,25 +99,28 @@ class TankModel:
 
     def _fit(self, causes: Causes, near: Sequence[Fit]) -> Fit | Failure:
         active = np.flatnonzero(self.prior_sd(causes) > 0.0)
-        reached = [self._climb(causes, start, active) for start in self._starts(causes, near)]
-        reached = [(objective, at) for objective, at in reached if np.isfinite(objective)]
-        if not reached:
+        climb = self._climb(causes, active)
+        best = min((climb.climb(start) for start in self._starts(causes, near)), key=lambda reached: reached.objective)
+        if not np.isfinite(best.objective):
             return Failure(causes, "the model has no value at any of its starts")
-        at = min(reached, key=lambda item: item[0])[1]
-        here, columns = self._linearise(causes, at, active)
-        left = self.forward.y - here
+        at, left, columns = best.at, self.forward.y - best.here, best.columns
         try:
             logs, marginals = self._integrated(causes, left, columns, at, active)
         except np.linalg.LinAlgError as error:
             return Failure(causes, str(error))
-        best = int(np.argmax(logs))
-        state = TankState(at, left, columns, active, float(self._factors[best]), marginals[best])
+        likely = int(np.argmax(logs))
+        state = TankState(at, left, columns, active, float(self._factors[likely]), marginals[likely])
         return Fit(causes, float(logsumexp(logs)), *self._described(causes, state), state)
 
     def plain_residuals(self) -> Array:
         """What the base model alone leaves, its nuisances fitted and every effect at nothing, shape (N,)."""
-        at = self._climb((), self.centre, np.arange(len(self.forward.nuisances)))[1]
-        return np.asarray(self.forward.y - self.predict((), at[:, None])[:, 0])
+        climb = self._climb((), np.arange(len(self.forward.nuisances)))
+        return np.asarray(self.forward.y - climb.climb(self.centre).here)
+
+    def _climb(self, causes: Causes, active: NDArray[np.int_]) -> Climb:
+        forward, factors = self.forward, (float(self._factors[0]), float(self._factors[-1]))
+        predict, prior = partial(self.predict, causes), self.prior_sd(causes)[active]
+        return Climb(predict, forward.y, forward.sd, self.centre, active, prior, factors)
 
     def _described(self, causes: Causes, state: TankState) -> tuple[tuple[Estimate, ...], dict[str, float], bool]:
         fixed = len(self.forward.nuisances)
@@ -146,57 +145,6 @@ class TankModel:
             choices.append((*guesses, begin[fixed + k]) if guesses else (begin[fixed + k],))
         return [np.concatenate([begin[:fixed], own]) for own in itertools.product(*choices)]
 
-    def _linearise(self, causes: Causes, at: Array, active: NDArray[np.int_]) -> tuple[Array, Array]:
-        """Prediction, shape (N,), and its derivatives along the active coordinates, shape (N, a)."""
-        steps = STEP * self.prior_sd(causes)[active]
-        moved = np.repeat(at[:, None], 1 + 2 * len(active), axis=1)
-        for k, index in enumerate(active):
-            moved[index, 1 + 2 * k] += steps[k]
-            moved[index, 2 + 2 * k] -= steps[k]
-        found = self.predict(causes, moved)
-        return found[:, 0], (found[:, 1::2] - found[:, 2::2]) / (2.0 * steps)
-
-    def _climb(self, causes: Causes, start: Array, active: NDArray[np.int_]) -> tuple[float, Array]:
-        """Gauss-Newton with halved steps; the noise's size follows what is left."""
-        prior = self.prior_sd(causes)[active]
-        at, last = start.copy(), np.inf
-        for _ in range(MOST_STEPS):
-            here, columns = self._linearise(causes, at, active)
-            if not np.all(np.isfinite(here)) or not np.all(np.isfinite(columns)):
-                return np.inf, at
-            left = (self.forward.y - here) / self.forward.sd
-            factor = self._plausible(float(np.sqrt(np.mean(left**2))))
-            scaled = columns / self.forward.sd[:, None] / factor
-            away = (at - self.centre)[active] / prior
-            gradient = prior * (scaled.T @ (left / factor)) - away
-            step = prior * np.linalg.solve(np.eye(len(prior)) + np.outer(prior, prior) * (scaled.T @ scaled), gradient)
-            before = self._objective(left, away, factor)
-            at, after = self._halved(causes, at, active, step, factor, before)
-            if not after < before - SETTLED:
-                return self._objective(left, away, factor, whole=True), at
-            last = after
-        return last, at
-
-    def _objective(self, left: Array, away: Array, factor: float, *, whole: bool = False) -> float:
-        size = len(left) * np.log(factor) if whole else 0.0
-        return float(0.5 * np.sum((left / factor) ** 2) + 0.5 * np.sum(away**2) + size)
-
-    def _halved(
-        self, causes: Causes, at: Array, active: NDArray[np.int_], step: Array, factor: float, before: float
-    ) -> tuple[Array, float]:
-        """Take a step if it gains, else the best of its halves; the place itself if none does."""
-        prior = self.prior_sd(causes)[active]
-        for lengths in (np.ones(1), 0.5 ** np.arange(1.0, HALVINGS)):
-            places = np.repeat(at[:, None], len(lengths), axis=1)
-            places[active] += step[:, None] * lengths
-            left = (self.forward.y[:, None] - self.predict(causes, places)) / self.forward.sd[:, None]
-            away = (places - self.centre[:, None])[active] / prior[:, None]
-            after = [self._objective(left[:, k], away[:, k], factor) for k in range(len(lengths))]
-            best = int(np.argmin(np.nan_to_num(after, nan=np.inf)))
-            if after[best] < before:
-                return places[:, best], after[best]
-        return at, before
-
     @property
     def _spread(self) -> float:
         return STATED_SPREAD if self.forward.stated else UNSTATED_SPREAD
@@ -210,9 +158,6 @@ class TankModel:
         count = 121 if self.forward.stated else 241
         return np.exp(np.linspace(-reach * self._spread, reach * self._spread, count))
 
-    def _plausible(self, factor: float) -> float:
-        return float(np.clip(factor, self._factors[0], self._factors[-1]))
-
     def _integrated(
         self, causes: Causes, left: Array, columns: Array, at: Array, active: NDArray[np.int_]
     ) -> tuple[Array, list[Marginal]]:
@@ -221,19 +166,9 @@ class TankModel:
         y = left + columns @ (at - self.centre)[active]
         log_prior = -0.5 * (np.log(self._factors) / self._spread) ** 2
         log_prior -= logsumexp(log_prior)
-        found = [self._marginal(y, columns, prior, sd * factor, self.centre[active]) for factor in self._factors]
-        return log_prior + np.array([each.log_density for each in found]), found
-
-    def _marginal(self, y: Array, columns: Array, prior: Array, sd: Array, centre: Array) -> Marginal:
-        """Marginalise normal coordinates; the posterior mean is of the coordinates themselves."""
-        white, data = columns * prior / sd[:, None], y / sd
-        precision = np.eye(len(prior)) + white.T @ white
-        factor = np.linalg.cholesky(precision)
-        inverse = np.linalg.inv(precision)
-        mean = inverse @ (white.T @ data)
-        log_density = -0.5 * (float(data @ data) - float(mean @ (white.T @ data)))
-        log_density -= float(np.log(np.diag(factor)).sum()) + float(np.log(sd).sum()) + 0.5 * len(y) * LOG_2PI
-        return Marginal(log_density, centre + prior * mean, prior[:, None] * inverse * prior)
+        found = [marginal(y, columns, prior, sd * factor) for factor in self._factors]
+        logs = log_prior + np.array([each.log_density for each in found])
+        return logs, [replace(each, mean=self.centre[active] + each.mean) for each in found]
 
     def promise(self, causes: Causes, parent: Fit) -> float:
         """Unknown: the few effects of a tank are all fitted."""
@@ -269,24 +204,34 @@ class TankModel:
         return Residuals(state.left, covariance, series, axes, self.forward.groups, TEST_LEVEL)
 
     def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
-        """Predict each group from the others under several fits, linearised where the fits are."""
-        names = list(dict.fromkeys(self.forward.groups.tolist()))
-        return [[self._score(fit, name) for name in names] for fit in fits]
+        """Predict each group from the others under several fits, linearised where the fits are.
 
-    def _score(self, fit: Fit, name: str) -> Score:
-        state, own = fit.state, self.forward.groups == name
-        sd = state.factor * self.forward.sd
-        prior, centre = self.prior_sd(fit.causes)[state.active], self.centre[state.active]
-        y = state.left + state.columns @ (state.at[state.active] - centre)
-        rest = self._marginal(y[~own], state.columns[~own], prior, sd[~own], np.zeros_like(centre))
-        columns = state.columns[own]
-        error = y[own] - columns @ rest.mean
-        covariance = columns @ rest.covariance @ columns.T + np.diag(sd[own] ** 2)
-        factor = np.linalg.cholesky(covariance)
-        white = np.linalg.solve(factor, error)
-        log_score = -0.5 * float(white @ white) - float(np.log(np.diag(factor)).sum()) - 0.5 * LOG_2PI * len(error)
-        inside = int((np.abs(error) <= norm.ppf(0.95) * np.sqrt(np.diag(covariance))).sum())
-        return Score(name, log_score, float(error @ error), inside, len(error))
+        Of what is no cause of a set, nothing is learnt from the other groups (`LinearData.predicted`). Squared errors
+        are of the model itself with such effects at their centres.
+        """
+        return [self._scores(fit) for fit in fits]
+
+    def _scores(self, fit: Fit) -> list[Score]:
+        state, forward = fit.state, self.forward
+        active, fixed = state.active, len(forward.nuisances)
+        learnt = np.array([index < fixed or self._is_of(fit.causes, int(index)) for index in active], dtype=bool)
+        y = state.left + state.columns @ (state.at - self.centre)[active]
+        prior = self.prior_sd(fit.causes)[active]
+        linear = LinearData(y, state.factor * forward.sd, state.columns, prior, learnt, forward.groups)
+        predicted = linear.predicted()
+        places = np.repeat(self.centre[:, None], len(predicted), axis=1)
+        places[active[learnt]] += np.stack([group.learnt for group in predicted], axis=1)
+        errors = forward.y[:, None] - self.predict(fit.causes, places)
+        return [
+            Score(
+                str(forward.groups[group.rows][0]),
+                group.log_score,
+                float(np.sum(errors[group.rows, k] ** 2)),
+                group.inside,
+                int(group.rows.sum()),
+            )
+            for k, group in enumerate(predicted)
+        ]
 
     @property
     def menu(self) -> Sequence[str]:
