@@ -7,36 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.diagnose.model import Score
+from missionplan.results.diagnosis import HeldOutGain
 
 
 @dataclass(frozen=True)
-class HeldOut:
-    """Held-out scores of an extended model beside the base model's.
+class HeldOut(HeldOutGain):
+    """Held-out scores of an extended model beside the base model's, with those of each group."""
 
-    Attributes
-    ----------
-    log_score_gain : float
-        Sum over groups of the difference in ln p(group | the others).
-    paired_se : float
-        Standard error of that sum, from the groups' differences.
-    groups_improved, groups : int
-        How many groups the extended model predicts better, of how many.
-    rmse_base, rmse_extended : float
-        Root mean square error of the predictions [units of the data].
-    coverage_90_base, coverage_90_extended : float
-        Share of values inside their 90 % prediction intervals.
-    base, extended : tuple of Score
-        Group by group.
-    """
-
-    log_score_gain: float
-    paired_se: float
-    groups_improved: int
-    groups: int
-    rmse_base: float
-    rmse_extended: float
-    coverage_90_base: float
-    coverage_90_extended: float
     base: tuple[Score, ...]
     extended: tuple[Score, ...]
 

@@ -48,7 +48,21 @@ class GroupScore:
 
 @dataclass(frozen=True)
 class HeldOutGain:
-    """Held-out scores of an extended model beside the base model's, as in ``diagnosis.json``."""
+    """Held-out scores of an extended model beside the base model's, as in ``diagnosis.json``.
+
+    Attributes
+    ----------
+    log_score_gain : float
+        Sum over groups of the difference in ln p(group | the others).
+    paired_se : float
+        Standard error of that sum, from the groups' differences.
+    groups_improved, groups : int
+        How many groups the extended model predicts better, of how many.
+    rmse_base, rmse_extended : float
+        Root mean square error of the predictions [units of the data].
+    coverage_90_base, coverage_90_extended : float
+        Share of values inside their 90 % prediction intervals.
+    """
 
     log_score_gain: float
     paired_se: float
