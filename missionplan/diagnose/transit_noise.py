@@ -56,15 +56,11 @@ class TransitNoise(TransitMean):
         return tuple(found)
 
     @cached_property
-    def _fix_pattern(self) -> Array:
-        """Covariance of the errors for a fix error of 1 m, shape (n,) or, with fixes that two legs share, (n, n)."""
+    def _fix_pattern(self) -> tuple[Array, Array]:
+        """What a fix error of 1 m gives: variances, shape (n,), and covariances of legs that share a fix, (n - 1,)."""
         data = self.data
-        variance: Array = 2.0 / data.under_way**2
         shared = np.all(data.end[:, :-1] == data.start[:, 1:], axis=0) & (data.run[:-1] == data.run[1:])
-        if not shared.any():
-            return variance
-        beside = np.where(shared, -1.0 / (data.under_way[:-1] * data.under_way[1:]), 0.0)
-        return np.asarray(np.diag(variance) + np.diag(beside, 1) + np.diag(beside, -1))
+        return 2.0 / data.under_way**2, np.where(shared, -1.0 / (data.under_way[:-1] * data.under_way[1:]), 0.0)
 
     def noise(self, values: Mapping[tuple[str, str], float]) -> Array:
         """Covariance of the velocity errors beside the causes of the mean [m²/s²].
@@ -78,15 +74,19 @@ class TransitNoise(TransitMean):
         """
         shape = np.linalg.eigvalsh(self.covariance) if np.any(self.covariance) else np.ones(2)
         shape = np.maximum(shape / max(shape.mean(), 1e-12), 1e-6)
-        white: Array = values["", "sigma_v"] ** 2 * shape[:, None] * np.ones(self.data.n)
-        fix = (values["", "fix_sd"] ** 2 + values.get(("fix-error", "sd"), 0.0) ** 2) * self._fix_pattern
+        white = values["", "sigma_v"] ** 2 * shape
+        fix = values["", "fix_sd"] ** 2 + values.get(("fix-error", "sd"), 0.0) ** 2
+        own, beside = (fix * part for part in self._fix_pattern)
         lasting = self._lasting(values)
-        if fix.ndim == 1 and lasting is None:
-            return np.asarray(white + fix)
-        full: Array = (np.diag(fix) if fix.ndim == 1 else fix) + (0.0 if lasting is None else lasting)
-        if np.ptp(shape) == 0.0:
-            return np.asarray(full[None] + np.diag(white[0]))
-        return np.asarray(full[None] + white[:, :, None] * np.eye(self.data.n))
+        if lasting is None and not beside.any():
+            return np.asarray(white[:, None] + own)
+        shared = np.zeros((self.data.n, self.data.n)) if lasting is None else lasting
+        here, after = np.arange(self.data.n), np.arange(1, self.data.n)
+        shared[after - 1, after] += beside
+        shared[after, after - 1] += beside
+        full = shared[None] if np.ptp(shape) == 0.0 else np.stack([shared, shared])
+        full[:, here, here] += own + white[: len(full), None]
+        return full
 
     def _lasting(self, values: Mapping[tuple[str, str], float]) -> Array | None:
         effects: list[PersistentError | RandomWalk] = []
