@@ -13,7 +13,7 @@ PRICE = 3.0
 """Nats that each cause beyond the first must earn, and that a claim must exceed."""
 WORTH = 5.0
 """Nats that a further cause must add to the best of its set's parts for the set to be considered at all."""
-WORTH_SHARE = 0.03
+WORTH_SHARE = 0.02
 """Share of the evidence of the rest that it must add, too: no catalogue's shape fits a large effect to the letter."""
 HOPELESS = -4.0
 """Nats of quick promise below which a further cause is not fitted."""

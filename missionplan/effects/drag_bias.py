@@ -27,7 +27,7 @@ INFO = EffectInfo(
     tier="physical",
     effect=DragBias,
     parameters={
-        "fraction": Parameter("", "relative error of the drag, more drag positive", -0.7, 2.0, scale=0.3, spike=0.02)
+        "fraction": Parameter("", "relative error of the drag, more drag positive", -0.7, 2.0, scale=0.3, spike=0.01)
     },
     what=(
         "Form factor, roughness, fins, line and fittings: the drag coefficient of the whole train is wrong by a factor."

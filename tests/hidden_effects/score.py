@@ -143,6 +143,7 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
         _share("truth in the 95 % set", [in_credible_set(o) for o in single], low=0.95),
         Figure("mean size of the 95 % set", _mean(sizes), len(sizes), high=2.0, is_share=False),
         _share("two effects: exact", [o.case.accepts(named(o)) for o in pairs], low=0.75),
+        _share("two effects: truth in the 95 % set", [in_credible_set(o) for o in pairs]),
         _share("two effects: at least one", [bool(set(o.case.truth) & set(named(o))) for o in pairs], low=0.95),
         _share("wrong name asserted on a weak effect", [bool(o.error) or asserts_wrongly(o) for o in weak], high=0.10),
         _share("outside the catalogue: flagged", [is_not_misnamed(o) for o in outside], low=0.70),
