@@ -67,7 +67,10 @@ EVERY = [(kind, effect) for kind, effects in tank.EFFECTS.items() for effect in 
 
 
 @pytest.mark.parametrize("seed", [41])
-@pytest.mark.parametrize(("kind", "effect"), EVERY)
+@pytest.mark.parametrize(
+    ("kind", "effect"),
+    [pytest.param(*each, marks=pytest.mark.slow) if each == ("propeller-transient", None) else each for each in EVERY],
+)
 def test_the_engine_finds_what_is_there_and_nothing_else(kind, effect, seed, tmp_path):
     mission, data = tank.draw(seed, kind, effect).write(tmp_path / "seen", tmp_path / "truth")
     found = diagnose(load(mission), data, plan=False)
