@@ -31,12 +31,18 @@ class LegAhead:
         Nominal leg ℓ′ (Eq. 20) [m].
     duration : array, shape (n,)
         Its planned time ‖ℓ′‖/U [s].
+    goal : array, shape (2, 1) or (2, n)
+        Target [m].
+    radius : float or array, shape (n,)
+        Of arrival [m].
     """
 
     t: Array
     fix: Array
     nominal: Array
     duration: Array
+    goal: Array
+    radius: Scalars
 
 
 @dataclass(frozen=True)
@@ -77,7 +83,11 @@ class Compensation(ABC):
 
     @abstractmethod
     def offset(self, memory: Memory, leg: LegAhead) -> Array:
-        """Displacement expected over the coming leg and its surfacing, to be aimed off: shape (2, n) [m]."""
+        """Displacement to be aimed off: what is expected over the coming leg and its surfacing, shape (2, n) [m]."""
+
+    def short(self, memory: Memory, leg: LegAhead) -> Array:
+        """By how much of that the leg is to end short of its nominal end, on purpose: shape (2, 1) or (2, n) [m]."""
+        return np.zeros((2, 1))
 
     def learn(self, memory: Memory, leg: LegBehind) -> Memory:
         """Take in what the fixes of a leg have shown."""

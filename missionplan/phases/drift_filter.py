@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from missionplan.phases.compensation import Compensation, Forecast, LegAhead, LegBehind, Memory
-from missionplan.phases.hooks import Array
+from missionplan.phases.hooks import Array, Scalars
 
 STEADY, SURFACE, PERSISTENT, WAVES = 0, 2, 4, 6
 """Where each part of the state begins: two components each, and four for each frequency of a tide."""
@@ -104,14 +104,48 @@ class DriftFilter(Compensation):
 
     @override
     def offset(self, memory: Memory, leg: LegAhead) -> Array:
+        velocity, surface = self.expected(memory, leg)
+        wanted = leg.nominal - self.short(memory, leg) - surface
+        return leg.nominal - wanted + velocity * time_over_ground(wanted, velocity, _speed(leg), leg.duration)
+
+    def expected(self, memory: Memory, leg: LegAhead) -> tuple[Array, Array]:
+        """Mean velocity expected over the coming leg [m/s] and displacement at the surface [m], shape (2, n) each."""
         state, _, last = memory
         state = state * self._kept(last, leg.t + 0.5 * leg.duration)
-        matrix = self.model.under_way(leg.t, leg.duration)
-        velocity = np.einsum("akn,kn->an", matrix, state)
-        velocity = velocity + self.forecast.under_way(leg.t, leg.duration, leg.fix, leg.nominal)
+        velocity = np.einsum("akn,kn->an", self.model.under_way(leg.t, leg.duration), state)
         surface = self.forecast.at_surface(leg.t + leg.duration, leg.fix + leg.nominal) + state[SURFACE : SURFACE + 2]
-        expected: Array = velocity * leg.duration + surface
-        return expected
+        return velocity + self.forecast.under_way(leg.t, leg.duration, leg.fix, leg.nominal), surface
+
+    def spread(self, memory: Memory, leg: LegAhead) -> tuple[Array, Array]:
+        """Standard deviation of where the coming leg ends by its fix, along and across it, shape (n,) each [m]."""
+        model, (_, covariance, last) = self.model, memory
+        middle = leg.t + 0.5 * leg.duration
+        kept = self._kept(last, middle)
+        rows = model.under_way(leg.t, leg.duration) * leg.duration
+        for axis in (0, 1):
+            rows[axis, SURFACE + axis] += 1.0
+        course = leg.nominal / np.maximum(np.hypot(*leg.nominal), 1e-300)
+        across = np.stack((-course[1], course[0]))
+        added, found = np.einsum("iin->in", self._added(last, middle)), []
+        for way in (course, across):
+            row = way[0] * rows[0] + way[1] * rows[1]
+            carried = row * kept
+            variance = np.einsum("in,in->n", np.einsum("ijn,jn->in", covariance, carried), carried)
+            variance += np.einsum("in,in->n", added, row**2)
+            drawn = np.einsum("an,an->n", np.einsum("ab,bn->an", model.covariance, way), way)
+            found.append(np.sqrt(variance + drawn * leg.duration**2 + 2.0 * model.fix_error**2))
+        return found[0], found[1]
+
+    @override
+    def short(self, memory: Memory, leg: LegAhead) -> Array:
+        """How far short of the target it pays to end, beyond what the plan stops short by itself."""
+        along, across = self.spread(memory, leg)
+        another = _speed(leg) * self.forecast.surfacing_time + leg.radius
+        planned = np.hypot(*(leg.goal - leg.fix - leg.nominal))
+        more = np.maximum(stop_short(leg.radius, along, across, another) - planned, 0.0)
+        length = np.hypot(*leg.nominal)
+        kept: Array = leg.nominal * (more / np.where(length > 0.0, length, 1.0))
+        return kept
 
     @override
     def learn(self, memory: Memory, leg: LegBehind) -> Memory:
@@ -156,6 +190,53 @@ class DriftFilter(Compensation):
             place = PERSISTENT + axis
             added[place, place] = self.model.prior[place, place] * gone
         return added
+
+
+def _speed(leg: LegAhead) -> Array:
+    """Speed through the water, 0 for a trial that does not move, shape (n,) [m/s]."""
+    return np.asarray(np.hypot(*leg.nominal) / np.where(leg.duration > 0.0, leg.duration, 1.0))
+
+
+def time_over_ground(wanted: Array, velocity: Array, speed: Array, otherwise: Array) -> Array:
+    """Time that a displacement takes at a speed through water that moves: ‖d − v t‖ = U t.
+
+    The nominal time, which Eqs. 21 and 22 aim off with, makes a leg end short by v²ℓ/U², along a current as against it.
+
+    Parameters
+    ----------
+    wanted, velocity : array, shape (2, n)
+        d [m], v [m/s].
+    speed, otherwise : array, shape (n,)
+        U [m/s]; what is given where the water is the faster [s].
+    """
+    spare = speed**2 - np.sum(velocity**2, axis=0)
+    against = -np.sum(wanted * velocity, axis=0)
+    gains = spare > 0.0
+    root = np.sqrt(np.maximum(against**2 + spare * np.sum(wanted**2, axis=0), 0.0))
+    return np.where(gains, (against + root) / np.where(gains, spare, 1.0), otherwise)
+
+
+def stop_short(radius: Scalars, along: Array, across: Array, another: Scalars) -> Array:
+    """How far short of the centre of the arrival circle it pays to aim.
+
+    Running on inside the circle is wasted; falling short of its near edge costs another leg. With an end that errs by
+    N(0, s²) along the leg and N(0, s_c²) across it, the edge is met r − s_c²/(2r) before the centre on average, and
+    −m + C Φ((m + s_c²/(2r) − r)/s) is least at m = r − s_c²/(2r) − s √(2 ln(C/(s √(2π)))). The far edge is left out:
+    right for s well below r. Where the root is none or m negative, the errors are too large: the centre it is, m = 0.
+
+    Parameters
+    ----------
+    radius : float or array, shape (n,)
+        r [m].
+    along, across : array, shape (n,)
+        s and s_c [m].
+    another : float or array, shape (n,)
+        C, what another leg costs, in metres run.
+    """
+    ratio = another / (np.sqrt(2.0 * np.pi) * np.maximum(along, 1e-9))
+    margin = along * np.sqrt(2.0 * np.log(np.maximum(ratio, 1.0)))
+    short: Array = radius - across**2 / (2.0 * np.maximum(radius, 1e-9)) - margin
+    return np.where(ratio > 1.0, np.maximum(short, 0.0), 0.0)
 
 
 def _updated(

@@ -141,7 +141,8 @@ class Legs:
     def _aim_off(self, length: Array, course: Array) -> Array:
         """Adjust the nominal course in place (Eq. 22) and give its length."""
         assert self._way is not None
-        ahead = LegAhead(self._now(), self._fix + self._goal, course, self._duration(length, self._moving))
+        duration, radius = self._duration(length, self._moving), self._plan.arrival_radius
+        ahead = LegAhead(self._now(), self._fix + self._goal, course, duration, self._goal, radius)
         offset = self._way.offset(self._memory, ahead)
         course -= offset if self._moving is None else offset * self._moving
         return _norm(course)

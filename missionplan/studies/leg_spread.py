@@ -45,7 +45,7 @@ class Spread:
 
 @dataclass
 class _Listening(Compensation):
-    """Compensation that notes how long each leg was planned to last, and by how much it missed."""
+    """Compensation that notes how long each leg was planned to last, and how far from where it was sent it ended."""
 
     way: Compensation | None
     durations: list[Array] = field(default_factory=list)
@@ -54,19 +54,24 @@ class _Listening(Compensation):
     @override
     def begin(self, trials: int) -> Memory:
         own = self.way.begin(trials) if self.way else ()
-        return (np.zeros(trials), *own)
+        return (np.zeros(trials), np.zeros((2, trials)), *own)
 
     @override
     def offset(self, memory: Memory, leg: LegAhead) -> Array:
-        np.copyto(memory[0], leg.duration)
-        return self.way.offset(memory[1:], leg) if self.way else np.zeros((2, 1))
+        duration, short, *own = memory
+        np.copyto(duration, leg.duration)
+        if self.way is None:
+            return np.zeros((2, 1))
+        np.copyto(short, self.way.short(tuple(own), leg))
+        return self.way.offset(tuple(own), leg)
 
     @override
     def learn(self, memory: Memory, leg: LegBehind) -> Memory:
+        duration, short, *own = memory
         moved = leg.duration > 0.0
-        self.durations.append(memory[0][moved])
-        self.misses.append(np.sum(leg.miss[:, moved] ** 2, axis=0))
-        return (memory[0], *(self.way.learn(memory[1:], leg) if self.way else ()))
+        self.durations.append(duration[moved])
+        self.misses.append(np.sum((leg.miss + short)[:, moved] ** 2, axis=0))
+        return (duration, short, *(self.way.learn(tuple(own), leg) if self.way else ()))
 
 
 def measured_spread(setting: SweepSetting, seed: int) -> Spread:

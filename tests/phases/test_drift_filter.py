@@ -2,12 +2,25 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy import stats
 from transit_examples import run, start
 
 from missionplan.effects.inertial_current import EARTH_ROTATION, InertialCurrent
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.phases.compensation import Forecast, LegAhead, LegBehind, RunningMean
-from missionplan.phases.drift_filter import PERSISTENT, STEADY, SURFACE, WAVES, DriftFilter, DriftModel
+from missionplan.phases.drift_filter import (
+    PERSISTENT,
+    STEADY,
+    SURFACE,
+    WAVES,
+    DriftFilter,
+    DriftModel,
+    stop_short,
+    time_over_ground,
+)
 from missionplan.phases.hooks import Leg
 from missionplan.phases.transit_plan import VelocityError
 
@@ -36,9 +49,9 @@ def behind(velocity_error, seconds, drift, t):
     return LegBehind(velocity_error[:, None], np.array([seconds]), drift[:, None], zero, np.array([t]), zero, zero)
 
 
-def ahead(t, seconds):
-    zero = np.zeros((2, 1))
-    return LegAhead(np.array([t]), zero, zero, np.array([seconds]))
+def ahead(t, seconds, nominal=(0.0, 0.0)):
+    zero, nominal = np.zeros((2, 1)), np.array(nominal)[:, None]
+    return LegAhead(np.array([t]), zero, nominal, np.array([seconds]), nominal, 0.0)
 
 
 def wide_prior(size):
@@ -105,9 +118,17 @@ def test_the_estimate_is_the_conditional_mean_of_the_model(fix_error):
     memory = way.begin(1)
     for i in range(legs):
         memory = way.learn(memory, behind(seen[4 * i : 4 * i + 2], durations[i], seen[4 * i + 2 : 4 * i + 4], times[i]))
-    offset = way.offset(memory, ahead(times[-1], durations[-1]))[:, 0]
-    expected = rows[-1] @ best * durations[-1] + best[SURFACE : SURFACE + 2]
-    assert offset == pytest.approx(expected, rel=1e-5)
+    velocity, drift = way.expected(memory, ahead(times[-1], durations[-1]))
+    assert velocity[:, 0] == pytest.approx(rows[-1] @ best, rel=1e-5)
+    assert drift[:, 0] == pytest.approx(best[SURFACE : SURFACE + 2], rel=1e-5)
+
+    course = np.array([0.6, -0.8])
+    along, across = way.spread(memory, ahead(times[-1], durations[-1], 900.0 * course))
+    left = state_covariance(legs, legs) - ahead_with @ np.linalg.solve(joint, ahead_with.T)
+    moves = rows[-1] * durations[-1] + surface
+    ends = moves @ left @ moves.T + covariance * durations[-1] ** 2 + 2.0 * fix_error**2 * np.eye(2)
+    assert along == pytest.approx(np.sqrt(course @ ends @ course), rel=1e-5)
+    assert across == pytest.approx(np.sqrt(np.trace(ends) - course @ ends @ course), rel=1e-5)
 
 
 def test_without_anything_uncertain_it_is_the_forecast():
@@ -115,7 +136,61 @@ def test_without_anything_uncertain_it_is_the_forecast():
     way = DriftFilter(forecast, model())
     memory = way.learn(way.begin(1), behind(np.array([0.2, 0.1]), 500.0, np.array([9.0, 9.0]), 0.0))
     leg = ahead(600.0, 300.0)
-    assert way.offset(memory, leg) == pytest.approx(forecast.offset((), leg))
+    velocity, drift = way.expected(memory, leg)
+    assert velocity * leg.duration + drift == pytest.approx(forecast.offset((), leg))
+
+
+@given(
+    arrays(float, (2, 1), elements=st.floats(-0.5, 0.5)),
+    arrays(float, (2, 1), elements=st.floats(-5000.0, 5000.0)),
+)
+def test_what_is_expected_takes_the_vehicle_where_it_was_to_go(velocity, nominal):
+    """The leg as steered and the drift while it lasts, not while the nominal leg would, add up to the nominal leg."""
+    speed = 0.9
+    way = DriftFilter(Forecast(None, velocity[:, 0], 0.0, 60.0), model())
+    seconds = np.hypot(*nominal) / speed
+    leg = LegAhead(np.zeros(1), np.zeros((2, 1)), nominal, seconds, nominal, 0.0)
+    steered = nominal - way.offset(way.begin(1), leg)
+    assert steered + velocity * np.hypot(*steered) / speed == pytest.approx(nominal, abs=1e-6)
+
+
+def test_water_that_is_faster_leaves_the_nominal_time():
+    found = time_over_ground(np.ones((2, 1)), np.full((2, 1), 3.0), np.ones(1), np.array([7.0]))
+    assert found == pytest.approx(7.0)
+
+
+@pytest.mark.parametrize(("radius", "another"), [(50.0, 140.0), (15.0, 100.0), (50.0, 400.0)])
+@pytest.mark.parametrize("share", [0.02, 0.1, 0.2, 0.3])
+def test_it_stops_short_where_the_expected_cost_is_least(radius, another, share):
+    """Against the exact probability of ending within the circle, both edges and the chord at each offset included."""
+    sd = share * radius
+    nodes, weights = np.polynomial.hermite_e.hermegauss(61)
+    half = np.sqrt(np.maximum(radius**2 - (sd * nodes) ** 2, 0.0))
+
+    def cost(short):
+        within = stats.norm.cdf((half + short) / sd) - stats.norm.cdf((short - half) / sd)
+        return -short + another * (1.0 - float(weights @ within) / weights.sum())
+
+    found = float(stop_short(radius, np.array([sd]), np.array([sd]), another)[0])
+    best = min(map(cost, np.linspace(0.0, radius, 2001)))
+    assert cost(found) - best < 0.005 * radius
+
+
+def test_with_large_errors_it_aims_at_the_centre():
+    sd = np.array([30.0, 60.0, 1e4])
+    assert stop_short(50.0, sd, 2.0 * sd, 140.0) == pytest.approx(0.0)
+
+
+def test_a_plan_that_stops_short_by_itself_is_kept():
+    way = DriftFilter(STILL, model())
+    memory, seconds, nominal = way.begin(1), np.array([300.0]), np.array([[300.0], [0.0]])
+    zero = np.zeros((2, 1))
+    to_centre = way.offset(memory, LegAhead(zero[0], zero, nominal, seconds, nominal, 50.0))[0, 0]
+    assert 20.0 < to_centre < 50.0
+    for planned in (10.0, 45.0):
+        goal = nominal + np.array([[planned], [0.0]])
+        found = way.offset(memory, LegAhead(zero[0], zero, nominal, seconds, goal, 50.0))
+        assert found == pytest.approx(np.array([[max(to_centre - planned, 0.0)], [0.0]]), abs=1e-9)
 
 
 def test_with_a_wide_prior_on_a_steady_drift_it_is_the_weighted_mean():
@@ -128,7 +203,8 @@ def test_with_a_wide_prior_on_a_steady_drift_it_is_the_weighted_mean():
         leg = behind(np.array(velocity), 600.0, np.zeros(2), t)
         memory, known = way.learn(memory, leg), mean.learn(known, leg)
     leg = ahead(3000.0, 400.0)
-    assert way.offset(memory, leg) == pytest.approx(mean.offset(known, leg), rel=1e-6)
+    velocity, _ = way.expected(memory, leg)
+    assert velocity * leg.duration == pytest.approx(mean.offset(known, leg), rel=1e-6)
 
 
 def test_a_trial_that_did_not_move_learns_nothing():

@@ -77,16 +77,17 @@ def comparison():
     return script
 
 
-@pytest.mark.parametrize(("current", "time"), [(0.1, 3600.0), (0.2, 1e7)])
+@pytest.mark.parametrize(("current", "time"), [(0.0, 3600.0), (0.1, 3600.0), (0.2, 1e7)])
 def test_no_way_of_compensating_does_better(current, time):
     found = comparison().cell(current, time, trials=1024, fixed=True)
     assert found.excess <= 3.0 * found.excess_error
 
 
 @pytest.mark.slow
-def test_no_way_of_compensating_does_better_anywhere_on_the_grid():
+@pytest.mark.parametrize("fixed", [False, True])
+def test_no_way_of_compensating_does_better_anywhere_on_the_grid(fixed):
     script = comparison()
     for current in script.CURRENTS:
         for time in script.TIMES:
-            found = script.cell(current, time, trials=2048)
+            found = script.cell(current, time, trials=2048, fixed=fixed)
             assert found.excess <= 3.0 * found.excess_error, (current, time)
