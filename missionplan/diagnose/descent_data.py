@@ -218,18 +218,26 @@ def _prepare(
     gap = float(np.diff(t).max())
     if gap > 0.2 * float(np.ptp(t)) and gap > 5.0 * float(np.median(np.diff(t))):
         notices.append(f"{name}: a gap of {gap:.1f} s in the log")
-    noise = max(stated or 0.0, estimate_noise(depth))
+    noise = max(stated or 0.0, estimate_noise(t, depth))
     return binned(name, t, depth, noise, own["anchor_wet_weight"], own["line_length"], own["depth"])
 
 
-def estimate_noise(depth: Array) -> float:
-    """Standard deviation of white noise from second differences, by their median size [m].
+def estimate_noise(t: Array, depth: Array) -> float:
+    """Standard deviation of white noise, from how far each reading lies off the line between its neighbours [m].
 
-    A quantised reading can have a median of zero; then by their root mean square.
+    By the median size of that, each over its own standard deviation: times need not be even. A quantised reading can
+    have a median of zero; then by the root mean square.
+
+    Parameters
+    ----------
+    t, depth : array, shape (m,)
+        Times [s] and readings [m].
     """
-    second = np.diff(depth, 2)
-    by_median = float(np.median(np.abs(second))) / 0.6745 / math.sqrt(6.0)
-    return by_median if by_median > 0.0 else float(np.sqrt(np.mean(second**2) / 6.0))
+    share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    off = depth[1:-1] - (1.0 - share) * depth[:-2] - share * depth[2:]
+    scaled = off / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
+    by_median = float(np.median(np.abs(scaled))) / 0.6745
+    return by_median if by_median > 0.0 else float(np.sqrt(np.mean(scaled**2)))
 
 
 def binned(

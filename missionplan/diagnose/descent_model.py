@@ -24,9 +24,9 @@ from missionplan.diagnose.residuals import Residuals
 
 Array = NDArray[np.float64]
 
-TEST_LEVEL = 1e-6
-"""Level of the residual tests, all together: strict, for turbulence is no random walk to the letter and a quantised
-reading's noise is not white."""
+TEST_LEVEL = 1e-4
+"""Level of the residual tests, all together: strict, for turbulence is no Ornstein–Uhlenbeck process to the letter and
+a quantised reading's noise is not white."""
 FIRST = 0.5
 """Where strengths start, in prior standard deviations; both signs for those of either sign and a shape."""
 SHIFTS = (-1.2, 0.0, 1.2)
@@ -134,7 +134,8 @@ class DescentModel(DescentLinear):
         free = self.free(causes)
         mean = self.centre[free] + found[best].mean[free]
         parameters = estimates([self.coordinates[i] for i in free], mean, found[best].covariance[np.ix_(free, free)])
-        calibration = {"dive_scatter": grid()[best].scatter, "depth_walk_m2_s": grid()[best].walk}
+        noise = grid()[best]
+        calibration = {"dive_scatter": noise.scatter, "depth_walk_m2_s": noise.walk, "eddy_time_s": noise.eddy}
         state = DescentState(linear, evidence, best, found[best])
         possible = is_possible(parameters) and all(self._inside(i, linear.at[i]) for i in free)
         return Fit(causes, float(logsumexp(logs)), parameters, calibration, possible, state)

@@ -16,39 +16,43 @@ SCATTERS = (0.5, 1.0, 2.0)
 """Factors κ on that scatter over which the evidence is averaged."""
 SCATTER_SPREAD = 0.45
 WALKS = (4e-5, 3e-4, 2e-3)
-"""Rates q of the random walk of depth that turbulence gives [m²/s]: velocities of 1 to 4 cm/s for a second or two."""
+"""Rates q at which turbulence makes the depth wander in the long run [m²/s]: 2σ²τ for velocities σ over times τ."""
 WALK_CENTRE, WALK_SPREAD = 3e-4, 1.3
+EDDIES = (1.0, 4.0)
+"""Correlation times τ of the turbulent velocity [s]: eddies of a vehicle's length, and of several."""
+EDDY_CENTRE = 2.0
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Hyperparameters of the covariance: scatter κ and random-walk rate q [m²/s], with their log prior weight."""
+    """Hyperparameters of the covariance: scatter κ, rate q [m²/s], eddies' time τ [s]; with their log prior weight."""
 
     scatter: float
     walk: float
+    eddy: float
     log_prior: float
 
 
 @cache
 def grid() -> tuple[Noise, ...]:
-    """Grid of hyperparameters with normalised prior weights."""
-    points = list(itertools.product(SCATTERS, WALKS))
+    """Grid of hyperparameters with normalised prior weights; the eddies' times weigh the same."""
+    points = list(itertools.product(SCATTERS, WALKS, EDDIES))
     logs = np.array(
         [
             -0.5 * (np.log(scatter) / SCATTER_SPREAD) ** 2 - 0.5 * (np.log(walk / WALK_CENTRE) / WALK_SPREAD) ** 2
-            for scatter, walk in points
+            for scatter, walk, _ in points
         ]
     )
     logs -= np.logaddexp.reduce(logs)
-    return tuple(Noise(scatter, walk, float(log)) for (scatter, walk), log in zip(points, logs, strict=True))
+    return tuple(Noise(*point, float(log)) for point, log in zip(points, logs, strict=True))
 
 
-NOMINAL = Noise(1.0, WALK_CENTRE, 0.0)
+NOMINAL = Noise(1.0, WALK_CENTRE, EDDY_CENTRE, 0.0)
 """In the middle of the grid, for the climb."""
 
 
 def dive_covariance(t: Array, sd: Array, sensitivities: Array, bend: Array, noises: Sequence[Noise]) -> Array:
-    """σ²I + κ²(J S Jᵀ + bend²) + q·min(t, t′) for each of g noises, shape (g, m, m) [m²].
+    """σ²I + κ²(J S Jᵀ + bend²) + turbulence for each of g noises, shape (g, m, m) [m²].
 
     Parameters
     ----------
@@ -63,12 +67,28 @@ def dive_covariance(t: Array, sd: Array, sensitivities: Array, bend: Array, nois
     """
     scaled = sensitivities * np.array(list(DIVE_SD.values()))
     scattered = scaled @ scaled.T + np.diag(bend**2)
-    since = t - min(0.0, float(t.min()))
-    walked = np.minimum(since[:, None], since[None, :])
-    scatter, walk = (
-        np.array([getattr(noise, name) for noise in noises])[:, None, None] for name in ("scatter", "walk")
+    wandered = {eddy: wandering(t - min(0.0, float(t.min())), eddy) for eddy in {noise.eddy for noise in noises}}
+    return np.stack(
+        [np.diag(sd**2) + noise.scatter**2 * scattered + noise.walk * wandered[noise.eddy] for noise in noises]
     )
-    return np.asarray(np.diag(sd**2) + scatter**2 * scattered + walk * walked)
+
+
+def wandering(t: Array, eddy: float) -> Array:
+    """Covariance of the depth that turbulence gives, for a long-run rate of 1 m²/s, shape (m, m) [m²].
+
+    The integral of an Ornstein–Uhlenbeck velocity of correlation time τ: min(t, t′) − ½τ(1 − e^(−t/τ) − e^(−t′/τ)
+    + e^(−|t − t′|/τ)), a random walk for τ → 0.
+
+    Parameters
+    ----------
+    t : array, shape (m,)
+        Times since the separation [s].
+    eddy : float
+        τ [s].
+    """
+    faded = np.exp(-t / eddy)
+    apart = np.exp(-np.abs(t[:, None] - t[None, :]) / eddy)
+    return np.asarray(np.minimum(t[:, None], t[None, :]) - 0.5 * eddy * (1.0 - faded[:, None] - faded[None, :] + apart))
 
 
 SHAPE_SD = 0.02

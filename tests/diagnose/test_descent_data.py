@@ -41,11 +41,15 @@ def test_at_most_seventy_samples_are_kept_and_the_model_is_averaged_alike():
 
 
 @pytest.mark.parametrize("quantum", [0.0, 0.01])
-def test_noise_from_second_differences(quantum):
+@pytest.mark.parametrize("uneven", [0.0, 0.35])
+@pytest.mark.parametrize("noise", [0.015, 0.05])
+def test_noise_of_readings_on_the_way_down(quantum, uneven, noise):
+    """Readings 0.2 s apart, early or late by up to a third of it, on a steady descent of 1.3 m/s."""
     rng = np.random.default_rng(1)
-    depth = 1.3 * np.linspace(0.0, 10.0, 400) + rng.normal(0.0, 0.05, 400)
+    t = 0.2 * (np.arange(400.0) + rng.uniform(-uneven, uneven, 400))
+    depth = 1.3 * t + rng.normal(0.0, noise, 400)
     depth = np.round(depth / quantum) * quantum if quantum else depth
-    assert estimate_noise(depth) == pytest.approx(0.05, rel=0.15)
+    assert estimate_noise(t, depth) == pytest.approx(np.hypot(noise, quantum / np.sqrt(12.0)), rel=0.2)
 
 
 def test_runs_not_described_times_repeated_and_too_few(folder, descent_mission):

@@ -7,7 +7,7 @@ import pytest
 
 from missionplan.diagnose.binding import descent_model
 from missionplan.diagnose.descent_data import DescentData, binned
-from missionplan.diagnose.descent_noise import NOMINAL, caricature, dive_covariance
+from missionplan.diagnose.descent_noise import NOMINAL, caricature, dive_covariance, wandering
 from missionplan.diagnose.examination import examine
 from missionplan.effects import CATALOGUE
 from missionplan.phases.readings import simulate_readings
@@ -52,9 +52,19 @@ def test_covariance_of_a_dive():
     t = np.array([0.0, 1.0, 2.0])
     sensitivities = np.array([[0.0, 1.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0]])
     (found,) = dive_covariance(t, np.full(3, 0.1), sensitivities, np.zeros(3), [NOMINAL])
-    expected = 0.01 * np.eye(3) + 0.01 * np.outer(t, t) + 0.0025 + NOMINAL.walk * np.minimum.outer(t, t)
+    expected = 0.01 * np.eye(3) + 0.01 * np.outer(t, t) + 0.0025 + NOMINAL.walk * wandering(t, NOMINAL.eddy)
     np.testing.assert_allclose(found, expected)
     np.testing.assert_allclose(np.diag(caricature(t, np.full(3, 2.0))), (0.02 * 2.0) ** 2)
+
+
+def test_wandering_is_the_integral_of_a_velocity_that_lasts():
+    """By quadrature of the velocity's covariance, e^(−|s − s′|/τ)/(2τ); a random walk when it lasts no time."""
+    t, eddy = np.array([0.5, 2.0, 7.0]), 1.5
+    s = np.linspace(0.0, 7.0, 2801)
+    velocity = np.exp(-np.abs(s[:, None] - s[None, :]) / eddy) / (2.0 * eddy)
+    until = (s[:, None] <= t[None, :]) * np.gradient(s)[:, None]
+    np.testing.assert_allclose(wandering(t, eddy), until.T @ velocity @ until, rtol=0.01)
+    np.testing.assert_allclose(wandering(t, 1e-6), np.minimum.outer(t, t), rtol=1e-5)
 
 
 def test_effect_free_dives_are_adequate(measured):
