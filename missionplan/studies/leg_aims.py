@@ -7,9 +7,9 @@
 - ``energy``: the same dynamic programming with prices a metre and a surfacing in joules, and a search over the speed.
 """
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from functools import lru_cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -22,7 +22,7 @@ from missionplan.phases.expectation import TransitExpectation, expected_transit
 from missionplan.phases.leg_policy import best_d_max, best_legs
 from missionplan.phases.legs import LegTable
 from missionplan.studies.leg_spread import Spread, measured_spread
-from missionplan.studies.leg_trials import PILOT, LegsAtSpeed, Run, run_plans
+from missionplan.studies.leg_trials import LegsAtSpeed, Run, Score, best_plan
 from missionplan.studies.sweep_setting import SweepSetting
 
 Array = NDArray[np.float64]
@@ -31,8 +31,8 @@ AIMS: tuple[Aim, ...] = get_args(Aim)
 
 SHARE = 0.95
 """Of the trials that are to arrive by the deadline."""
-SPREADS, PRICES = (0.7, 1.0, 1.4, 2.0), (0.6, 1.0, 1.7)
-"""Family of policies: factors on the spread and on the price of a surfacing that the best legs reckon with."""
+SPREADS, PRICES = (0.7, 1.0, 1.4, 2.0), (0.6, 1.7)
+"""Family of policies: factors on the spread that the best legs reckon with, then on the price of a surfacing."""
 FIXED = np.linspace(0.05, 1.0, 58)
 """Fixed d_max tried on trials, of the distance."""
 FIRST = 0.97
@@ -40,7 +40,8 @@ FIRST = 0.97
 SLOWEST, FASTEST = 0.3, 1.5
 """Speeds searched, of the mission's own."""
 
-Score = Callable[[Run], float]
+Member = tuple[float, LegTable]
+"""Factor on the spread, and the legs that reckon with it."""
 
 
 @dataclass(frozen=True)
@@ -84,11 +85,11 @@ class _Problem:
 
     def best(self, spread: float = 1.0, price: float = 1.0) -> LegTable:
         """Best legs, reckoning with factors on spread and price."""
-        return _as_written(best_legs(*self._arguments(spread, price)).legs)
+        return _as_written(_policy(*self._arguments(spread, price)).legs)
 
     def least_cost(self) -> float:
         """Least expected cost of any legs."""
-        return best_legs(*self._arguments(1.0, 1.0)).bound
+        return _policy(*self._arguments(1.0, 1.0)).bound
 
     def best_fixed(self) -> float:
         """Best fixed d_max [m]."""
@@ -110,7 +111,11 @@ class _Problem:
         )
 
 
-def choose(setting: SweepSetting, aim: Aim, deadline: float, seed: int) -> Choice:
+_policy = lru_cache(maxsize=64)(best_legs)
+"""Best legs, kept: the same are asked for by the aim, by its rivals and by their costs."""
+
+
+def choose(setting: SweepSetting, aim: Aim, deadline: float, seed: int, spread: Spread | None = None) -> Choice:
     """Choose legs for an aim.
 
     Parameters
@@ -122,6 +127,8 @@ def choose(setting: SweepSetting, aim: Aim, deadline: float, seed: int) -> Choic
         For ``p95``: by when the transit is to be done [s]; infinite where the mission does not say.
     seed : int
         Of the pilot.
+    spread : Spread, optional
+        To reckon with, where another choice has measured it already.
 
     Raises
     ------
@@ -134,7 +141,7 @@ def choose(setting: SweepSetting, aim: Aim, deadline: float, seed: int) -> Choic
         problem = _Problem(setting, stated, setting.speed, setting.surfacing_time)
         problem.expected(setting.distance)  # refuses errors that no legs can cope with
         if obstacle:
-            problem = replace(problem, spread=measured_spread(setting, seed))
+            problem = replace(problem, spread=spread or measured_spread(setting, seed))
         if aim == "energy":
             return _for_energy(problem, seed, on_trials=bool(obstacle))
         if aim == "p95":
@@ -144,7 +151,7 @@ def choose(setting: SweepSetting, aim: Aim, deadline: float, seed: int) -> Choic
                 "Dynamic programming with the spread of legs that a pilot of the mission's own trials shows, and such "
                 "legs for other spreads and with other first legs, chosen on common trials."
             )
-            return _on_trials(problem, product(SPREADS[:3], (1.0,)), _mean_time, seed, how)
+            return _on_trials(problem, SPREADS[:3], (), _mean_time, seed, how)
         how = "Dynamic programming over the distance left: exact for isotropic errors drawn anew for each leg."
         return _choice(problem, problem.best_fixed(), problem.best(), how)
     except ValueError as error:
@@ -163,10 +170,10 @@ def _for_deadline(problem: _Problem, deadline: float, seed: int) -> Choice:
     goal = "the probability of meeting the deadline" if np.isfinite(deadline) else "the 95 % quantile of the time"
     how = (
         f"Search for the best {goal} on common trials in a family of policies: best legs of the dynamic programme for "
-        f"{len(SPREADS)} spreads and {len(PRICES)} prices of a surfacing, larger and smaller than they are, with first "
-        "legs of all lengths, and fixed d_max."
+        f"{len(SPREADS)} spreads, for the best of them also for other prices of a surfacing, larger and smaller, with "
+        "first legs of all lengths, and fixed d_max."
     )
-    return _on_trials(problem, product(SPREADS, PRICES), late, seed, how)
+    return _on_trials(problem, SPREADS, PRICES, late, seed, how)
 
 
 def _for_energy(problem: _Problem, seed: int, *, on_trials: bool) -> Choice:
@@ -190,7 +197,7 @@ def _for_energy(problem: _Problem, seed: int, *, on_trials: bool) -> Choice:
         f"from {SLOWEST:g} to {FASTEST:g} times the mission's."
     )
     if on_trials:
-        return _on_trials(priced, product(SPREADS[:3], (1.0,)), lambda run: _mean(run, run.energy), seed, how)
+        return _on_trials(priced, SPREADS[:3], (), lambda run: _mean(run, run.energy), seed, how)
     return _choice(priced, priced.best_fixed(), priced.best(), how)
 
 
@@ -210,22 +217,35 @@ def _prices(setting: SweepSetting, speed: float) -> tuple[float, float]:
 
 
 def _on_trials(
-    problem: _Problem, family: "product[tuple[float, float]]", score: Score, seed: int, machinery: str
+    problem: _Problem, spreads: Sequence[float], prices: Sequence[float], score: Score, seed: int, machinery: str
 ) -> Choice:
     """Best member of a family and best fixed d_max on the same pilot trials.
 
-    Each table is tried with first legs of every length too: on the first leg nothing has been learnt of the drift. The
-    fixed lengths are members themselves.
+    Spreads are tried at the true price, then prices at the best spread. Each table is tried with first legs of every
+    length too: on the first leg nothing has been learnt of the drift. The fixed lengths are members themselves.
     """
-    factor = problem.speed / problem.setting.speed
-    lengths = [round(float(share * problem.setting.distance), 1) for share in FIXED]
-    tables = [LegTable(np.array([problem.setting.arrival_radius]), np.array([length])) for length in lengths]
-    for table in _tables(problem, family):
-        tables += [table, *(with_first_leg(table, problem.setting.distance, length) for length in lengths)]
-    plans = [LegsAtSpeed(table, factor) for table in tables]
-    scores = [score(run) for run in run_plans(problem.setting, plans, seed, PILOT)]
-    fixed, adaptive = int(np.argmin(scores[: len(lengths)])), int(np.argmin(scores))
-    return _choice(problem, lengths[fixed], tables[adaptive], machinery)
+    distance, radius = problem.setting.distance, problem.setting.arrival_radius
+    lengths, factor = [round(float(share * distance), 1) for share in FIXED], problem.speed / problem.setting.speed
+
+    def tried_best(tables: Sequence[LegTable]) -> tuple[int, float]:
+        return best_plan(problem.setting, [LegsAtSpeed(table, factor) for table in tables], score, seed)
+
+    def best_of(members: Sequence[Member]) -> tuple[float, Member]:
+        tried = [
+            (spread, each)
+            for spread, table in members
+            for each in (table, *(with_first_leg(table, distance, length) for length in lengths))
+        ]
+        place, least = tried_best([table for _, table in tried])
+        return least, tried[place]
+
+    fixed = [LegTable(np.array([radius]), np.array([length])) for length in lengths]
+    place, least = tried_best(fixed)
+    (lowest, (spread, table)) = best_of(_tables(problem, [(each, 1.0) for each in spreads]))
+    if prices:
+        priced = _tables(problem, [(spread, price) for price in prices])
+        lowest, (spread, table) = min((lowest, (spread, table)), best_of(priced), key=lambda found: found[0])
+    return _choice(problem, lengths[place], table if lowest < least else fixed[place], machinery)
 
 
 def with_first_leg(table: LegTable, distance: float, length: float) -> LegTable:
@@ -236,12 +256,12 @@ def with_first_leg(table: LegTable, distance: float, length: float) -> LegTable:
     return LegTable(left, np.append(table.leg[nearer], [np.round(table(np.array([edge]))[0], 1), length]))
 
 
-def _tables(problem: _Problem, family: "product[tuple[float, float]]") -> list[LegTable]:
+def _tables(problem: _Problem, family: Sequence[tuple[float, float]]) -> list[Member]:
     """Best legs of each member; those for errors that no legs can cope with are left out."""
     tables, refusal = [], ""
     for spread, price in family:
         try:
-            tables.append(problem.best(spread, price))
+            tables.append((spread, problem.best(spread, price)))
         except ValueError as error:
             refusal = str(error)
     if not tables:

@@ -11,7 +11,7 @@ from missionplan.montecarlo.streams import BLOCK, block_size
 from missionplan.phases.compensation import Compensation
 from missionplan.phases.legs import LegTable
 from missionplan.phases.transit import transit
-from missionplan.phases.transit_plan import VelocityError
+from missionplan.phases.transit_plan import TransitPlan, VelocityError
 from missionplan.studies.setting import Setting
 from missionplan.studies.sweep_setting import SweepSetting
 
@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 
 PILOT = 1 << 40
 """Block of the trials on which plans are chosen: never one of those on which the chosen plans are judged."""
+HEATS = ((512, 96), (1024, 32))
+"""Trials on which plans are screened, and how many of the best go on; what is left is judged on a whole block."""
 TRACKS = 6
 """Trials whose tracks are kept."""
 
@@ -73,6 +75,10 @@ class Run:
     track: Array | None
 
 
+Score = Callable[[Run], float]
+"""What a plan is chosen by; the less the better."""
+
+
 def run_plans(
     setting: SweepSetting,
     plans: Sequence[LegsAtSpeed],
@@ -105,11 +111,14 @@ def run_plans(
     if listening is not None:
         around = replace(around, compensation=listening(around.compensation))
     name, runs = f"{setting.phase.name}.speed", []
+    at_speed: dict[float, TransitPlan] = {}
     for each in plans:
-        plan = setting.plan(0, replace(drawn, draws={**drawn.draws, name: drawn[name] * each.speed}))
-        error = plan.velocity_error
-        shifted = VelocityError(error.mean + np.array(case.mean)[:, None], error.root * case.sigma_factor)
-        plan = replace(plan, velocity_error=shifted, d_max=each.d_max)
+        if each.speed not in at_speed:
+            plan = setting.plan(0, replace(drawn, draws={**drawn.draws, name: drawn[name] * each.speed}))
+            error = plan.velocity_error
+            shifted = VelocityError(error.mean + np.array(case.mean)[:, None], error.root * case.sigma_factor)
+            at_speed[each.speed] = replace(plan, velocity_error=shifted)
+        plan = replace(at_speed[each.speed], d_max=each.d_max)
         _, record = transit(plan, state, normals, around, tracked=tracked)
         nominal = np.hypot(*(np.asarray(plan.goal).reshape(2, -1) - state.position)) / plan.speed
         charged = np.maximum(record.surfacings - 1.0, 0.0) * plan.surfacing_time
@@ -117,6 +126,21 @@ def run_plans(
         track = record.track.position if record.track is not None else None
         runs.append(Run(cost, record.duration, record.energy, record.surfacings, record.arrived, nominal, track))
     return runs
+
+
+def best_plan(setting: SweepSetting, plans: Sequence[LegsAtSpeed], score: Score, seed: int) -> tuple[int, float]:
+    """Find the plan of least score on a block of pilot trials; give its number and its score.
+
+    All are screened on the first of the trials: as these are common to all, differences between plans show long before
+    their costs do.
+    """
+    left, scores = list(range(len(plans))), {}
+    for trials, kept in (*HEATS, (BLOCK, 1)):
+        if len(left) > kept or trials == BLOCK:
+            runs = run_plans(setting, [plans[index] for index in left], seed, PILOT, trials)
+            scores = dict(zip(left, map(score, runs), strict=True))
+            left = sorted(left, key=scores.__getitem__)[:kept]
+    return left[0], scores[left[0]]
 
 
 @dataclass(frozen=True)

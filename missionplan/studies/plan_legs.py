@@ -123,7 +123,7 @@ def _contest(
     setting: SweepSetting, aim: Aim, choice: Choice, deadline: float, trials: int, seed: int
 ) -> tuple[Contender, ...]:
     """The best fixed d_max, the best legs for the mean time at the mission's own speed, and the table."""
-    mean = choose(setting, "mean", deadline, seed)
+    mean = choose(setting, "mean", deadline, seed, choice.spread)
     plans = (mean.fixed, choice.fixed, mean.adaptive, choice.adaptive)
     task = ContestTask(setting, plans, deadline, trials, seed)
     totals: list[PlanTotals] = []
