@@ -8,8 +8,9 @@ import yaml
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.studies import leg_aims
+from missionplan.studies import leg_aims, leg_trials
 from missionplan.studies.leg_spread import measured_spread
+from missionplan.studies.leg_trials import LegsAtSpeed, best_plan
 from missionplan.studies.plan_legs import plan_legs
 from missionplan.studies.sweep_dmax import sweep_dmax
 from missionplan.studies.sweep_setting import SweepSetting
@@ -111,6 +112,19 @@ def test_missions_that_cannot_be_planned(old, new, message, tmp_path):
     path.write_text(MISSION.replace(old, new), encoding="utf-8")
     with pytest.raises(InputError, match=message):
         plan_legs(load(path))
+
+
+def test_screening_on_few_trials_finds_the_plan_of_least_cost(mission, monkeypatch):
+    monkeypatch.setattr(leg_trials, "HEATS", ((256, 12), (1024, 4)))
+    setting = replace(SweepSetting.of(mission), sigmas=(None,))
+    plans = [LegsAtSpeed(float(length)) for length in np.linspace(300.0, 3100.0, 40)]
+
+    def cost(run):
+        return float(run.cost.mean())
+
+    screened = best_plan(setting, plans, cost, seed=7)
+    monkeypatch.setattr(leg_trials, "HEATS", ())
+    assert screened == best_plan(setting, plans, cost, seed=7)
 
 
 LEARNING = """
