@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import erfc
 from typing_extensions import override
 
 from missionplan.phases.compensation import Compensation, Forecast, LegAhead, LegBehind, Memory
@@ -21,6 +22,8 @@ from missionplan.phases.hooks import Array, Scalars
 
 STEADY, SURFACE, PERSISTENT, WAVES = 0, 2, 4, 6
 """Where each part of the state begins: two components each, and four for each frequency of a tide."""
+RETREAT, LEFT_OVER = 2.0, 0.2724
+"""Standard deviations that a leg that will miss stops short by, and the mean of a Rice(2, 1) distance less that."""
 
 
 @dataclass(frozen=True)
@@ -140,10 +143,11 @@ class DriftFilter(Compensation):
     def short(self, memory: Memory, leg: LegAhead) -> Array:
         """How far short of the target it pays to end, beyond what the plan stops short by itself."""
         along, across = self.spread(memory, leg)
-        another = _speed(leg) * self.forecast.surfacing_time + leg.radius
+        price = _speed(leg) * self.forecast.surfacing_time
         planned = np.hypot(*(leg.goal - leg.fix - leg.nominal))
-        more = np.maximum(stop_short(leg.radius, along, across, another) - planned, 0.0)
+        more = np.maximum(stop_short(leg.radius, along, across, price) - planned, 0.0)
         length = np.hypot(*leg.nominal)
+        more = np.minimum(more, 0.5 * length)  # where the error is about as large as the leg, half of it is run
         kept: Array = leg.nominal * (more / np.where(length > 0.0, length, 1.0))
         return kept
 
@@ -216,27 +220,37 @@ def time_over_ground(wanted: Array, velocity: Array, speed: Array, otherwise: Ar
     return np.where(gains, (against + root) / np.where(gains, spare, 1.0), otherwise)
 
 
-def stop_short(radius: Scalars, along: Array, across: Array, another: Scalars) -> Array:
+def stop_short(radius: Scalars, along: Array, across: Array, price: Scalars) -> Array:
     """How far short of the centre of the arrival circle it pays to aim.
 
-    Running on inside the circle is wasted; falling short of its near edge costs another leg. With an end that errs by
-    N(0, s²) along the leg and N(0, s_c²) across it, the edge is met r − s_c²/(2r) before the centre on average, and
-    −m + C Φ((m + s_c²/(2r) − r)/s) is least at m = r − s_c²/(2r) − s √(2 ln(C/(s √(2π)))). The far edge is left out:
-    right for s well below r. Where the root is none or m negative, the errors are too large: the centre it is, m = 0.
+    A leg aimed m short ends off by N(0, s²) along it and N(0, s_c²) across it. It saves the run m, but where it misses,
+    a surfacing is to be paid and what is left to be run. Two regimes of that cost have a minimum in closed form:
+
+    - s well below r: the near edge lies r − s_c²/(2r) before the centre on average, a miss costs C = U t_s + r, and
+      −m + C Φ((m + s_c²/(2r) − r)/s) is least at m = r − s_c²/(2r) − s √(2 ln(C/(s √(2π)))); the centre, m = 0, where
+      that is negative or has no root.
+    - s above about r: the leg will miss anyhow and had better not pass by, so that the next goes on and not back. Then
+      m = 2s: what is left to be run beyond m is 0.27 s on average. Taken where that and a sure surfacing cost less than
+      aiming at the centre, which costs P U t_s + E[d; d > r] with d the Rayleigh distance from it.
 
     Parameters
     ----------
     radius : float or array, shape (n,)
         r [m].
     along, across : array, shape (n,)
-        s and s_c [m].
-    another : float or array, shape (n,)
-        C, what another leg costs, in metres run.
+        s and s_c; the second regime takes the root of their mean square [m].
+    price : float or array, shape (n,)
+        U t_s, of a surfacing in metres run.
     """
-    ratio = another / (np.sqrt(2.0 * np.pi) * np.maximum(along, 1e-9))
+    r = np.maximum(radius, 1e-9)
+    ratio = (price + r) / (np.sqrt(2.0 * np.pi) * np.maximum(along, 1e-9))
     margin = along * np.sqrt(2.0 * np.log(np.maximum(ratio, 1.0)))
-    short: Array = radius - across**2 / (2.0 * np.maximum(radius, 1e-9)) - margin
-    return np.where(ratio > 1.0, np.maximum(short, 0.0), 0.0)
+    edge = np.where(ratio > 1.0, np.maximum(r - across**2 / (2.0 * r) - margin, 0.0), 0.0)
+    s = np.maximum(np.sqrt(0.5 * (along**2 + across**2)), 1e-9)
+    missed = np.exp(-0.5 * np.minimum(r / s, 30.0) ** 2)
+    left = r * missed + s * np.sqrt(0.5 * np.pi) * erfc(r / (s * np.sqrt(2.0)))
+    retreats = left - LEFT_OVER * s > (1.0 - missed) * price
+    return np.asarray(np.where(retreats & (np.asarray(radius) > 0.0), RETREAT * s, edge))
 
 
 def _updated(

@@ -12,7 +12,9 @@ from missionplan.effects.inertial_current import EARTH_ROTATION, InertialCurrent
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.phases.compensation import Forecast, LegAhead, LegBehind, RunningMean
 from missionplan.phases.drift_filter import (
+    LEFT_OVER,
     PERSISTENT,
+    RETREAT,
     STEADY,
     SURFACE,
     WAVES,
@@ -159,9 +161,9 @@ def test_water_that_is_faster_leaves_the_nominal_time():
     assert found == pytest.approx(7.0)
 
 
-@pytest.mark.parametrize(("radius", "another"), [(50.0, 140.0), (15.0, 100.0), (50.0, 400.0)])
+@pytest.mark.parametrize(("radius", "price"), [(50.0, 90.0), (15.0, 85.0), (50.0, 350.0)])
 @pytest.mark.parametrize("share", [0.02, 0.1, 0.2, 0.3])
-def test_it_stops_short_where_the_expected_cost_is_least(radius, another, share):
+def test_it_stops_short_where_the_expected_cost_is_least(radius, price, share):
     """Against the exact probability of ending within the circle, both edges and the chord at each offset included."""
     sd = share * radius
     nodes, weights = np.polynomial.hermite_e.hermegauss(61)
@@ -169,16 +171,34 @@ def test_it_stops_short_where_the_expected_cost_is_least(radius, another, share)
 
     def cost(short):
         within = stats.norm.cdf((half + short) / sd) - stats.norm.cdf((short - half) / sd)
-        return -short + another * (1.0 - float(weights @ within) / weights.sum())
+        return -short + (price + radius) * (1.0 - float(weights @ within) / weights.sum())
 
-    found = float(stop_short(radius, np.array([sd]), np.array([sd]), another)[0])
+    found = float(stop_short(radius, np.array([sd]), np.array([sd]), price)[0])
     best = min(map(cost, np.linspace(0.0, radius, 2001)))
     assert cost(found) - best < 0.005 * radius
 
 
-def test_with_large_errors_it_aims_at_the_centre():
-    sd = np.array([30.0, 60.0, 1e4])
-    assert stop_short(50.0, sd, 2.0 * sd, 140.0) == pytest.approx(0.0)
+@pytest.mark.parametrize("price", [1.5, 5.0, 20.0])
+def test_it_stops_well_short_only_where_a_leg_will_miss(price):
+    """Against sampled ends of a leg: of the centre and well short of it, what is chosen costs less."""
+    ends = np.random.default_rng(1).standard_normal((2, 200_000))
+
+    def cost(short, sd):
+        left = np.hypot(short + sd * ends[0], sd * ends[1])
+        return -short + np.mean((left > 1.0) * (price + left))
+
+    chosen = []
+    for sd in np.geomspace(0.5, 8.0, 12):
+        found = float(stop_short(1.0, np.array([sd]), np.array([sd]), price)[0])
+        rival = 0.0 if found else 2.0 * sd
+        assert cost(found, sd) < cost(rival, sd) + 0.03 * sd
+        chosen.append(found > 0.0)
+    assert chosen == sorted(chosen)
+    assert chosen[-1]
+
+
+def test_the_mean_left_over_is_that_of_a_rice_distance():
+    assert stats.rice(RETREAT).mean() - RETREAT == pytest.approx(LEFT_OVER, abs=1e-4)
 
 
 def test_a_plan_that_stops_short_by_itself_is_kept():
