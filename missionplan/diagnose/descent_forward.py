@@ -71,8 +71,9 @@ class DescentForward:
             [m]
         """
         count, settings = len(self.logs), values.shape[1]
-        spread = np.repeat(values, count, axis=1)
-        named = parameters_from(coordinates, spread).items()
+        present = _present(coordinates, values)
+        there = [i for i, c in enumerate(coordinates) if c.effect in present]
+        named = parameters_from([coordinates[i] for i in there], np.repeat(values[there], count, axis=1)).items()
         effects = [*self.given, *(self._effect(name, parameters) for name, parameters in named)]
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
         dive, times = self._tiled(settings, factor), self._times(settings)
@@ -111,6 +112,11 @@ class DescentForward:
         for index, log in enumerate(self.logs):
             times[: len(log.fine), index] = log.fine
         return np.tile(times, (1, settings))
+
+
+def _present(coordinates: Sequence[Coordinate], values: Array) -> set[str]:
+    """Effects whose strength is not zero in every setting: the others do nothing."""
+    return {c.effect for c, row in zip(coordinates, values, strict=True) if c.kind != "shape" and np.any(row)}
 
 
 def _averaged(log: DiveLog, depths: Array) -> Array:

@@ -37,23 +37,24 @@ def planned(forward: DescentForward, entry: int | None) -> tuple[DiveLog, ...]:
         logs.append(
             replace(log, wet_weight=log.wet_weight * weight, line_length=log.line_length * line, site_depth=site)
         )
-    return tuple(_timed(forward, log) for log in logs)
-
-
-def _timed(forward: DescentForward, log: DiveLog) -> DiveLog:
-    """Sample a dive evenly until the base model nears touchdown."""
     grid = np.linspace(0.0, LONGEST, 600)
-    places = np.arange(600)
-    whole = replace(log, t=grid, depth=np.zeros(600), sd=np.ones(600), fine=grid, bins=places, shares=np.ones(600))
     none: tuple[Coordinate, ...] = ()
-    depth = replace(forward, logs=(whole,)).readings(none, np.zeros((0, 1)))[:, 0]
+    whole = replace(forward, logs=tuple(_sampled(log, grid) for log in logs))
+    depths = whole.readings(none, np.zeros((0, 1)))[:, 0].reshape(len(logs), -1)
+    return tuple(_until_touchdown(log, grid, depth) for log, depth in zip(logs, depths, strict=True))
+
+
+def _sampled(log: DiveLog, t: Array) -> DiveLog:
+    """The same dive with single readings at other times."""
+    sd = np.full(len(t), float(np.median(log.sd)))
+    return replace(log, t=t, depth=0.0 * t, sd=sd, fine=t, bins=np.arange(len(t)), shares=np.ones(len(t)))
+
+
+def _until_touchdown(log: DiveLog, grid: Array, depth: Array) -> DiveLog:
+    """Sample a dive evenly until the base model nears touchdown."""
     near = np.flatnonzero(depth > (1.0 - MARGIN) * (log.site_depth - log.line_length))
     end = grid[near[0]] if len(near) else LONGEST
-    times = np.linspace(0.0, float(end), MOST_SAMPLES)
-    sd = np.full(MOST_SAMPLES, float(np.median(log.sd)))
-    return replace(
-        log, t=times, depth=0.0 * times, sd=sd, fine=times, bins=np.arange(MOST_SAMPLES), shares=np.ones(MOST_SAMPLES)
-    )
+    return _sampled(log, np.linspace(0.0, float(end), MOST_SAMPLES))
 
 
 def filled(logs: tuple[DiveLog, ...], readings: Array) -> tuple[DiveLog, ...]:

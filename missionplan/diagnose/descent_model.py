@@ -223,8 +223,18 @@ class DescentModel(DescentLinear):
         logs = self.forward.logs + (descent_menu.planned(self.forward, entry) if entry is not None else ())
         forward = replace(self.forward, logs=logs)
         readings = forward.readings(self.coordinates, first.state.linear.at[:, None])[:, 0]
-        model = DescentModel(replace(forward, logs=descent_menu.filled(logs, readings)))
-        fitted = model.fit_all([(first.causes, (first,)), (second.causes, (second,))])
+        return DescentModel(replace(forward, logs=descent_menu.filled(logs, readings))).told_apart(first, second)
+
+    def told_apart(self, first: Fit, second: Fit) -> float:
+        """Ln Bayes factor of the first set, whose readings these are without noise, over the second, fitted anew."""
+        start = second.state.linear.at
+        (end,) = climb(
+            self.forward, self.coordinates, self.y, self._nominal, [Lane(self.free(second.causes), start, 0)]
+        )
+        places = [(first.causes, first.state.linear.at), (second.causes, end.at)]
+        fitted = [
+            self._integrated(causes, linear) for (causes, _), linear in zip(places, self.linearise(places), strict=True)
+        ]
         evidence = [fit.log_evidence if isinstance(fit, Fit) else -np.inf for fit in fitted]
         return float(max(evidence[0] - evidence[1], 0.0))
 

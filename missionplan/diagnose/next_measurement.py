@@ -1,6 +1,7 @@
 """Next measurement: the cheapest on a menu that would tell two sets of causes apart (T-optimality)."""
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from missionplan.diagnose.model import Causes, Fit, Model
@@ -59,7 +60,7 @@ def next_measurements(model: Model, first: Fit, others: Sequence[Fit]) -> tuple[
 
 def _cheapest(model: Model, first: Fit, second: Fit) -> Separation:
     best = Separation(first.causes, second.causes, "none on the menu tells them apart", 0.0)
-    for what, bring in (*_with_more_data(model, first, second), *_direct(first, second)):
+    for what, bring in itertools.chain(_with_more_data(model, first, second), _direct(first, second)):
         if bring > best.expected_log_bayes_factor:
             best = Separation(first.causes, second.causes, what, bring)
         if bring >= ENOUGH:
@@ -67,8 +68,9 @@ def _cheapest(model: Model, first: Fit, second: Fit) -> Separation:
     return best
 
 
-def _with_more_data(model: Model, first: Fit, second: Fit) -> list[tuple[str, float]]:
-    return [(what, model.separation(first, second, index)) for index, what in enumerate(model.menu)]
+def _with_more_data(model: Model, first: Fit, second: Fit) -> Iterator[tuple[str, float]]:
+    """Give what each entry of the menu would bring, reckoned only when it is asked for."""
+    return ((what, model.separation(first, second, index)) for index, what in enumerate(model.menu))
 
 
 def _direct(first: Fit, second: Fit) -> list[tuple[str, float]]:

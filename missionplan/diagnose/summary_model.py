@@ -112,7 +112,4 @@ class SummaryModel(DescentModel):
         logs = tuple(replace(log, sd=np.full(len(log.t), LOGGED_SD)) for log in logs)
         forward = replace(plain, logs=logs)
         readings = forward.readings(self.coordinates, first.state.linear.at[:, None])[:, 0]
-        model = DescentModel(replace(forward, logs=descent_menu.filled(logs, readings)))
-        fitted = model.fit_all([(first.causes, (first,)), (second.causes, (second,))])
-        evidence = [fit.log_evidence if isinstance(fit, Fit) else -np.inf for fit in fitted]
-        return float(max(evidence[0] - evidence[1], 0.0))
+        return DescentModel(replace(forward, logs=descent_menu.filled(logs, readings))).told_apart(first, second)
