@@ -1,6 +1,7 @@
 """Report of `diagnose`: the verdict in a sentence, the picture, the gain, what to do next; then what supports it."""
 
 import math
+import shlex
 from collections.abc import Sequence
 
 from missionplan.report.diagnosis_figures import (
@@ -19,6 +20,7 @@ _PHRASES = {
     "unexplained": "Something is left that no cause of the catalogue explains, structured along {axis}.",
 }
 _STATISTICAL = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
+_TESTS_SHOWN = 5
 _UNITS = {"transit": "m/s", "descent": "m", "summary": "SI", **TANK_UNITS}
 
 
@@ -30,7 +32,7 @@ def page(diagnosis: Diagnosis) -> Page:
         Section("What was left before, and what is left now", [*residual_figures(diagnosis), *_correlation(diagnosis)]),
         *_held_out_section(diagnosis),
         Section(_remainder_heading(diagnosis), _remainder_words(diagnosis)),
-        Section("What these data cannot tell apart, and what would", _apart_blocks(diagnosis)),
+        Section(_apart_heading(diagnosis), _apart_blocks(diagnosis)),
         *_decision_section(diagnosis),
         Section("How the data were treated", _treatment(diagnosis)),
     ]
@@ -41,7 +43,15 @@ def page(diagnosis: Diagnosis) -> Page:
         numbers=_numbers(diagnosis),
         sections=sections,
         verdict={"adequate": "good", "explained": "good", "unexplained": "bad"}.get(diagnosis.verdict, ""),
+        rerun=_rerun(diagnosis),
     )
+
+
+def _rerun(diagnosis: Diagnosis) -> str:
+    """Write the command on the files it was given: the mission in the report's folder is the extended one."""
+    made = diagnosis.provenance
+    files = " ".join(shlex.quote(str(path)) for path in (made.file, made.options["dataset"]))
+    return f"missionplan diagnose {files} --seed {made.seed}"
 
 
 def terminal(diagnosis: Diagnosis) -> Terminal:
@@ -85,7 +95,7 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     if diagnosis.causes and best is not None and best.held_out is not None:
         gain, unit = best.held_out, _UNITS[diagnosis.kind]
         numbers.append(
-            ("Error on data held out, before and after", f"{gain.rmse_base:.3g} → {gain.rmse_extended:.3g} {unit}")
+            ("Error on data held out, before and after", f"{gain.rmse_base:#.2g} → {gain.rmse_extended:#.2g} {unit}")
         )
         better = f"{gain.groups_improved} of {gain.groups} parts better"
         log = f"{gain.log_score_gain:.1f} ± {gain.paired_se:.1f} nats, {better}"
@@ -129,7 +139,7 @@ def _ranking_section(diagnosis: Diagnosis) -> Section:
         return Section("No cause of the catalogue could be fitted", ["See the failures below."])
     columns, rows = _ranking_rows(diagnosis.ranking)
     best = diagnosis.ranking[0]
-    heading = f"{names(best.causes).capitalize()} comes first"
+    heading = f"{names(best.causes).capitalize()} {'comes' if len(best.causes) == 1 else 'come'} first"
     meaning = (
         "ln BF is the evidence for a set of causes over the mission's own model: 3 means that the data are 20 times "
         "more probable with it. It is computed with the model linearised at its best, and checked for the first few "
@@ -226,9 +236,20 @@ def _remainder_words(diagnosis: Diagnosis) -> list[str | Table]:
         rows = [[axis, f"{value:.1f}"] for axis, value in found.by_axis]
         blocks.append(Table(["Axis", "ln BF of a smooth remainder"], rows))
     if found.tests:
-        rows = [[name, f"{p_value:.2g}"] for name, p_value in found.tests]
-        blocks.append(Table(["Test of the errors left", "p-value"], rows))
+        telling = sorted(found.tests, key=lambda test: test[1])[:_TESTS_SHOWN]
+        rows = [[name, f"{p_value:.2g}"] for name, p_value in telling]
+        caption = (
+            f"The {len(rows)} most telling of {len(found.tests)} tests; by chance alone the smallest would be about "
+        )
+        caption += f"{1.0 / len(found.tests):.2g}."
+        blocks.append(Table(["Test of the errors left", "p-value"], rows, caption))
     return blocks
+
+
+def _apart_heading(diagnosis: Diagnosis) -> str:
+    if len(diagnosis.credible_set) > 1 or diagnosis.indistinguishable:
+        return "What these data cannot tell apart, and what would"
+    return "Nothing else comes near" if diagnosis.causes else "No cause comes near"
 
 
 def _apart_blocks(diagnosis: Diagnosis) -> list[str | Table]:
@@ -273,11 +294,23 @@ def _decision_section(diagnosis: Diagnosis) -> list[Section]:
     return [Section("What it means for the plan", [Table(["", *(_DECISION_COLUMNS[key] for key in keys)], rows)])]
 
 
+_CALIBRATION = {
+    "dive_scatter": "Scatter from dive to dive, of the usual",
+    "depth_walk_m2_s": "Turbulence: rate at which the depth wanders (m²/s)",
+    "eddy_time_s": "Turbulence: how long a velocity lasts (s)",
+    "sigma_v_m_s": "Velocity error of a leg, σ_v (m/s)",
+    "fix_sd_m": "Error of a fix (m)",
+    "next_leg_mean_so_far_rms_m": "Next leg's position error, predicted by the mean so far (m)",
+    "next_leg_last_leg_rms_m": "Next leg's position error, predicted by the last leg (m)",
+    "next_leg_model_rms_m": "Next leg's position error, predicted by this model (m)",
+}
+
+
 def _treatment(diagnosis: Diagnosis) -> list[str | Table]:
     blocks: list[str | Table] = []
     if diagnosis.source:
         blocks.append(f"Source: {diagnosis.source}")
-    rows = [[name, f"{value:.4g}"] for name, value in diagnosis.calibration.items()]
+    rows = [[_CALIBRATION.get(name, name), f"{value:.4g}"] for name, value in diagnosis.calibration.items()]
     blocks.append(Table(["Calibration of the base model", "Value (SI)"], rows, "Fitted beside the causes; no cause."))
     if diagnosis.failures:
         blocks.append(

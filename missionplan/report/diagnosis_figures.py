@@ -67,8 +67,9 @@ def _dives(diagnosis: Diagnosis) -> Figure:
         axes.set_visible(False)
     panels[0].invert_yaxis()
     panels[0].legend(loc="lower left", fontsize=7.5, frameon=False)
-    for axes in panels[-columns:]:
+    for axes in panels[: len(runs)][-columns:]:
         axes.set_xlabel("Time since separation (s)", fontsize=8.5)
+        axes.tick_params(labelbottom=True)
     for axes in panels[::columns]:
         axes.set_ylabel("Depth (m)", fontsize=8.5)
     return to_figure(
