@@ -162,7 +162,9 @@ def sink(
         drift.advance(lone.time)
     taut = lone.ended & (line < bottom)  # a longer line never draws the vehicle down
     until -= float(np.min(lone.time))
-    shared = np.where(taut, dive.lone_mass * lone.speed / (dive.joint_mass * hooks.mass_factor), 0.0)
+    # the snatch shares momentum over the ground: moving water takes the bodies' time constant to carry them
+    snatched = dive.lone_mass * lone.speed / (dive.joint_mass * hooks.mass_factor)
+    shared = np.where(taut, snatched - hooks.water_velocity, 0.0)
     pull_down = run(
         PullDown(dive, hooks, lone.time),
         rest,

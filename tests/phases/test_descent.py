@@ -242,6 +242,13 @@ def test_a_vertical_current_carries_both_bodies_once_taut():
     assert carried.descent_time < plain.descent_time
 
 
+def test_moving_water_carries_nothing_that_it_does_not_drag_along():
+    """Without drag a vertical current changes neither depth nor time: the snatch shares momentum over the ground."""
+    slippery = replace(PROTOTYPE, vehicle_drag=QuadraticDrag(1e-9), anchor_drag=QuadraticDrag(1e-9))
+    plain, carried = run(slippery), run(slippery, effects=(VerticalCurrent(0.1),))
+    assert carried.descent_time == pytest.approx(plain.descent_time, rel=1e-6)
+
+
 @dataclass(frozen=True)
 class Float(DescentEffect):
     force: Scalars = 0.0
