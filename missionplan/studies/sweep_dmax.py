@@ -60,7 +60,8 @@ def sweep_dmax(
     curves = range(len(setting.sigmas))
     analytic = {index: setting.analytic(index) for index in curves} if chosen != "monte-carlo" else {}
     sampled: dict[int, CellTotals] = {}
-    items = [(index, block) for block in range(block_count(trials)) for index in curves]
+    # the largest sigma, as a rule the last, takes longest: short items come last, for workers wait for the last one
+    items = [(index, block) for block in range(block_count(trials)) for index in reversed(curves)]
     results = run_blocks(
         SweepTask(setting, trials, seed), items, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress
     )
