@@ -41,60 +41,6 @@ class Marginal:
     covariance: Array
 
 
-def whiten(noise: Array, values: Array) -> tuple[Array, float]:
-    """Whiten values by a noise covariance.
-
-    Parameters
-    ----------
-    noise : array, shape (2, n), (2, n, n) or (1, n, n)
-        Variances, or covariances, for each axis or for both.
-    values : array, shape (2, n, m)
-        Columns to whiten.
-
-    Returns
-    -------
-    whitened : array, shape (2, n, m)
-        L⁻¹ values, with L Lᵀ the covariance.
-    log_determinant : float
-        ln |covariance|, both axes together.
-    """
-    if noise.ndim == 2:
-        return values / np.sqrt(noise)[:, :, None], float(np.log(noise).sum())
-    factor = np.linalg.cholesky(noise)
-    if len(noise) == 1:
-        both = np.concatenate(list(values), axis=1)
-        whitened = np.stack(np.split(solve_triangular(factor[0], both, lower=True, check_finite=False), 2, axis=1))
-        return whitened, 4.0 * float(np.log(np.diag(factor[0])).sum())
-    whitened = np.stack(
-        [solve_triangular(factor[axis], values[axis], lower=True, check_finite=False) for axis in range(len(values))]
-    )
-    return whitened, 2.0 * float(np.log(np.diagonal(factor, axis1=1, axis2=2)).sum())
-
-
-def gaussian_marginal(y: Array, design: Array, prior_sd: Array, noise: Array) -> Marginal:
-    """Marginalise the coefficients of y = design·β + noise with β ~ N(0, prior_sd²), exactly.
-
-    Parameters
-    ----------
-    y : array, shape (2, n)
-        Data.
-    design : array, shape (2, n, k)
-        Columns of the coefficients.
-    prior_sd : array, shape (k,)
-        Their prior standard deviations.
-    noise : array
-        As `whiten`.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        When a covariance is not positive definite.
-    """
-    whitened, log_determinant = whiten(noise, np.concatenate([design, y[:, :, None]], axis=2))
-    flat = whitened.reshape(-1, whitened.shape[2])
-    return marginal_of(flat.T @ flat, prior_sd, log_determinant, y.size)
-
-
 def marginal_of(gram: Array, prior_sd: Array, log_determinant: float, count: int) -> Marginal:
     """Marginalise the coefficients of a linear model of whitened data.
 
@@ -132,8 +78,12 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
 
     Parameters
     ----------
-    y, design, prior_sd
-        As `gaussian_marginal`.
+    y : array, shape (2, n)
+        Data.
+    design : array, shape (2, n, k)
+        Columns of the coefficients.
+    prior_sd : array, shape (k,)
+        Their prior standard deviations.
     variance : array, shape (2, n)
         Variances for each axis.
     dof : float

@@ -19,8 +19,9 @@ from missionplan.diagnose.likelihood import LOG_2PI, Laplace, Marginal, expected
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Residuals
 from missionplan.diagnose.transit_axes import transit_axes
+from missionplan.diagnose.transit_chain import Rows
 from missionplan.diagnose.transit_mean import RANDOM
-from missionplan.diagnose.transit_noise import ALL, Hyper, Rows, TransitNoise
+from missionplan.diagnose.transit_noise import ALL, Hyper, TransitNoise
 
 Array = NDArray[np.float64]
 
@@ -120,12 +121,11 @@ class TransitModel(TransitNoise):
         """
         source = random or fit
         noise = self.noise(self.values(source.causes, source.state.posterior.mode))
-        full = noise if noise.ndim == 3 else noise[:, :, None] * np.eye(self.data.n)
         n = self.data.n
         scaled = (columns * self.prior_sd(fit.causes)).reshape(2 * n, -1)
         total = scaled @ scaled.T
-        total[:n, :n] += full[0]
-        total[n:, n:] += full[-1]
+        total[:n, :n] += noise[0]
+        total[n:, n:] += noise[1]
         return total
 
     def predictor(self, fit: Fit) -> Callable[[NDArray[np.int_], NDArray[np.int_]], tuple[Array, Array]]:

@@ -8,15 +8,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.diagnose.likelihood import Marginal, gaussian_marginal, student_marginal
+from missionplan.diagnose.likelihood import Marginal, marginal_of, student_marginal
 from missionplan.diagnose.model import Causes
+from missionplan.diagnose.transit_chain import Chain, Lasting, Rows
 from missionplan.diagnose.transit_mean import RANDOM, TransitMean
 from missionplan.effects import CATALOGUE
 from missionplan.effects.persistent_error import PersistentError
 from missionplan.effects.random_walk import RandomWalk
 
 Array = NDArray[np.float64]
-Rows = slice | NDArray[np.int_]
+Values = Mapping[tuple[str, str], float]
 ALL = slice(None)
 
 SIGMA_SPREAD = 0.7
@@ -56,56 +57,70 @@ class TransitNoise(TransitMean):
         return tuple(found)
 
     @cached_property
-    def _fix_pattern(self) -> tuple[Array, Array]:
-        """What a fix error of 1 m gives: variances, shape (n,), and covariances of legs that share a fix, (n - 1,)."""
+    def _shares(self) -> NDArray[np.bool_]:
+        """Whether each leg starts from the very fix with which the leg before it ended, shape (n,)."""
         data = self.data
         shared = np.all(data.end[:, :-1] == data.start[:, 1:], axis=0) & (data.run[:-1] == data.run[1:])
-        return 2.0 / data.under_way**2, np.where(shared, -1.0 / (data.under_way[:-1] * data.under_way[1:]), 0.0)
+        return np.append(False, shared)
 
-    def noise(self, values: Mapping[tuple[str, str], float]) -> Array:
-        """Covariance of the velocity errors beside the causes of the mean [m²/s²].
+    def chain(self, rows: Rows = ALL) -> Chain:
+        """Some of the legs as links of a chain."""
+        data, legs = self.data, np.arange(self.data.n)[rows]
+        begins = np.array([data.middle[data.run == run].min() for run in np.unique(data.run)])
+        since = data.middle[legs] - begins[np.searchsorted(np.unique(data.run), data.run[legs])]
+        together = data.run[legs[1:]] == data.run[legs[:-1]]
+        elapsed = np.append(np.nan, np.where(together, np.diff(data.middle[legs]), np.nan))
+        shares = self._shares[legs] & np.append(False, np.diff(legs) == 1)
+        return Chain(data.under_way[legs], since, elapsed, shares)
 
-        Shape (2, n) where legs are independent, (1, n, n) where both axes share it, else (2, n, n).
+    @cached_property
+    def _whole(self) -> Chain:
+        return self.chain()
+
+    @cached_property
+    def _anisotropy(self) -> Array:
+        """Variance of the velocity error on each principal axis over their mean, shape (2,)."""
+        shape = np.linalg.eigvalsh(self.covariance) if np.any(self.covariance) else np.ones(2)
+        return np.asarray(np.maximum(shape / max(shape.mean(), 1e-12), 1e-6))
+
+    def parts(self, values: Values) -> tuple[Array, float, Lasting | None]:
+        """Variance of the independent error on each axis (2,) [m²/s²], sd of a fix [m], and what lasts.
 
         Parameters
         ----------
         values : mapping
             Hyperparameters by effect and name, not their logarithms.
         """
-        shape = np.linalg.eigvalsh(self.covariance) if np.any(self.covariance) else np.ones(2)
-        shape = np.maximum(shape / max(shape.mean(), 1e-12), 1e-6)
-        white = values["", "sigma_v"] ** 2 * shape
-        fix = values["", "fix_sd"] ** 2 + values.get(("fix-error", "sd"), 0.0) ** 2
-        own, beside = (fix * part for part in self._fix_pattern)
-        lasting = self._lasting(values)
-        if lasting is None and not beside.any():
-            return np.asarray(white[:, None] + own)
-        shared = np.zeros((self.data.n, self.data.n)) if lasting is None else lasting
-        here, after = np.arange(self.data.n), np.arange(1, self.data.n)
-        shared[after - 1, after] += beside
-        shared[after, after - 1] += beside
-        full = shared[None] if np.ptp(shape) == 0.0 else np.stack([shared, shared])
-        full[:, here, here] += own + white[: len(full), None]
-        return full
-
-    def _lasting(self, values: Mapping[tuple[str, str], float]) -> Array | None:
-        effects: list[PersistentError | RandomWalk] = []
+        white = values["", "sigma_v"] ** 2 * self._anisotropy
+        fix = math.hypot(values["", "fix_sd"], values.get(("fix-error", "sd"), 0.0))
+        lasting: Lasting | None = None
         if ("persistent-error", "sigma") in values:
-            effects.append(PersistentError(values["persistent-error", "sigma"], values["persistent-error", "time"]))
-        if ("random-walk", "rate") in values:
-            effects.append(RandomWalk(values["random-walk", "rate"]))
-        if not effects:
-            return None
-        total = np.zeros((self.data.n, self.data.n))
-        for legs in self._runs:  # what lasts begins anew with each run
-            total[legs] = sum(effect.covariance(self.data.middle[legs[1][0]]) for effect in effects)
-        return total
+            lasting = PersistentError(values["persistent-error", "sigma"], values["persistent-error", "time"])
+        elif ("random-walk", "rate") in values:
+            lasting = RandomWalk(values["random-walk", "rate"])
+        return white, fix, lasting
 
-    @cached_property
-    def _runs(self) -> tuple[tuple[NDArray[np.int_], ...], ...]:
-        """Rows and columns of each run's legs, for a block of a covariance."""
-        legs = [np.flatnonzero(self.data.run == run) for run in np.unique(self.data.run)]
-        return tuple(np.ix_(own, own) for own in legs)
+    def noise(self, values: Values) -> Array:
+        """Covariance of the velocity errors beside the causes of the mean, on each axis, shape (2, n, n) [m²/s²].
+
+        Parameters
+        ----------
+        values : mapping
+            Hyperparameters by effect and name, not their logarithms.
+        """
+        white, fix, lasting = self.parts(values)
+        chain, n = self._whole, self.data.n
+        total = np.zeros((n, n))
+        if lasting is not None:
+            for run in np.unique(self.data.run):  # what lasts begins anew with each run
+                legs = np.flatnonzero(self.data.run == run)
+                total[np.ix_(legs, legs)] = lasting.covariance(self.data.middle[legs])
+        here, after = np.arange(n), np.flatnonzero(chain.shares)
+        total[here, here] += fix**2 * chain.fix_variance()
+        shared = fix**2 / (chain.under_way[after - 1] * chain.under_way[after])
+        total[after - 1, after] -= shared
+        total[after, after - 1] -= shared
+        return np.asarray(total + white[:, None, None] * np.eye(n))
 
     def marginal(self, causes: Causes, at: Array, linear: tuple[Array, Array], rows: Rows = ALL) -> Marginal:
         """Marginalise the causes of the mean at given hyperparameters (their logarithms), from some of the legs.
@@ -117,14 +132,15 @@ class TransitNoise(TransitMean):
         """
         values = self.values(causes, at)
         y, columns = linear[0][:, rows], linear[1][:, rows]
+        chain = self._whole if rows is ALL else self.chain(rows)
+        white, fix, lasting = self.parts(values)
         dof = values.get(("heavy-tails", "dof"))
-        noise = self.noise(values)[:, rows]
-        noise = noise[:, :, rows] if noise.ndim == 3 else noise
         if dof is None:
-            return gaussian_marginal(y, columns, self.prior_sd(causes), noise)
+            gram, log_determinant = chain.gram(np.concatenate([columns, y[:, :, None]], axis=2), white, fix, lasting)
+            return marginal_of(gram, self.prior_sd(causes), log_determinant, y.size)
         if dof <= LEAST_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
-        variance = noise if noise.ndim == 2 else np.diagonal(noise, axis1=1, axis2=2) * np.ones((2, 1))
+        variance = white[:, None] + fix**2 * chain.fix_variance()
         return student_marginal(y, columns, self.prior_sd(causes), variance, dof)
 
     def values(self, causes: Causes, at: Array) -> dict[tuple[str, str], float]:

@@ -26,9 +26,19 @@ class PersistentError(TransitEffect):
         if memory is None:
             velocity = self.sigma * normals
         else:
-            kept = np.exp(-elapsed / self.time)
-            velocity = kept * memory + self.sigma * np.sqrt(-np.expm1(-2.0 * elapsed / self.time)) * normals
+            kept, gathered = self.transition(elapsed)
+            velocity = kept * memory + np.sqrt(gathered) * normals
         return velocity, velocity
+
+    def transition(self, elapsed: Array) -> tuple[Array, Array]:
+        """Return the share kept, exp(−Δt/time), and the variance gathered, sigma²·(1 − exp(−2Δt/time)) [m²/s²]."""
+        kept = np.asarray(np.exp(-elapsed / self.time))
+        return kept, np.asarray(-np.square(self.sigma) * np.expm1(-2.0 * elapsed / self.time))
+
+    @property
+    def first_variance(self) -> Scalars:
+        """Variance on the first leg: the process is stationary [m²/s²]."""
+        return np.square(self.sigma)
 
     def covariance(self, t: Array) -> Array:
         """Covariance of one component between the middles of legs, ``sigma²·exp(−|Δt|/time)``, shape (n, n) [m²/s²]."""

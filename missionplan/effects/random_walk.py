@@ -22,8 +22,17 @@ class RandomWalk(TransitEffect):
 
     def step(self, memory: Any, elapsed: Array, normals: Array) -> tuple[Array, Array]:
         """Add the step of the time that has passed between the middles of the legs."""
-        velocity = 0.0 * normals if memory is None else memory + self.rate * np.sqrt(elapsed) * normals
+        velocity = 0.0 * normals if memory is None else memory + np.sqrt(self.transition(elapsed)[1]) * normals
         return velocity, velocity
+
+    def transition(self, elapsed: Array) -> tuple[Array, Array]:
+        """Return the share kept, all of it, and the variance gathered, rate²·Δt [m²/s²]."""
+        return np.ones_like(elapsed), np.asarray(np.square(self.rate) * elapsed)
+
+    @property
+    def first_variance(self) -> Scalars:
+        """Variance on the first leg: none [m²/s²]."""
+        return 0.0
 
     def covariance(self, t: Array) -> Array:
         """Covariance of one component between the middles of legs, ``rate²·min(t, t′)``, shape (n, n) [m²/s²]."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
 
 from missionplan.diagnose import diagnose
 from missionplan.diagnose.binding import transit_model
@@ -27,7 +28,7 @@ def test_columns_are_the_effects_own_hooks(folder, transit_mission, legs):
 def test_noise_of_independent_legs_is_the_contracts(folder, transit_mission, legs):
     bound = model(folder, transit_mission, legs())
     noise = bound.noise({("", "sigma_v"): 0.03, ("", "fix_sd"): 5.0})
-    np.testing.assert_allclose(noise[0], 0.03**2 + 2.0 * 25.0 / bound.data.under_way**2)
+    np.testing.assert_allclose(noise[0], np.diag(0.03**2 + 2.0 * 25.0 / bound.data.under_way**2))
 
 
 def test_legs_that_share_a_fix_share_its_error(folder, transit_mission, legs):
@@ -36,7 +37,7 @@ def test_legs_that_share_a_fix_share_its_error(folder, transit_mission, legs):
     bound = model(folder, transit_mission, table)
     noise = bound.noise({("", "sigma_v"): 0.03, ("", "fix_sd"): 5.0})
     duration = bound.data.under_way
-    assert noise.shape == (1, 48, 48)
+    assert noise.shape == (2, 48, 48)
     np.testing.assert_allclose(noise[0, 0, 1], -25.0 / (duration[0] * duration[1]))
 
 
@@ -46,6 +47,22 @@ def test_persistence_is_the_effects_own_covariance(folder, transit_mission, legs
     with_it = bound.noise({**values, ("persistent-error", "sigma"): 0.1, ("persistent-error", "time"): 3000.0})
     apart = bound.data.middle[5] - bound.data.middle[2]
     assert with_it[0, 2, 5] == pytest.approx(0.01 * np.exp(-apart / 3000.0))
+
+
+@pytest.mark.parametrize("rows", [slice(None), np.array([0, 1, 2, 9, 10, 11, 30, 47])], ids=["all legs", "some legs"])
+@pytest.mark.parametrize("causes", [(), ("persistent-error",), ("mean-current", "random-walk")])
+def test_marginal_is_the_density_of_the_total_covariance(folder, transit_mission, legs, causes, rows):
+    """What the chain of legs gives is the density under the covariance that predictions use."""
+    table = legs()
+    table.loc[1:, ["x_start_m", "y_start_m"]] = table[["x_end_m", "y_end_m"]].to_numpy()[:-1]
+    bound = model(folder, transit_mission, table)
+    fit = bound.fit(causes)
+    order = np.concatenate([np.arange(bound.data.n)[rows], bound.data.n + np.arange(bound.data.n)[rows]])
+    y, columns = bound.linearised(fit.state.about)
+    total = bound._total_covariance(fit, columns)[np.ix_(order, order)]
+    expected = multivariate_normal(np.zeros(len(order)), total).logpdf(y.ravel()[order])
+    found = bound.marginal(causes, fit.state.posterior.mode, (y, columns), rows)
+    assert found.log_density == pytest.approx(expected, abs=1e-6)
 
 
 def test_what_a_record_cannot_show_is_said(folder, mission, transit_mission, legs):
