@@ -22,49 +22,60 @@ class Correlation:
     rho: float
 
 
-def draw(
-    quantities: Mapping[str, Quantity],
-    correlations: Sequence[Correlation],
-    seed: int,
-    block: int,
-    size: int = BLOCK,
-) -> dict[str, float | Array]:
-    """Draw each quantity once a trial.
+@dataclass(frozen=True)
+class JointDistribution:
+    """The uncertain quantities of a mission with their correlations, ready to be drawn block by block.
 
-    Parameters
+    Attributes
     ----------
-    quantities : mapping of str to float or Distribution
-        By key path; a number stays a number.
-    correlations : sequence of Correlation
-        Pairs not named are independent.
-    seed, block : int
-        See `stream`.
-    size : int
-        Trials in use, at most BLOCK: the first of a block that is always drawn whole.
-
-    Returns
-    -------
-    dict of str to float or array, shape (size,)
-
-    Raises
-    ------
-    InputError
-        When the correlations are impossible (see `correlation_factor`).
+    marginals : mapping of str to Distribution
+        By key path.
+    tied : sequence of str
+        Those that are correlated, in alphabetical order.
+    factor : array, shape (k, k)
+        Cholesky factor of their correlations.
     """
-    tied, factor = correlation_factor(quantities, correlations)
-    mixed: dict[str, Array] = {}
-    if tied:
-        independent = np.stack([stream(seed, name, block).standard_normal(BLOCK) for name in tied])
-        # einsum, not BLAS: the bits must not depend on the number of BLAS threads
-        mixed = dict(zip(tied, np.einsum("ij,jt->it", factor, independent), strict=True))
-    drawn: dict[str, float | Array] = {}
-    for name, quantity in quantities.items():
-        if isinstance(quantity, Distribution):
+
+    marginals: Mapping[str, Distribution]
+    tied: Sequence[str]
+    factor: Array
+
+    @classmethod
+    def of(cls, quantities: Mapping[str, Quantity], correlations: Sequence[Correlation]) -> "JointDistribution":
+        """Take the distributions among the quantities; pairs not named in the correlations are independent.
+
+        Raises
+        ------
+        InputError
+            When the correlations are impossible (see `correlation_factor`).
+        """
+        marginals = {name: quantity for name, quantity in quantities.items() if isinstance(quantity, Distribution)}
+        return cls(marginals, *correlation_factor(quantities, correlations))
+
+    def draw(self, seed: int, block: int, size: int = BLOCK) -> dict[str, Array]:
+        """Draw each quantity once a trial.
+
+        Parameters
+        ----------
+        seed, block : int
+            See `stream`.
+        size : int
+            Trials in use, at most BLOCK: the first of a block that is always drawn whole.
+
+        Returns
+        -------
+        dict of str to array, shape (size,)
+        """
+        mixed: dict[str, Array] = {}
+        if self.tied:
+            independent = np.stack([stream(seed, name, block).standard_normal(BLOCK) for name in self.tied])
+            # einsum, not BLAS: the bits must not depend on the number of BLAS threads
+            mixed = dict(zip(self.tied, np.einsum("ij,jt->it", self.factor, independent), strict=True))
+        drawn = {}
+        for name, marginal in self.marginals.items():
             normals = mixed[name] if name in mixed else stream(seed, name, block).standard_normal(BLOCK)
-            drawn[name] = quantity.from_normal(normals[:size])
-        else:
-            drawn[name] = quantity
-    return drawn
+            drawn[name] = marginal.from_normal(normals[:size])
+        return drawn
 
 
 def correlation_factor(

@@ -13,7 +13,6 @@ Integers = NDArray[np.int64]
 _CUT = 42  # of the 52 bits of a mantissa: 1024 bins between a power of 2 and the next
 _SMALLEST = 2.0**-30  # magnitudes below count as zero
 _BELOW = (int(np.float64(_SMALLEST).view(np.int64)) >> _CUT) - 1  # makes the numbers of positive bins positive
-_DENSE = 8  # times as many bins as values are counted without sorting them
 
 
 @dataclass(frozen=True)
@@ -23,68 +22,70 @@ class QuantileSketch:
     A bin is what shares sign, exponent and the first ten bits of the mantissa, 1024 bins between a power of 2 and the
     next (DDSketch of Masson, Rim & Lee 2019 with their linear interpolation for the logarithm): its middle is within
     2⁻¹¹ of all that it holds. Finding a bin takes no logarithm, only whole numbers, so that it is fast and the same on
-    every machine. Counts are integers too: merging is exact in any order. Only bins in use are kept: some ten thousand
-    a decade-spanning quantity, however many the trials.
+    every machine. Counts are integers too: merging is exact in any order. All bins from the lowest in use to the
+    highest are kept: some three thousand a decade, however many the trials.
 
     Attributes
     ----------
-    bins : integers, shape (k,)
-        Bin numbers in use, ascending: negative values, zero, positive values.
+    first : int
+        Number of the first bin. Bins are numbered through negative values, zero (0) and positive values.
     counts : integers, shape (k,)
+        From that bin on; neither the first nor the last is 0.
     """
 
-    bins: Integers
+    first: int
     counts: Integers
 
     @classmethod
     def of(cls, values: Array) -> "QuantileSketch":
         """Sketch one block, shape (n,); nan is left out."""
-        missing = np.isnan(values)
-        return cls._of_all(values[~missing] if missing.any() else values)
+        kept = np.asarray(values[~np.isnan(values)], dtype=np.float64)
+        if not kept.size:
+            return NOTHING
+        first, last = bin_numbers(np.array([kept.min(), kept.max()])).tolist()
+        return cls.between(first, last, kept)
 
     @classmethod
-    def _of_all(cls, values: Array) -> "QuantileSketch":
-        """Sketch values none of which is nan."""
-        magnitude = np.abs(values, dtype=np.float64)
-        numbers = (magnitude.view(np.int64) >> _CUT) - _BELOW
-        np.copyto(numbers, 0, where=magnitude < _SMALLEST)
-        np.negative(numbers, out=numbers, where=values < 0.0)
-        return cls._counted(numbers)
-
-    @classmethod
-    def _counted(cls, numbers: Integers) -> "QuantileSketch":
-        if not numbers.size:
-            return cls(numbers, numbers)
-        lowest, highest = int(numbers.min()), int(numbers.max())
-        if highest - lowest < _DENSE * numbers.size:  # counting is faster than sorting
-            counts = np.bincount(numbers - lowest)
-            used = np.flatnonzero(counts)
-            return cls(used + lowest, counts[used])
-        return cls(*np.unique(numbers, return_counts=True))
+    def between(cls, first: int, last: int, values: Array) -> "QuantileSketch":
+        """Sketch values, at least one and none of them nan, whose lowest and highest bins are known."""
+        if first == last:
+            return cls(first, np.array([values.size], dtype=np.int64))
+        if first > 0:  # nothing small or negative
+            numbers = values.view(np.int64) >> _CUT
+            numbers -= _BELOW + first
+        else:
+            numbers = bin_numbers(values)
+            numbers -= first
+        return cls(first, np.bincount(numbers))
 
     def merge(self, other: "QuantileSketch") -> "QuantileSketch":
         """Add another block."""
-        if not (self.bins.size and other.bins.size):
-            return self if self.bins.size else other
-        lowest = min(self.bins[0], other.bins[0])
-        size = int(max(self.bins[-1], other.bins[-1]) - lowest) + 1
-        if size < _DENSE * (self.bins.size + other.bins.size):
-            counts = np.zeros(size, dtype=np.int64)
-            counts[self.bins - lowest] = self.counts
-            counts[other.bins - lowest] += other.counts
-            used = np.flatnonzero(counts)
-            return QuantileSketch(used + lowest, counts[used])
-        bins, place = np.unique(np.concatenate((self.bins, other.bins)), return_inverse=True)
-        counts = np.zeros(len(bins), dtype=np.int64)
-        np.add.at(counts, place, np.concatenate((self.counts, other.counts)))
-        return QuantileSketch(bins, counts)
+        if not (self.counts.size and other.counts.size):
+            return self if self.counts.size else other
+        first = min(self.first, other.first)
+        counts = np.zeros(max(self.first + self.counts.size, other.first + other.counts.size) - first, dtype=np.int64)
+        for part in (self, other):
+            start = part.first - first
+            counts[start : start + part.counts.size] += part.counts
+        return QuantileSketch(first, counts)
+
+    def used(self) -> tuple[Integers, Integers]:
+        """Give the numbers of the bins in use, ascending, and their counts."""
+        used = np.flatnonzero(self.counts)
+        return used + self.first, self.counts[used]
+
+    @classmethod
+    def of_used(cls, bins: Integers, counts: Integers) -> "QuantileSketch":
+        """Make a sketch of what `used` gives."""
+        if not bins.size:
+            return NOTHING
+        spread = np.zeros(int(bins[-1] - bins[0]) + 1, dtype=np.int64)
+        spread[bins - bins[0]] = counts
+        return cls(int(bins[0]), spread)
 
     def bounds(self) -> tuple[Array, Array]:
         """Give the ends of each bin in use, ascending, shape (k,) each."""
-        near, far = _ends(np.abs(self.bins))
-        low = np.where(self.bins > 0, near, np.where(self.bins < 0, -far, -_SMALLEST))
-        high = np.where(self.bins > 0, far, np.where(self.bins < 0, -near, _SMALLEST))
-        return low, high
+        return _bounds(self.used()[0])
 
     def quantile(self, probability: float) -> float:
         """Give a quantile, within 0.05 % of an order statistic next to it; nan when empty."""
@@ -92,14 +93,35 @@ class QuantileSketch:
 
     def quantiles(self, probabilities: Sequence[float]) -> list[float]:
         """Give several quantiles, each within 0.05 % of an order statistic next to it; nan when empty."""
-        if not len(self.bins):
+        if not self.counts.size:
             return [math.nan] * len(probabilities)
         reached = np.cumsum(self.counts)
         ranks = np.asarray(probabilities) * (reached[-1] - 1)
-        numbers = self.bins[np.searchsorted(reached, ranks, side="right")]
+        numbers = reached.searchsorted(ranks, side="right") + self.first
         near, far = _ends(np.abs(numbers))
-        middles = np.where(numbers == 0, 0.0, np.copysign(0.5 * (near + far), numbers))
-        return [float(middle) for middle in middles]
+        middles: Array = np.where(numbers == 0, 0.0, np.copysign(0.5 * (near + far), numbers))
+        return middles.tolist()
+
+
+NOTHING = QuantileSketch(0, np.empty(0, dtype=np.int64))
+"""Of no values."""
+
+
+def bin_numbers(values: Array) -> Integers:
+    """Number the bins of values, any shape, none of them nan."""
+    magnitude = np.abs(values, dtype=np.float64)
+    numbers: Integers = (magnitude.view(np.int64) >> _CUT) - _BELOW
+    np.copyto(numbers, 0, where=magnitude < _SMALLEST)
+    np.negative(numbers, out=numbers, where=values < 0.0)
+    return numbers
+
+
+def _bounds(numbers: Integers) -> tuple[Array, Array]:
+    """Ends of bins."""
+    near, far = _ends(np.abs(numbers))
+    low = np.where(numbers > 0, near, np.where(numbers < 0, -far, -_SMALLEST))
+    high = np.where(numbers > 0, far, np.where(numbers < 0, -near, _SMALLEST))
+    return low, high
 
 
 def _ends(number: Integers) -> tuple[Array, Array]:

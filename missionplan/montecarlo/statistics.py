@@ -4,13 +4,14 @@ A value that is nan belongs to a trial that never reached the quantity: it is le
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
-from missionplan.montecarlo.quantile_sketch import QuantileSketch
+from missionplan.montecarlo.quantile_sketch import NOTHING, QuantileSketch, bin_numbers
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -124,9 +125,38 @@ class Moments:
     @classmethod
     def of(cls, values: Array) -> "Moments":
         """Take the moments of one block, shape (..., n)."""
-        reached = ~np.isnan(values)
-        if values.size and reached.all():
+        if values.size and not np.isnan(values).any():
             return cls._of_all(values)
+        return cls._of_reached(values)
+
+    @classmethod
+    def of_rows(cls, rows: Array) -> "Moments":
+        """Take the moments of one block, shape (k, n), where some rows hold nan and others do not."""
+        (count, trials), missing = rows.shape, np.count_nonzero(np.isnan(rows), axis=-1)
+        whole, none = (missing == 0) & (trials > 0), missing == trials
+        if whole.all():
+            return cls._of_all(rows)
+        zeros, infinite = np.zeros(count), np.full(count, math.inf)
+        found = cls(trials - missing, missing, zeros, zeros.copy(), infinite, -infinite)
+        for which, take in ((whole, cls._of_all), (~whole & ~none, cls._of_reached)):
+            if which.any():
+                found._put(which, take(rows[which]))
+        return found
+
+    @classmethod
+    def _of_all(cls, values: Array) -> "Moments":
+        """Take the moments of values none of which is nan."""
+        count = np.full(values.shape[:-1], values.shape[-1], dtype=np.int64)
+        mean = values.mean(axis=-1)
+        deviations = values - mean[..., None]
+        squares = np.einsum("...t,...t->...", deviations, deviations)
+        low, high = values.min(axis=-1), values.max(axis=-1)
+        return cls(count, np.zeros_like(count), *map(np.asarray, (mean, squares, low, high)))
+
+    @classmethod
+    def _of_reached(cls, values: Array) -> "Moments":
+        """Take the moments of values some of which are nan, in more passes."""
+        reached = ~np.isnan(values)
         count = np.count_nonzero(reached, axis=-1)
         kept = np.where(reached, values, 0.0)
         mean = kept.sum(axis=-1) / np.maximum(count, 1)
@@ -139,16 +169,6 @@ class Moments:
             low=np.asarray(np.min(np.where(reached, values, math.inf), axis=-1, initial=math.inf)),
             high=np.asarray(np.max(np.where(reached, values, -math.inf), axis=-1, initial=-math.inf)),
         )
-
-    @classmethod
-    def _of_all(cls, values: Array) -> "Moments":
-        """Take the moments of values none of which is nan, in fewer passes."""
-        count = np.full(values.shape[:-1], values.shape[-1], dtype=np.int64)
-        mean = values.mean(axis=-1)
-        deviations = values - mean[..., None]
-        squares = np.einsum("...t,...t->...", deviations, deviations)
-        low, high = values.min(axis=-1), values.max(axis=-1)
-        return cls(count, np.zeros_like(count), *map(np.asarray, (mean, squares, low, high)))
 
     def merge(self, other: "Moments") -> "Moments":
         """Add another block (Chan, Golub & LeVeque 1983, Eq. 2.1)."""
@@ -175,6 +195,11 @@ class Moments:
             self.high[which],
         )
 
+    def _put(self, which: NDArray[np.bool_], part: "Moments") -> None:
+        """Write the moments of some of an array of quantities into it, while it is being made."""
+        for field in fields(self):
+            getattr(self, field.name)[which] = getattr(part, field.name)
+
     @property
     def variance(self) -> Array:
         """Unbiased variance; nan below two values."""
@@ -197,20 +222,6 @@ class RunningStatistic:
     def of(cls, values: Array) -> "RunningStatistic":
         """Take one block, shape (n,)."""
         return cls(Moments.of(values), QuantileSketch.of(values))
-
-    @classmethod
-    def of_each(cls, quantities: Mapping[str, Array]) -> "dict[str, RunningStatistic]":
-        """Take one block of several quantities, shape (n,) each, at once: the same as one by one, and quicker."""
-        if not quantities:
-            return {}
-        rows = np.stack(list(quantities.values()))
-        complete = ~np.isnan(rows).any(axis=-1) & (rows.shape[-1] > 0)
-        moments = Moments._of_all(rows if complete.all() else rows[complete])
-        place = np.cumsum(complete) - 1
-        return {
-            name: cls(moments.take(place[index]), QuantileSketch._of_all(row)) if complete[index] else cls.of(row)
-            for index, (name, row) in enumerate(zip(quantities, rows, strict=True))
-        }
 
     def merge(self, other: "RunningStatistic") -> "RunningStatistic":
         """Add the next block."""
@@ -241,3 +252,55 @@ class RunningStatistic:
             count=count,
             missing=int(self.moments.missing),
         )
+
+
+@dataclass(frozen=True)
+class RunningStatistics(Mapping[str, RunningStatistic]):
+    """Moments and quantiles so far of several quantities of the same trials, taken and merged together.
+
+    Attributes
+    ----------
+    names : tuple of str
+    moments : Moments, shape (k,)
+    sketches : tuple of QuantileSketch
+    """
+
+    names: tuple[str, ...]
+    moments: Moments
+    sketches: tuple[QuantileSketch, ...]
+
+    @classmethod
+    def of(cls, quantities: Mapping[str, Array]) -> "RunningStatistics":
+        """Take one block of quantities, shape (n,) each: the same as one by one, and quicker."""
+        rows = np.stack(list(quantities.values()), dtype=np.float64)
+        moments = Moments.of_rows(rows)
+        reached = moments.count > 0
+        firsts, lasts = bin_numbers(np.where(reached, (moments.low, moments.high), 0.0)).tolist()
+        sketches = (
+            QuantileSketch.between(first, last, row[~np.isnan(row)] if missing else row) if count else NOTHING
+            for row, first, last, count, missing in zip(
+                rows, firsts, lasts, moments.count.tolist(), moments.missing.tolist(), strict=True
+            )
+        )
+        return cls(tuple(quantities), moments, tuple(sketches))
+
+    def merge(self, other: "RunningStatistics") -> "RunningStatistics":
+        """Add the next block, of the same quantities."""
+        sketches = [mine.merge(theirs) for mine, theirs in zip(self.sketches, other.sketches, strict=True)]
+        return RunningStatistics(self.names, self.moments.merge(other.moments), tuple(sketches))
+
+    @override
+    def __getitem__(self, name: str) -> RunningStatistic:
+        try:
+            place = self.names.index(name)
+        except ValueError:
+            raise KeyError(name) from None
+        return RunningStatistic(self.moments.take(place), self.sketches[place])
+
+    @override
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    @override
+    def __len__(self) -> int:
+        return len(self.names)

@@ -1,7 +1,7 @@
 """Named random streams: a draw depends on the seed, the quantity's name and the block of trials, on nothing else."""
 
 import hashlib
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,9 @@ BLOCK = 4096
 def stream(seed: int, quantity: str, block: int) -> np.random.Generator:
     """Open the random stream of one quantity in one block of trials.
 
-    The name and the block enter the spawn key of the seed sequence (the name as its SHA-256), so that streams are
-    independent of each other and of the order in which they are opened.
+    The name (as its SHA-256) and the block are the spawn key of the seed sequence, so that streams are independent of
+    each other and of the order in which they are opened. `SeedSequence(seed, spawn_key=…)` turns each word of the key
+    into an array of its own, which takes longer than all the rest: it is given the array that it would make of them.
 
     Parameters
     ----------
@@ -32,9 +33,26 @@ def stream(seed: int, quantity: str, block: int) -> np.random.Generator:
     ValueError
         When the seed or the block is negative.
     """
-    name = np.frombuffer(hashlib.sha256(quantity.encode()).digest(), dtype="<u4")
-    key = (*(int(word) for word in name), block)
-    return np.random.Generator(np.random.SFC64(np.random.SeedSequence(seed, spawn_key=key)))
+    if seed < 0 or block < 0:
+        raise ValueError(f"seed {seed}, block {block}: neither may be negative")
+    entropy = np.concatenate((_words(seed, _POOL), _name_words(quantity), _words(block)), dtype=np.uint32)
+    return np.random.Generator(np.random.SFC64(np.random.SeedSequence(entropy)))  # type: ignore[arg-type]
+
+
+_POOL = 4  # words to which a seed sequence fills up its entropy before the spawn key
+
+
+@lru_cache(maxsize=4096)
+def _name_words(quantity: str) -> NDArray[np.uint32]:
+    """SHA-256 of a name, as words."""
+    return np.frombuffer(hashlib.sha256(quantity.encode()).digest(), dtype="<u4")
+
+
+@lru_cache(maxsize=256)
+def _words(number: int, least: int = 1) -> NDArray[np.uint32]:
+    """Words of a number, the lowest first, and zeros after them if they are few."""
+    count = max(least, -(-number.bit_length() // 32))
+    return np.frombuffer(number.to_bytes(4 * count, "little"), dtype="<u4")
 
 
 def block_count(trials: int) -> int:

@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.errors import MissionplanError
-from missionplan.mission import Mission
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.phases.currents import Current
 from missionplan.studies.block_sequence import DoneBlock, Item
 from missionplan.studies.mission_trials import MissionTrials
 from missionplan.studies.setting import Setting
@@ -19,22 +17,20 @@ class BlockTask:
 
     Attributes
     ----------
-    mission : Mission
-    recorded : Current or None
-        The site's current where the mission reads it from a file, which workers need not reach.
+    means : Setting
+        The mission at its means, with the site's current where it is read from a file, which workers need not reach.
     seed : int
     keep_trials : bool
         Whether a row a trial comes back too.
     """
 
-    mission: Mission
-    recorded: Current | None
+    means: Setting
     seed: int
     keep_trials: bool = False
 
     def trials(self, block: int, size: int, tracked: int = 0) -> MissionTrials:
         """Run one block."""
-        setting = Setting.drawn(self.mission, self.recorded, seed=self.seed, block=block, size=size)
+        setting = self.means.sampled(seed=self.seed, block=block, size=size)
         return run_block(setting, self.seed, block, size, tracked)
 
     def __call__(self, item: Item) -> DoneBlock:
@@ -42,7 +38,7 @@ class BlockTask:
         block, size = item
         try:
             trials = self.trials(block, size)
-            reduced = tally(self.mission, trials, sampled=block < SAMPLED_BLOCKS)
+            reduced = tally(self.means.mission, trials, sampled=block < SAMPLED_BLOCKS)
         except MissionplanError:
             raise
         except Exception as error:

@@ -150,7 +150,7 @@ def histogram(running: RunningStatistic) -> Histogram:
     if not math.isfinite(low):
         return Histogram(np.array([0.0, 1.0]), np.zeros(1))
     starts, ends = running.sketch.bounds()
-    values, counts = 0.5 * (starts + ends), running.sketch.counts
+    values, (_, counts) = 0.5 * (starts + ends), running.sketch.used()
     whole = np.round(values)
     if high - low <= BINS and np.all(np.abs(values - whole) <= 1e-3 * np.abs(whole)):
         edges = np.arange(round(low) - 0.5, round(high) + 1.0)

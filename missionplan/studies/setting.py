@@ -1,6 +1,6 @@
 """A mission with the draws of a block of trials, as the parameters of its phases."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,8 +13,8 @@ from missionplan.mission.phases import LegTable as WrittenLegTable
 from missionplan.mission.phases import MoorPhase, TransitPhase
 from missionplan.mission.site import Geographic, Position
 from missionplan.mission.vehicle import Vehicle
-from missionplan.montecarlo.distributions import Quantity, mean_of
-from missionplan.montecarlo.draws import Correlation, draw
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.montecarlo.draws import Correlation, JointDistribution
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.compensation import Compensation, Forecast, compensation_named
 from missionplan.phases.currents import Current, LayeredCurrent, layers
@@ -53,11 +53,14 @@ class Setting:
         The site's current where the mission reads it from a file (`site_current.recorded_current`).
     draws : mapping of str to float or array, shape (n,)
         Every quantity of the mission by its key path.
+    expected : Setting or None
+        The mission at its means, where it is at hand: see `means`.
     """
 
     mission: Mission
     recorded: Current | None
     draws: Mapping[str, Scalars]
+    expected: "Setting | None" = None
 
     @classmethod
     def at_means(cls, mission: Mission, recorded: Current | None = None) -> "Setting":
@@ -69,10 +72,18 @@ class Setting:
     def drawn(
         cls, mission: Mission, recorded: Current | None = None, *, seed: int, block: int, size: int = BLOCK
     ) -> "Setting":
-        """Draw a block of trials (see `montecarlo.draws`)."""
-        ties = [Correlation(correlation.between, correlation.rho) for correlation in mission.correlations]
-        quantities: dict[str, Quantity] = mission.quantities()
-        return cls(mission, recorded, draw(quantities, ties, seed, block, size))._with_shaft_speeds()
+        """Draw a block of trials."""
+        return cls.at_means(mission, recorded).sampled(seed=seed, block=block, size=size)
+
+    def sampled(self, *, seed: int, block: int, size: int = BLOCK) -> "Setting":
+        """Draw a block of trials about this setting at the means; what blocks have in common is made once, in it."""
+        draws = {**self.draws, **self._joint.draw(seed, block, size)}
+        return replace(self, draws=draws, expected=self)._with_shaft_speeds()
+
+    @cached_property
+    def _joint(self) -> JointDistribution:
+        ties = [Correlation(correlation.between, correlation.rho) for correlation in self.mission.correlations]
+        return JointDistribution.of(self.mission.quantities(), ties)
 
     def _with_shaft_speeds(self) -> "Setting":
         """Add the speeds that shaft rates give."""
@@ -83,7 +94,12 @@ class Setting:
     @cached_property
     def means(self) -> "Setting":
         """The same mission at its means: what the vehicle is told beforehand."""
-        return Setting.at_means(self.mission, self.recorded)
+        return self.expected or Setting.at_means(self.mission, self.recorded)
+
+    @property
+    def uncertain(self) -> Sequence[str]:
+        """The quantities that are distributions, by key path."""
+        return tuple(self.means._joint.marginals)
 
     def __getitem__(self, path: str) -> Scalars:
         return self.draws[path]
@@ -213,19 +229,27 @@ class Setting:
 
     def compensation(self, phase: TransitPhase) -> Compensation | None:
         """What the vehicle does about its drift, knowing the means alone."""
-        navigation, means = self.mission.navigation, self.means
+        return self.means._compensations[phase.name]
+
+    @cached_property
+    def _compensations(self) -> Mapping[str, Compensation | None]:
+        """By transit; of the setting at the means."""
+        return {phase.name: self._compensation(phase) for phase in self.mission.transits}
+
+    def _compensation(self, phase: TransitPhase) -> Compensation | None:
+        navigation = self.mission.navigation
         assert navigation is not None
         forecast = Forecast(
-            current=means.current,
-            mean_error=np.array([float(means[f"navigation.velocity_error.mean[{axis}]"]) for axis in (0, 1)]),
-            depth=float(means[f"{phase.name}.depth"]),
-            surfacing_time=float(means.surfacing_time),
+            current=self.current,
+            mean_error=np.array([float(self[f"navigation.velocity_error.mean[{axis}]"]) for axis in (0, 1)]),
+            depth=float(self[f"{phase.name}.depth"]),
+            surfacing_time=float(self.surfacing_time),
         )
         way, covariance = navigation.drift_compensation, navigation.velocity_error.covariance
         if way == "filter":
-            prior = Setting.drawn(self.mission, self.recorded, seed=0, block=PRIOR)
-            return DriftFilter(forecast, drift_model(means, prior, phase, forecast))
-        return compensation_named(way, forecast, covariance, means.fix_error)
+            prior = self.sampled(seed=0, block=PRIOR)
+            return DriftFilter(forecast, drift_model(self, prior, phase, forecast))
+        return compensation_named(way, forecast, covariance, self.fix_error)
 
     def dive(self, phase: MoorPhase) -> Dive:
         """Bodies, line and depth of a mooring's descent.

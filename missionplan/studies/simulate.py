@@ -79,7 +79,7 @@ def simulate(
     means = Setting.at_means(mission, recorded_current(mission))
     check_current(mission, means)
     said = notices(mission, means)
-    task = BlockTask(mission, means.recorded, seed, keep_trials)
+    task = BlockTask(means, seed, keep_trials)
     store = Checkpoints(checkpoint, _identity(task), resume=resume) if checkpoint else None
     items = [(block, block_size(count, block)) for block in range(block_count(count))]
     run = BlockSequence(items, store, goal, TrialsTable() if keep_trials else None)
@@ -127,13 +127,13 @@ def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLO
         Whatever the block fails with.
     """
     check_complete(mission)
-    return BlockTask(mission, recorded_current(mission), seed).trials(block, trials)
+    return BlockTask(Setting.at_means(mission, recorded_current(mission)), seed).trials(block, trials)
 
 
 def _identity(task: BlockTask) -> Identity:
     """What a finished block depends on; not how many blocks there are."""
-    data = {key: value for key, value in task.mission.raw.items() if key != "monte_carlo"}
-    text, source = to_yaml(data), current_file(task.mission)
+    data = {key: value for key, value in task.means.mission.raw.items() if key != "monte_carlo"}
+    text, source = to_yaml(data), current_file(task.means.mission)
     if source is not None:
         digest = hashlib.sha256(source.read_bytes()).hexdigest()
         text = text.replace(str(source), f"{source.name} (SHA-256 {digest})")

@@ -15,7 +15,6 @@ from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.expectation import TransitExpectation
 from missionplan.results.base import Provenance
 from missionplan.results.sweep import Sweep, SweepCurve, SweepPoint
-from missionplan.studies.setting import Setting
 from missionplan.studies.sweep_cells import CellTotals, run_cells
 from missionplan.studies.sweep_setting import SweepSetting
 
@@ -110,8 +109,7 @@ class SweepTask:
         """Run every d_max of a curve on a block of trials."""
         index, block = item
         setting, size = self.setting, block_size(self.trials, block)
-        recorded = setting.means.recorded
-        drawn = Setting.drawn(setting.mission, recorded, seed=self.seed, block=block, size=size)
+        drawn = setting.means.sampled(seed=self.seed, block=block, size=size)
         state = setting.state(drawn, self.seed, block, size)
         normals = setting.normals(self.seed, block)
         plan, around = setting.plan(index, drawn), setting.surroundings(drawn)

@@ -1,7 +1,8 @@
 """What is kept of a block of missions: statistics and counts that merge block by block, and the first trials whole."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from missionplan.mission import Mission
 from missionplan.mission.requirements import EVENTS, QUANTITIES
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
-from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic
+from missionplan.montecarlo.statistics import Count, Moments, RunningStatistics
 from missionplan.studies.mission_trials import Array, Flags, MissionTrials
 
 SAMPLED_BLOCKS = 4
@@ -33,7 +34,7 @@ class Tally:
 
     Attributes
     ----------
-    statistics : mapping of str to RunningStatistic
+    statistics : RunningStatistics
         Of ``phase.quantity``, of ``phase.start`` and ``phase.end``.
     counts : mapping of str to Count
         Of ``phase.event``, of ``phase: failure`` (those still good until then), and of each requirement met.
@@ -41,7 +42,7 @@ class Tally:
         Of the first trials: ``input:…``, ``output:…`` and ``miss:phase``.
     """
 
-    statistics: Mapping[str, RunningStatistic]
+    statistics: RunningStatistics
     counts: Mapping[str, Count]
     sample: Mapping[str, Array]
 
@@ -55,46 +56,36 @@ class Tally:
         sample = dict(self.sample)
         for name, values in other.sample.items():
             sample[name] = np.concatenate((sample[name], values), axis=-1) if name in sample else values
-        return Tally(
-            {name: running.merge(other.statistics[name]) for name, running in self.statistics.items()},
-            {name: count.merge(other.counts[name]) for name, count in self.counts.items()},
-            sample,
-        )
+        counts = {name: count.merge(other.counts[name]) for name, count in self.counts.items()}
+        return Tally(self.statistics.merge(other.statistics), counts, sample)
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Flatten into named arrays, for a file."""
         flat: dict[str, NDArray[np.generic]] = {f"sample/{name}": values for name, values in self.sample.items()}
-        for name, count in self.counts.items():
-            flat[f"count/{name}"] = np.array([count.successes, count.trials])
-        for name, running in self.statistics.items():
-            for part in (running.moments, running.sketch):
-                for field in fields(part):
-                    flat[f"statistic/{field.name}/{name}"] = np.asarray(getattr(part, field.name))
+        flat["count/names"] = np.array(list(self.counts))
+        flat["count/numbers"] = np.array([(count.successes, count.trials) for count in self.counts.values()])
+        found = self.statistics
+        flat["statistic/names"] = np.array(found.names)
+        for field in fields(Moments):
+            flat[f"moments/{field.name}"] = getattr(found.moments, field.name)
+        used = [sketch.used() for sketch in found.sketches]
+        flat["sketch/sizes"] = np.array([len(counts) for _, counts in used])
+        flat["sketch/bins"] = np.concatenate([bins for bins, _ in used])
+        flat["sketch/counts"] = np.concatenate([counts for _, counts in used])
         return flat
 
     @classmethod
     def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "Tally":
         """Read what `to_arrays` wrote."""
-        sample, counts = {}, {}
-        parts: dict[str, dict[str, NDArray[np.generic]]] = {}
-        for key, values in flat.items():
-            group, _, name = key.partition("/")
-            if group == "sample":
-                sample[name] = values
-            elif group == "count":
-                counts[name] = Count(*(int(number) for number in values))
-            elif group == "statistic":
-                field, _, quantity = name.partition("/")
-                parts.setdefault(quantity, {})[field] = values
-
-        def pick(kind: Callable[..., object], found: Mapping[str, object]) -> object:
-            return kind(**{field.name: found[field.name] for field in fields(kind)})  # type: ignore[arg-type]
-
-        statistics = {
-            name: RunningStatistic(pick(Moments, found), pick(QuantileSketch, found))  # type: ignore[arg-type]
-            for name, found in parts.items()
-        }
-        return cls(statistics, counts, sample)  # type: ignore[arg-type]
+        numbers = zip(flat["count/names"].tolist(), flat["count/numbers"].tolist(), strict=True)
+        counts = {name: Count(successes, trials) for name, (successes, trials) in numbers}
+        moments: Any = {field.name: flat[f"moments/{field.name}"] for field in fields(Moments)}
+        ends = np.cumsum(flat["sketch/sizes"])[:-1]
+        bins, held = (np.split(flat[f"sketch/{name}"], ends) for name in ("bins", "counts"))
+        sketches = tuple(map(QuantileSketch.of_used, bins, held))
+        statistics = RunningStatistics(tuple(flat["statistic/names"].tolist()), Moments(**moments), sketches)
+        sample: Any = {name.removeprefix("sample/"): flat[name] for name in flat if name.startswith("sample/")}
+        return cls(statistics, counts, sample)
 
 
 def tally(mission: Mission, trials: MissionTrials, *, sampled: bool) -> Tally:
@@ -121,7 +112,7 @@ def tally(mission: Mission, trials: MissionTrials, *, sampled: bool) -> Tally:
         key, bounds = requirement_key(mission, requirement.quantity)
         limits = {side: getattr(requirement, side) for side in ("at_most", "at_least")}
         counts[f"requirement {index}"] = Count.of(_meets(columns[key], limits, bounds))
-    return Tally(RunningStatistic.of_each(quantities), counts, _sample(trials, columns) if sampled else {})
+    return Tally(RunningStatistics.of(quantities), counts, _sample(trials, columns) if sampled else {})
 
 
 def requirement_key(mission: Mission, quantity: str) -> tuple[str, str | None]:

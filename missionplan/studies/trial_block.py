@@ -66,8 +66,8 @@ class BlockRun:
             "duration_s": np.where(state.alive, state.clock, np.nan),
             "energy_wh": np.where(state.alive, state.energy / JOULES_PER_WATT_HOUR, np.nan),
         }
-        uncertain = self.setting.mission.uncertain()
-        return MissionTrials(tuple(done), total, good, {path: np.asarray(self.setting[path]) for path in uncertain})
+        draws = {path: np.asarray(self.setting[path]) for path in self.setting.uncertain}
+        return MissionTrials(tuple(done), total, good, draws)
 
     def _deployed(self, trials: int) -> TrialState:
         """Where the first phase begins, with the fix before the first dive; at the origin where none says."""

@@ -11,16 +11,16 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.montecarlo.distributions import LogNormal, Normal
-from missionplan.montecarlo.draws import Correlation, draw
+from missionplan.montecarlo.draws import Correlation, JointDistribution
 from missionplan.montecarlo.fanout import run_blocks
 from missionplan.montecarlo.statistics import RunningStatistic
 from missionplan.montecarlo.streams import LegNormals
 
-QUANTITIES = {"a": Normal(0.0, 1.0), "b": LogNormal(2.0, 1.3)}
+JOINT = JointDistribution.of({"a": Normal(0.0, 1.0), "b": LogNormal(2.0, 1.3)}, [Correlation(("a", "b"), 0.5)])
 
 
 def block_of_trials(block):
-    drawn = draw(QUANTITIES, [Correlation(("a", "b"), 0.5)], seed=9, block=block, size=1000)
+    drawn = JOINT.draw(seed=9, block=block, size=1000)
     return drawn["a"] + drawn["b"] * LegNormals(9, "legs", block).leg(1)[0, :1000]
 
 

@@ -1,3 +1,5 @@
+import hashlib
+
 import numpy as np
 import pytest
 
@@ -20,6 +22,15 @@ def test_draws_stay_what_they_were():
     """A seed printed in an old report must still give that report's trials."""
     drawn = stream(1, "ingress.velocity_error", 0).standard_normal(3)
     assert drawn == pytest.approx([-1.789988300235136, -0.6543872003570455, 1.5668695786459872], abs=1e-15)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2**32 - 1, 2**32, 2**127, 2**128 + 3])
+@pytest.mark.parametrize("block", [0, 2**32 - 1, 2**41])
+def test_name_and_block_are_the_spawn_key_of_the_seed(seed, block):
+    name = np.frombuffer(hashlib.sha256(b"moor.offset").digest(), dtype="<u4").tolist()
+    sequence = np.random.SeedSequence(seed, spawn_key=(*name, block))
+    expected = np.random.Generator(np.random.SFC64(sequence)).standard_normal(5)
+    assert np.array_equal(stream(seed, "moor.offset", block).standard_normal(5), expected)
 
 
 def test_two_quantities_are_uncorrelated():
@@ -51,3 +62,5 @@ def test_blocks_hold_all_trials(trials, sizes):
 def test_a_negative_seed_is_refused():
     with pytest.raises(ValueError):
         stream(-1, "a", 0)
+    with pytest.raises(ValueError):
+        stream(1, "a", -1)

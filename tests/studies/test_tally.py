@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from simulate_missions import chesapeake
 
-from missionplan.montecarlo.statistics import Count, RunningStatistic
+from missionplan.montecarlo.statistics import Count, RunningStatistic, RunningStatistics
 from missionplan.studies.outcome import histogram
 from missionplan.studies.simulate import simulate_block
 from missionplan.studies.tally import Tally, requirement_key, tally
@@ -15,7 +15,7 @@ VALUES = arrays(np.float64, st.integers(1, 60), elements=st.floats(-1e6, 1e6) | 
 
 def tally_of(values):
     counts = {"total.success": Count.of(values > 0.0), "a: lost": Count.of(values < 0.0)}
-    return Tally({"a.x_m": RunningStatistic.of(values)}, counts, {"input:x": values})
+    return Tally(RunningStatistics.of({"a.x_m": values}), counts, {"input:x": values})
 
 
 def same(one, other):
