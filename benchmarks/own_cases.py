@@ -13,6 +13,7 @@ import tempfile
 import time
 from collections.abc import Mapping, Sequence
 from functools import reduce
+from itertools import chain
 from pathlib import Path
 from unittest.mock import patch
 
@@ -33,7 +34,7 @@ from benchmarks.transit_trial import (
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.fanout import run_blocks
 from missionplan.montecarlo.sensitivity import Array, Influence, sensitivities
-from missionplan.montecarlo.statistics import RunningStatistic
+from missionplan.montecarlo.statistics import RunningStatistics
 from missionplan.montecarlo.streams import BLOCK, LegNormals, block_count, block_size, stream
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit import transit
@@ -46,7 +47,7 @@ Item = tuple[int, int]
 RUNS = 7
 
 
-def function_block(item: Item) -> tuple[dict[str, RunningStatistic], float]:
+def function_block(item: Item) -> tuple[RunningStatistics, float]:
     """Run a block of trials of the scalar function; give the statistics of its outputs, and its time."""
     block, size = item
     speed = SPEED + SPEED_SD * stream(1, "ingress.speed", block).standard_normal(size)
@@ -54,9 +55,8 @@ def function_block(item: Item) -> tuple[dict[str, RunningStatistic], float]:
     started = time.perf_counter()
     found = list(map(transit_trial, speed.tolist(), seeds.tolist()))
     inside = time.perf_counter() - started
-    durations, surfacings = zip(*found, strict=True)
-    outputs = {"duration": np.array(durations), "surfacings": np.array(surfacings, dtype=float)}
-    return RunningStatistic.of_each(outputs), inside
+    durations, surfacings = np.fromiter(chain.from_iterable(found), float, 2 * size).reshape(size, 2).T
+    return RunningStatistics.of({"duration": durations, "surfacings": surfacings}), inside
 
 
 def run_function(cases: int, workers: int) -> dict[str, float]:
@@ -64,8 +64,7 @@ def run_function(cases: int, workers: int) -> dict[str, float]:
     items = [(block, block_size(cases, block)) for block in range(block_count(cases))]
     started = time.perf_counter()
     blocks, inside = zip(*run_blocks(function_block, items, jobs=workers), strict=True)
-    totals = reduce(lambda so_far, new: {name: so_far[name].merge(new[name]) for name in new}, blocks)
-    found = {name: running.statistic() for name, running in totals.items()}
+    found = {name: running.statistic() for name, running in reduce(RunningStatistics.merge, blocks).items()}
     return {"wall": time.perf_counter() - started, "inside": sum(inside), "mean": found["duration"].mean}
 
 
