@@ -3,6 +3,7 @@
 import contextlib
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from missionplan.errors import RunError
 from missionplan.montecarlo.fanout import Progress
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.store.checkpoints import Checkpoints
+from missionplan.studies.mission_trials import ShownTrials
 from missionplan.studies.precision import Precision
 from missionplan.studies.tally import Tally
 from missionplan.studies.trials_table import TrialsTable
@@ -21,11 +23,29 @@ Item = tuple[int, int]
 
 @dataclass(frozen=True)
 class DoneBlock:
-    """A block that is done: reduced, with a row a trial where asked for; or why it failed."""
+    """A block that is done: reduced, with a row a trial and what maps show where asked for; or why it failed."""
 
     tally: Tally | None
     rows: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
+    shown: ShownTrials | None = None
     failure: str = ""
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Flatten into named arrays, for a file; of a block that did not fail."""
+        assert self.tally is not None
+        rows = {f"row/{name}": values for name, values in self.rows.items()}
+        shown = {f"shown/{name}": values for name, values in vars(self.shown).items()} if self.shown else {}
+        return {**self.tally.to_arrays(), **rows, **shown}
+
+    @classmethod
+    def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "DoneBlock":
+        """Read what `to_arrays` wrote."""
+        rows, shown = (_under(flat, group) for group in ("row/", "shown/"))
+        return cls(Tally.from_arrays(flat), rows, ShownTrials(**shown) if shown else None)
+
+
+def _under(flat: Mapping[str, NDArray[np.generic]], group: str) -> dict[str, Any]:
+    return {name.removeprefix(group): values for name, values in flat.items() if name.startswith(group)}
 
 
 FanOut = Callable[[Sequence[Item]], Generator[DoneBlock, None, None]]
@@ -48,6 +68,8 @@ class BlockSequence:
         Takes the rows.
     first_good : Item
         First block that did not fail, once the run is over.
+    shown : ShownTrials or None
+        What it shows.
     """
 
     items: Sequence[Item]
@@ -55,6 +77,7 @@ class BlockSequence:
     goal: Precision | None = None
     table: TrialsTable | None = None
     first_good: Item = (0, 0)
+    shown: ShownTrials | None = None
 
     def run(self, fan_out: FanOut, progress: Progress | None = None) -> tuple[Tally, tuple[str, ...]]:
         """Run until all is done or precise enough; give the total, and why blocks failed.
@@ -78,7 +101,7 @@ class BlockSequence:
                     failures.append(block.failure)
                     continue
                 if total is None:
-                    self.first_good = item
+                    self.first_good, self.shown = item, block.shown
                 total = block.tally if total is None else total.merge(block.tally)
                 if self.table is not None:
                     self.table.add(item[0] * BLOCK, block.rows)
@@ -103,12 +126,8 @@ class BlockSequence:
 
     def _stored(self, item: Item) -> DoneBlock | None:
         arrays = self.store.read(*item) if self.store is not None else None
-        if arrays is None:
-            return None
-        rows = {name.removeprefix("row/"): values for name, values in arrays.items() if name.startswith("row/")}
-        return DoneBlock(Tally.from_arrays(arrays), rows)
+        return None if arrays is None else DoneBlock.from_arrays(arrays)
 
     def _keep(self, item: Item, block: DoneBlock) -> None:
         if self.store is not None and block.tally is not None:
-            rows = {f"row/{name}": values for name, values in block.rows.items()}
-            self.store.write(*item, {**block.tally.to_arrays(), **rows})
+            self.store.write(*item, block.to_arrays())

@@ -5,10 +5,13 @@ from dataclasses import dataclass
 from missionplan.errors import MissionplanError
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.studies.block_sequence import DoneBlock, Item
-from missionplan.studies.mission_trials import MissionTrials
+from missionplan.studies.mission_trials import MissionTrials, ShownTrials
 from missionplan.studies.setting import Setting
 from missionplan.studies.tally import SAMPLED_BLOCKS, tally
 from missionplan.studies.trial_block import run_block
+
+TRACKED = 300
+"""Trials whose tracks are shown, the first of the run."""
 
 
 @dataclass(frozen=True, eq=False)  # hashed by identity: Dask hashes what it runs, and arrays have no hash
@@ -28,21 +31,27 @@ class BlockTask:
     seed: int
     keep_trials: bool = False
 
-    def trials(self, block: int, size: int, tracked: int = 0) -> MissionTrials:
+    def trials(self, block: int, size: int, *, tracked: int = 0, inputs: bool = True) -> MissionTrials:
         """Run one block."""
         setting = self.means.sampled(seed=self.seed, block=block, size=size)
-        return run_block(setting, self.seed, block, size, tracked)
+        return run_block(setting, self.seed, block, size, tracked, inputs)
+
+    def shown(self, block: int, size: int) -> ShownTrials:
+        """Run one block for what maps show of it."""
+        return ShownTrials.of(self.trials(block, size, tracked=TRACKED, inputs=False))
 
     def __call__(self, item: Item) -> DoneBlock:
         """Run one block and reduce it; a failure of its numbers is told, not raised, so that others go on."""
-        block, size = item
+        (block, size), sampled = item, item[0] < SAMPLED_BLOCKS
+        tracked = TRACKED if block == 0 else 0
         try:
-            trials = self.trials(block, size)
-            reduced = tally(self.means.mission, trials, sampled=block < SAMPLED_BLOCKS)
+            trials = self.trials(block, size, tracked=tracked, inputs=sampled or self.keep_trials)
+            reduced = tally(self.means.mission, trials, sampled=sampled)
         except MissionplanError:
             raise
         except Exception as error:
             first = block * BLOCK
             place = f"block {block} (trials {first} to {first + size - 1}, seed {self.seed})"
             return DoneBlock(None, failure=f"{place}: {type(error).__name__}: {error}")
-        return DoneBlock(reduced, dict(trials.columns()) if self.keep_trials else {})
+        rows = trials.columns() if self.keep_trials else {}
+        return DoneBlock(reduced, rows, ShownTrials.of(trials) if tracked else None)

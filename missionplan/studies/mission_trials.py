@@ -33,7 +33,7 @@ class PhaseTrials:
     goal : (2,) array, and arrival radius or mooring radius
         At the trials' mean [m].
     inputs : mapping of str to array, shape (n,)
-        What was drawn anew each leg or fix, in one number a trial.
+        What was drawn anew each leg or fix, in one number a trial; nothing where it was not asked for.
     """
 
     name: str
@@ -77,3 +77,36 @@ class MissionTrials:
             for values in (phase.inputs, phase.quantities, phase.events):
                 found |= {f"{phase.name}.{name}": value for name, value in values.items()}
         return found | {f"total.{name}": value for name, value in self.total.items()} | {"total.success": self.success}
+
+
+@dataclass(frozen=True)
+class ShownTrials:
+    """What maps show of some trials: plain arrays, the phases one after another.
+
+    Attributes
+    ----------
+    position : array, shape (points, 2, k)
+        Tracks [m].
+    points : integers, shape (phases,)
+        Points of the tracks that are each phase's.
+    anchors : array, shape (2, m)
+        On the seafloor [m].
+    goals : array, shape (phases, 3)
+        Goal, east and north, and arrival radius or mooring radius, at the trials' mean [m].
+    """
+
+    position: Array
+    points: NDArray[np.int64]
+    anchors: Array
+    goals: Array
+
+    @classmethod
+    def of(cls, trials: MissionTrials) -> "ShownTrials":
+        """Take what a block shows."""
+        phases = trials.phases
+        return cls(
+            position=np.concatenate([phase.track for phase in phases]),
+            points=np.array([len(phase.track) for phase in phases]),
+            anchors=np.concatenate([phase.anchor for phase in phases], axis=1),
+            goals=np.array([(*phase.goal[0], phase.goal[1]) for phase in phases], dtype=float),
+        )

@@ -20,7 +20,7 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
-from missionplan.studies.mission_trials import Array, MissionTrials
+from missionplan.studies.mission_trials import Array, ShownTrials
 from missionplan.studies.tally import Tally, requirement_key
 
 Value = TypeVar("Value")
@@ -39,7 +39,7 @@ class Findings:
     mission : Mission
     tally : Tally
         Of all blocks that succeeded.
-    shown : MissionTrials
+    shown : ShownTrials
         Some trials with their tracks.
     failed_blocks : tuple of str
     trials_table : bytes or None
@@ -47,7 +47,7 @@ class Findings:
 
     mission: Mission
     tally: Tally
-    shown: MissionTrials
+    shown: ShownTrials
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
 
@@ -166,17 +166,16 @@ def histogram(running: RunningStatistic) -> Histogram:
     return Histogram(edges, np.diff(below, prepend=0.0, append=reached[-1]))
 
 
-def tracks(mission: Mission, shown: MissionTrials) -> Tracks:
-    """Put the tracks of the phases one after another."""
-    parts = [phase.track for phase in shown.phases]
-    anchors = [phase.anchor for phase in shown.phases]
+def tracks(mission: Mission, shown: ShownTrials) -> Tracks:
+    """Say which mission the tracks are of."""
     origin = mission.site.origin if mission.site else None
     return Tracks(
-        position=np.concatenate(parts),
-        phase=np.repeat(np.arange(len(parts)), [len(part) for part in parts]),
+        position=shown.position,
+        phase=np.repeat(np.arange(len(shown.points)), shown.points),
         targets={
-            phase.name: ((float(phase.goal[0][0]), float(phase.goal[0][1])), phase.goal[1]) for phase in shown.phases
+            phase.name: ((float(east), float(north)), float(radius))
+            for phase, (east, north, radius) in zip(mission.phases, shown.goals, strict=True)
         },
-        anchors=np.concatenate(anchors, axis=1),
+        anchors=shown.anchors,
         origin=(origin.latitude, origin.longitude) if origin else None,
     )

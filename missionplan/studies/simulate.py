@@ -25,8 +25,6 @@ from missionplan.studies.trials_table import TrialsTable
 
 MOST_TRIALS = 10_000_000
 """Where a run to a given precision ends unless it says otherwise."""
-TRACKED = 300
-"""Trials whose tracks are shown."""
 
 
 def simulate(
@@ -89,7 +87,7 @@ def simulate(
             yield from run_blocks(task, todo, jobs=jobs, backend=backend, scheduler=scheduler)
 
     found, failed = run.run(fan_out, progress)
-    shown = task.trials(*run.first_good, tracked=TRACKED)
+    shown = run.shown or task.shown(*run.first_good)  # block 0 brings it, unless it failed
     if goal is not None and not goal.is_reached(found):
         said += (f"The precision asked for, {precision}, was not reached in {found.trials} trials.",)
     options: dict[str, Any] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}

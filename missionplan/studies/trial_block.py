@@ -31,12 +31,15 @@ class BlockRun:
         See `montecarlo.streams`.
     tracked : int
         Trials whose tracks are kept.
+    inputs : bool
+        Whether to sum up what was drawn each leg.
     """
 
     setting: Setting
     seed: int
     block: int
     tracked: int
+    inputs: bool
 
     def normals(self, name: str, trials: int) -> Array:
         """Standard normals of a fix that is taken once, shape (2, n)."""
@@ -63,8 +66,8 @@ class BlockRun:
             for failed in record.failures.values():
                 good &= ~failed
         total = {
-            "duration_s": np.where(state.alive, state.clock, np.nan),
-            "energy_wh": np.where(state.alive, state.energy / JOULES_PER_WATT_HOUR, np.nan),
+            "duration_s": _where(state.alive, state.clock),
+            "energy_wh": _where(state.alive, state.energy / JOULES_PER_WATT_HOUR),
         }
         draws = {path: np.asarray(self.setting[path]) for path in self.setting.uncertain}
         return MissionTrials(tuple(done), total, good, draws)
@@ -97,16 +100,16 @@ class BlockRun:
         found = PhaseTrials(
             name=phase.name,
             kind=phase.kind,
-            quantities={name: np.where(arrived, values, np.nan) for name, values in quantities.items()},
+            quantities={name: _where(arrived, values) for name, values in quantities.items()},
             events={"arrived": arrived},
-            start=np.where(state.alive, state.clock, np.nan),
-            end=np.where(arrived, after.clock, np.nan),
+            start=_where(state.alive, state.clock),
+            end=_where(arrived, after.clock),
             failures={"not arrived": state.alive & ~record.arrived, "out of energy": out},
-            miss=np.where(arrived, after.position - goal, np.nan),
+            miss=_where(arrived, after.position - goal),
             track=_points(record.track),
             anchor=np.empty((2, 0)),
             goal=(goal.mean(axis=1), float(np.mean(plan.arrival_radius))),
-            inputs=_leg_inputs(plan, normals, state, record, goal),
+            inputs=_leg_inputs(plan, normals, state, record, goal) if self.inputs else {},
         )
         return kept, found, goal
 
@@ -142,10 +145,10 @@ class BlockRun:
         found = PhaseTrials(
             name=phase.name,
             kind=phase.kind,
-            quantities={name: np.where(mask, values, np.nan) for name, (mask, values) in reached.items()},
+            quantities={name: _where(mask, values) for name, (mask, values) in reached.items()},
             events={"within_radius": within, "struck_seafloor": struck},
-            start=np.where(came, state.clock, np.nan),
-            end=np.where(ended, after.clock, np.nan),
+            start=_where(came, state.clock),
+            end=_where(ended, after.clock),
             failures={
                 "anchor did not reach the seafloor": came & ~down,
                 "anchor outside the radius": down & ~within,
@@ -153,9 +156,9 @@ class BlockRun:
                 "did not surface": down & ~record.surfaced,
                 "out of energy": out,
             },
-            miss=np.where(down, miss, np.nan),
+            miss=_where(down, miss),
             track=np.stack([np.where(after.alive, point, np.nan)[:, : self.tracked] for point in points]),
-            anchor=np.where(down, record.anchor, np.nan),
+            anchor=_where(down, record.anchor),
             goal=(np.asarray(goal.mean(axis=1)), float(np.mean(plan.radius))),
             inputs={},
         )
@@ -177,11 +180,16 @@ class BlockRun:
 
     def _spend(self, state: TrialState) -> tuple[TrialState, Flags]:
         """End the trials that have used more than the battery holds; also give which."""
-        known = np.isfinite(np.stack((*state.position, *state.fix, state.clock))).all(axis=0)
-        if not known[state.alive].all():
-            raise FloatingPointError("a trial under way has lost its place or its time")
+        for known in (state.position, state.fix, state.clock):
+            if not np.isfinite(known).all() and not np.isfinite(known[..., state.alive]).all():
+                raise FloatingPointError("a trial under way has lost its place or its time")
         out = state.alive & (state.energy > self.setting.capacity)
         return replace(state, alive=state.alive & ~out), out
+
+
+def _where(reached: Flags, values: Array) -> Array:
+    """Values of the trials that reached something, nan for the others."""
+    return values if reached.all() else np.where(reached, values, np.nan)
 
 
 def _points(track: Track | None) -> Array:
@@ -225,7 +233,9 @@ def _leg(source: Normals, number: int, state: TrialState) -> Array:
     return source.leg(number)[:, : state.trials]
 
 
-def run_block(setting: Setting, seed: int, block: int, trials: int, tracked: int = 0) -> MissionTrials:
+def run_block(
+    setting: Setting, seed: int, block: int, trials: int, tracked: int = 0, inputs: bool = True
+) -> MissionTrials:
     """Take one block of trials through the mission.
 
     Parameters
@@ -236,6 +246,8 @@ def run_block(setting: Setting, seed: int, block: int, trials: int, tracked: int
         Of the run; trials in use in the block.
     tracked : int
         Trials whose tracks are kept.
+    inputs : bool
+        Whether to sum up what was drawn each leg.
 
     Raises
     ------
@@ -243,4 +255,4 @@ def run_block(setting: Setting, seed: int, block: int, trials: int, tracked: int
         When a phase divides by zero, overflows or leaves the real numbers, or a trial under way has lost its place.
     """
     with np.errstate(divide="raise", over="raise", invalid="raise"):
-        return BlockRun(setting, seed, block, tracked).run(trials)
+        return BlockRun(setting, seed, block, tracked, inputs).run(trials)
