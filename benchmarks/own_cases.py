@@ -13,7 +13,7 @@ import tempfile
 import time
 from collections.abc import Mapping, Sequence
 from functools import reduce
-from itertools import chain
+from operator import itemgetter
 from pathlib import Path
 from unittest.mock import patch
 
@@ -45,6 +45,7 @@ from missionplan.studies.sweep_dmax import sweep_dmax
 
 Item = tuple[int, int]
 RUNS = 7
+OUTPUTS = ("duration", "surfacings")
 
 
 def function_block(item: Item) -> tuple[RunningStatistics, float]:
@@ -55,8 +56,8 @@ def function_block(item: Item) -> tuple[RunningStatistics, float]:
     started = time.perf_counter()
     found = list(map(transit_trial, speed.tolist(), seeds.tolist()))
     inside = time.perf_counter() - started
-    durations, surfacings = np.fromiter(chain.from_iterable(found), float, 2 * size).reshape(size, 2).T
-    return RunningStatistics.of({"duration": durations, "surfacings": surfacings}), inside
+    outputs = {name: np.fromiter(map(itemgetter(place), found), float, size) for place, name in enumerate(OUTPUTS)}
+    return RunningStatistics.of(outputs), inside
 
 
 def run_function(cases: int, workers: int) -> dict[str, float]:

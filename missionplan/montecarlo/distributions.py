@@ -260,7 +260,7 @@ Quantity = float | Distribution
 
 def mean_of(quantity: Quantity) -> float:
     """Give the mean of a distribution, or the number itself."""
-    return quantity.mean if isinstance(quantity, Distribution) else quantity
+    return quantity if isinstance(quantity, (float, int)) else quantity.mean  # told faster than a distribution is
 
 
 def sd_of(quantity: Quantity) -> float:

@@ -11,6 +11,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _CUT = 42  # of the 52 bits of a mantissa: 1024 bins between a power of 2 and the next
+_BINS = 1 << (52 - _CUT)
+_BIAS = 1023 + 52 - _CUT  # of the exponent, and of a mantissa in whole bins
 _SMALLEST = 2.0**-30  # magnitudes below count as zero
 _BELOW = (int(np.float64(_SMALLEST).view(np.int64)) >> _CUT) - 1  # makes the numbers of positive bins positive
 
@@ -87,6 +89,23 @@ class QuantileSketch:
         """Give the ends of each bin in use, ascending, shape (k,) each."""
         return _bounds(self.used()[0])
 
+    def below(self, limits: Array, low: float = -math.inf, high: float = math.inf) -> Array:
+        """Count the values below each limit, ascending or not, as if each bin were evenly filled between low and high.
+
+        Parameters
+        ----------
+        limits : array, shape (m,)
+        low, high : float
+            Range of the values, where it is known.
+        """
+        place = np.clip(bin_numbers(limits) - self.first, 0, self.counts.size - 1)
+        start, end = (np.clip(side, low, high) for side in _bounds(place + self.first))
+        width = end - start
+        share = np.where(width > 0.0, (limits - start) / np.where(width > 0.0, width, 1.0), limits >= start)
+        held = self.counts[place]
+        below: Array = np.cumsum(self.counts)[place] - held * (1.0 - np.clip(share, 0.0, 1.0))
+        return below
+
     def quantile(self, probability: float) -> float:
         """Give a quantile, within 0.05 % of an order statistic next to it; nan when empty."""
         return self.quantiles((probability,))[0]
@@ -96,11 +115,9 @@ class QuantileSketch:
         if not self.counts.size:
             return [math.nan] * len(probabilities)
         reached = np.cumsum(self.counts)
-        ranks = np.asarray(probabilities) * (reached[-1] - 1)
-        numbers = reached.searchsorted(ranks, side="right") + self.first
-        near, far = _ends(np.abs(numbers))
-        middles: Array = np.where(numbers == 0, 0.0, np.copysign(0.5 * (near + far), numbers))
-        return middles.tolist()
+        last = int(reached[-1]) - 1
+        places = reached.searchsorted([probability * last for probability in probabilities], side="right")
+        return [_middle(self.first + place) for place in places.tolist()]
 
 
 NOTHING = QuantileSketch(0, np.empty(0, dtype=np.int64))
@@ -109,11 +126,19 @@ NOTHING = QuantileSketch(0, np.empty(0, dtype=np.int64))
 
 def bin_numbers(values: Array) -> Integers:
     """Number the bins of values, any shape, none of them nan."""
-    magnitude = np.abs(values, dtype=np.float64)
-    numbers: Integers = (magnitude.view(np.int64) >> _CUT) - _BELOW
-    np.copyto(numbers, 0, where=magnitude < _SMALLEST)
+    numbers: Integers = np.abs(values).view(np.int64) >> _CUT
+    numbers -= _BELOW
+    np.maximum(numbers, 0, out=numbers)  # smaller than the smallest
     np.negative(numbers, out=numbers, where=values < 0.0)
     return numbers
+
+
+def _middle(number: int) -> float:
+    """Middle of a bin."""
+    if number == 0:
+        return 0.0
+    exponent, mantissa = divmod(abs(number) + _BELOW, _BINS)
+    return math.copysign(math.ldexp(_BINS + mantissa + 0.5, exponent - _BIAS), number)
 
 
 def _bounds(numbers: Integers) -> tuple[Array, Array]:

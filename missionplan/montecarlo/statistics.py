@@ -5,7 +5,7 @@ A value that is nan belongs to a trial that never reached the quantity: it is le
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,26 +132,26 @@ class Moments:
     @classmethod
     def of_rows(cls, rows: Array) -> "Moments":
         """Take the moments of one block, shape (k, n), where some rows hold nan and others do not."""
-        (count, trials), missing = rows.shape, np.count_nonzero(np.isnan(rows), axis=-1)
-        whole, none = (missing == 0) & (trials > 0), missing == trials
-        if whole.all():
+        if rows.size and not np.isnan(np.add.reduce(rows, axis=-1)).any():
             return cls._of_all(rows)
+        (count, trials), missing = rows.shape, np.count_nonzero(np.isnan(rows), axis=-1)
         zeros, infinite = np.zeros(count), np.full(count, math.inf)
         found = cls(trials - missing, missing, zeros, zeros.copy(), infinite, -infinite)
-        for which, take in ((whole, cls._of_all), (~whole & ~none, cls._of_reached)):
-            if which.any():
+        for which, take in (((missing == 0), cls._of_all), ((missing > 0) & (missing < trials), cls._of_reached)):
+            if trials and which.any():
                 found._put(which, take(rows[which]))
         return found
 
     @classmethod
     def _of_all(cls, values: Array) -> "Moments":
         """Take the moments of values none of which is nan."""
-        count = np.full(values.shape[:-1], values.shape[-1], dtype=np.int64)
-        mean = values.mean(axis=-1)
+        trials = values.shape[-1]
+        mean = np.asarray(np.add.reduce(values, axis=-1) / trials)
         deviations = values - mean[..., None]
         squares = np.einsum("...t,...t->...", deviations, deviations)
-        low, high = values.min(axis=-1), values.max(axis=-1)
-        return cls(count, np.zeros_like(count), *map(np.asarray, (mean, squares, low, high)))
+        low, high = np.minimum.reduce(values, axis=-1), np.maximum.reduce(values, axis=-1)
+        count, missing = np.full(mean.shape, trials), np.zeros(mean.shape, dtype=np.int64)
+        return cls(count, missing, mean, *map(np.asarray, (squares, low, high)))
 
     @classmethod
     def _of_reached(cls, values: Array) -> "Moments":
@@ -223,6 +223,13 @@ class RunningStatistic:
         """Take one block, shape (n,)."""
         return cls(Moments.of(values), QuantileSketch.of(values))
 
+    @classmethod
+    def of_constant(cls, value: float, trials: int) -> "RunningStatistic":
+        """Take as many trials of the same value."""
+        one = cls.of(np.array([value]))
+        moments = replace(one.moments, count=np.asarray(trials))
+        return cls(moments, replace(one.sketch, counts=np.array([trials])))
+
     def merge(self, other: "RunningStatistic") -> "RunningStatistic":
         """Add the next block."""
         return RunningStatistic(self.moments.merge(other.moments), self.sketch.merge(other.sketch))
@@ -236,6 +243,13 @@ class RunningStatistic:
         values = self.sketch.quantiles(probabilities)
         low, high = float(self.moments.low), float(self.moments.high)
         return [min(max(value, low), high) if math.isfinite(value) else value for value in values]
+
+    def below(self, limits: Array) -> Array:
+        """Count the values below some limits, as if each bin of the sketch were evenly filled: a count may be broken.
+
+        A bin's part that lies beyond the lowest or the highest value holds none.
+        """
+        return self.sketch.below(limits, float(self.moments.low), float(self.moments.high))
 
     def statistic(self) -> Statistic:
         """Give what is reported."""
@@ -272,10 +286,9 @@ class RunningStatistics(Mapping[str, RunningStatistic]):
     @classmethod
     def of(cls, quantities: Mapping[str, Array]) -> "RunningStatistics":
         """Take one block of quantities, shape (n,) each: the same as one by one, and quicker."""
-        rows = np.stack(list(quantities.values()), dtype=np.float64)
+        rows = np.array(list(quantities.values()), dtype=np.float64)
         moments = Moments.of_rows(rows)
-        reached = moments.count > 0
-        firsts, lasts = bin_numbers(np.where(reached, (moments.low, moments.high), 0.0)).tolist()
+        firsts, lasts = bin_numbers(np.array((moments.low, moments.high))).tolist()
         sketches = (
             QuantileSketch.between(first, last, row[~np.isnan(row)] if missing else row) if count else NOTHING
             for row, first, last, count, missing in zip(

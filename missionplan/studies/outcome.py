@@ -9,7 +9,7 @@ import numpy as np
 
 from missionplan.mission import Mission
 from missionplan.montecarlo.sensitivity import Influence, sensitivities
-from missionplan.montecarlo.statistics import Count, RunningStatistic, Statistic
+from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic, Statistic
 from missionplan.results.base import Provenance
 from missionplan.results.simulation import (
     Attrition,
@@ -71,7 +71,7 @@ class Findings:
         own = _under(self.tally.statistics, name)
         clocks = {"start": own.pop("start", None), "end": own.pop("end", None)}
         nothing = RunningStatistic.of(np.empty(0))
-        start = clocks["start"] or RunningStatistic.of(np.zeros(self.tally.trials))
+        start = clocks["start"] or RunningStatistic.of_constant(0.0, self.tally.trials)
         end = clocks["end"] or own.get("duration_s", nothing)
         return PhaseOutcome(
             name=name,
@@ -146,24 +146,27 @@ def histogram(running: RunningStatistic) -> Histogram:
 
     A bin of the sketch that lies across an edge is shared out as if it were evenly filled: counts may be fractions.
     """
-    low, high = running.quantile(0.001), running.quantile(0.999)
+    low, high = running.quantiles((0.001, 0.999))
     if not math.isfinite(low):
         return Histogram(np.array([0.0, 1.0]), np.zeros(1))
-    starts, ends = running.sketch.bounds()
-    values, (_, counts) = 0.5 * (starts + ends), running.sketch.used()
-    whole = np.round(values)
-    if high - low <= BINS and np.all(np.abs(values - whole) <= 1e-3 * np.abs(whole)):
+    if high - low <= BINS and (whole := _whole_numbers(running)):
+        values, counts = whole
         edges = np.arange(round(low) - 0.5, round(high) + 1.0)
-        place = np.clip(np.searchsorted(edges, whole, side="right") - 1, 0, len(edges) - 2)
+        place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
         return Histogram(edges, np.bincount(place, counts, minlength=len(edges) - 1).astype(float))
     margin = max(high - low, 1e-6 * max(abs(low), 1.0)) * 1e-3
     edges = np.linspace(low - margin, high + margin, BINS + 1)
-    inside = [np.clip(ends_of, float(running.moments.low), float(running.moments.high)) for ends_of in (starts, ends)]
-    reached = np.cumsum(counts)
-    below = np.interp(
-        edges[1:-1], np.stack(inside, axis=1).ravel(), np.stack((reached - counts, reached), axis=1).ravel()
-    )
-    return Histogram(edges, np.diff(below, prepend=0.0, append=reached[-1]))
+    below = np.empty(BINS + 1)
+    below[0], below[1:-1], below[-1] = 0.0, running.below(edges[1:-1]), running.moments.count
+    return Histogram(edges, below[1:] - below[:-1])
+
+
+def _whole_numbers(running: RunningStatistic) -> tuple[Array, Integers] | None:
+    """Values and counts of a quantity, None where not all are whole numbers."""
+    starts, ends = running.sketch.bounds()
+    values = 0.5 * (starts + ends)
+    whole = np.round(values)
+    return (whole, running.sketch.used()[1]) if np.all(np.abs(values - whole) <= 1e-3 * np.abs(whole)) else None
 
 
 def tracks(mission: Mission, shown: ShownTrials) -> Tracks:
