@@ -45,16 +45,18 @@ from missionplan.studies.sweep_dmax import sweep_dmax
 
 Item = tuple[int, int]
 RUNS = 7
+SEED = 1
 OUTPUTS = ("duration", "surfacings")
 
 
 def function_block(item: Item) -> tuple[RunningStatistics, float]:
     """Run a block of trials of the scalar function; give the statistics of its outputs, and its time."""
     block, size = item
-    speed = SPEED + SPEED_SD * stream(1, "ingress.speed", block).standard_normal(size)
-    seeds = stream(1, "ingress.velocity_error", block).integers(2**63, size=size)
+    speed = SPEED + SPEED_SD * stream(SEED, "ingress.speed", block).standard_normal(size)
+    first = (SEED << 32) + block * BLOCK
+    speeds, seeds = speed.tolist(), range(first, first + size)
     started = time.perf_counter()
-    found = list(map(transit_trial, speed.tolist(), seeds.tolist()))
+    found = list(map(transit_trial, speeds, seeds))
     inside = time.perf_counter() - started
     outputs = {name: np.fromiter(map(itemgetter(place), found), float, size) for place, name in enumerate(OUTPUTS)}
     return RunningStatistics.of(outputs), inside
@@ -74,8 +76,8 @@ def run_model(trials: int, d_max: Sequence[float]) -> float:
     started = time.perf_counter()
     for block in range(block_count(trials)):
         size = block_size(trials, block)
-        speed = SPEED + SPEED_SD * stream(1, "ingress.speed", block).standard_normal(BLOCK)[:size]
-        legs = LegNormals(1, "ingress.velocity_error", block)
+        speed = SPEED + SPEED_SD * stream(SEED, "ingress.speed", block).standard_normal(BLOCK)[:size]
+        legs = LegNormals(SEED, "ingress.velocity_error", block)
         for length in d_max:
             plan = TransitPlan(
                 goal=np.array([DISTANCE, 0.0]),

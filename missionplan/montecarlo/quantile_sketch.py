@@ -98,12 +98,13 @@ class QuantileSketch:
         low, high : float
             Range of the values, where it is known.
         """
-        place = np.clip(bin_numbers(limits) - self.first, 0, self.counts.size - 1)
-        start, end = (np.clip(side, low, high) for side in _bounds(place + self.first))
-        width = end - start
-        share = np.where(width > 0.0, (limits - start) / np.where(width > 0.0, width, 1.0), limits >= start)
-        held = self.counts[place]
-        below: Array = np.cumsum(self.counts)[place] - held * (1.0 - np.clip(share, 0.0, 1.0))
+        last = self.first + self.counts.size - 1
+        numbers = np.minimum(np.maximum(bin_numbers(limits), self.first), last)
+        start, end = (np.minimum(np.maximum(side, low), high) for side in _bounds(numbers))
+        filled = np.minimum(np.maximum(limits, start), end) - start
+        share = np.divide(filled, end - start, out=(limits >= start).astype(float), where=end > start)
+        place = numbers - self.first
+        below: Array = np.cumsum(self.counts)[place] - self.counts[place] * (1.0 - share)
         return below
 
     def quantile(self, probability: float) -> float:
@@ -143,6 +144,8 @@ def _middle(number: int) -> float:
 
 def _bounds(numbers: Integers) -> tuple[Array, Array]:
     """Ends of bins."""
+    if numbers.size and numbers.min() > 0:
+        return _ends(numbers)
     near, far = _ends(np.abs(numbers))
     low = np.where(numbers > 0, near, np.where(numbers < 0, -far, -_SMALLEST))
     high = np.where(numbers > 0, far, np.where(numbers < 0, -near, _SMALLEST))

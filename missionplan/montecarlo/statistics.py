@@ -125,28 +125,34 @@ class Moments:
     @classmethod
     def of(cls, values: Array) -> "Moments":
         """Take the moments of one block, shape (..., n)."""
-        if values.size and not np.isnan(values).any():
-            return cls._of_all(values)
+        sums = np.add.reduce(values, axis=-1)
+        if values.size and not np.isnan(sums).any():
+            return cls._of_all(values, sums)
         return cls._of_reached(values)
 
     @classmethod
     def of_rows(cls, rows: Array) -> "Moments":
         """Take the moments of one block, shape (k, n), where some rows hold nan and others do not."""
-        if rows.size and not np.isnan(np.add.reduce(rows, axis=-1)).any():
-            return cls._of_all(rows)
-        (count, trials), missing = rows.shape, np.count_nonzero(np.isnan(rows), axis=-1)
+        (count, trials), sums = rows.shape, np.add.reduce(rows, axis=-1)
+        broken = np.isnan(sums)
+        if rows.size and not broken.any():
+            return cls._of_all(rows, sums)
+        missing = np.zeros(count, dtype=np.int64)
+        missing[broken] = np.count_nonzero(np.isnan(rows[broken]), axis=-1)
         zeros, infinite = np.zeros(count), np.full(count, math.inf)
         found = cls(trials - missing, missing, zeros, zeros.copy(), infinite, -infinite)
-        for which, take in (((missing == 0), cls._of_all), ((missing > 0) & (missing < trials), cls._of_reached)):
-            if trials and which.any():
-                found._put(which, take(rows[which]))
+        some = broken & (missing < trials)
+        if trials and not broken.all():
+            found._put(~broken, cls._of_all(rows[~broken], sums[~broken]))
+        if some.any():
+            found._put(some, cls._of_reached(rows[some]))
         return found
 
     @classmethod
-    def _of_all(cls, values: Array) -> "Moments":
-        """Take the moments of values none of which is nan."""
+    def _of_all(cls, values: Array, sums: Array) -> "Moments":
+        """Take the moments of values none of which is nan, from their sums."""
         trials = values.shape[-1]
-        mean = np.asarray(np.add.reduce(values, axis=-1) / trials)
+        mean = np.asarray(sums / trials)
         deviations = values - mean[..., None]
         squares = np.einsum("...t,...t->...", deviations, deviations)
         low, high = np.minimum.reduce(values, axis=-1), np.maximum.reduce(values, axis=-1)

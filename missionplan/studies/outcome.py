@@ -70,9 +70,8 @@ class Findings:
     def _phase(self, name: str, kind: str) -> PhaseOutcome:
         own = _under(self.tally.statistics, name)
         clocks = {"start": own.pop("start", None), "end": own.pop("end", None)}
-        nothing = RunningStatistic.of(np.empty(0))
         start = clocks["start"] or RunningStatistic.of_constant(0.0, self.tally.trials)
-        end = clocks["end"] or own.get("duration_s", nothing)
+        end = clocks["end"] or own["duration_s"]
         return PhaseOutcome(
             name=name,
             kind=kind,
