@@ -95,8 +95,9 @@ def run_command(command: Sequence[str | Path], *, accept: Sequence[int] = (0,)) 
     """Run a command on one BLAS thread from the project's root, and watch its memory.
 
     The peak is the sum over its processes of the largest resident size of each, pages that they share counted once
-    for each. It is read from ``/proc`` while they live (0 where there is none): the ``ru_maxrss`` of a child would
-    hold that of the process that forked it.
+    for each. It is read from ``/proc`` while they live (0 where there is none), and the last reading of each counts,
+    for a child that has been forked and does not run its own program yet has the size of its parent; so does its
+    ``ru_maxrss`` ever after.
 
     Raises
     ------
@@ -119,7 +120,7 @@ def run_command(command: Sequence[str | Path], *, accept: Sequence[int] = (0,)) 
     def watch() -> None:
         while not ended.wait(POLL):
             for pid in _family(process.pid):
-                peaks[pid] = max(peaks.get(pid, 0), _peak_of(pid))
+                peaks[pid] = _peak_of(pid) or peaks.get(pid, 0)
 
     watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()
