@@ -223,7 +223,7 @@ def _collect(value: Any, path: str, found: dict[str, Quantity]) -> None:
     if value is None or isinstance(value, bool | str):
         return
     if isinstance(value, _QUANTITY):
-        found[path] = value
+        found[path] = cast("Quantity", value)
     elif isinstance(value, EffectEntry):
         for name, parameter in value.parameters.items():
             found[f"{path}.{value.effect}.{name}"] = parameter

@@ -36,7 +36,7 @@ def stream(seed: int, quantity: str, block: int) -> np.random.Generator:
     if seed < 0 or block < 0:
         raise ValueError(f"seed {seed}, block {block}: neither may be negative")
     entropy = np.concatenate((_words(seed, _POOL), _name_words(quantity), _words(block)), dtype=np.uint32)
-    return np.random.Generator(np.random.SFC64(np.random.SeedSequence(entropy)))  # type: ignore[arg-type]
+    return np.random.Generator(np.random.SFC64(np.random.SeedSequence(entropy)))
 
 
 _POOL = 4  # words to which a seed sequence fills up its entropy before the spawn key
