@@ -12,7 +12,7 @@ import sys
 import tempfile
 import venv
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from benchmarks.common import Options, Row, Run, Section, duration, megabytes, python, run_command
@@ -20,6 +20,8 @@ from benchmarks.common import Options, Row, Run, Section, duration, megabytes, p
 CASES = (1024, 8192)
 SUSTAINED = 100_000
 ASKED = 100.0
+OUTPUTS = 2
+"""Of the scalar function."""
 RESOLUTION = 1e-8
 """Least overhead a trial that the difference of two times can tell [s]."""
 
@@ -36,18 +38,27 @@ class Cases:
         Time of the sensitivity analysis, where there is one [s].
     peak : int
         Memory [bytes].
+    outputs : int
+        Quantities of which statistics are given.
     """
 
     each: float
     overhead: float
     analysis: float
     peak: int
+    outputs: int
 
     @classmethod
     def of(cls, run: Run, cases: int) -> "Cases":
         """Read what a child printed."""
         found = json.loads(run.output.splitlines()[-1])
-        return cls(found["wall"] / cases, found["overhead"] / cases, found.get("analysis", 0.0), run.peak)
+        outputs = found.get("outputs", OUTPUTS)
+        return cls(found["wall"] / cases, found["overhead"] / cases, found.get("analysis", 0.0), run.peak, outputs)
+
+    @property
+    def of_an_output(self) -> "Cases":
+        """The same with its overhead shared out among the outputs."""
+        return replace(self, overhead=self.overhead / self.outputs)
 
 
 Runs = Mapping[tuple[int, int], Cases]
@@ -91,6 +102,10 @@ def compare(options: Options) -> Section:
         for cases in (most, many):
             what = f"overhead a trial, `{study}`, {cases} trials beside {most} cases"
             rows.append(_overhead_row(what, runs[cases], monaco[most, 1]))
+    for cases in (most, many):
+        what = f"overhead a trial and output, `simulate`, {cases} trials beside {most} cases: "
+        what += f"{simulated[cases].outputs} outputs here, {OUTPUTS} there"
+        rows.append(_overhead_row(what, simulated[cases].of_an_output, monaco[most, 1].of_an_output))
     what = f"whole time a trial, `simulate`, model and analysis included, {many} trials beside {most} cases"
     rows.append(_faster_row(what, simulated[many].each, monaco[most, 1].each))
     what = f"sensitivity analysis, once, {sizes[0]} cases: 4 outputs here, 2 there"

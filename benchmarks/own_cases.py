@@ -33,8 +33,8 @@ from benchmarks.transit_trial import (
 )
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.fanout import run_blocks
+from missionplan.montecarlo.running_statistics import RunningStatistics
 from missionplan.montecarlo.sensitivity import Array, Influence, sensitivities
-from missionplan.montecarlo.statistics import RunningStatistics
 from missionplan.montecarlo.streams import BLOCK, LegNormals, block_count, block_size, stream
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit import transit
@@ -116,8 +116,9 @@ def run_simulate(cases: int, workers: int) -> dict[str, float]:
         wall = time.perf_counter() - started
     analysis = sum(analyses)
     mean = result.phases[0].quantities["duration_s"].mean
+    outputs = sum(bool(found.count) for phase in (*result.phases, result.total) for found in phase.quantities.values())
     inside = run_model(cases, (D_MAX,)) + analysis
-    return {"wall": wall, "inside": inside, "mean": mean, "analysis": analysis}
+    return {"wall": wall, "inside": inside, "mean": mean, "analysis": analysis, "outputs": outputs}
 
 
 def run_sweep(cases: int, workers: int) -> dict[str, float]:

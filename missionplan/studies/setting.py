@@ -115,7 +115,7 @@ class Setting:
             assert self.mission.site.origin is not None
             place = np.array([position.latitude]), np.array([position.longitude])
             return np.concatenate(to_plane(*place, self.mission.site.origin))
-        return np.stack(np.broadcast_arrays(*(np.asarray(self[f"{path}[{axis}]"], dtype=float) for axis in (0, 1))))
+        return _vector(self[f"{path}[0]"], self[f"{path}[1]"])
 
     @cached_property
     def water(self) -> Water:
@@ -317,8 +317,7 @@ class Setting:
         navigation = self.mission.navigation
         assert navigation is not None
         path = "navigation.velocity_error"
-        axes = (np.asarray(self[f"{path}.mean[{axis}]"], dtype=float) for axis in (0, 1))
-        mean = np.stack(np.broadcast_arrays(*axes))
+        mean = _vector(self[f"{path}.mean[0]"], self[f"{path}.mean[1]"])
         if navigation.velocity_error.covariance_rows is not None:
             return VelocityError.general(navigation.velocity_error.covariance, mean)
         return VelocityError.isotropic(self[f"{path}.sigma"], mean)
@@ -332,6 +331,13 @@ class Setting:
         if unit is not None:
             return propeller_power(unit, drag, speed, self["vehicle.propulsion.motor_efficiency"])
         return propulsive_power(drag, speed, self.energy("propulsive_efficiency"))
+
+
+def _vector(east: Scalars, north: Scalars) -> Array:
+    """Put two components together, shape (2,) or (2, n)."""
+    if isinstance(east, float) and isinstance(north, float):
+        return np.array([east, north])
+    return np.stack(np.broadcast_arrays(np.asarray(east, dtype=float), np.asarray(north, dtype=float)))
 
 
 def leg_table(table: WrittenLegTable) -> LegTable:

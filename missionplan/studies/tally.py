@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from missionplan.mission import Mission
 from missionplan.mission.requirements import EVENTS, QUANTITIES
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
-from missionplan.montecarlo.statistics import Count, Moments, RunningStatistics
+from missionplan.montecarlo.running_statistics import RunningStatistics
+from missionplan.montecarlo.statistics import Count, Moments
 from missionplan.studies.mission_trials import Array, Flags, MissionTrials
 
 SAMPLED_BLOCKS = 4

@@ -9,7 +9,8 @@ from hypothesis.extra.numpy import arrays
 from scipy import stats
 
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
-from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic, RunningStatistics, wilson
+from missionplan.montecarlo.running_statistics import RunningStatistics
+from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic, wilson
 from missionplan.montecarlo.streams import stream
 
 VALUES = st.floats(-1e6, 1e6, allow_subnormal=False)

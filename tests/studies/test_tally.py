@@ -5,7 +5,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from simulate_missions import chesapeake
 
-from missionplan.montecarlo.statistics import Count, RunningStatistic, RunningStatistics
+from missionplan.montecarlo.running_statistics import RunningStatistics
+from missionplan.montecarlo.statistics import Count, RunningStatistic
 from missionplan.studies.outcome import histogram
 from missionplan.studies.simulate import simulate_block
 from missionplan.studies.tally import Tally, requirement_key, tally
