@@ -8,6 +8,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import cast
 
 import numpy as np
@@ -221,7 +222,7 @@ class Truncated(NormalTransform):
     low: float
     high: float
 
-    @property
+    @cached_property
     def _bounds(self) -> tuple[float, float]:
         below, above = _tails(self.parent, self.low, self.high)
         return float(ndtri(below)), -float(ndtri(above))

@@ -105,6 +105,27 @@ def test_the_middle_of_a_bin_is_within_half_a_thousandth_of_what_it_holds(values
         assert near <= max(2.0**-11 * abs(value), 2.0**-30)
 
 
+@given(arrays(float, st.integers(1, 60), elements=VALUES), st.lists(VALUES, min_size=1, max_size=9))
+def test_values_below_a_limit_are_counted_but_for_those_in_its_bin(values, limits):
+    found = RunningStatistic.of(values).below(np.array(limits))
+    for limit, below in zip(limits, found, strict=True):
+        width = max(1.001 * abs(limit) / 1024.0, 2.0**-29)
+        assert np.count_nonzero(values < limit - width) - 1e-9 <= below
+        assert below <= np.count_nonzero(values <= limit + width) + 1e-9
+
+
+def test_within_a_bin_values_are_taken_to_lie_evenly():
+    running = RunningStatistic.of(np.array([1024.0, 1024.2, 1024.6, 1024.8, 2000.0]))
+    assert running.below(np.array([1024.0, 1024.25, 1024.5, 1025.0, 1500.0])) == pytest.approx([0, 1, 2, 4, 4])
+
+
+@pytest.mark.parametrize(("value", "trials"), [(0.0, 1), (12.5, 4096), (-3.0, 7)])
+def test_many_trials_of_the_same_value(value, trials):
+    found, one_by_one = RunningStatistic.of_constant(value, trials), RunningStatistic.of(np.full(trials, value))
+    assert found.statistic().summary() == one_by_one.statistic().summary()
+    assert found.sketch.counts.tobytes() == one_by_one.sketch.counts.tobytes()
+
+
 def test_memory_is_bounded_however_many_the_trials():
     running = RunningStatistic.of(np.zeros(1))
     for block in range(40):

@@ -15,6 +15,7 @@ from missionplan.montecarlo.streams import BLOCK
 from missionplan.studies import block_task
 from missionplan.studies import simulate as module
 from missionplan.studies.precision import Precision
+from missionplan.studies.setting import Setting
 from missionplan.studies.simulate import simulate
 
 TRIALS = 2 * BLOCK + 500
@@ -159,6 +160,21 @@ def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch)
     assert bits(found) == bits(simulate(mission, trials=2 * BLOCK))
 
 
+def test_the_tracks_are_those_of_the_first_block_that_did_not_fail(mission, monkeypatch):
+    honest = block_task.run_block
+
+    def failing(setting, seed, block, *rest):
+        if block == 0:
+            raise FloatingPointError("on purpose")
+        return honest(setting, seed, block, *rest)
+
+    monkeypatch.setattr(block_task, "run_block", failing)
+    found = simulate(mission, trials=BLOCK + 200)
+    shown = block_task.BlockTask(Setting.at_means(mission), mission.monte_carlo.seed).shown(1, 200)
+    assert found.tracks.position.shape[2] == 200
+    assert np.array_equal(found.tracks.position, shown.position, equal_nan=True)
+
+
 def test_a_changed_mission_is_refused_with_the_difference(mission, tmp_path):
     folder = tmp_path / "run"
     simulate(mission, trials=10, checkpoint=folder)
@@ -214,6 +230,7 @@ RUN = """
 import sys
 from pathlib import Path
 from missionplan.mission import load
+from missionplan.studies.setting import Setting
 from missionplan.studies.simulate import simulate
 if __name__ == "__main__":
     simulate(load(sys.argv[1]), trials=int(sys.argv[2]), checkpoint=Path(sys.argv[3]), resume=True)
