@@ -53,7 +53,9 @@ class DescentForward:
         """Number of readings of all dives together."""
         return sum(len(log.t) for log in self.logs)
 
-    def readings(self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0) -> Array:
+    def readings(
+        self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0, late: Scalars = 0.0
+    ) -> Array:
         """Readings of all dives, one after the other.
 
         Parameters
@@ -64,6 +66,8 @@ class DescentForward:
             Their values in b settings.
         weight_factor : float or array, shape (b,)
             Factor on the anchor's wet weight.
+        late : float or array, shape (d,) or (b, d)
+            By how much each dive's separation is late on its log [s].
 
         Returns
         -------
@@ -76,7 +80,8 @@ class DescentForward:
         named = parameters_from([coordinates[i] for i in there], np.repeat(values[there], count, axis=1)).items()
         effects = [*self.given, *(self._effect(name, parameters) for name, parameters in named)]
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
-        dive, times = self._tiled(settings, factor), self._times(settings)
+        dive = self._tiled(settings, factor)
+        times = self._times(settings) - np.broadcast_to(late, (settings, count)).ravel()
         with np.errstate(
             over="ignore", invalid="ignore"
         ):  # a start that runs away is given up: its objective is infinite

@@ -1,25 +1,34 @@
 """Dive logs and the descent phase linearised: all causes' columns, the covariance of the rest, the likelihood."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.diagnose.coordinates import Coordinate, coordinates_of
+from missionplan.diagnose.descent_data import DiveLog
 from missionplan.diagnose.descent_fit import jacobian_settings
 from missionplan.diagnose.descent_forward import DescentForward
-from missionplan.diagnose.descent_noise import DIVE_SD, Noise, caricature, dive_covariance, grid
+from missionplan.diagnose.descent_noise import DIVE_SD, NOMINAL, Noise, caricature, dive_covariance, grid
 from missionplan.diagnose.likelihood import Marginal, marginal_of
 from missionplan.diagnose.model import Causes
 from missionplan.effects import effects_of
 
 Array = NDArray[np.float64]
 
-WEIGHT_STEP = 0.01
-SHIFT = 0.3
-"""Shift of the separation at which the readings' bend is taken [s]: 3 standard deviations of its scatter."""
+WEIGHT_STEP, DRAG_STEP, LATE_STEP = 0.01, 0.01, 0.005
+"""Steps of the differences: shares of weight and drag, and of lateness [s]."""
+SHIFT = 0.1
+"""Shift of the separation at which the readings' bend is taken [s]: its scatter's standard deviation."""
+LATE_STEPS = 2
+"""Gauss–Newton steps towards each dive's most likely lateness."""
+LAG_ORDER_SD = 0.7
+"""How much nearer to a pure delay a sensor's lag may be than one of first order: standard deviation.
+
+1 is a lag of which one half is a pure delay. Two equal poles lie at 0.5 to 0.7, a moving average at 0.6 to 0.9.
+"""
 
 
 @dataclass(frozen=True)
@@ -30,8 +39,11 @@ class Linear:
     ----------
     at : array, shape (k,)
         Coordinates.
+    late : array, shape (d,)
+        Lateness of each dive's separation about which the readings are linearised: the most likely [s].
     y : array, shape (N,)
-        Data less the model there, plus columns times the distance of `at` from the priors' centres.
+        Data less the model there, plus columns times the distance of `at` from the priors' centres, and sensitivities
+        times `late`.
     columns : array, shape (N, k)
         Of all coordinates; shapes of effects that are no causes have none (zero).
     sensitivities : array, shape (N, 4)
@@ -40,18 +52,32 @@ class Linear:
         The model there [m].
     bend : array, shape (N,)
         What the scatter of the separation does to the readings beyond the linear: large where the line goes taut
-        and the vehicle starts with a jerk [m]. Taken at a shift by `SHIFT`, so that it reaches far enough.
+        and the vehicle starts with a jerk [m].
     shaped : array, shape (N,)
         What the causes with a shape of their own add to the readings [m].
+    order : array, shape (N,)
+        What a lag of the sensor would read otherwise if its filter were of another order, `LAG_ORDER_SD` times what
+        it makes that half of the lag is a pure delay; all dives have the same sensor [m].
     """
 
     at: Array
+    late: Array
     y: Array
     columns: Array
     sensitivities: Array
     readings: Array
     bend: Array
     shaped: Array
+    order: Array
+
+    @property
+    def nuisances(self) -> Array:
+        """What all dives share beside the catalogue's coordinates, bend and order of the lag, shape (N, 2) [m]."""
+        return np.stack([self.bend, self.order], axis=1)
+
+    def sensitivity(self, name: str) -> Array:
+        """Sensitivity of the readings to one of the things that differ from dive to dive, shape (N,)."""
+        return self.sensitivities[:, list(DIVE_SD).index(name)]
 
 
 @dataclass(frozen=True)
@@ -60,8 +86,8 @@ class Evidence:
 
     Attributes
     ----------
-    grams : array, shape (g, d, k + 2, k + 2)
-        For g noises and d dives: of the columns, the shared bend and the data.
+    grams : array, shape (g, d, k + 3, k + 3)
+        For g noises and d dives: of the columns, what the dives share beside them and the data.
     log_determinants : array, shape (g, d)
         Of each dive's covariance.
     counts : array of int, shape (d,)
@@ -75,7 +101,8 @@ class Evidence:
     def marginals(self, prior_sd: Array, dives: NDArray[np.int_] | slice = slice(None)) -> list[Marginal]:
         """Marginalise all coordinates at each noise; dives are independent given them.
 
-        The scatter of the separation smooths the jerk of every dive to the same side: a column that they share.
+        The scatter of the separation smooths the jerk of every dive to the same side, and a lag's filter is of the
+        same order in all: columns that they share.
 
         Parameters
         ----------
@@ -89,9 +116,9 @@ class Evidence:
     def marginal(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = slice(None)) -> Marginal:
         """Marginalise all coordinates at one noise of the grid."""
         gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
-        prior = np.append(prior_sd, grid()[index].scatter)
+        prior = np.append(prior_sd, [grid()[index].scatter, 1.0])
         found = marginal_of(gram, prior, log_determinant, int(self.counts[dives].sum()))
-        return Marginal(found.log_density, found.mean[:-1], found.covariance[:-1, :-1])
+        return Marginal(found.log_density, found.mean[:-2], found.covariance[:-2, :-2])
 
 
 @dataclass(frozen=True)
@@ -152,42 +179,89 @@ class DescentLinear:
             ahead, steps = jacobian_settings(self.coordinates, at, np.array(chosen))
             shifted = np.repeat(at[:, None], 2, axis=1)
             shifted[self._clock] += np.array([SHIFT, -SHIFT])
-            settings += [at[:, None], np.repeat(at[:, None], 2, axis=1), shifted, self._unshaped(at), ahead]
-            factors += [np.ones(1), 1.0 + WEIGHT_STEP * np.array([1.0, -1.0]), np.ones(3 + ahead.shape[1])]
+            others = np.stack([self._unshaped(at), self._delayed(at)], axis=1)
+            settings += [at[:, None], np.repeat(at[:, None], 2, axis=1), shifted, others, ahead]
+            factors += [np.ones(1), 1.0 + WEIGHT_STEP * np.array([1.0, -1.0]), np.ones(4 + ahead.shape[1])]
             plans.append((chosen, steps))
-        readings = self.forward.readings(self.coordinates, np.concatenate(settings, axis=1), np.concatenate(factors))
-        found, column = [], 0
-        for (causes, at), (chosen, steps) in zip(wanted, plans, strict=True):
-            here = readings[:, column]
-            weight = (readings[:, column + 1] - readings[:, column + 2]) / (2.0 * WEIGHT_STEP)
-            columns = np.zeros((len(self.y), len(self.coordinates)))
-            columns[:, chosen] = (readings[:, column + 6 : column + 6 + len(chosen)] - here[:, None]) / steps
-            both = readings[:, column + 3] + readings[:, column + 4] - 2.0 * here
-            bend = 0.5 * np.abs(both) * DIVE_SD["release"] / SHIFT
-            shaped = here - readings[:, column + 5]
-            column += 6 + len(chosen)
-            found.append(self._linear(causes, at, here, columns, weight, bend, shaped))
-        return found
+        widths = np.array([7 + len(chosen) for chosen, _ in plans])
+        late = self.most_likely_late([at for _, at in wanted])
+        readings = self.forward.readings(
+            self.coordinates, np.concatenate(settings, axis=1), np.concatenate(factors), np.repeat(late, widths, axis=0)
+        )
+        blocks = np.split(readings, np.cumsum(widths)[:-1], axis=1)
+        return [
+            self._linear(causes, at, own, block, chosen, steps)
+            for (causes, at), own, (chosen, steps), block in zip(wanted, late, plans, blocks, strict=True)
+        ]
+
+    def most_likely_late(self, places: Sequence[Array]) -> Array:
+        """Lateness of each dive's separation at each of w places, given what else differs between dives, (w, d) [s].
+
+        Where the vehicle starts with a jerk its readings are linear in the lateness over a few hundredths of a second
+        only: less than the scatter.
+        """
+        clock, drag = self._clock, self._names.index("drag-bias")
+        settings = np.repeat(np.stack(places, axis=1), 4, axis=1)
+        settings[clock, 1::4] += LATE_STEP
+        settings[drag, 2::4] += DRAG_STEP
+        factors = np.tile([1.0, 1.0, 1.0, 1.0 + WEIGHT_STEP], len(places))
+        late = np.zeros((len(places), len(self.parts)))
+        for _ in range(LATE_STEPS):
+            readings = self.forward.readings(self.coordinates, settings, factors, np.repeat(late, 4, axis=0))
+            for place, block in enumerate(np.split(readings, len(places), axis=1)):
+                columns = (block[:, 1:] - block[:, :1]) / [LATE_STEP, DRAG_STEP, WEIGHT_STEP]
+                for dive, (log, rows) in enumerate(zip(self.forward.logs, self.parts, strict=True)):
+                    late[place, dive] = _later(log, self.y[rows] - block[rows, 0], columns[rows], late[place, dive])
+        return late
+
+    @cached_property
+    def _names(self) -> list[str]:
+        return [coordinate.effect for coordinate in self.coordinates]
 
     @cached_property
     def _clock(self) -> int:
-        return [coordinate.effect for coordinate in self.coordinates].index("clock-offset")
+        return self._names.index("clock-offset")
 
     def _unshaped(self, at: Array) -> Array:
-        """Coordinates without the effects that have a shape of their own, shape (k, 1)."""
+        """Coordinates without the effects that have a shape of their own, shape (k,)."""
         effects = {c.effect for c in self.coordinates if c.kind == "shape"}
-        return np.where([c.effect in effects for c in self.coordinates], self.centre, at)[:, None]
+        return np.where([c.effect in effects for c in self.coordinates], self.centre, at)
+
+    def _delayed(self, at: Array) -> Array:
+        """Coordinates with a pure delay in the place of half of the sensor's lag, shape (k,)."""
+        lag = self._names.index("sensor-lag")
+        half = 0.5 * max(at[lag], 0.0)
+        delayed = at.copy()
+        delayed[[lag, self._clock]] += -half, half
+        return delayed
 
     def _linear(
-        self, causes: Causes, at: Array, here: Array, columns: Array, weight: Array, bend: Array, shaped: Array
+        self, causes: Causes, at: Array, late: Array, readings: Array, chosen: list[int], steps: Array
     ) -> Linear:
+        """Linearise one set from its readings: there, heavier, lighter, later, earlier, unshaped, delayed, ahead."""
+        here, heavier, lighter, later, earlier, unshaped, delayed = readings[:, :7].T
+        columns = np.zeros((len(self.y), len(self.coordinates)))
+        columns[:, chosen] = (readings[:, 7:] - here[:, None]) / steps
         free = self.free(causes)
-        y = self.y - here + columns[:, free] @ (at - self.centre)[free]
-        names = [coordinate.effect for coordinate in self.coordinates]
-        release, drag = columns[:, self._clock], columns[:, names.index("drag-bias")]
-        return Linear(
-            at, y, columns, np.stack([release, np.ones_like(release), drag, weight], axis=1), here, bend, shaped
+        weight = (heavier - lighter) / (2.0 * WEIGHT_STEP)
+        release, drag = columns[:, self._clock], columns[:, self._names.index("drag-bias")]
+        linear = Linear(
+            at=at,
+            late=late,
+            y=self.y - here + columns[:, free] @ (at - self.centre)[free],
+            columns=columns,
+            sensitivities=np.stack([release, np.ones_like(here), drag, weight], axis=1),
+            readings=here,
+            bend=0.5 * np.abs(later + earlier - 2.0 * here) * DIVE_SD["release"] / SHIFT,
+            shaped=here - unshaped,
+            order=LAG_ORDER_SD * (delayed - here),
         )
+        return replace(linear, y=linear.y + self.lateness(linear))
+
+    def lateness(self, linear: Linear) -> Array:
+        """What the lateness about which the readings are linearised does to them, shape (N,) [m]."""
+        counts = [len(rows) for rows in self.parts]
+        return linear.sensitivity("release") * np.repeat(linear.late, counts)
 
     def covariances(self, linear: Linear, noises: Sequence[Noise]) -> list[Array]:
         """Covariance of each dive's readings beside the catalogue's coordinates, at each of g noises: (g, m, m) [m²].
@@ -203,7 +277,7 @@ class DescentLinear:
 
     def total_covariance(self, linear: Linear, noise: Noise, prior_sd: Array) -> Array:
         """Covariance of all readings with the coordinates' priors, shape (N, N) [m²]."""
-        scaled = np.concatenate([linear.columns * prior_sd, noise.scatter * linear.bend[:, None]], axis=1)
+        scaled = np.concatenate([linear.columns * prior_sd, linear.nuisances * [noise.scatter, 1.0]], axis=1)
         total = scaled @ scaled.T
         for rows, block in zip(self.parts, self.covariances(linear, [noise]), strict=True):
             total[np.ix_(rows, rows)] += block[0]
@@ -217,7 +291,7 @@ class DescentLinear:
         numpy.linalg.LinAlgError
             When a covariance is not positive definite.
         """
-        both = np.concatenate([linear.columns, linear.bend[:, None], linear.y[:, None]], axis=1)
+        both = np.concatenate([linear.columns, linear.nuisances, linear.y[:, None]], axis=1)
         grams, log_determinants = [], []
         for rows, covariance in zip(self.parts, self.covariances(linear, grid()), strict=True):
             factor = np.linalg.cholesky(covariance)
@@ -226,3 +300,15 @@ class DescentLinear:
             log_determinants.append(2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1))
         counts = np.array([len(rows) for rows in self.parts])
         return Evidence(np.stack(grams, axis=1), np.stack(log_determinants, axis=1), counts)
+
+
+def _later(log: DiveLog, left: Array, columns: Array, late: float) -> float:
+    """One Gauss–Newton step of a dive's lateness [s] from what is left of its readings at nominal noise.
+
+    `columns` are the sensitivities to lateness, drag and weight; depth zero, drag and weight are marginalised.
+    """
+    others = np.stack([np.zeros_like(left), np.ones_like(left), columns[:, 1], columns[:, 2]], axis=1)
+    (covariance,) = dive_covariance(log.t, log.sd, others, np.zeros_like(left), [NOMINAL])
+    both = np.linalg.solve(covariance, columns[:, 0])
+    precision = float(both @ columns[:, 0]) + DIVE_SD["release"] ** -2
+    return float(both @ (left + late * columns[:, 0])) / precision

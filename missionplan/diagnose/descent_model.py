@@ -153,7 +153,7 @@ class DescentModel(DescentLinear):
         return float(wider.log_density - narrow.log_density)
 
     def importance(self, fit: Fit) -> Importance:
-        """Integrate over the causes by the phase itself; narrow priors and noise as in the fit."""
+        """Integrate over the causes by the phase itself; narrow priors, noise and the dives' scatter as in the fit."""
         free, state, linear = self.free(fit.causes), fit.state, fit.state.linear
         if not len(free):
             return Importance(fit.log_evidence, float(DRAWS))
@@ -164,7 +164,8 @@ class DescentModel(DescentLinear):
         def log_joint(at: Array) -> Array:
             settings = np.repeat(self.centre[:, None], len(at), axis=1)
             settings[free] = at.T
-            left = self.y[:, None] - self.forward.readings(self.coordinates, settings)
+            readings = self.forward.readings(self.coordinates, settings, late=linear.late)
+            left = self.y[:, None] - readings + self.lateness(linear)[:, None]
             logs = [noise.log_prior + _log_normal(left, factor) for noise, factor in zip(grid(), factors, strict=True)]
             prior = np.asarray(norm.logpdf(at, self.centre[free], slab))
             return np.asarray(logsumexp(logs, axis=0) + prior.sum(axis=1))

@@ -50,10 +50,12 @@ class SummaryForward(DescentForward):
 
     tests: tuple[TestSummary, ...] = ()
 
-    def readings(self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0) -> Array:
+    def readings(
+        self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0, late: Scalars = 0.0
+    ) -> Array:
         """Quantities of all tests, less the base model's where the table prints measured less simulated.
 
-        Parameters and result as `DescentForward.readings`.
+        Parameters and result as `DescentForward.readings`; `late` is zero, see `SummaryModel.most_likely_late`.
         """
         relative = np.concatenate([test.relative for test in self.tests])
         found = self._quantities(coordinates, values, weight_factor)
@@ -92,6 +94,10 @@ class SummaryForward(DescentForward):
 @dataclass(frozen=True)
 class SummaryModel(DescentModel):
     """Base model and catalogue bound to summaries."""
+
+    def most_likely_late(self, places: Sequence[Array]) -> Array:
+        """Zero: the numbers of a table are linear in the lateness of a separation."""
+        return np.zeros((len(places), len(self.parts)))
 
     def residuals(self, fit: Fit) -> Residuals:
         """Residuals without axes: a handful of numbers has no structure to be tested."""
