@@ -26,12 +26,10 @@ NEEDED = (
 MARGIN = 0.12
 """Share of the vehicle's depth at touchdown that is cut off above it."""
 FINE = 6
-STARTED = 0.5
-"""Reading from which a dive is fitted [m].
-
-Before it lies the jerk of the taut line, which a scatter of the separation by a tenth of a second blurs, and a sensor
-at rest, whose quantised readings have no white noise.
-"""
+STARTED = 0.15
+"""Reading from which a dive is fitted [m]: before, the sensor rests, and quantised readings have no white noise."""
+GROWTH = 1.6
+"""Power by which bins grow along a dive: what tells a sensor's lag from a late clock is over in a second or two."""
 LEAST_NOISE = 0.008
 """What neither sensor nor integration is better than, over a bin [m]."""
 TOO_DEEP, TOO_FAST = 1.5, 3.0
@@ -247,15 +245,19 @@ def binned(
 
     Within a bin at most `FINE` times are kept, of readings averaged first where there are more.
     """
-    parts = np.array_split(np.arange(len(t)), min(len(t), MOST_SAMPLES))
+    edges = np.arange(1, len(t))
+    if len(t) > MOST_SAMPLES:
+        shares = np.arange(1, MOST_SAMPLES) / MOST_SAMPLES
+        edges = np.unique(np.maximum(np.round(len(t) * shares**GROWTH), 1.0)).astype(int)
+    parts = np.split(np.arange(len(t)), edges)
     counts = np.array([len(part) for part in parts])
     inner = [piece for part in parts for piece in np.array_split(part, min(len(part), FINE))]
     fine = np.array([t[piece].mean() for piece in inner])
     bins = np.repeat(np.arange(len(parts)), np.minimum(counts, FINE))
-    shares = np.array([len(piece) for piece in inner]) / counts[bins]
+    weights = np.array([len(piece) for piece in inner]) / counts[bins]
     times, depths = (np.array([values[part].mean() for part in parts]) for values in (t, depth))
     sd = np.maximum(noise / np.sqrt(counts), LEAST_NOISE)
-    return DiveLog(name, times, depths, sd, fine, bins, shares, wet_weight, line_length, site_depth)
+    return DiveLog(name, times, depths, sd, fine, bins, weights, wet_weight, line_length, site_depth)
 
 
 def _suspicions(deepest: Mapping[str, tuple[float, float]], dives: Sequence[DiveLog]) -> list[str]:
