@@ -11,8 +11,8 @@ from missionplan.diagnose.residuals import Axis
 Array = NDArray[np.float64]
 
 
-def descent_axes(logs: Sequence[DiveLog], expected: Array) -> dict[str, Axis]:
-    """Time, depth and speed, each a function that all dives share, and time dive by dive.
+def descent_axes(logs: Sequence[DiveLog], expected: Array, drag: Array) -> dict[str, Axis]:
+    """Time, depth and speed, each a function that all dives share; time dive by dive; drag that grows with the dives.
 
     Parameters
     ----------
@@ -20,6 +20,8 @@ def descent_axes(logs: Sequence[DiveLog], expected: Array) -> dict[str, Axis]:
         The dives.
     expected : array, shape (N,)
         Depths that the model expects, dive after dive [m].
+    drag : array, shape (N,)
+        Their sensitivity to drag [m].
     """
     t = np.concatenate([log.t for log in logs])
     dive = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs])
@@ -33,6 +35,9 @@ def descent_axes(logs: Sequence[DiveLog], expected: Array) -> dict[str, Axis]:
     }
     if len(logs) > 1:
         axes["run"] = Axis("run", _unit(t), own)
+    if len(logs) > 2:
+        trend = drag * (2.0 * _unit(dive.astype(float)) - 1.0)[:, 0]
+        axes["trend"] = Axis("run", np.zeros((len(t), 1)), trend[:, None] / np.abs(trend).max())
     return axes
 
 

@@ -182,7 +182,7 @@ class DescentModel(DescentLinear):
             state.linear.y,
             self.total_covariance(state.linear, grid()[state.best], self.prior_sd(fit.causes)),
             np.concatenate([np.full(len(log.t), k) for k, log in enumerate(logs)]),
-            descent_axes(logs, state.linear.readings),
+            descent_axes(logs, state.linear.readings, state.linear.sensitivity("drag")),
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
             TEST_LEVEL,
         )
