@@ -10,7 +10,7 @@ from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import lapack, solve_triangular
 from scipy.optimize import minimize
 from scipy.special import gammaln
 
@@ -62,10 +62,13 @@ def marginal_of(gram: Array, prior_sd: Array, log_determinant: float, count: int
     """
     k = len(prior_sd)
     right = prior_sd * gram[:k, k]
-    factor = cho_factor(prior_sd[:, None] * gram[:k, :k] * prior_sd + np.eye(k), lower=True)
-    scaled = cho_solve(factor, right)
-    log_determinant += 2.0 * float(np.log(np.diag(factor[0])).sum())
-    covariance = prior_sd[:, None] * cho_solve(factor, np.eye(k)) * prior_sd
+    factor, failed = lapack.dpotrf(prior_sd[:, None] * gram[:k, :k] * prior_sd + np.eye(k), lower=1)
+    if failed:
+        raise np.linalg.LinAlgError("the coefficients' posterior has no covariance")
+    both, _ = lapack.dpotrs(factor, np.column_stack([right, np.eye(k)]), lower=1)
+    scaled = both[:, 0]
+    log_determinant += 2.0 * float(np.log(np.diag(factor)).sum())
+    covariance = prior_sd[:, None] * both[:, 1:] * prior_sd
     quadratic = float(gram[k, k] - right @ scaled)
     return Marginal(-0.5 * (quadratic + log_determinant + count * LOG_2PI), prior_sd * scaled, covariance)
 
@@ -89,24 +92,23 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
     dof : float
         Degrees of freedom ν, above 2.
     """
-    scaled_y = y / np.sqrt(variance)
-    columns = design * prior_sd / np.sqrt(variance)[:, :, None]
-    k = len(prior_sd)
+    k, n = len(prior_sd), y.shape[1]
+    scaled_y = (y / np.sqrt(variance)).ravel()
+    columns = (design * prior_sd / np.sqrt(variance)[:, :, None]).reshape(2 * n, k)
     coefficients = np.zeros(k)
     for _ in range(60):
-        residual = scaled_y - columns @ coefficients
+        residual = (scaled_y - columns @ coefficients).reshape(2, n)
         weight = (dof + 2.0) / (dof - 2.0 + np.sum(residual**2, axis=0))
-        weighted = columns * weight[None, :, None]
-        hessian = np.einsum("ani,anj->ij", weighted, columns) + np.eye(k)
-        updated = np.linalg.solve(hessian, np.einsum("ani,an->i", weighted, scaled_y))
-        if np.max(np.abs(updated - coefficients), initial=0.0) < 1e-7:
-            coefficients = updated
+        weighted = columns * np.tile(weight, 2)[:, None]
+        hessian = weighted.T @ columns + np.eye(k)
+        updated = np.linalg.solve(hessian, weighted.T @ scaled_y)
+        moved, coefficients = np.abs(updated - coefficients), updated
+        if np.max(moved, initial=0.0) < 1e-7:
             break
-        coefficients = updated
-    residual = scaled_y - columns @ coefficients
+    residual = (scaled_y - columns @ coefficients).reshape(2, n)
     squared = np.sum(residual**2, axis=0)
-    slope = np.einsum("an,ani->ni", residual, columns)
-    curvature = hessian - np.einsum("n,ni,nj->ij", 2.0 * (dof + 2.0) / (dof - 2.0 + squared) ** 2, slope, slope)
+    slope = (residual.ravel()[:, None] * columns).reshape(2, n, k).sum(axis=0)
+    curvature = hessian - slope.T @ (slope * (2.0 * (dof + 2.0) / (dof - 2.0 + squared) ** 2)[:, None])
     if np.linalg.eigvalsh(curvature)[0] <= 0.0:
         curvature = hessian
     constant = gammaln(0.5 * dof + 1.0) - gammaln(0.5 * dof) - math.log(math.pi * (dof - 2.0))

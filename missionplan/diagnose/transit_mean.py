@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import cast
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from missionplan.diagnose.coordinates import Coordinate, coordinates_of, parameters_from
 from missionplan.diagnose.model import Causes
 from missionplan.diagnose.transit_data import TransitData
+from missionplan.diagnose.transit_waver import waver
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.effects.tidal_current import resolvable
 from missionplan.phases.hooks import Leg, TransitEffect
@@ -20,8 +21,43 @@ Array = NDArray[np.float64]
 
 RANDOM = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
 """Effects that enter the covariance and not the mean."""
+TURNING = ("compass-bias", "compass-deviation")
+"""Effects whose velocity is not linear in their angles."""
+WAVERING = ("tidal-current", "inertial-current")
+"""Currents that keep neither amplitude nor phase to the letter."""
+NARROW = 2.0 / math.pi
+"""Length of the mean heading vector above which the headings cover less than half the compass."""
 STEP = 1e-3
 """Step of the finite differences, in prior standard deviations of a cause."""
+ACROSS, ACROSS_UNSURE = 0.1, 0.004
+"""What a sheared current differs by over the area of a record, and what one is unsure of anyway [m/s]."""
+
+
+@dataclass(frozen=True)
+class Linear:
+    """A set's model linearised: y ≈ columns·coefficients + noise, coefficients ~ N(0, prior_sd²).
+
+    Attributes
+    ----------
+    about : array, shape (k,)
+        Coordinates about which it is linearised.
+    y : array, shape (2, n)
+        Data on the principal axes [m/s].
+    columns : array, shape (2, n, k + m)
+        Of the k coordinates, then of the m ways in which oscillating causes waver.
+    prior_sd : array, shape (k + m,)
+        Prior standard deviations.
+    """
+
+    about: Array
+    y: Array
+    columns: Array
+    prior_sd: Array
+
+    @cached_property
+    def joined(self) -> Array:
+        """Columns and, last, data, shape (2, n, k + m + 1)."""
+        return np.concatenate([self.columns, self.y[:, :, None]], axis=2)
 
 
 @dataclass(frozen=True)
@@ -61,6 +97,8 @@ class TransitMean:
             why["surface-drift"] = "needs the time at the surface before each fix: column surface_s"
         if not resolvable(self._length):
             why["tidal-current"] = "needs a record of at least half a tidal period"
+        if np.hypot(*self.leg.along.mean(axis=1)) > NARROW:
+            why["compass-deviation"] = "needs headings over at least half the compass"
         return why
 
     @property
@@ -83,9 +121,18 @@ class TransitMean:
                 tides = resolvable(self._length)
                 names = [key for key in CATALOGUE[name].parameters if key.split("_")[0] in tides]
                 found += coordinates_of(CATALOGUE[name], names)
+            elif name == "current-shear":
+                found += [self._limited(coordinate) for coordinate in coordinates_of(CATALOGUE[name])]
             elif name not in RANDOM:
                 found += coordinates_of(CATALOGUE[name])
         return tuple(found)
+
+    def _limited(self, gradient: Coordinate) -> Coordinate:
+        """Limit a gradient's priors: over the whole area a current changes by no more than currents are strong."""
+        place = self.data.start + 0.5 * (self.data.dead_reckoned - self.data.start)
+        extent = max(float(np.sqrt(np.sum(place.var(axis=1)))), 1.0)
+        slab, spike = min(gradient.slab, ACROSS / extent), min(gradient.spike, ACROSS_UNSURE / extent)
+        return replace(gradient, slab=slab, spike=spike)
 
     @cached_property
     def axes(self) -> Array:
@@ -158,9 +205,24 @@ class TransitMean:
                 values[index] = math.hypot(values[index], self.current_sd[coordinate.name == "north"])
         return np.array(values)
 
-    def linearised(self, about: Array) -> tuple[Array, Array]:
-        """Data and columns of the model linearised about coordinates: y ≈ columns·coordinates, (2, n), (2, n, k)."""
+    def linearised(self, causes: Causes, about: Array) -> Linear:
+        """Linearise the model of a set about coordinates, with what its oscillating causes do there beside."""
+        prior = self.prior_sd(causes)
         if not np.any(about):
-            return self.y, self._columns_at_zero
-        columns = self.columns(about)
-        return self.y - self.mean_error(about) + columns @ about, columns
+            return Linear(about, self.y, self._columns_at_zero, prior)
+        columns = self.columns(about) if set(TURNING) & set(causes) else self._columns_at_zero
+        y = self.y - self.mean_error(about) + columns @ about
+        beside = [self._waver(name, about) for name in WAVERING if name in causes]
+        extra = np.concatenate([np.zeros((2, self.data.n, 0)), *beside], axis=2)
+        return Linear(about, y, np.concatenate([columns, extra], axis=2), np.append(prior, np.ones(extra.shape[2])))
+
+    def _waver(self, name: str, about: Array) -> Array:
+        """Columns of what an oscillating cause does beside its steady oscillation, shape (2, n, m)."""
+        own = self._by_effect[name]
+        later = about.copy()
+        later[own[::2]], later[own[1::2]] = -about[own[1::2]], about[own[::2]]
+        steady = [self._error(own, values) for values in (about, later)]
+        # an inertial current turns as one; the ellipses of tidal constituents differ
+        parts = np.ones((1, 2)) if name == "inertial-current" else np.eye(2)
+        columns = [waver(self.data.middle, *(part[:, None] * each for each in steady)) for part in parts]
+        return np.asarray(np.einsum("ij,jnm->inm", self.axes.T, np.concatenate(columns, axis=2)))

@@ -20,12 +20,14 @@ from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Residuals
 from missionplan.diagnose.transit_axes import transit_axes
 from missionplan.diagnose.transit_chain import Rows
-from missionplan.diagnose.transit_mean import RANDOM
+from missionplan.diagnose.transit_mean import RANDOM, TURNING, WAVERING, Linear
 from missionplan.diagnose.transit_noise import ALL, Hyper, TransitNoise
 
 Array = NDArray[np.float64]
 
 ALTERNATIVES = (frozenset({"persistent-error", "random-walk", "heavy-tails"}),)
+ROUNDS, SETTLED = 4, 0.02
+"""Times that angles and wavering currents are linearised, at most: until they move by less than this of a slab."""
 TEST_LEVEL = 0.01
 """Level of the residual tests, all together."""
 
@@ -37,7 +39,7 @@ class TransitState:
     hypers: tuple[Hyper, ...]
     posterior: Laplace
     marginal: Marginal
-    about: Array
+    linear: Linear
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class TransitModel(TransitNoise):
         return ALTERNATIVES
 
     def fit(self, causes: Causes, near: Sequence[Fit] = (), rows: Rows = ALL, *, integrate: bool = True) -> Fit:
-        """Fit a set of causes: hyperparameters by Laplace, coefficients exactly, angles linearised where they end up.
+        """Fit a set of causes: hyperparameters by Laplace, coefficients exactly, linearised where they end up.
 
         Parameters
         ----------
@@ -70,15 +72,27 @@ class TransitModel(TransitNoise):
         """
         hypers = self.hypers(causes)
         starts, spread = _starts(hypers, near)
-        about = np.zeros(len(self.coordinates))
-        turns = bool({"compass-bias", "compass-deviation"} & set(causes))
-        for _ in range(3 if turns else 1):
-            linear = self.linearised(about)
+        slabs = np.array([coordinate.slab for coordinate in self.coordinates])
+        bends = bool({*TURNING, *WAVERING} & set(causes))
+        about = self._guessed(causes, near) if bends else np.zeros(len(slabs))
+        for turn in range(ROUNDS):
+            linear = self.linearised(causes, about)
             found = self._climb(causes, hypers, starts, spread, linear, rows, integrate=integrate)
             best = self.marginal(causes, found.mode, linear, rows)
-            state = TransitState(hypers, found, best, about)
-            about, starts, spread = best.mean, [found.mode], found.covariance
+            state = TransitState(hypers, found, best, linear)
+            moved, about = np.abs(best.mean[: len(about)] - about), best.mean[: len(about)]
+            starts, spread = [found.mode], found.covariance
+            if not bends or (turn and np.max(moved / slabs) < SETTLED):
+                break
         return self._described(causes, state)
+
+    def _guessed(self, causes: Causes, near: Sequence[Fit]) -> Array:
+        """Coordinates of a set's causes as the fits of its parts have them; else zero."""
+        guess = np.zeros(len(self.coordinates))
+        for fit in reversed(near):
+            own = [i for i, c in enumerate(self.coordinates) if c.effect in fit.causes and c.effect in causes]
+            guess[own] = fit.state.marginal.mean[own]
+        return guess
 
     def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
         """Fit several sets of causes; one that cannot be fitted says why."""
@@ -92,21 +106,22 @@ class TransitModel(TransitNoise):
 
     def promise(self, causes: Causes, parent: Fit) -> float:
         """What the causes beyond a parent's would add to its log density, its hyperparameters held; inf if unknown."""
-        if any(name in RANDOM for name in causes if name not in parent.causes):
+        if any(name in (*RANDOM, *WAVERING) for name in causes if name not in parent.causes):
             return math.inf
-        linear = self.linearised(np.zeros(len(self.coordinates)))
-        mode = parent.state.posterior.mode
-        with_it, without = (self.marginal(names, mode, linear) for names in (causes, parent.causes))
+        mode, nowhere = parent.state.posterior.mode, np.zeros(len(self.coordinates))
+        with_it, without = (
+            self.marginal(names, mode, self.linearised(names, nowhere)) for names in (causes, parent.causes)
+        )
         return with_it.log_density - without.log_density
 
     def residuals(self, fit: Fit) -> Residuals:
         """Velocity errors leg by leg (first axis, second axis, next leg) and their covariance under a fit."""
-        linear = self.linearised(fit.state.about)
-        covariance = self._total_covariance(fit, linear[1])
+        linear = fit.state.linear
+        covariance = self._total_covariance(fit, linear)
         n = self.data.n
         order = np.arange(2 * n).reshape(2, n).T.ravel()
         return Residuals(
-            linear[0].ravel()[order],
+            linear.y.ravel()[order],
             covariance[np.ix_(order, order)],
             np.tile([0, 1], n),
             transit_axes(self.data, self.leg, self.axes),
@@ -114,15 +129,11 @@ class TransitModel(TransitNoise):
             TEST_LEVEL,
         )
 
-    def _total_covariance(self, fit: Fit, columns: Array, random: Fit | None = None) -> Array:
-        """Covariance of all errors with the coefficients' priors, first axis then second, shape (2n, 2n).
-
-        `random` says whose hyperparameters give the noise, the fit's own by default.
-        """
-        source = random or fit
-        noise = self.noise(self.values(source.causes, source.state.posterior.mode))
+    def _total_covariance(self, fit: Fit, linear: Linear) -> Array:
+        """Covariance of all errors under a fit's noise and the coefficients' priors, first axis then second."""
+        noise = self.noise(self.values(fit.causes, fit.state.posterior.mode))
         n = self.data.n
-        scaled = (columns * self.prior_sd(fit.causes)).reshape(2 * n, -1)
+        scaled = (linear.columns * linear.prior_sd).reshape(2 * n, -1)
         total = scaled @ scaled.T
         total[:n, :n] += noise[0]
         total[n:, n:] += noise[1]
@@ -142,8 +153,8 @@ class TransitModel(TransitNoise):
             Of the legs seen and the legs asked for: mean, shape (2, m), and covariance, shape (2m, 2m), first axis
             then second, of the velocity errors beyond the base model's mean [m/s].
         """
-        y, columns = self.linearised(fit.state.about)
-        total = self._total_covariance(fit, columns)
+        y = fit.state.linear.y
+        total = self._total_covariance(fit, fit.state.linear)
         n = self.data.n
 
         def predict(seen: NDArray[np.int_], asked: NDArray[np.int_]) -> tuple[Array, Array]:
@@ -177,7 +188,7 @@ class TransitModel(TransitNoise):
         for block in self.blocks():
             others = np.setdiff1d(np.arange(self.data.n), block)
             trained = self.fit(fit.causes, (fit,), others, integrate=False)
-            linear = self.linearised(trained.state.about)
+            linear = trained.state.linear
             mode = trained.state.posterior.mode
             log_score = (
                 self.marginal(fit.causes, mode, linear).log_density
@@ -205,11 +216,15 @@ class TransitModel(TransitNoise):
             data = transit_menu.planned(self.data, names.index(self.menu[entry]))
             added = np.repeat(self.base.mean(axis=1, keepdims=True), data.n - self.data.n, axis=1)
             model = replace(self, data=data, base=np.concatenate([self.base, added], axis=1), only=self.coordinates)
-        columns = model.columns(np.zeros(len(self.coordinates)))
         own = np.array([coordinate.effect in first.causes for coordinate in self.coordinates])
-        mean = (columns @ np.where(own, first.state.marginal.mean, 0.0)).ravel()
-        truth = model._total_covariance(replace(first, causes=()), columns, first)
-        wide = [model._total_covariance(fit, columns, fit) for fit in (first, second)]
+        found = np.where(own, first.state.marginal.mean[: len(own)], 0.0)
+        nowhere = model.linearised((), np.zeros(len(own)))
+        mean = (nowhere.columns @ found).ravel()
+        truth = model._total_covariance(first, nowhere)
+        wide = [
+            model._total_covariance(fit, model.linearised(fit.causes, fit.state.linear.about))
+            for fit in (first, second)
+        ]
         return max(expected_log_ratio(mean, truth, *wide), 0.0)
 
     def _climb(
@@ -218,7 +233,7 @@ class TransitModel(TransitNoise):
         hypers: tuple[Hyper, ...],
         starts: list[Array],
         guess: Array,
-        linear: tuple[Array, Array],
+        linear: Linear,
         rows: Rows,
         *,
         integrate: bool,
@@ -230,7 +245,7 @@ class TransitModel(TransitNoise):
 
     def importance(self, fit: Fit) -> Importance:
         """Integrate over the hyperparameters; the causes of the mean exactly, as in the fit."""
-        state, linear = fit.state, self.linearised(fit.state.about)
+        state, linear = fit.state, fit.state.linear
 
         def log_joint(at: Array) -> float:
             try:
@@ -245,10 +260,10 @@ class TransitModel(TransitNoise):
 
     def _described(self, causes: Causes, state: TransitState) -> Fit:
         chosen = [i for i, coordinate in enumerate(self.coordinates) if coordinate.effect in causes]
-        marginal = state.marginal
-        found = estimates(
-            [self.coordinates[i] for i in chosen], marginal.mean[chosen], marginal.covariance[np.ix_(chosen, chosen)]
-        )
+        own, marginal = [self.coordinates[i] for i in chosen], state.marginal
+        # the cause lies beside what one is unsure of from record to record anyway
+        unsure = np.diag([coordinate.spike**2 for coordinate in own])
+        found = estimates(own, marginal.mean[chosen], marginal.covariance[np.ix_(chosen, chosen)] + unsure)
         found += _hyper_estimates(state)
         calibration = {
             f"{h.name}_{'m' if h.name == 'fix_sd' else 'm_s'}": math.exp(value)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from missionplan.diagnose.likelihood import Marginal, marginal_of, student_marginal
 from missionplan.diagnose.model import Causes
 from missionplan.diagnose.transit_chain import Chain, Lasting, Rows
-from missionplan.diagnose.transit_mean import RANDOM, TransitMean
+from missionplan.diagnose.transit_mean import RANDOM, Linear, TransitMean
 from missionplan.effects import CATALOGUE
 from missionplan.effects.persistent_error import PersistentError
 from missionplan.effects.random_walk import RandomWalk
@@ -22,7 +22,7 @@ ALL = slice(None)
 
 SIGMA_SPREAD = 0.7
 """How far the velocity error's size may lie from the mission's: standard deviation of its logarithm."""
-FIX_SPREAD = 0.4
+FIX_SPREAD = 0.2
 """The same for a fix error that data set or mission states."""
 FIX_UNSTATED = (3.0, 0.7)
 """Median [m] and log-spread of the fix error where neither data set nor mission states one."""
@@ -122,8 +122,8 @@ class TransitNoise(TransitMean):
         total[after, after - 1] -= shared
         return np.asarray(total + white[:, None, None] * np.eye(n))
 
-    def marginal(self, causes: Causes, at: Array, linear: tuple[Array, Array], rows: Rows = ALL) -> Marginal:
-        """Marginalise the causes of the mean at given hyperparameters (their logarithms), from some of the legs.
+    def marginal(self, causes: Causes, at: Array, linear: Linear, rows: Rows = ALL) -> Marginal:
+        """Marginalise the coefficients of the mean at given hyperparameters (their logarithms), from some of the legs.
 
         Raises
         ------
@@ -131,17 +131,16 @@ class TransitNoise(TransitMean):
             When the hyperparameters give no covariance.
         """
         values = self.values(causes, at)
-        y, columns = linear[0][:, rows], linear[1][:, rows]
         chain = self._whole if rows is ALL else self.chain(rows)
         white, fix, lasting = self.parts(values)
         dof = values.get(("heavy-tails", "dof"))
         if dof is None:
-            gram, log_determinant = chain.gram(np.concatenate([columns, y[:, :, None]], axis=2), white, fix, lasting)
-            return marginal_of(gram, self.prior_sd(causes), log_determinant, y.size)
+            gram, log_determinant = chain.gram(linear.joined[:, rows], white, fix, lasting)
+            return marginal_of(gram, linear.prior_sd, log_determinant, 2 * len(chain.under_way))
         if dof <= LEAST_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
         variance = white[:, None] + fix**2 * chain.fix_variance()
-        return student_marginal(y, columns, self.prior_sd(causes), variance, dof)
+        return student_marginal(linear.y[:, rows], linear.columns[:, rows], linear.prior_sd, variance, dof)
 
     def values(self, causes: Causes, at: Array) -> dict[tuple[str, str], float]:
         """Hyperparameters by effect and name, from their logarithms."""

@@ -50,7 +50,7 @@ def test_persistence_is_the_effects_own_covariance(folder, transit_mission, legs
 
 
 @pytest.mark.parametrize("rows", [slice(None), np.array([0, 1, 2, 9, 10, 11, 30, 47])], ids=["all legs", "some legs"])
-@pytest.mark.parametrize("causes", [(), ("persistent-error",), ("mean-current", "random-walk")])
+@pytest.mark.parametrize("causes", [(), ("persistent-error",), ("inertial-current", "random-walk")])
 def test_marginal_is_the_density_of_the_total_covariance(folder, transit_mission, legs, causes, rows):
     """What the chain of legs gives is the density under the covariance that predictions use."""
     table = legs()
@@ -58,11 +58,50 @@ def test_marginal_is_the_density_of_the_total_covariance(folder, transit_mission
     bound = model(folder, transit_mission, table)
     fit = bound.fit(causes)
     order = np.concatenate([np.arange(bound.data.n)[rows], bound.data.n + np.arange(bound.data.n)[rows]])
-    y, columns = bound.linearised(fit.state.about)
-    total = bound._total_covariance(fit, columns)[np.ix_(order, order)]
-    expected = multivariate_normal(np.zeros(len(order)), total).logpdf(y.ravel()[order])
-    found = bound.marginal(causes, fit.state.posterior.mode, (y, columns), rows)
+    linear = fit.state.linear
+    total = bound._total_covariance(fit, linear)[np.ix_(order, order)]
+    expected = multivariate_normal(np.zeros(len(order)), total).logpdf(linear.y.ravel()[order])
+    found = bound.marginal(causes, fit.state.posterior.mode, linear, rows)
     assert found.log_density == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_cause_is_as_unsure_as_the_spike_says(folder, transit_mission, legs):
+    """However long the record: a compass that is off by 5° today was never known better than its spike."""
+    turned = 1.2 * np.radians(5.0)
+    table = legs(200, error=lambda t, heading: turned * np.stack([np.cos(heading), -np.sin(heading)]))
+    found = model(folder, transit_mission, table).fit(("compass-bias",)).estimates[0]
+    spike = CATALOGUE["compass-bias"].parameters["angle"].spike
+    assert spike < found.sd < 2.0 * spike
+
+
+def test_a_shear_is_no_stronger_than_currents_are(folder, transit_mission, legs):
+    """Over an area a hundred times as large the same gradient would be a hundred times the current."""
+    near, table = legs(), legs()
+    places = ["x_start_m", "y_start_m", "x_dr_m", "y_dr_m", "x_end_m", "y_end_m"]
+    table[places] *= 100.0
+    slabs = [
+        [c.slab for c in model(folder, transit_mission, each).coordinates if c.effect == "current-shear"]
+        for each in (near, table)
+    ]
+    np.testing.assert_allclose(np.array(slabs[1]) * 100.0, slabs[0])
+
+
+def test_an_inertial_current_need_not_keep_its_phase(folder, transit_mission, legs):
+    """Two per cent above the inertial frequency for ten days: nothing else is needed to explain it."""
+    slower = 8.0
+    omega = slower * 1.02 * 2.0 * 7.2921e-5 * np.sin(np.radians(37.0))
+
+    def swirl(t, heading):
+        return 0.08 * np.stack([np.cos(omega * t), -np.sin(omega * t)])
+
+    table = legs(120, error=swirl)
+    times_and_places = ["t_start_s", "t_end_s", "x_start_m", "y_start_m", "x_dr_m", "y_dr_m", "x_end_m", "y_end_m"]
+    table[times_and_places] *= slower
+    bound = model(folder, transit_mission, table)
+    alone = bound.fit(("inertial-current",))
+    with_more = bound.fit(("inertial-current", "persistent-error"), (alone,))
+    assert alone.log_evidence > bound.fit(()).log_evidence + 50.0
+    assert with_more.log_evidence < alone.log_evidence
 
 
 def test_what_a_record_cannot_show_is_said(folder, mission, transit_mission, legs):
