@@ -228,9 +228,9 @@ def _collect(value: Any, path: str, found: dict[str, Quantity]) -> None:
         for name, parameter in value.parameters.items():
             found[f"{path}.{value.effect}.{name}"] = parameter
     elif isinstance(value, BaseModel):
+        given = type(value).model_fields
         for name, inner in value:
-            field = type(value).model_fields[name]
-            _collect(inner, f"{path}.{field.alias or name}", found)
+            _collect(inner, f"{path}.{given[name].alias or name}", found)
     elif isinstance(value, tuple):
         for index, inner in enumerate(value):
             _collect(inner, path if isinstance(inner, EffectEntry) else f"{path}[{index}]", found)
