@@ -14,9 +14,7 @@ import monaco  # type: ignore[import-not-found]
 import numpy as np
 from scipy.stats import norm
 
-from benchmarks.transit_trial import SPEED, SPEED_SD, transit_trial
-
-RUNS = 3
+from benchmarks.transit_trial import RUNS, SPEED, SPEED_SD, transit_trial
 
 inside = 0.0
 

@@ -25,6 +25,7 @@ from benchmarks.transit_trial import (
     MAX_LEGS,
     MISSION,
     RADIUS,
+    RUNS,
     SIGMA,
     SPEED,
     SPEED_SD,
@@ -44,7 +45,6 @@ from missionplan.studies.simulate import simulate
 from missionplan.studies.sweep_dmax import sweep_dmax
 
 Item = tuple[int, int]
-RUNS = 7
 SEED = 1
 OUTPUTS = ("duration", "surfacings")
 
