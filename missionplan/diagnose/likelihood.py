@@ -20,6 +20,8 @@ SEARCH_STEP = 1e-4
 GRADIENT = 0.1
 """Gradient at which the climb ends: within 0.005 nats of the top where the posterior's standard deviation is 1."""
 CURVATURE_STEP = 0.05
+NEAR, TOLERANCE = 0.01, 1e-6
+"""Steps below which Newton's are tried, and below which the mode is found, in prior standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
     """Marginalise the coefficients under Student-t errors of a leg (both axes share the tail), by Laplace.
 
     Errors of a leg are bivariate t of covariance diag(variance): ln p is −½(ν+2)·ln(1 + q/(ν−2)) with
-    q = Σ r²/variance. The mode is found by iteratively reweighted least squares.
+    q = Σ r²/variance. The mode is found by iteratively reweighted least squares, near it by Newton's steps.
 
     Parameters
     ----------
@@ -95,20 +97,23 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
     k, n = len(prior_sd), y.shape[1]
     scaled_y = (y / np.sqrt(variance)).ravel()
     columns = (design * prior_sd / np.sqrt(variance)[:, :, None]).reshape(2 * n, k)
-    coefficients = np.zeros(k)
+    coefficients, moved = np.zeros(k), math.inf
     for _ in range(60):
         residual = (scaled_y - columns @ coefficients).reshape(2, n)
-        weight = (dof + 2.0) / (dof - 2.0 + np.sum(residual**2, axis=0))
-        weighted = columns * np.tile(weight, 2)[:, None]
+        squared = np.sum(residual**2, axis=0)
+        weight = (dof + 2.0) / (dof - 2.0 + squared)
+        weighted = columns * np.concatenate([weight, weight])[:, None]
+        gradient = weighted.T @ residual.ravel() - coefficients
         hessian = weighted.T @ columns + np.eye(k)
-        updated = np.linalg.solve(hessian, weighted.T @ scaled_y)
-        moved, coefficients = np.abs(updated - coefficients), updated
-        if np.max(moved, initial=0.0) < 1e-7:
+        along = (residual.ravel()[:, None] * columns).reshape(2, n, k).sum(axis=0)
+        curvature = hessian - along.T @ (along * (2.0 * weight**2 / (dof + 2.0))[:, None])
+        if moved < TOLERANCE:
             break
-    residual = (scaled_y - columns @ coefficients).reshape(2, n)
-    squared = np.sum(residual**2, axis=0)
-    slope = (residual.ravel()[:, None] * columns).reshape(2, n, k).sum(axis=0)
-    curvature = hessian - slope.T @ (slope * (2.0 * (dof + 2.0) / (dof - 2.0 + squared) ** 2)[:, None])
+        step = np.linalg.solve(hessian, gradient)
+        if moved < NEAR:
+            newton = np.linalg.solve(curvature, gradient)
+            step = newton if newton @ gradient > 0.0 and np.max(np.abs(newton), initial=0.0) < moved else step
+        coefficients, moved = coefficients + step, float(np.max(np.abs(step), initial=0.0))
     if np.linalg.eigvalsh(curvature)[0] <= 0.0:
         curvature = hessian
     constant = gammaln(0.5 * dof + 1.0) - gammaln(0.5 * dof) - math.log(math.pi * (dof - 2.0))
