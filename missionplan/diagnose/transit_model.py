@@ -26,7 +26,7 @@ from missionplan.diagnose.transit_noise import ALL, Hyper, TransitNoise
 Array = NDArray[np.float64]
 
 ALTERNATIVES = (frozenset({"persistent-error", "random-walk", "heavy-tails"}),)
-ROUNDS, SETTLED = 4, 0.02
+ROUNDS, SETTLED = 5, 0.005
 """Times that angles and wavering currents are linearised, at most: until they move by less than this of a slab."""
 TEST_LEVEL = 0.01
 """Level of the residual tests, all together."""

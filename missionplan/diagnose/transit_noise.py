@@ -22,8 +22,8 @@ ALL = slice(None)
 
 SIGMA_SPREAD = 0.7
 """How far the velocity error's size may lie from the mission's: standard deviation of its logarithm."""
-FIX_SPREAD = 0.2
-"""The same for a fix error that data set or mission states."""
+FIX_SPREAD = 0.15
+"""The same for a fix error that data set or mission states: one that is worse is no calibration but `fix-error`."""
 FIX_UNSTATED = (3.0, 0.7)
 """Median [m] and log-spread of the fix error where neither data set nor mission states one."""
 LEAST_DOF = 2.02
