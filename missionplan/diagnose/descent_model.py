@@ -13,7 +13,7 @@ from scipy.stats import norm
 from missionplan.diagnose import descent_menu
 from missionplan.diagnose.coordinates import estimates, is_possible
 from missionplan.diagnose.descent_axes import descent_axes
-from missionplan.diagnose.descent_fit import Ended, Lane, climb
+from missionplan.diagnose.descent_fit import TRIES, Ended, Lane, climb
 from missionplan.diagnose.descent_forward import limits
 from missionplan.diagnose.descent_linear import DescentLinear, Evidence, Linear
 from missionplan.diagnose.descent_noise import NOMINAL, grid
@@ -31,6 +31,10 @@ FIRST = 0.5
 """Where strengths start, in prior standard deviations; both signs for those of either sign and a shape."""
 SHIFTS = (-1.2, 0.0, 1.2)
 """Where the first shape of an effect starts, in prior standard deviations about its centre."""
+FAR = 0.5
+"""Posterior standard deviations between the place of a linearisation and the posterior's mean that are too many."""
+MOVES, NEAR = 2, 15.0
+"""Rounds in which fits may be moved there, if their evidence is so near the best of those fitted together [nats]."""
 REFITTED = 2
 """Gauss–Newton steps of a refit without one dive, from the fit with it."""
 
@@ -76,7 +80,52 @@ class DescentModel(DescentLinear):
                 best[index] = end
         places = [(causes, best[index].at) for index, (causes, _) in enumerate(wanted)]
         linears = self.linearise(places) if any(causes for causes, _ in places) else [self.base] * len(places)
-        return [self._integrated(causes, linear) for (causes, _), linear in zip(places, linears, strict=True)]
+        fits = [self._integrated(causes, linear) for (causes, _), linear in zip(places, linears, strict=True)]
+        return self._settled(fits)
+
+    def _settled(self, fits: Sequence[Fit | Failure]) -> list[Fit | Failure]:
+        """Fits linearised anew where the posterior lies off the place that the climb, at nominal noise, ended at.
+
+        Steps towards the posterior's mean, whole and short, are taken while the joint density there is greater.
+        """
+        found = list(fits)
+        best = max((fit.log_evidence for fit in fits if isinstance(fit, Fit)), default=0.0)
+        moving = {i: fit for i, fit in enumerate(fits) if isinstance(fit, Fit) and fit.log_evidence > best - NEAR}
+        for _ in range(MOVES):
+            places = [(i, at) for i, fit in moving.items() for at in self._off(fit)]
+            if not places:
+                break
+            linears = self.linearise([(moving[i].causes, at) for i, at in places])
+            moved: dict[int, Fit] = {}
+            for (i, _), linear in zip(places, linears, strict=True):
+                other = self._integrated(moving[i].causes, linear)
+                if isinstance(other, Fit) and self._log_joint(other) > self._log_joint(moved.get(i, moving[i])):
+                    moved[i] = other
+            moving = moved
+            for i, fit in moved.items():
+                found[i] = fit
+        return found
+
+    def _off(self, fit: Fit) -> list[Array]:
+        """Where else a fit may be linearised; nowhere if its posterior's mean is near the place where it was."""
+        free, state = self.free(fit.causes), fit.state
+        move = np.zeros(len(self.coordinates))
+        move[free] = state.marginal.mean[free] + self.centre[free] - state.linear.at[free]
+        sd = np.sqrt(np.diag(state.marginal.covariance)[free])
+        if not np.any(np.abs(move[free]) > FAR * sd):
+            return []
+        places = [state.linear.at + share * move for share in TRIES]
+        return [at for at in places if all(self._inside(i, at[i]) for i in free)]
+
+    def _log_joint(self, fit: Fit) -> float:
+        """Ln p(readings, causes' coordinates) where a fit is linearised, at its noise."""
+        free, linear = self.free(fit.causes), fit.state.linear
+        at, narrow = linear.at[free] - self.centre[free], self.prior_sd(fit.causes)
+        slab = narrow[free]
+        narrow[free] = 0.0
+        factor = _factor(self.total_covariance(linear, grid()[fit.state.best], narrow))
+        prior = np.asarray(norm.logpdf(at, 0.0, slab))
+        return float(_log_normal((linear.y - linear.columns[:, free] @ at)[:, None], factor)[0] + prior.sum())
 
     def fit(self, causes: Causes, near: Sequence[Fit] = ()) -> Fit:
         """Fit one set.
