@@ -17,19 +17,21 @@ WEIGHTS, LINES = np.array([9.0, 12.0, 16.0, 20.0]), np.array([3.0, 5.0, 7.0, 4.0
 
 @pytest.fixture
 def measured(descent_mission):
-    """Bind the mission to dives of the phase with one effect."""
+    """Bind the mission to dives of the phase with one effect, each late by its own, or averaged by the logger."""
 
-    def make(name=None, lines=LINES, **parameters):
+    def make(name=None, weights=WEIGHTS, lines=LINES, late=None, averaged=0.0, **parameters):
         rng = np.random.default_rng(8)
-        times = np.tile(np.linspace(0.0, 13.0, 66)[:, None], (1, len(WEIGHTS)))
+        times = np.tile(np.linspace(0.0, 13.0, 66)[:, None], (1, len(weights)))
         empty = tuple(
-            binned(f"dive-{k}", times[:, k], times[:, k], 0.03, WEIGHTS[k], lines[k], 60.0) for k in range(len(WEIGHTS))
+            binned(f"dive-{k}", times[:, k], times[:, k], 0.03, weights[k], lines[k], 60.0) for k in range(len(weights))
         )
         forward = descent_model(DescentData("", "", empty, ()), descent_mission).forward
         effects = [CATALOGUE[name].make(parameters)] if name else []
-        late = rng.normal(0.0, 0.05, len(WEIGHTS))
-        dive = replace(forward.dive, wet_weight=forward.dive.wet_weight * (1.0 + rng.normal(0.0, 0.006, len(WEIGHTS))))
-        depth = simulate_readings(dive, times - late, effects=effects) + rng.normal(0.0, 0.03, times.shape)
+        late = rng.normal(0.0, 0.05, len(weights)) if late is None else late
+        dive = replace(forward.dive, wet_weight=forward.dive.wet_weight * (1.0 + rng.normal(0.0, 0.006, len(weights))))
+        past = late + np.linspace(0.0, averaged, 41 if averaged else 1)[:, None]
+        depth = np.mean([simulate_readings(dive, times - ago, effects=effects) for ago in past], axis=0)
+        depth += rng.normal(0.0, 0.03, times.shape)
         logs = tuple(
             binned(log.name, times[:, k], depth[:, k], 0.03, log.wet_weight, log.line_length, 60.0)
             for k, log in enumerate(empty)
@@ -94,6 +96,32 @@ def test_a_hidden_cause_is_found_and_measured(measured, name, parameters):
     gain = found.gains[(name,)]
     assert gain.log_score_gain > 0.0
     assert gain.rmse_extended < 0.6 * gain.rmse_base
+
+
+def test_each_dive_is_linearised_about_its_own_lateness(measured):
+    late = np.array([0.2, -0.15, 0.1, -0.05])
+    model = measured(late=late)
+    (found,) = model.most_likely_late([model.centre])
+    np.testing.assert_allclose(found, late, atol=0.05)
+    linear = model.base
+    np.testing.assert_allclose(linear.late, found)
+    shifted = model.forward.readings(model.coordinates, model.centre[:, None], late=found)[:, 0]
+    np.testing.assert_allclose(linear.readings, shifted)
+
+
+def test_a_moving_average_is_a_lag_and_no_late_clock(measured):
+    found = examine(measured(averaged=1.6))
+    assert found.claimed is not None
+    assert found.claimed.candidate.causes == ("sensor-lag",)
+    (estimate,) = found.best.estimates
+    assert abs(estimate.value - 0.8) < 4.0 * estimate.sd
+
+
+def test_drag_that_grows_from_dive_to_dive_is_left_over(measured):
+    fouled = np.array([0.0, 0.16, 0.32, 0.48])
+    found = examine(measured("drag-bias", weights=WEIGHTS[[2, 0, 3, 1]], fraction=fouled))
+    assert found.verdict in ("unexplained", "partly-explained")
+    assert found.remainder.axis == "run"
 
 
 @pytest.mark.slow
