@@ -98,19 +98,22 @@ def diagnose(
     RunError
         When not even the base model can be fitted.
     """
-    started = time.perf_counter()
     seed = mission.monte_carlo.seed if seed is None else seed
-    stage = _Stages(progress)
-    model, data, kind = _bind(Path(dataset), mission, seed)
-    stage("data read")
     with threadpool_limits(limits=1):  # matrices of some hundred rows: more threads only wait for each other
-        found = examine(model, lambda what, done, of: stage(what))
-        described = _Described(model, found)
-        extended = _extended(mission, found.best, data)
-        stage("next measurements")
-        first, rivals = found.best, [rival.fit for rival in found.claimed.rivals[:SEPARATED]] if found.claimed else []
-        separations = next_measurements(model, first, rivals)
-        alike = indistinguishable(model, first, rivals)
+        return _diagnosis(mission, Path(dataset), seed, jobs, plan=plan, stage=_Stages(progress))
+
+
+def _diagnosis(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: bool, stage: "_Stages") -> Diagnosis:
+    started = time.perf_counter()
+    model, data, kind = _bind(dataset, mission, seed)
+    stage("data read")
+    found = examine(model, lambda what, done, of: stage(what))
+    described = _Described(model, found)
+    extended = _extended(mission, found.best, data)
+    stage("next measurements")
+    first, rivals = found.best, [rival.fit for rival in found.claimed.rivals[:SEPARATED]] if found.claimed else []
+    separations = next_measurements(model, first, rivals)
+    alike = indistinguishable(model, first, rivals)
     stage("plans")
     decision = decide(kind, mission, extended, seed=seed, jobs=jobs) if plan else {"before": {}, "after": {}}
     provenance = Provenance(
