@@ -11,8 +11,6 @@ from missionplan.errors import RunError
 
 PRICE = 3.0
 """Nats that each cause beyond the first must earn, and that a claim must exceed."""
-WORTH = 5.0
-"""Nats that a further cause must add to the best of its set's parts for the set to be considered at all."""
 WORTH_SHARE = 0.02
 """Share of the evidence of the rest that it must add, too: no catalogue's shape fits a large effect to the letter."""
 HOPELESS = -4.0
@@ -147,7 +145,7 @@ def _earned(candidate: Candidate, tried: dict[frozenset[str], Candidate]) -> boo
     """Whether each cause of a set adds enough to the rest of it."""
     parts = [tried.get(frozenset(candidate.causes) - {name}) for name in candidate.causes]
     least = max((part.log_bayes_factor for part in parts if part is not None), default=-np.inf)
-    worth = max(WORTH, WORTH_SHARE * least)
+    worth = max(PRICE, WORTH_SHARE * least)
     return len(candidate.causes) == 1 or candidate.log_bayes_factor >= least + worth
 
 
