@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.diagnose.coordinates import Coordinate, coordinates_of
-from missionplan.diagnose.descent_data import DiveLog
 from missionplan.diagnose.descent_fit import jacobian_settings
 from missionplan.diagnose.descent_forward import DescentForward
 from missionplan.diagnose.descent_noise import DIVE_SD, NOMINAL, Noise, caricature, dive_covariance, grid
@@ -200,19 +199,31 @@ class DescentLinear:
         Where the vehicle starts with a jerk its readings are linear in the lateness over a few hundredths of a second
         only: less than the scatter.
         """
-        clock, drag = self._clock, self._names.index("drag-bias")
-        settings = np.repeat(np.stack(places, axis=1), 4, axis=1)
-        settings[clock, 1::4] += LATE_STEP
-        settings[drag, 2::4] += DRAG_STEP
-        factors = np.tile([1.0, 1.0, 1.0, 1.0 + WEIGHT_STEP], len(places))
+        settings = np.repeat(np.stack(places, axis=1), 2, axis=1)
+        settings[self._clock, 1::2] += LATE_STEP
         late = np.zeros((len(places), len(self.parts)))
         for _ in range(LATE_STEPS):
-            readings = self.forward.readings(self.coordinates, settings, factors, np.repeat(late, 4, axis=0))
-            for place, block in enumerate(np.split(readings, len(places), axis=1)):
-                columns = (block[:, 1:] - block[:, :1]) / [LATE_STEP, DRAG_STEP, WEIGHT_STEP]
-                for dive, (log, rows) in enumerate(zip(self.forward.logs, self.parts, strict=True)):
-                    late[place, dive] = _later(log, self.y[rows] - block[rows, 0], columns[rows], late[place, dive])
+            readings = self.forward.readings(self.coordinates, settings, late=np.repeat(late, 2, axis=0))
+            for place, (here, later) in enumerate(zip(readings[:, ::2].T, readings[:, 1::2].T, strict=True)):
+                column = (later - here) / LATE_STEP
+                late[place] = [
+                    _later(own, (self.y - here)[rows], column[rows], known)
+                    for own, rows, known in zip(self._others, self.parts, late[place], strict=True)
+                ]
         return late
+
+    @cached_property
+    def _others(self) -> list[Array]:
+        """Covariance of each dive's readings at nominal noise, lateness aside; sensitivities as in the base model."""
+        settings = np.repeat(self.centre[:, None], 3, axis=1)
+        settings[self._names.index("drag-bias"), 1] += DRAG_STEP
+        readings = self.forward.readings(self.coordinates, settings, np.array([1.0, 1.0, 1.0 + WEIGHT_STEP]))
+        drag, weight = ((readings[:, 1:] - readings[:, :1]) / [DRAG_STEP, WEIGHT_STEP]).T
+        sensitivities = np.stack([np.zeros_like(drag), np.ones_like(drag), drag, weight], axis=1)
+        return [
+            dive_covariance(log.t, log.sd, sensitivities[rows], np.zeros(len(rows)), [NOMINAL])[0]
+            for log, rows in zip(self.forward.logs, self.parts, strict=True)
+        ]
 
     @cached_property
     def _names(self) -> list[str]:
@@ -302,13 +313,8 @@ class DescentLinear:
         return Evidence(np.stack(grams, axis=1), np.stack(log_determinants, axis=1), counts)
 
 
-def _later(log: DiveLog, left: Array, columns: Array, late: float) -> float:
-    """One Gauss–Newton step of a dive's lateness [s] from what is left of its readings at nominal noise.
-
-    `columns` are the sensitivities to lateness, drag and weight; depth zero, drag and weight are marginalised.
-    """
-    others = np.stack([np.zeros_like(left), np.ones_like(left), columns[:, 1], columns[:, 2]], axis=1)
-    (covariance,) = dive_covariance(log.t, log.sd, others, np.zeros_like(left), [NOMINAL])
-    both = np.linalg.solve(covariance, columns[:, 0])
-    precision = float(both @ columns[:, 0]) + DIVE_SD["release"] ** -2
-    return float(both @ (left + late * columns[:, 0])) / precision
+def _later(covariance: Array, left: Array, column: Array, late: float) -> float:
+    """One Gauss–Newton step of a dive's lateness [s], from what is left of its readings and their sensitivity to it."""
+    weights = np.linalg.solve(covariance, column)
+    precision = float(weights @ column) + DIVE_SD["release"] ** -2
+    return float(weights @ (left + late * column)) / precision

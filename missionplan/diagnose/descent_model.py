@@ -13,7 +13,7 @@ from scipy.stats import norm
 from missionplan.diagnose import descent_menu
 from missionplan.diagnose.coordinates import estimates, is_possible
 from missionplan.diagnose.descent_axes import descent_axes
-from missionplan.diagnose.descent_fit import TRIES, Ended, Lane, climb
+from missionplan.diagnose.descent_fit import Ended, Lane, climb
 from missionplan.diagnose.descent_forward import limits
 from missionplan.diagnose.descent_linear import DescentLinear, Evidence, Linear
 from missionplan.diagnose.descent_noise import NOMINAL, grid
@@ -35,6 +35,8 @@ FAR = 0.5
 """Posterior standard deviations between the place of a linearisation and the posterior's mean that are too many."""
 MOVES, NEAR = 2, 15.0
 """Rounds in which fits may be moved there, if their evidence is so near the best of those fitted together [nats]."""
+SHORTER = 0.25
+"""Share of a step that is tried after one that was too long."""
 REFITTED = 2
 """Gauss–Newton steps of a refit without one dive, from the fit with it."""
 
@@ -86,36 +88,33 @@ class DescentModel(DescentLinear):
     def _settled(self, fits: Sequence[Fit | Failure]) -> list[Fit | Failure]:
         """Fits linearised anew where the posterior lies off the place that the climb, at nominal noise, ended at.
 
-        Steps towards the posterior's mean, whole and short, are taken while the joint density there is greater.
+        A step towards the posterior's mean is taken if the joint density there is greater; if not, a shorter one.
         """
         found = list(fits)
         best = max((fit.log_evidence for fit in fits if isinstance(fit, Fit)), default=0.0)
-        moving = {i: fit for i, fit in enumerate(fits) if isinstance(fit, Fit) and fit.log_evidence > best - NEAR}
+        shares = {i: 1.0 for i, fit in enumerate(fits) if isinstance(fit, Fit) and fit.log_evidence > best - NEAR}
         for _ in range(MOVES):
-            places = [(i, at) for i, fit in moving.items() for at in self._off(fit)]
-            if not places:
-                break
-            linears = self.linearise([(moving[i].causes, at) for i, at in places])
-            moved: dict[int, Fit] = {}
-            for (i, _), linear in zip(places, linears, strict=True):
+            moving = {i: fit for i, fit in enumerate(found) if i in shares and isinstance(fit, Fit)}
+            places = {i: at for i, fit in moving.items() if (at := self._off(fit, shares[i])) is not None}
+            linears = self.linearise([(moving[i].causes, at) for i, at in places.items()]) if places else []
+            for i, linear in zip(places, linears, strict=True):
                 other = self._integrated(moving[i].causes, linear)
-                if isinstance(other, Fit) and self._log_joint(other) > self._log_joint(moved.get(i, moving[i])):
-                    moved[i] = other
-            moving = moved
-            for i, fit in moved.items():
-                found[i] = fit
+                if isinstance(other, Fit) and self._log_joint(other) > self._log_joint(moving[i]):
+                    found[i] = other
+                else:
+                    shares[i] *= SHORTER
         return found
 
-    def _off(self, fit: Fit) -> list[Array]:
-        """Where else a fit may be linearised; nowhere if its posterior's mean is near the place where it was."""
+    def _off(self, fit: Fit, share: float) -> Array | None:
+        """Where else to linearise a fit, a share of the way to its posterior's mean; None if that is near enough."""
         free, state = self.free(fit.causes), fit.state
         move = np.zeros(len(self.coordinates))
         move[free] = state.marginal.mean[free] + self.centre[free] - state.linear.at[free]
         sd = np.sqrt(np.diag(state.marginal.covariance)[free])
-        if not np.any(np.abs(move[free]) > FAR * sd):
-            return []
-        places = [state.linear.at + share * move for share in TRIES]
-        return [at for at in places if all(self._inside(i, at[i]) for i in free)]
+        at = state.linear.at + share * move
+        if np.any(np.abs(move[free]) > FAR * sd) and all(self._inside(i, at[i]) for i in free):
+            return np.asarray(at)
+        return None
 
     def _log_joint(self, fit: Fit) -> float:
         """Ln p(readings, causes' coordinates) where a fit is linearised, at its noise."""
