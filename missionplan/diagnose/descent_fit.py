@@ -90,7 +90,7 @@ def climb(
     """
     problem = _Problem(forward, coordinates, y, covariance, lanes)
     places = problem.evaluate([(i, lane.start) for i, lane in enumerate(lanes)])
-    active = list(range(len(lanes)))
+    active = [i for i, place in enumerate(places) if np.isfinite(place.objective)]
     for step in range(steps):
         if not active:
             break
@@ -120,7 +120,7 @@ def _worth_going_on(active: list[int], lanes: Sequence[Lane], places: "Sequence[
 
 @dataclass(frozen=True)
 class _Place:
-    """Coordinates with the whitened residual and Jacobian there, and the objective [nats]."""
+    """Coordinates with the whitened residual and Jacobian there, and the objective: infinite if one is not finite."""
 
     at: Array
     residual: Array
@@ -178,7 +178,7 @@ class _Problem:
         white = np.asarray(solve_triangular(self._factors[self._key(lane)], both, lower=True, check_finite=False))
         prior = (at[lane.free] - self._centre[lane.free]) / self._slab[lane.free]
         objective = 0.5 * float(white[:, 0] @ white[:, 0]) + 0.5 * float(prior @ prior)
-        return _Place(at, white[:, 0], white[:, 1:], objective if np.isfinite(objective) else np.inf)
+        return _Place(at, white[:, 0], white[:, 1:], objective if np.all(np.isfinite(white)) else np.inf)
 
     def step(self, index: int, place: _Place) -> Array:
         """Gauss–Newton step of a lane, shape (k,)."""

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from missionplan.diagnose.binding import descent_model
+from missionplan.diagnose.coordinates import Coordinate
 from missionplan.diagnose.descent_data import DescentData, binned
+from missionplan.diagnose.descent_fit import Lane, climb
 from missionplan.diagnose.descent_noise import NOMINAL, caricature, dive_covariance, wandering
 from missionplan.diagnose.examination import examine
 from missionplan.effects import CATALOGUE
@@ -48,6 +50,25 @@ def test_readings_of_many_settings_are_those_of_each(measured):
     for column in (0, 1):
         one = model.forward.readings(model.coordinates, values[:, column : column + 1])
         np.testing.assert_allclose(both[:, column], one[:, 0], atol=1e-9)
+
+
+class Cliff:
+    """Readings that follow the coordinate up to 1 and do not exist beyond; no reader may ask for what is not a number."""
+
+    def readings(self, coordinates, values):
+        assert np.all(np.isfinite(values))
+        return np.where(values[0] <= 1.0, values[0], np.nan) * np.ones((3, 1))
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.0, 0.5), (1.0, np.inf), (2.0, np.inf)])
+def test_a_start_beside_a_cliff_is_given_up(start, end):
+    coordinate = Coordinate("drag-bias", "fraction", "strength", 0.0, 1.0, 0.01)
+    lane = Lane(np.array([0]), np.array([start]), 0)
+    (found,) = climb(Cliff(), [coordinate], np.full(3, 0.5), 1e-4 * np.eye(3), [lane])
+    if np.isfinite(end):
+        assert found.at[0] == pytest.approx(end, abs=1e-3)
+    else:
+        assert found.objective == end
 
 
 def test_covariance_of_a_dive():
