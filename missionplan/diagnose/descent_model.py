@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 from scipy.stats import norm
 
 from missionplan.diagnose import descent_menu
-from missionplan.diagnose.coordinates import estimates, is_possible
+from missionplan.diagnose.coordinates import Estimate, estimates, is_possible
 from missionplan.diagnose.descent_axes import descent_axes
 from missionplan.diagnose.descent_fit import Ended, Lane, climb
 from missionplan.diagnose.descent_forward import limits
@@ -21,6 +21,7 @@ from missionplan.diagnose.importance import DRAWS, Importance, importance
 from missionplan.diagnose.likelihood import LOG_2PI, Marginal
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Residuals
+from missionplan.effects import CATALOGUE
 
 Array = NDArray[np.float64]
 
@@ -185,7 +186,11 @@ class DescentModel(DescentLinear):
         noise = grid()[best]
         calibration = {"dive_scatter": noise.scatter, "depth_walk_m2_s": noise.walk, "eddy_time_s": noise.eddy}
         state = DescentState(linear, evidence, best, found[best])
-        possible = is_possible(parameters) and all(self._inside(i, linear.at[i]) for i in free)
+        possible = (
+            is_possible(parameters)
+            and all(_is_told_from_zero(estimate) for estimate in parameters)
+            and all(self._inside(i, linear.at[i]) for i in free)
+        )
         return Fit(causes, float(logsumexp(logs)), parameters, calibration, possible, state)
 
     def _inside(self, index: int, at: float) -> bool:
@@ -286,6 +291,12 @@ class DescentModel(DescentLinear):
         ]
         evidence = [fit.log_evidence if isinstance(fit, Fit) else -np.inf for fit in fitted]
         return float(max(evidence[0] - evidence[1], 0.0))
+
+
+def _is_told_from_zero(estimate: Estimate) -> bool:
+    """Whether a strength's interval leaves out zero: evidence for what may be nil is its linearisation's error."""
+    is_shape = CATALOGUE[estimate.effect].parameters[estimate.name].is_shape
+    return is_shape or not estimate.low <= 0.0 <= estimate.high
 
 
 def _weighted(marginals: Sequence[Marginal]) -> Array:

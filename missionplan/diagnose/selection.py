@@ -62,7 +62,7 @@ class Selection:
     ranking : tuple of Candidate
         Possible non-empty sets, best score first.
     impossible : tuple of Candidate
-        Sets whose best fit has a sign or size that the effect cannot have.
+        Sets whose best fit has a sign or size that an effect cannot have, or one that may as well be nil.
     failed : tuple of Failure
         Sets that could not be fitted, and why.
     catalogue : int
