@@ -145,15 +145,21 @@ def test_a_damaged_block_is_run_again(mission, tmp_path):
     assert bits(simulate(mission, trials=BLOCK + 10, checkpoint=tmp_path, resume=True)) == bits(first)
 
 
-def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch):
+def failing_at(failed):
+    """`run_block`, failing at one block."""
     honest = block_task.run_block
 
-    def failing(setting, seed, block, *rest):
-        if block == 1:
+    def run(setting, seed, block, *rest):
+        if block == failed:
             raise FloatingPointError("on purpose")
         return honest(setting, seed, block, *rest)
 
-    monkeypatch.setattr(block_task, "run_block", failing)
+    return run
+
+
+def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch):
+    honest = block_task.run_block
+    monkeypatch.setattr(block_task, "run_block", failing_at(1))
     assert len(simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path).failed_blocks) == 1
     monkeypatch.setattr(block_task, "run_block", honest)
     found = simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path, resume=True)
@@ -161,14 +167,7 @@ def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch)
 
 
 def test_the_tracks_are_those_of_the_first_block_that_did_not_fail(mission, monkeypatch):
-    honest = block_task.run_block
-
-    def failing(setting, seed, block, *rest):
-        if block == 0:
-            raise FloatingPointError("on purpose")
-        return honest(setting, seed, block, *rest)
-
-    monkeypatch.setattr(block_task, "run_block", failing)
+    monkeypatch.setattr(block_task, "run_block", failing_at(0))
     found = simulate(mission, trials=BLOCK + 200)
     shown = block_task.BlockTask(Setting.at_means(mission), mission.monte_carlo.seed).shown(1, 200)
     assert found.tracks.position.shape[2] == 200
