@@ -102,8 +102,8 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
         numbers.append(("Gain in log score on data held out", log))
     ahead = diagnosis.calibration.get("next_leg_model_rms_m")
     if ahead is not None and diagnosis.causes:
-        before = diagnosis.calibration["next_leg_mean_so_far_rms_m"] / 1000.0
-        numbers.append(("Next leg's position error: mean so far, and model", f"{before:.2f} → {ahead / 1000.0:.2f} km"))
+        before = diagnosis.calibration["next_leg_mean_so_far_rms_m"]
+        numbers.append(("Next leg's position error: mean so far, and model", f"{before:.0f} → {ahead:.0f} m"))
     return numbers
 
 
