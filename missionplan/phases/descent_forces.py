@@ -70,8 +70,7 @@ class DescentHooks:
         effects = tuple(effects)
 
         def refined(name: str) -> list[Callable[..., Any]]:
-            base = getattr(DescentEffect, name)
-            return [getattr(effect, name) for effect in effects if getattr(type(effect), name) is not base]
+            return [getattr(effect, name) for effect in effects if effect.refines(name)]
 
         self._lone_drag, self._drag = refined("lone_drag_factor"), refined("drag_factor")
         self._weight, self._lift, self._mass = refined("wet_weight_factor"), refined("lift"), refined("mass_factor")

@@ -93,6 +93,10 @@ class DescentEffect:
     Times count from the anchor's separation unless said otherwise; depth is the vehicle's nose [m].
     """
 
+    def refines(self, hook: str) -> bool:
+        """Whether a hook, by its name, is more than neutral here."""
+        return getattr(type(self), hook) is not getattr(DescentEffect, hook)
+
     def lone_drag_factor(self) -> Scalars:
         """Factor on the anchor's drag while it falls alone."""
         return 1.0
