@@ -1,8 +1,9 @@
 """The descent phase as the diagnosis calls it: many settings of the parameters and all dives in one call."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +11,10 @@ from numpy.typing import NDArray
 from missionplan.diagnose.coordinates import Coordinate, parameters_from
 from missionplan.diagnose.descent_data import DiveLog
 from missionplan.effects import CATALOGUE
+from missionplan.phases.among import Among
 from missionplan.phases.descent_forces import Dive
 from missionplan.phases.hooks import DescentEffect, Scalars
-from missionplan.phases.readings import simulate_readings
+from missionplan.phases.readings import SensorHistory, sensor_history
 
 Array = NDArray[np.float64]
 
@@ -20,6 +22,8 @@ STEP = 0.16
 """Step of the integration [s]; readings are within 5 mm of those with steps of 0.02 s, 1 mm as a rule."""
 LEAST_FACTOR = -0.9
 """Least strength of an effect that multiplies a drag or a weight: less would turn it round."""
+EARLIEST = 1.0
+"""How much earlier than its log says a separation may be [s]: ten times the scatter."""
 NO_BOTTOM = 1e5
 """Site depth for the fit [m]: the logs end above touchdown, and so must no model of them reach it."""
 
@@ -53,10 +57,12 @@ class DescentForward:
         """Number of readings of all dives together."""
         return sum(len(log.t) for log in self.logs)
 
-    def readings(
-        self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0, late: Scalars = 0.0
-    ) -> Array:
-        """Readings of all dives, one after the other.
+    def readings(self, coordinates: Sequence[Coordinate], values: Array, late: Scalars = 0.0) -> Array:
+        """Readings of all dives, one after the other, under b settings, shape (N, b) [m]: `histories`, read out."""
+        return self.histories(coordinates, values).readings(late)
+
+    def histories(self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0) -> "Histories":
+        """All dives under b settings.
 
         Parameters
         ----------
@@ -66,37 +72,31 @@ class DescentForward:
             Their values in b settings.
         weight_factor : float or array, shape (b,)
             Factor on the anchor's wet weight.
-        late : float or array, shape (d,) or (b, d)
-            By how much each dive's separation is late on its log [s].
-
-        Returns
-        -------
-        array, shape (N, b)
-            [m]
         """
         count, settings = len(self.logs), values.shape[1]
-        present = _present(coordinates, values)
-        there = [i for i, c in enumerate(coordinates) if c.effect in present]
-        named = parameters_from([coordinates[i] for i in there], np.repeat(values[there], count, axis=1)).items()
-        effects = [*self.given, *(self._effect(name, parameters) for name, parameters in named)]
+        effects = (*self.given, *self._effects(coordinates, np.repeat(values, count, axis=1)))
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
-        dive = self._tiled(settings, factor)
-        times = self._times(settings) - np.broadcast_to(late, (settings, count)).ravel()
+        until = max(float(log.fine[-1]) for log in self.logs) + EARLIEST
         with np.errstate(
             over="ignore", invalid="ignore"
         ):  # a start that runs away is given up: its objective is infinite
-            depths = simulate_readings(dive, times, effects=effects, step=STEP)
-        by_setting = depths.reshape(-1, settings, count)
-        return np.concatenate([_averaged(log, by_setting[:, :, index]) for index, log in enumerate(self.logs)])
+            history = sensor_history(self._tiled(settings, factor), settings * count, until, effects=effects, step=STEP)
+        return DiveHistories(self.logs, history)
 
     @staticmethod
-    def _effect(name: str, parameters: Mapping[str, Scalars]) -> DescentEffect:
-        """The effect with its parameters held inside what the phase can integrate."""
-        info = CATALOGUE[name]
-        held = {key: np.clip(value, *_limits(name, key)) for key, value in parameters.items()}
-        effect = info.make(held)
-        assert isinstance(effect, DescentEffect)
-        return effect
+    def _effects(coordinates: Sequence[Coordinate], values: Array) -> Iterator[DescentEffect]:
+        """Effects among the trials where their strength is not zero, parameters held inside what can be integrated."""
+        for name in dict.fromkeys(c.effect for c in coordinates):
+            own = [i for i, c in enumerate(coordinates) if c.effect == name]
+            strengths = [i for i in own if coordinates[i].kind != "shape"]
+            trials = np.flatnonzero(np.any(values[strengths] != 0.0, axis=0))
+            if not len(trials):
+                continue
+            parameters = parameters_from([coordinates[i] for i in own], values[own][:, trials])[name]
+            held = {key: np.clip(value, *_limits(name, key)) for key, value in parameters.items()}
+            effect = CATALOGUE[name].make(held)
+            assert isinstance(effect, DescentEffect)
+            yield effect if len(trials) == values.shape[1] else Among(effect, trials, values.shape[1])
 
     def _tiled(self, settings: int, factor: Array) -> Dive:
         def tiled(value: Scalars) -> Scalars:
@@ -111,17 +111,70 @@ class DescentForward:
             line_length=tiled(dive.line_length),
         )
 
-    def _times(self, settings: int) -> Array:
-        longest = max(len(log.fine) for log in self.logs)
-        times = np.full((longest, len(self.logs)), np.nan)
+
+class Histories(Protocol):
+    """All dives under several settings, to be read out as often as wanted."""
+
+    @property
+    def settings(self) -> int:
+        """Number of settings, b."""
+        ...
+
+    def readings(self, late: Scalars = 0.0) -> Array:
+        """What was measured, shape (N, b), if the separations are late on their logs: (d,) or (b, d) [s]."""
+        ...
+
+    def among(self, settings: NDArray[np.intp]) -> "Histories":
+        """Those under some of the settings."""
+        ...
+
+
+@dataclass(frozen=True)
+class DiveHistories:
+    """What the sensor read of all d dives under b settings, to be read out at the times of their logs.
+
+    Attributes
+    ----------
+    logs : tuple of DiveLog
+        The d dives.
+    history : SensorHistory
+        Of b·d trials, setting by setting.
+    """
+
+    logs: tuple[DiveLog, ...]
+    history: SensorHistory
+
+    @property
+    def settings(self) -> int:
+        """Number of settings, b."""
+        return int(self.history.depths.shape[1]) // len(self.logs)
+
+    def readings(self, late: Scalars = 0.0) -> Array:
+        """Readings of all dives, one after the other, shape (N, b) [m].
+
+        Parameters
+        ----------
+        late : float or array, shape (d,) or (b, d)
+            By how much each dive's separation is late on its log [s].
+        """
+        count, settings = len(self.logs), self.settings
+        times = np.tile(self._fine, (1, settings)) - np.broadcast_to(late, (settings, count)).ravel()
+        depths = self.history.at(times).reshape(-1, settings, count)
+        return np.concatenate([_averaged(log, depths[:, :, index]) for index, log in enumerate(self.logs)])
+
+    def among(self, settings: NDArray[np.intp]) -> "DiveHistories":
+        """Those under some of the settings."""
+        count = len(self.logs)
+        trials = (settings[:, None] * count + np.arange(count)).ravel()
+        return DiveHistories(self.logs, self.history.among(trials))
+
+    @cached_property
+    def _fine(self) -> Array:
+        """Fine times of each dive, nan where it has fewer than others, shape (k, d) [s]."""
+        times = np.full((max(len(log.fine) for log in self.logs), len(self.logs)), np.nan)
         for index, log in enumerate(self.logs):
             times[: len(log.fine), index] = log.fine
-        return np.tile(times, (1, settings))
-
-
-def _present(coordinates: Sequence[Coordinate], values: Array) -> set[str]:
-    """Effects whose strength is not zero in every setting: the others do nothing."""
-    return {c.effect for c, row in zip(coordinates, values, strict=True) if c.kind != "shape" and np.any(row)}
+        return times
 
 
 def _averaged(log: DiveLog, depths: Array) -> Array:

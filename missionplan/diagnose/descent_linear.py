@@ -6,11 +6,20 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import lapack
 
 from missionplan.diagnose.coordinates import Coordinate, coordinates_of
 from missionplan.diagnose.descent_fit import jacobian_settings
-from missionplan.diagnose.descent_forward import DescentForward
-from missionplan.diagnose.descent_noise import DIVE_SD, NOMINAL, Noise, caricature, dive_covariance, grid
+from missionplan.diagnose.descent_forward import EARLIEST, DescentForward, Histories
+from missionplan.diagnose.descent_noise import (
+    DIVE_SD,
+    NOMINAL,
+    Noise,
+    caricature,
+    grid,
+    scattered_covariance,
+    still_covariance,
+)
 from missionplan.diagnose.likelihood import Marginal, marginal_of
 from missionplan.diagnose.model import Causes
 from missionplan.effects import effects_of
@@ -183,33 +192,32 @@ class DescentLinear:
             factors += [np.ones(1), 1.0 + WEIGHT_STEP * np.array([1.0, -1.0]), np.ones(4 + ahead.shape[1])]
             plans.append((chosen, steps))
         widths = np.array([7 + len(chosen) for chosen, _ in plans])
-        late = self.most_likely_late([at for _, at in wanted])
-        readings = self.forward.readings(
-            self.coordinates, np.concatenate(settings, axis=1), np.concatenate(factors), np.repeat(late, widths, axis=0)
-        )
-        blocks = np.split(readings, np.cumsum(widths)[:-1], axis=1)
+        histories = self.forward.histories(self.coordinates, np.concatenate(settings, axis=1), np.concatenate(factors))
+        starts = np.cumsum(widths) - widths
+        late = self.most_likely_late(histories.among(starts))
+        readings = histories.readings(np.repeat(late, widths, axis=0))
+        blocks = np.split(readings, starts[1:], axis=1)
         return [
             self._linear(causes, at, own, block, chosen, steps)
             for (causes, at), own, (chosen, steps), block in zip(wanted, late, plans, blocks, strict=True)
         ]
 
-    def most_likely_late(self, places: Sequence[Array]) -> Array:
-        """Lateness of each dive's separation at each of w places, given what else differs between dives, (w, d) [s].
+    def most_likely_late(self, histories: Histories) -> Array:
+        """Lateness of each dive's separation under w settings, given what else differs between dives, (w, d) [s].
 
         Where the vehicle starts with a jerk its readings are linear in the lateness over a few hundredths of a second
         only: less than the scatter.
         """
-        settings = np.repeat(np.stack(places, axis=1), 2, axis=1)
-        settings[self._clock, 1::2] += LATE_STEP
-        late = np.zeros((len(places), len(self.parts)))
+        late: Array = np.zeros((histories.settings, len(self.parts)))
         for _ in range(LATE_STEPS):
-            readings = self.forward.readings(self.coordinates, settings, late=np.repeat(late, 2, axis=0))
-            for place, (here, later) in enumerate(zip(readings[:, ::2].T, readings[:, 1::2].T, strict=True)):
-                column = (later - here) / LATE_STEP
-                late[place] = [
-                    _later(own, (self.y - here)[rows], column[rows], known)
-                    for own, rows, known in zip(self._others, self.parts, late[place], strict=True)
+            readings, later = histories.readings(late), histories.readings(late + LATE_STEP)
+            left, columns = self.y[:, None] - readings, (later - readings) / LATE_STEP
+            late = np.array(
+                [
+                    _later(own, left[rows], columns[rows], known)
+                    for own, rows, known in zip(self._others, self.parts, late.T, strict=True)
                 ]
+            ).T
         return late
 
     @cached_property
@@ -217,12 +225,13 @@ class DescentLinear:
         """Covariance of each dive's readings at nominal noise, lateness aside; sensitivities as in the base model."""
         settings = np.repeat(self.centre[:, None], 3, axis=1)
         settings[self._names.index("drag-bias"), 1] += DRAG_STEP
-        readings = self.forward.readings(self.coordinates, settings, np.array([1.0, 1.0, 1.0 + WEIGHT_STEP]))
+        factors = np.array([1.0, 1.0, 1.0 + WEIGHT_STEP])
+        readings = self.forward.histories(self.coordinates, settings, factors).readings()
         drag, weight = ((readings[:, 1:] - readings[:, :1]) / [DRAG_STEP, WEIGHT_STEP]).T
         sensitivities = np.stack([np.zeros_like(drag), np.ones_like(drag), drag, weight], axis=1)
         return [
-            dive_covariance(log.t, log.sd, sensitivities[rows], np.zeros(len(rows)), [NOMINAL])[0]
-            for log, rows in zip(self.forward.logs, self.parts, strict=True)
+            (still + scattered_covariance(sensitivities[rows], np.zeros(len(rows)), [NOMINAL]))[0]
+            for still, rows in zip(self._still((NOMINAL,)), self.parts, strict=True)
         ]
 
     @cached_property
@@ -274,23 +283,34 @@ class DescentLinear:
         counts = [len(rows) for rows in self.parts]
         return linear.sensitivity("release") * np.repeat(linear.late, counts)
 
-    def covariances(self, linear: Linear, noises: Sequence[Noise]) -> list[Array]:
+    def covariances(self, linear: Linear, noises: tuple[Noise, ...]) -> list[Array]:
         """Covariance of each dive's readings beside the catalogue's coordinates, at each of g noises: (g, m, m) [m²].
 
         A cause with a shape of its own is a caricature of what it names: what it adds to the readings is uncertain
         by a smooth factor, `SHAPE_SD`.
         """
         return [
-            dive_covariance(log.t, log.sd, linear.sensitivities[rows], linear.bend[rows], noises)
+            still
+            + scattered_covariance(linear.sensitivities[rows], linear.bend[rows], noises)
             + caricature(log.t, linear.shaped[rows])
-            for log, rows in zip(self.forward.logs, self.parts, strict=True)
+            for still, log, rows in zip(self._still(noises), self.forward.logs, self.parts, strict=True)
         ]
+
+    def _still(self, noises: tuple[Noise, ...]) -> list[Array]:
+        """Covariance of each dive's readings that no fit changes, at each of g noises, shape (g, m, m) [m²]."""
+        if noises not in self._known_still:
+            self._known_still[noises] = [still_covariance(log.t, log.sd, noises) for log in self.forward.logs]
+        return self._known_still[noises]
+
+    @cached_property
+    def _known_still(self) -> dict[tuple[Noise, ...], list[Array]]:
+        return {}
 
     def total_covariance(self, linear: Linear, noise: Noise, prior_sd: Array) -> Array:
         """Covariance of all readings with the coordinates' priors, shape (N, N) [m²]."""
         scaled = np.concatenate([linear.columns * prior_sd, linear.nuisances * [noise.scatter, 1.0]], axis=1)
         total = scaled @ scaled.T
-        for rows, block in zip(self.parts, self.covariances(linear, [noise]), strict=True):
+        for rows, block in zip(self.parts, self.covariances(linear, (noise,)), strict=True):
             total[np.ix_(rows, rows)] += block[0]
         return np.asarray(total)
 
@@ -306,15 +326,19 @@ class DescentLinear:
         grams, log_determinants = [], []
         for rows, covariance in zip(self.parts, self.covariances(linear, grid()), strict=True):
             factor = np.linalg.cholesky(covariance)
-            white = np.linalg.solve(factor, both[rows])
+            white = np.stack([lapack.dtrtrs(one.T, both[rows], trans=1)[0] for one in factor])
             grams.append(np.swapaxes(white, 1, 2) @ white)
             log_determinants.append(2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1))
         counts = np.array([len(rows) for rows in self.parts])
         return Evidence(np.stack(grams, axis=1), np.stack(log_determinants, axis=1), counts)
 
 
-def _later(covariance: Array, left: Array, column: Array, late: float) -> float:
-    """One Gauss–Newton step of a dive's lateness [s], from what is left of its readings and their sensitivity to it."""
-    weights = np.linalg.solve(covariance, column)
-    precision = float(weights @ column) + DIVE_SD["release"] ** -2
-    return float(weights @ (left + late * column)) / precision
+def _later(covariance: Array, left: Array, columns: Array, late: Array) -> Array:
+    """One Gauss–Newton step of a dive's lateness under w settings, shape (w,) [s].
+
+    From what is left of its readings and their sensitivity to it, both of shape (m, w).
+    """
+    weights = np.linalg.solve(covariance, columns)
+    precision = np.sum(weights * columns, axis=0) + DIVE_SD["release"] ** -2
+    found = np.sum(weights * (left + late * columns), axis=0) / precision
+    return np.asarray(np.clip(found, -EARLIEST, EARLIEST))

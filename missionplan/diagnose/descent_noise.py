@@ -51,13 +51,25 @@ NOMINAL = Noise(1.0, WALK_CENTRE, EDDY_CENTRE, 0.0)
 """In the middle of the grid, for the climb."""
 
 
-def dive_covariance(t: Array, sd: Array, sensitivities: Array, bend: Array, noises: Sequence[Noise]) -> Array:
-    """σ²I + κ²(J S Jᵀ + bend²) + turbulence for each of g noises, shape (g, m, m) [m²].
+def still_covariance(t: Array, sd: Array, noises: Sequence[Noise]) -> Array:
+    """σ²I + turbulence for each of g noises, which no model of the dive changes, shape (g, m, m) [m²].
 
     Parameters
     ----------
     t, sd : array, shape (m,)
         Times [s] and the sensor's standard deviations [m].
+    noises : sequence of Noise, length g
+        Hyperparameters.
+    """
+    wandered = {eddy: wandering(t - min(0.0, float(t.min())), eddy) for eddy in {noise.eddy for noise in noises}}
+    return np.stack([np.diag(sd**2) + noise.walk * wandered[noise.eddy] for noise in noises])
+
+
+def scattered_covariance(sensitivities: Array, bend: Array, noises: Sequence[Noise]) -> Array:
+    """κ²(J S Jᵀ + bend²) for each of g noises, shape (g, m, m) [m²].
+
+    Parameters
+    ----------
     sensitivities : array, shape (m, 4)
         Of the readings to release, zero, drag and weight, in the order of `DIVE_SD`.
     bend : array, shape (m,)
@@ -66,11 +78,8 @@ def dive_covariance(t: Array, sd: Array, sensitivities: Array, bend: Array, nois
         Hyperparameters.
     """
     scaled = sensitivities * np.array(list(DIVE_SD.values()))
-    scattered = scaled @ scaled.T + np.diag(bend**2)
-    wandered = {eddy: wandering(t - min(0.0, float(t.min())), eddy) for eddy in {noise.eddy for noise in noises}}
-    return np.stack(
-        [np.diag(sd**2) + noise.scatter**2 * scattered + noise.walk * wandered[noise.eddy] for noise in noises]
-    )
+    scatter = np.array([noise.scatter for noise in noises])
+    return np.asarray(scatter[:, None, None] ** 2 * (scaled @ scaled.T + np.diag(bend**2)))
 
 
 def wandering(t: Array, eddy: float) -> Array:

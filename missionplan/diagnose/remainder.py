@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
+from scipy.linalg import lapack, solve_triangular
 from scipy.spatial.distance import cdist
 from scipy.special import logsumexp
 
@@ -97,7 +97,8 @@ def _smooth_functions(axis: Axis, length: float) -> Array:
     """Columns B with B Bᵀ the squared-exponential covariance of the axis' smooth functions, shape (N, m)."""
     places, index = np.unique(axis.inputs, axis=0, return_inverse=True)
     kernel = np.exp(-0.5 * cdist(places, places, "sqeuclidean") / length**2)
-    values, vectors = np.linalg.eigh(kernel)
-    kept = values > NEGLIGIBLE * values[-1]
-    basis = (vectors[:, kept] * np.sqrt(values[kept]))[index.ravel()]
+    factor, pivots, rank, _ = lapack.dpstrf(kernel, tol=NEGLIGIBLE, lower=1)
+    basis = np.empty((len(places), rank))
+    basis[pivots - 1] = np.tril(factor)[:, :rank]
+    basis = basis[index.ravel()]
     return np.concatenate([basis * direction[:, None] for direction in axis.directions.T], axis=1)

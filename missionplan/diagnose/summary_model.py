@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.diagnose import descent_menu
-from missionplan.diagnose.coordinates import Coordinate, parameters_from
+from missionplan.diagnose.coordinates import Coordinate
 from missionplan.diagnose.descent_data import DiveLog
-from missionplan.diagnose.descent_forward import STEP, DescentForward
+from missionplan.diagnose.descent_forward import STEP, DescentForward, Histories
 from missionplan.diagnose.descent_model import DescentModel
 from missionplan.diagnose.model import Fit
 from missionplan.diagnose.residuals import Residuals
@@ -50,16 +50,13 @@ class SummaryForward(DescentForward):
 
     tests: tuple[TestSummary, ...] = ()
 
-    def readings(
-        self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0, late: Scalars = 0.0
-    ) -> Array:
-        """Quantities of all tests, less the base model's where the table prints measured less simulated.
-
-        Parameters and result as `DescentForward.readings`; `late` is zero, see `SummaryModel.most_likely_late`.
-        """
+    def histories(
+        self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0
+    ) -> "SummaryQuantities":
+        """Quantities of all tests, less the base model's where the table prints measured less simulated."""
         relative = np.concatenate([test.relative for test in self.tests])
         found = self._quantities(coordinates, values, weight_factor)
-        return np.asarray(found - np.where(relative[:, None], self._plain, 0.0))
+        return SummaryQuantities(found - np.where(relative[:, None], self._plain, 0.0))
 
     @cached_property
     def _plain(self) -> Array:
@@ -68,8 +65,7 @@ class SummaryForward(DescentForward):
 
     def _quantities(self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars) -> Array:
         count, settings = len(self.tests), values.shape[1]
-        named = parameters_from(coordinates, np.repeat(values, count, axis=1)).items()
-        effects = [*self.given, *(self._effect(name, parameters) for name, parameters in named)]
+        effects = (*self.given, *self._effects(coordinates, np.repeat(values, count, axis=1)))
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
         trials = count * settings
         depths = np.tile([test.site_depth for test in self.tests], settings)
@@ -92,12 +88,32 @@ class SummaryForward(DescentForward):
 
 
 @dataclass(frozen=True)
+class SummaryQuantities:
+    """Quantities of all tests under b settings, shape (N, b), where logs have the histories of their sensor."""
+
+    values: Array
+
+    @property
+    def settings(self) -> int:
+        """Number of settings, b."""
+        return int(self.values.shape[1])
+
+    def readings(self, late: Scalars = 0.0) -> Array:
+        """Return the quantities, shape (N, b); `late` is zero, see `SummaryModel.most_likely_late`."""
+        return self.values
+
+    def among(self, settings: NDArray[np.intp]) -> "SummaryQuantities":
+        """Those under some of the settings."""
+        return SummaryQuantities(self.values[:, settings])
+
+
+@dataclass(frozen=True)
 class SummaryModel(DescentModel):
     """Base model and catalogue bound to summaries."""
 
-    def most_likely_late(self, places: Sequence[Array]) -> Array:
+    def most_likely_late(self, histories: Histories) -> Array:
         """Zero: the numbers of a table are linear in the lateness of a separation."""
-        return np.zeros((len(places), len(self.parts)))
+        return np.zeros((histories.settings, len(self.parts)))
 
     def residuals(self, fit: Fit) -> Residuals:
         """Residuals without axes: a handful of numbers has no structure to be tested."""

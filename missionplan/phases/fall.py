@@ -4,6 +4,7 @@ A stage runs on its own clock, which starts for each trial when its last stage e
 coincide though their events do not.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -77,8 +78,10 @@ class Fall:
             return np.broadcast_to(self.depth, t.shape)
         inside = np.clip(t, 0.0, self.time) / self.step
         index = np.minimum(inside.astype(np.intp), len(self.depths) - 2)
-        z0, z1 = (np.take_along_axis(self.depths, index + k, axis=0) for k in (0, 1))
-        r0, r1 = (np.take_along_axis(self.rates, index + k, axis=0) for k in (0, 1))
+        trials = self.depths.shape[1]
+        flat = index * trials + np.arange(trials)
+        z0, z1 = (self.depths.take(flat + k) for k in (0, trials))
+        r0, r1 = (self.rates.take(flat + k) for k in (0, trials))
         return _hermite(inside - index, z0, self.step * r0, z1, self.step * r1)
 
 
@@ -121,7 +124,7 @@ def fall(
     floats = bool(np.all(np.isneginf(stop.shallowest)))
     grid = [(z, u + water)]
     t = 0.0
-    for k in range(max(1, round(time_limit / step))):
+    for k in range(max(1, math.ceil(time_limit / step))):
         if not ends.under_way.any():
             break
         t = k * step

@@ -1,14 +1,83 @@
 """What a depth sensor logs of a descent: the model that measured dives are fitted with."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missionplan.phases.descent import SLOWEST_DESCENT, STAGE_TIME, Stages, per_trial, sink
 from missionplan.phases.descent_forces import DescentHooks, Dive, FreeVehicle
 from missionplan.phases.fall import STEP, Fall, Stop, fall
 from missionplan.phases.hooks import DescentEffect
 from missionplan.physics.arrays import Array
+
+
+@dataclass(frozen=True)
+class SensorHistory:
+    """What a depth sensor reads of n dives on a uniform grid of time.
+
+    Attributes
+    ----------
+    step : float
+        Of the grid, which starts at the separation [s].
+    depths : array, shape (m, n)
+        Readings [m].
+    delay : array, shape (n,)
+        By how much the dive is late on the clock of its log [s].
+    """
+
+    step: float
+    depths: Array
+    delay: Array
+
+    def at(self, times: Array) -> Array:
+        """Readings at times of each dive's log since the separation, shape (k, n) [s]; nan where `times` is [m].
+
+        Between the grid's points linear: within step²/8 times the acceleration, 1 mm for the prototype. Held at the
+        grid's ends.
+        """
+        rows, trials = self.depths.shape
+        place = np.clip(np.nan_to_num(times - self.delay) / self.step, 0.0, rows - 1.000001)
+        row = place.astype(np.intp)
+        flat = row * trials + np.arange(trials)
+        low, high = self.depths.take(flat), self.depths.take(flat + trials)
+        return np.where(np.isnan(times), np.nan, low + (high - low) * (place - row))
+
+    def among(self, trials: NDArray[np.intp] | slice) -> "SensorHistory":
+        """The history of some of the dives."""
+        return SensorHistory(self.step, self.depths[:, trials], self.delay[trials])
+
+
+def sensor_history(
+    dive: Dive, trials: int, until: float, *, effects: Iterable[DescentEffect] = (), step: float = STEP
+) -> SensorHistory:
+    """Run dives and read the vehicle's depth sensor on a grid of time.
+
+    Parameters
+    ----------
+    dive : Dive
+        Each trial may have its own weights, line length, depth and effects' parameters.
+    trials : int
+        n.
+    until : float
+        Last time since the separation that is asked for, by the log's clock [s].
+    effects : iterable of DescentEffect
+    step : float
+        Of the integration, and of the grid on which the sensor reads [s].
+
+    Returns
+    -------
+    SensorHistory
+        0 before the line is taut.
+    """
+    hooks = DescentHooks(effects)
+    delay = per_trial(hooks.delay(per_trial(dive.line_length, trials)), trials)
+    last = max(until - float(np.min(delay)), 0.0)
+    grid = np.arange(int(np.ceil(last / step)) + 2, dtype=np.float64) * step
+    stages = sink(dive, hooks, trials, step=step, keep=True, until=float(grid[-1]))
+    since = np.broadcast_to(grid[:, None], (grid.size, trials))
+    return SensorHistory(step, hooks.reading(grid, true_depth(dive, hooks, stages, since, step=step)), delay)
 
 
 def simulate_readings(dive: Dive, times: Array, *, effects: Iterable[DescentEffect] = (), step: float = STEP) -> Array:
@@ -27,22 +96,10 @@ def simulate_readings(dive: Dive, times: Array, *, effects: Iterable[DescentEffe
     Returns
     -------
     array, shape (k, n)
-        [m]; 0 before the line is taut; nan where `times` is. Between the grid's points linear: within step²/8 times
-        the acceleration, 1 mm for the prototype.
+        [m]; 0 before the line is taut; nan where `times` is.
     """
-    hooks = DescentHooks(effects)
-    trials = times.shape[1]
-    late = per_trial(hooks.delay(per_trial(dive.line_length, trials)), trials)
-    own = times - late
-    last = float(np.nanmax(own, initial=0.0))
-    grid = np.arange(int(np.ceil(last / step)) + 2, dtype=np.float64) * step
-    stages = sink(dive, hooks, trials, step=step, keep=True, until=float(grid[-1]))
-    since = np.broadcast_to(grid[:, None], (grid.size, trials))
-    reading = hooks.reading(grid, true_depth(dive, hooks, stages, since, step=step))
-    place = np.clip(np.nan_to_num(own) / step, 0.0, grid.size - 1.000001)
-    index = place.astype(np.intp)
-    low, high = (np.take_along_axis(reading, index + k, axis=0) for k in (0, 1))
-    return np.where(np.isnan(times), np.nan, low + (high - low) * (place - index))
+    until = float(np.nanmax(times, initial=0.0))
+    return sensor_history(dive, times.shape[1], until, effects=effects, step=step).at(times)
 
 
 def true_depth(dive: Dive, hooks: DescentHooks, stages: Stages, since: Array, *, step: float = STEP) -> Array:
