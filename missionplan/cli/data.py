@@ -32,9 +32,13 @@ def diagnose(
     """What the simulation gets wrong about measured data, why, the extended mission, and what it gains."""
 
     def study(loaded: "Mission", progress: Any) -> "Result":
+        from missionplan.montecarlo.sharing import start_workers
+
+        workers = o.worker_count(jobs)
+        start_workers(workers, "missionplan.diagnose.study")  # they import while this process does
         from missionplan.diagnose.study import diagnose
 
-        return diagnose(loaded, dataset, seed=seed, jobs=o.worker_count(jobs), progress=progress)
+        return diagnose(loaded, dataset, seed=seed, jobs=workers, progress=progress)
 
     run_study(mission, "diagnose", study, o.Output(out, force, as_json, quiet), allow_outside=allow_outside)
 

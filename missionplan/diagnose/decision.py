@@ -2,7 +2,8 @@
 
 import math
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,9 @@ from missionplan.diagnose.data import TANK
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission, load
 from missionplan.mission.phases import MoorPhase
+from missionplan.montecarlo.sharing import shared
 from missionplan.results.base import to_yaml
+from missionplan.results.sweep import SweepCurve
 from missionplan.studies.simulate import simulate
 from missionplan.studies.size_anchor import size_anchor
 from missionplan.studies.sweep_dmax import sweep_dmax
@@ -29,8 +32,10 @@ def decide(kind: str, base: Mission, extended: Mapping[str, Any], *, seed: int, 
     base : Mission
     extended : mapping
         Data of the extended mission.
-    seed, jobs : int
+    seed : int
         Of the Monte Carlo runs.
+    jobs : int
+        Processes among which the missions are shared.
 
     Returns
     -------
@@ -63,18 +68,19 @@ def load_data(data: Mapping[str, Any]) -> Mission:
 
 
 def _leg_length(base: Mission, extended: Mission, seed: int, jobs: int) -> dict[str, Any]:
-    found = []
-    for mission in (base, extended):
-        plain = mission.model_copy(update={"sweep": type(mission.sweep).model_validate({"d_max": GRID})})
-        sweep = sweep_dmax(plain, trials=TRIALS, seed=seed, jobs=jobs, method="monte-carlo")
-        found.append(sweep.curves[0])
-    before, after = found
+    before, after = shared(partial(_sweeps, seed), (base, extended), jobs=jobs)
     same = after.points[before.best_index]
     return {
         "before": {"d_max_m": before.best.d_max, "cost": _finite(before.best.cost), "arrived": _value(before.best)},
         "after": {"d_max_m": after.best.d_max, "cost": _finite(after.best.cost), "arrived": _value(after.best)},
         "base_choice_under_extended": {"d_max_m": same.d_max, "cost": _finite(same.cost), "arrived": _value(same)},
     }
+
+
+def _sweeps(seed: int, missions: Sequence[Mission]) -> list[SweepCurve]:
+    """Cost over d_max of each mission."""
+    plain = [m.model_copy(update={"sweep": type(m.sweep).model_validate({"d_max": GRID})}) for m in missions]
+    return [sweep_dmax(m, trials=TRIALS, seed=seed, method="monte-carlo").curves[0] for m in plain]
 
 
 def _value(point: Any) -> float:
@@ -86,16 +92,23 @@ def _finite(value: float) -> float | None:
 
 
 def _anchor(base: Mission, extended: Mission, seed: int, jobs: int) -> dict[str, Any]:
-    chosen = [float(size_anchor(m, trials=TRIALS, seed=seed, jobs=jobs).anchor.wet_weight) for m in (base, extended)]
-    results = [
-        _odds(mission, weight, seed, jobs)
-        for mission, weight in ((base, chosen[0]), (extended, chosen[1]), (extended, chosen[0]))
-    ]
+    chosen = shared(partial(_anchors, seed), (base, extended), jobs=jobs)
+    cases = [(base, chosen[0]), (extended, chosen[1]), (extended, chosen[0])]
+    results = shared(partial(_odds, seed), cases, jobs=jobs)
     return dict(zip(("before", "after", "base_choice_under_extended"), results, strict=True))
 
 
-def _odds(mission: Mission, weight: float, seed: int, jobs: int) -> dict[str, Any]:
-    """Probabilities of a mooring with a given anchor."""
+def _anchors(seed: int, missions: Sequence[Mission]) -> list[float]:
+    """Wet weight of the anchor that each mission would have [N]."""
+    return [float(size_anchor(mission, trials=TRIALS, seed=seed).anchor.wet_weight) for mission in missions]
+
+
+def _odds(seed: int, cases: Sequence[tuple[Mission, float]]) -> list[dict[str, Any]]:
+    """Probabilities of each mooring with a given anchor."""
+    return [_mooring(mission, weight, seed) for mission, weight in cases]
+
+
+def _mooring(mission: Mission, weight: float, seed: int) -> dict[str, Any]:
     moor = next(phase for phase in mission.phases if isinstance(phase, MoorPhase))
     entries = tuple(
         entry.model_copy(update={"moor": entry.moor.model_copy(update={"anchor_wet_weight": weight})})
@@ -103,7 +116,7 @@ def _odds(mission: Mission, weight: float, seed: int, jobs: int) -> dict[str, An
         else entry
         for entry in mission.entries
     )
-    outcome = simulate(mission.model_copy(update={"entries": entries}), trials=TRIALS, seed=seed, jobs=jobs)
+    outcome = simulate(mission.model_copy(update={"entries": entries}), trials=TRIALS, seed=seed)
     phase = next(phase for phase in outcome.phases if phase.name == moor.name)
     return {
         "anchor_wet_weight_n": weight,

@@ -83,16 +83,14 @@ class DescentModel(DescentLinear):
                 best[index] = end
         places = [(causes, best[index].at) for index, (causes, _) in enumerate(wanted)]
         linears = self.linearise(places) if any(causes for causes, _ in places) else [self.base] * len(places)
-        fits = [self._integrated(causes, linear) for (causes, _), linear in zip(places, linears, strict=True)]
-        return self._settled(fits)
+        return [self._integrated(causes, linear) for (causes, _), linear in zip(places, linears, strict=True)]
 
-    def _settled(self, fits: Sequence[Fit | Failure]) -> list[Fit | Failure]:
+    def settled(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
         """Fits linearised anew where the posterior lies off the place that the climb, at nominal noise, ended at.
 
         A step towards the posterior's mean is taken if the joint density there is greater; if not, a shorter one.
         """
         found = list(fits)
-        best = max((fit.log_evidence for fit in fits if isinstance(fit, Fit)), default=0.0)
         shares = {i: 1.0 for i, fit in enumerate(fits) if isinstance(fit, Fit) and fit.log_evidence > best - NEAR}
         for _ in range(MOVES):
             moving = {i: fit for i, fit in enumerate(found) if i in shares and isinstance(fit, Fit)}
@@ -126,19 +124,6 @@ class DescentModel(DescentLinear):
         factor = _factor(self.total_covariance(linear, grid()[fit.state.best], narrow))
         prior = np.asarray(norm.logpdf(at, 0.0, slab))
         return float(_log_normal((linear.y - linear.columns[:, free] @ at)[:, None], factor)[0] + prior.sum())
-
-    def fit(self, causes: Causes, near: Sequence[Fit] = ()) -> Fit:
-        """Fit one set.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            When it cannot be fitted.
-        """
-        found = self.fit_all([(causes, near)])[0]
-        if isinstance(found, Failure):
-            raise np.linalg.LinAlgError(found.reason)
-        return found
 
     def _lanes(self, causes: Causes, near: Sequence[Fit], family: int) -> list[Lane]:
         free = self.free(causes)

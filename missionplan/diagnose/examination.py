@@ -11,6 +11,7 @@ from missionplan.diagnose.remainder import Remainder, remainder
 from missionplan.diagnose.residuals import outlying_groups
 from missionplan.diagnose.selection import Candidate, Progress, Selection, credible_set, posteriors, select
 from missionplan.diagnose.verdict import Claim, Verdict, claim, verdict
+from missionplan.montecarlo.sharing import shared
 
 SCORED = 3
 """Sets whose held-out gain is measured."""
@@ -61,7 +62,7 @@ class Examination:
     outlying_groups: tuple[tuple[str, float], ...]
 
 
-def examine(model: Model, progress: Progress = silent) -> Examination:
+def examine(model: Model, progress: Progress = silent, jobs: int = 1) -> Examination:
     """Diagnose a model of a data set.
 
     Parameters
@@ -70,9 +71,11 @@ def examine(model: Model, progress: Progress = silent) -> Examination:
         Base model and catalogue, bound to the data.
     progress : callable
         Told what is being done.
+    jobs : int
+        Processes.
     """
-    selection = select(model, progress)
-    gains = _gains(model, selection, progress)
+    selection = select(model, progress, jobs)
+    gains = _gains(model, selection, progress, jobs)
     checks = _checks(model, selection, tuple(gains))
     best = selection.ranking[0] if selection.ranking else None
     claimed = claim(selection, gains.get(best.causes) if best else None)
@@ -100,13 +103,14 @@ def examine(model: Model, progress: Progress = silent) -> Examination:
     )
 
 
-def _gains(model: Model, selection: Selection, progress: Progress) -> dict[Causes, HeldOut]:
+def _gains(model: Model, selection: Selection, progress: Progress, jobs: int) -> dict[Causes, HeldOut]:
     """Held-out gain of the best few sets that could be claimed or rival the claim."""
     worth = [candidate for candidate in selection.ranking[:SCORED] if _worth_scoring(candidate, selection)]
     if not worth:
         return {}
     progress("predicting held-out data", 0, 1)
-    base, *extended = model.held_out([selection.base, *(candidate.fit for candidate in worth)])
+    fits = [selection.base, *(candidate.fit for candidate in worth)]
+    base, *extended = shared(model.held_out, fits, jobs=jobs)
     return {candidate.causes: compare(base, scores) for candidate, scores in zip(worth, extended, strict=True)}
 
 

@@ -97,7 +97,11 @@ class Model(Protocol):
         ...
 
     def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
-        """Fit several sets of causes, each started from the fits of its parts."""
+        """Fit several sets of causes, each started from the fits of its parts and independent of the others."""
+        ...
+
+    def settled(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+        """Improve fits where that could matter, given the greatest log evidence of those fitted together."""
         ...
 
     def promise(self, causes: Causes, parent: Fit) -> float:

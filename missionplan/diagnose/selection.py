@@ -3,11 +3,13 @@
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from missionplan.diagnose.model import Causes, Failure, Fit, Model
+from missionplan.diagnose.model import Causes, Failure, Fit, Model, Wanted
 from missionplan.errors import RunError
+from missionplan.montecarlo.sharing import shared
 
 PRICE = 3.0
 """Nats that each cause beyond the first must earn, and that a claim must exceed."""
@@ -19,6 +21,8 @@ BEAM = 3
 HIDDEN = 8
 """Pairs outside the beam that are fitted as well, by their quick promise."""
 MOST = 3
+SHARED = 16
+"""Sets from which on fitting them is worth sharing among processes."""
 CREDIBLE = 0.95
 
 Progress = Callable[[str, int, int], None]
@@ -76,7 +80,7 @@ class Selection:
     catalogue: int
 
 
-def select(model: Model, progress: Progress = lambda what, done, of: None) -> Selection:
+def select(model: Model, progress: Progress = lambda what, done, of: None, jobs: int = 1) -> Selection:
     """Fit the base model, every cause alone, and pairs and triples about the best (a beam).
 
     Parameters
@@ -85,13 +89,15 @@ def select(model: Model, progress: Progress = lambda what, done, of: None) -> Se
         Model of the data.
     progress : callable
         Told what is being done.
+    jobs : int
+        Processes that fit.
 
     Raises
     ------
     RunError
         When not even the base model can be fitted.
     """
-    base = model.fit_all([((), ())])[0]
+    base = _fitted(model, [((), ())])[0]
     if isinstance(base, Failure):
         raise RunError(f"the base model cannot be fitted: {base.reason}")
     tried: dict[frozenset[str], Candidate] = {}
@@ -105,7 +111,7 @@ def select(model: Model, progress: Progress = lambda what, done, of: None) -> Se
         if size == 2:
             wanted += _promising(model, base, {*tried, *(frozenset(causes) for causes, _ in wanted)})
         progress(f"fitting sets of {size}", 0, len(wanted))
-        for fit in model.fit_all([(causes, _parts(causes, parent, alone)) for causes, parent in wanted]):
+        for fit in _fitted(model, [(causes, _parts(causes, parent, alone)) for causes, parent in wanted], jobs):
             if isinstance(fit, Failure):
                 failed.append(fit)
                 continue
@@ -119,6 +125,14 @@ def select(model: Model, progress: Progress = lambda what, done, of: None) -> Se
     possible = [candidate for candidate in best if candidate.fit.possible and _earned(candidate, tried)]
     impossible = [candidate for candidate in best if not candidate.fit.possible]
     return Selection(base, tuple(possible), tuple(impossible), tuple(failed), len(model.candidates))
+
+
+def _fitted(model: Model, wanted: Sequence[Wanted], jobs: int = 1) -> list[Fit | Failure]:
+    """Fit several sets, and improve on the best of them."""
+    jobs = jobs if len(wanted) >= SHARED else 1
+    fits = shared(model.fit_all, wanted, jobs=jobs)
+    best = max((fit.log_evidence for fit in fits if isinstance(fit, Fit)), default=0.0)
+    return shared(partial(model.settled, best=best), fits, jobs=jobs)
 
 
 def _promising(model: Model, base: Fit, known: set[frozenset[str]]) -> list[tuple[Causes, Fit]]:

@@ -85,7 +85,7 @@ def diagnose(
     seed : int, optional
         Of the plans before and after; default the mission's. The diagnosis itself draws nothing.
     jobs : int
-        Processes for the plans.
+        Processes for fits, predictions and plans; the numbers are the same with any.
     plan : bool
         Whether to plan with both models.
     progress : callable, optional
@@ -107,7 +107,7 @@ def _diagnosis(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: b
     started = time.perf_counter()
     model, data, kind = _bind(dataset, mission, seed)
     stage("data read")
-    found = examine(model, lambda what, done, of: stage(what))
+    found = examine(model, lambda what, done, of: stage(what), jobs)
     described = _Described(model, found)
     extended = _extended(mission, found.best, data)
     stage("next measurements")

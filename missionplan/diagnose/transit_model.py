@@ -104,6 +104,10 @@ class TransitModel(TransitNoise):
                 found.append(Failure(causes, str(error)))
         return found
 
+    def settled(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+        """Fits are where they should be."""
+        return list(fits)
+
     def promise(self, causes: Causes, parent: Fit) -> float:
         """What the causes beyond a parent's would add to its log density, its hyperparameters held; inf if unknown."""
         if any(name in (*RANDOM, *WAVERING) for name in causes if name not in parent.causes):

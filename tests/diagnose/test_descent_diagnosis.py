@@ -9,7 +9,7 @@ from missionplan.diagnose.binding import descent_model
 from missionplan.diagnose.coordinates import Coordinate
 from missionplan.diagnose.descent_data import DescentData, binned
 from missionplan.diagnose.descent_fit import Lane, climb
-from missionplan.diagnose.descent_noise import NOMINAL, caricature, dive_covariance, wandering
+from missionplan.diagnose.descent_noise import NOMINAL, caricature, scattered_covariance, still_covariance, wandering
 from missionplan.diagnose.examination import examine
 from missionplan.effects import CATALOGUE
 from missionplan.phases.readings import simulate_readings
@@ -74,7 +74,8 @@ def test_a_start_beside_a_cliff_is_given_up(start, end):
 def test_covariance_of_a_dive():
     t = np.array([0.0, 1.0, 2.0])
     sensitivities = np.array([[0.0, 1.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0]])
-    (found,) = dive_covariance(t, np.full(3, 0.1), sensitivities, np.zeros(3), [NOMINAL])
+    still = still_covariance(t, np.full(3, 0.1), [NOMINAL])
+    found = (still + scattered_covariance(sensitivities, np.zeros(3), [NOMINAL]))[0]
     expected = 0.01 * np.eye(3) + 0.01 * np.outer(t, t) + 0.0025 + NOMINAL.walk * wandering(t, NOMINAL.eddy)
     np.testing.assert_allclose(found, expected)
     np.testing.assert_allclose(np.diag(caricature(t, np.full(3, 2.0))), (0.02 * 2.0) ** 2)
@@ -119,10 +120,23 @@ def test_a_hidden_cause_is_found_and_measured(measured, name, parameters):
     assert gain.rmse_extended < 0.6 * gain.rmse_base
 
 
+def test_sets_fitted_apart_are_as_sets_fitted_together(measured):
+    """Which is why they may be shared among processes."""
+    model = measured("drag-bias", fraction=0.1)
+    wanted = [((name,), ()) for name in ("drag-bias", "sensor-lag", "drag-crisis", "stratification", "added-mass")]
+    together = model.fit_all(wanted)
+    parts = [model.fit_all(wanted[part::2]) for part in (0, 1)]
+    for index, fit in enumerate(together):
+        apart = parts[index % 2][index // 2]
+        assert apart.causes == fit.causes
+        assert apart.log_evidence == pytest.approx(fit.log_evidence, abs=1e-9)
+        np.testing.assert_allclose([e.value for e in apart.estimates], [e.value for e in fit.estimates], rtol=1e-9)
+
+
 def test_each_dive_is_linearised_about_its_own_lateness(measured):
     late = np.array([0.2, -0.15, 0.1, -0.05])
     model = measured(late=late)
-    (found,) = model.most_likely_late([model.centre])
+    (found,) = model.most_likely_late(model.forward.histories(model.coordinates, model.centre[:, None]))
     np.testing.assert_allclose(found, late, atol=0.05)
     linear = model.base
     np.testing.assert_allclose(linear.late, found)
