@@ -338,7 +338,10 @@ def _later(covariance: Array, left: Array, columns: Array, late: Array) -> Array
 
     From what is left of its readings and their sensitivity to it, both of shape (m, w).
     """
-    weights = np.linalg.solve(covariance, columns)
-    precision = np.sum(weights * columns, axis=0) + DIVE_SD["release"] ** -2
-    found = np.sum(weights * (left + late * columns), axis=0) / precision
+    precise = np.linalg.inv(covariance)
+    found = []
+    rows = (np.ascontiguousarray(values.T) for values in (columns, left))
+    for one, rest, known in zip(*rows, late, strict=True):  # one by one: bits the same whatever the others are
+        weights = precise @ one
+        found.append(weights @ (rest + known * one) / (weights @ one + DIVE_SD["release"] ** -2))
     return np.asarray(np.clip(found, -EARLIEST, EARLIEST))
