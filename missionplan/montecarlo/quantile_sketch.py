@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,8 +105,13 @@ class QuantileSketch:
         filled = np.minimum(np.maximum(limits, start), end) - start
         share = np.divide(filled, end - start, out=(limits >= start).astype(float), where=end > start)
         place = numbers - self.first
-        below: Array = np.cumsum(self.counts)[place] - self.counts[place] * (1.0 - share)
+        below: Array = self._up_to[place] - self.counts[place] * (1.0 - share)
         return below
+
+    @cached_property
+    def _up_to(self) -> Integers:
+        """Counts up to each bin, its own included."""
+        return self.counts.cumsum()
 
     def quantile(self, probability: float) -> float:
         """Give a quantile, within 0.05 % of an order statistic next to it; nan when empty."""
@@ -115,9 +121,8 @@ class QuantileSketch:
         """Give several quantiles, each within 0.05 % of an order statistic next to it; nan when empty."""
         if not self.counts.size:
             return [math.nan] * len(probabilities)
-        reached = np.cumsum(self.counts)
-        last = int(reached[-1]) - 1
-        places = reached.searchsorted([probability * last for probability in probabilities], side="right")
+        last = int(self._up_to[-1]) - 1
+        places = self._up_to.searchsorted([probability * last for probability in probabilities], side="right")
         return [_middle(self.first + place) for place in places.tolist()]
 
 

@@ -125,54 +125,42 @@ class Moments:
     def of(cls, values: Array) -> "Moments":
         """Take the moments of one block, shape (..., n)."""
         sums = np.add.reduce(values, axis=-1)
-        if values.size and not np.isnan(sums).any():
-            return cls._of_all(values, sums)
-        return cls._of_reached(values)
-
-    @classmethod
-    def of_rows(cls, rows: Array) -> "Moments":
-        """Take the moments of one block, shape (k, n), where some rows hold nan and others do not."""
-        (count, trials), sums = rows.shape, np.add.reduce(rows, axis=-1)
-        broken = np.isnan(sums)
-        if rows.size and not broken.any():
-            return cls._of_all(rows, sums)
-        missing = np.zeros(count, dtype=np.int64)
-        missing[broken] = np.count_nonzero(np.isnan(rows[broken]), axis=-1)
-        zeros, infinite = np.zeros(count), np.full(count, math.inf)
-        found = cls(trials - missing, missing, zeros, zeros.copy(), infinite, -infinite)
-        some = broken & (missing < trials)
-        if trials and not broken.all():
-            found._put(~broken, cls._of_all(rows[~broken], sums[~broken]))
-        if some.any():
-            found._put(some, cls._of_reached(rows[some]))
+        if not values.size:
+            return cls._of_reached(values)
+        found, broken = cls._of_all(values, sums), np.isnan(sums)
+        if broken.any():
+            found._put(broken, cls._of_reached(values[broken]))
         return found
 
     @classmethod
     def _of_all(cls, values: Array, sums: Array) -> "Moments":
-        """Take the moments of values none of which is nan, from their sums."""
-        trials = values.shape[-1]
-        mean = np.asarray(sums / trials)
+        """Take the moments of values from their sums; nan where one of them is."""
+        mean = np.asarray(sums / values.shape[-1])
         deviations = values - mean[..., None]
         squares = np.einsum("...t,...t->...", deviations, deviations)
         low, high = np.minimum.reduce(values, axis=-1), np.maximum.reduce(values, axis=-1)
-        count, missing = np.full(mean.shape, trials), np.zeros(mean.shape, dtype=np.int64)
-        return cls(count, missing, mean, *map(np.asarray, (squares, low, high)))
+        missing = np.zeros(mean.shape, dtype=np.int64)
+        return cls(*map(np.asarray, (missing + values.shape[-1], missing, mean, squares, low, high)))
 
     @classmethod
     def _of_reached(cls, values: Array) -> "Moments":
         """Take the moments of values some of which are nan, in more passes."""
         reached = ~np.isnan(values)
-        count = np.count_nonzero(reached, axis=-1)
+        count = np.asarray(np.count_nonzero(reached, axis=-1), dtype=np.int64)
+        missing = values.shape[-1] - count
+        if not count.any():
+            zeros, infinite = np.zeros(count.shape), np.full(count.shape, math.inf)
+            return cls(count, missing, zeros, zeros, infinite, -infinite)
         kept = np.where(reached, values, 0.0)
         mean = kept.sum(axis=-1) / np.maximum(count, 1)
         deviations = np.where(reached, values - mean[..., None], 0.0)
         return cls(
-            count=np.asarray(count, dtype=np.int64),
-            missing=np.asarray(values.shape[-1] - count, dtype=np.int64),
-            mean=np.asarray(mean),
-            squares=np.asarray(np.square(deviations).sum(axis=-1)),
-            low=np.asarray(np.min(np.where(reached, values, math.inf), axis=-1, initial=math.inf)),
-            high=np.asarray(np.max(np.where(reached, values, -math.inf), axis=-1, initial=-math.inf)),
+            count=count,
+            missing=missing,
+            mean=mean,
+            squares=np.square(deviations).sum(axis=-1),
+            low=np.min(np.where(reached, values, math.inf), axis=-1),
+            high=np.max(np.where(reached, values, -math.inf), axis=-1),
         )
 
     def merge(self, other: "Moments") -> "Moments":
