@@ -18,7 +18,6 @@ from missionplan.phases.state import TrialState, per_trial
 from missionplan.phases.transit_plan import (
     Normals,
     Surroundings,
-    Track,
     TransitNormals,
     TransitPlan,
     VelocityError,
@@ -65,8 +64,7 @@ class Legs:
         self._count = state.trials  # trials under way
         self._set_moving(state.alive & (self._left >= plan.arrival_radius))
         self._tracked = tracked
-        self._positions: list[Array] = []
-        self._clocks: list[Array] = []
+        self._track: list[Array] = []
         self._mark(self._moving)
         self._allocate()
 
@@ -114,9 +112,9 @@ class Legs:
             whole[..., self._trials] = part
         return self._done
 
-    def track(self) -> Track | None:
+    def track(self) -> Array | None:
         """Give the tracks asked for."""
-        return Track(np.stack(self._positions, axis=1), np.stack(self._clocks)) if self._tracked else None
+        return np.stack(self._track, axis=1) if self._track else None
 
     def _allocate(self) -> None:
         trials = self._left.size
@@ -240,11 +238,10 @@ class Legs:
         """Note where the tracked trials are, nan for those that have arrived."""
         if not self._tracked:
             return
-        under_way = np.ones(self._tracked) if moving is None else moving[: self._tracked]
-        gone = (under_way == 0.0) if self._positions else np.zeros(self._tracked, dtype=bool)
-        place = (self._x + self._goal)[:, : self._tracked]
-        self._positions.append(np.where(gone, np.nan, place))
-        self._clocks.append(np.where(gone, np.nan, self._now()[: self._tracked]))
+        place = self._x[:, : self._tracked] + self._goal[:, : self._tracked]
+        if self._track and moving is not None:
+            place[:, moving[: self._tracked] == 0.0] = np.nan
+        self._track.append(place)
 
 
 def _norm(vectors: Array) -> Array:

@@ -169,22 +169,6 @@ class Surroundings:
 
 
 @dataclass(frozen=True)
-class Track:
-    """Where the first trials of a block went: nan after arrival.
-
-    Attributes
-    ----------
-    position : array, shape (2, m, k)
-        True positions of k trials: the start, then for each leg where it surfaced and where it dived again [m].
-    clock : array, shape (m, k)
-        [s]
-    """
-
-    position: Array
-    clock: Array
-
-
-@dataclass(frozen=True)
 class TransitRecord:
     """What a transit came to, an array of shape (n,) each; of trials that never arrived, up to their last leg.
 
@@ -201,7 +185,9 @@ class TransitRecord:
     energy : array
         [J]
     arrived : array of bool
-    track : Track or None
+    track : array, shape (2, m, k), or None
+        True positions of the first k trials: the start, then for each leg where it surfaced and where it dived again;
+        nan after arrival [m].
     """
 
     duration: Array
@@ -210,4 +196,4 @@ class TransitRecord:
     arrival_error: Array
     energy: Array
     arrived: NDArray[np.bool_]
-    track: Track | None = field(default=None, repr=False)
+    track: Array | None = field(default=None, repr=False)

@@ -123,8 +123,7 @@ def run_plans(
         nominal = np.hypot(*(np.asarray(plan.goal).reshape(2, -1) - state.position)) / plan.speed
         charged = np.maximum(record.surfacings - 1.0, 0.0) * plan.surfacing_time
         cost = (plan.time_under_way(record.distance, record.surfacings) + charged) / nominal - 1.0  # Eq. 25
-        track = record.track.position if record.track is not None else None
-        runs.append(Run(cost, record.duration, record.energy, record.surfacings, record.arrived, nominal, track))
+        runs.append(Run(cost, record.duration, record.energy, record.surfacings, record.arrived, nominal, record.track))
     return runs
 
 

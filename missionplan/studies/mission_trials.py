@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from missionplan.phases.hooks import Scalars
+
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
@@ -30,8 +32,10 @@ class PhaseTrials:
         Of the first trials, nan after the phase has ended for them [m].
     anchor : array, shape (2, n) or (2, 0)
         On the seafloor; none in a transit [m].
-    goal : (2,) array, and arrival radius or mooring radius
-        At the trials' mean [m].
+    goal : array, shape (2, 1) or (2, n)
+        [m]
+    radius : float or array, shape (n,)
+        Of arrival or of the mooring [m].
     inputs : mapping of str to array, shape (n,)
         What was drawn anew each leg or fix, in one number a trial; nothing where it was not asked for.
     """
@@ -46,7 +50,8 @@ class PhaseTrials:
     miss: Array
     track: Array
     anchor: Array
-    goal: tuple[Array, float]
+    goal: Array
+    radius: Scalars
     inputs: Mapping[str, Array]
 
 
@@ -108,5 +113,5 @@ class ShownTrials:
             position=np.concatenate([phase.track for phase in phases]),
             points=np.array([len(phase.track) for phase in phases]),
             anchors=np.concatenate([phase.anchor for phase in phases], axis=1),
-            goals=np.array([(*phase.goal[0], phase.goal[1]) for phase in phases], dtype=float),
+            goals=np.array([(*phase.goal.mean(axis=1), np.mean(phase.radius)) for phase in phases], dtype=float),
         )

@@ -62,7 +62,8 @@ def transition_trials(
         miss=np.full((2, state.trials), np.nan),
         track=np.where(hovering, state.position, np.nan)[None, :, :tracked],
         anchor=np.empty((2, 0)),
-        goal=(state.position.mean(axis=1), 0.0),
+        goal=state.position,
+        radius=0.0,
         inputs={},
     )
     return after, found

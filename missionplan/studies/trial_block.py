@@ -11,7 +11,14 @@ from missionplan.phases.hooks import Array
 from missionplan.phases.moored import moor
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit import transit
-from missionplan.phases.transit_plan import Normals, Surroundings, Track, TransitNormals, TransitPlan, TransitRecord
+from missionplan.phases.transit_plan import (
+    Normals,
+    Surroundings,
+    TransitNormals,
+    TransitPlan,
+    TransitRecord,
+    column,
+)
 from missionplan.studies.mission_trials import Flags, MissionTrials, PhaseTrials
 from missionplan.studies.setting import STILL_WATER, Setting
 from missionplan.studies.transition_trials import transition_trials
@@ -88,8 +95,7 @@ class BlockRun:
         around = Surroundings(setting.current, setting.compensation(phase), setting.effects_under_way(phase))
         after, record = transit(plan, state, normals, around, tracked=min(self.tracked, state.trials))
         kept, out = self._spend(after)
-        goal = np.broadcast_to(plan.goal.reshape(2, -1), (2, state.trials))
-        arrived = record.arrived & ~out
+        goal, arrived = column(plan.goal), record.arrived & ~out
         quantities = {
             "duration_s": record.duration,
             "surfacings": record.surfacings,
@@ -108,7 +114,8 @@ class BlockRun:
             miss=_where(arrived, after.position - goal),
             track=_points(record.track),
             anchor=np.empty((2, 0)),
-            goal=(goal.mean(axis=1), float(np.mean(plan.arrival_radius))),
+            goal=goal,
+            radius=plan.arrival_radius,
             inputs=_leg_inputs(plan, normals, state, record, goal) if self.inputs else {},
         )
         return kept, found, goal
@@ -159,7 +166,8 @@ class BlockRun:
             miss=_where(down, miss),
             track=np.stack([np.where(after.alive, point, np.nan)[:, : self.tracked] for point in points]),
             anchor=_where(down, record.anchor),
-            goal=(np.asarray(goal.mean(axis=1)), float(np.mean(plan.radius))),
+            goal=goal,
+            radius=plan.radius,
             inputs={},
         )
         return kept, found
@@ -192,8 +200,8 @@ def _where(reached: Flags, values: Array) -> Array:
     return values if reached.all() else np.where(reached, values, np.nan)
 
 
-def _points(track: Track | None) -> Array:
-    return np.empty((0, 2, 0)) if track is None else track.position.transpose(1, 0, 2)
+def _points(track: Array | None) -> Array:
+    return np.empty((0, 2, 0)) if track is None else track.transpose(1, 0, 2)
 
 
 def _leg_inputs(

@@ -23,12 +23,12 @@ def two_layers():
 def test_a_steady_drift_is_aimed_off_from_the_second_leg_on(way):
     error = VelocityError.isotropic(0.0, DRIFT)
     _, record = run({"d_max": 500.0, "velocity_error": error, "arrival_radius": 0.6}, compensation=way, tracked=1)
-    after_first = record.track.position[:, 2, 0]
+    after_first = record.track[:, 2, 0]
     assert after_first == pytest.approx([500.0 + 500.0 * DRIFT[0], 500.0 * DRIFT[1]])
     left = np.array([1000.0, 0.0]) - after_first
     planned = np.linalg.norm(left)
     aimed = left - DRIFT * planned
-    assert record.track.position[:, 4, 0] == pytest.approx(after_first + aimed + DRIFT * np.linalg.norm(aimed))
+    assert record.track[:, 4, 0] == pytest.approx(after_first + aimed + DRIFT * np.linalg.norm(aimed))
 
 
 def test_forecast_is_right_from_the_first_leg_on():
@@ -40,7 +40,7 @@ def test_forecast_is_right_from_the_first_leg_on():
     carried = under_way * 250.0 + np.array([0.1, 0.1]) * 60.0
     aimed = np.array([250.0, 0.0]) - carried
     moved = aimed + under_way * np.linalg.norm(aimed) + np.array([0.1, 0.1]) * 60.0
-    assert record.track.position[:, 2, 0] == pytest.approx(moved)
+    assert record.track[:, 2, 0] == pytest.approx(moved)
     assert record.arrived.all()
 
 
@@ -49,11 +49,11 @@ def test_surface_drift_is_learnt_apart_from_the_velocity_error():
     for way in (LastLeg(), RunningMean(np.zeros((2, 2)), 0.0)):
         changes = {"d_max": 400.0, "depth": 10.0, "max_legs": 2}
         _, record = run(changes, compensation=way, current=current, tracked=1)
-        nominal_end = record.track.position[:, 2, 0]
+        nominal_end = record.track[:, 2, 0]
         left = np.array([1000.0, 0.0]) - nominal_end
         expected = nominal_end + 400.0 * left / np.linalg.norm(left)
         assert nominal_end == pytest.approx([400.0, 12.0])
-        assert record.track.position[:, 4, 0] == pytest.approx(expected)
+        assert record.track[:, 4, 0] == pytest.approx(expected)
 
 
 def test_as_printed_subtracts_the_miss_of_the_nominal_destination():
@@ -61,12 +61,12 @@ def test_as_printed_subtracts_the_miss_of_the_nominal_destination():
     error = VelocityError.isotropic(0.0, np.array([0.0, 0.05]))
     changes = {"d_max": 200.0, "velocity_error": error, "max_legs": 2}
     _, record = run(changes, compensation=AsPrinted(), tracked=1)
-    first = record.track.position[:, 2, 0]
+    first = record.track[:, 2, 0]
     assert first == pytest.approx([200.0, 10.0])
     left = np.array([1000.0, 0.0]) - first
     adjusted = 200.0 * left / np.linalg.norm(left) - np.array([0.0, 10.0])
     second = first + adjusted + np.array([0.0, 0.05]) * np.linalg.norm(adjusted)
-    assert record.track.position[:, 4, 0] == pytest.approx(second)
+    assert record.track[:, 4, 0] == pytest.approx(second)
 
 
 def test_as_printed_does_not_converge():
