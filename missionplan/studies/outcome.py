@@ -1,7 +1,8 @@
 """From the reduced blocks of a simulation to its `Outcome`."""
 
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -53,11 +54,12 @@ class Findings:
 
     def outcome(self, provenance: Provenance) -> Outcome:
         """Put the result together."""
-        names = [(phase.name, phase.kind) for phase in self.mission.phases]
+        clocks = [statistic.statistic() for statistic in self._clocks()]
+        phases, spans = self.mission.phases, itertools.pairwise(clocks)
         return Outcome(
             provenance=provenance,
-            phases=tuple(self._phase(name, kind) for name, kind in names),
-            total=self._phase("total", "total"),
+            phases=tuple(self._phase(phase.name, phase.kind, *span) for phase, span in zip(phases, spans, strict=True)),
+            total=self._phase("total", "total", clocks[0], clocks[-1]),
             requirements=self._requirements(),
             attrition=self._attrition(),
             sensitivities=self._sensitivities(),
@@ -67,19 +69,24 @@ class Findings:
             trials_table=self.trials_table,
         )
 
-    def _phase(self, name: str, kind: str) -> PhaseOutcome:
+    def _clocks(self) -> Iterator[RunningStatistic]:
+        """Mission time at the start, and of the trials that came through it at the end of each phase."""
+        yield RunningStatistic.of_constant(0.0, self.tally.trials)
+        for phase in self.mission.phases[:-1]:
+            yield self.tally.statistics[f"{phase.name}.end"]
+        yield self.tally.statistics["total.duration_s"]
+
+    def _phase(self, name: str, kind: str, start: Statistic, end: Statistic) -> PhaseOutcome:
         own = _under(self.tally.statistics, name)
-        clocks = {"start": own.pop("start", None), "end": own.pop("end", None)}
-        start = clocks["start"] or RunningStatistic.of_constant(0.0, self.tally.trials)
-        end = clocks["end"] or own["duration_s"]
+        own.pop("end", None)
         return PhaseOutcome(
             name=name,
             kind=kind,
             quantities={quantity: _statistic(quantity, running) for quantity, running in own.items()},
             events={event: count.probability() for event, count in _under(self.tally.counts, name).items()},
             histograms={quantity: histogram(running) for quantity, running in own.items()},
-            start=start.statistic(),
-            end=end.statistic(),
+            start=start,
+            end=end,
         )
 
     def _requirements(self) -> tuple[RequirementOutcome, ...]:

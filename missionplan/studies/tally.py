@@ -36,7 +36,7 @@ class Tally:
     Attributes
     ----------
     statistics : RunningStatistics
-        Of ``phase.quantity``, of ``phase.start`` and ``phase.end``.
+        Of ``phase.quantity``, and of ``phase.end`` but for the last phase, which ends with the mission.
     counts : mapping of str to Count
         Of ``phase.event``, of ``phase: failure`` (those still good until then), and of each requirement met.
     sample : mapping of str to array, shape (..., m)
@@ -103,11 +103,9 @@ def tally(mission: Mission, trials: MissionTrials, *, sampled: bool) -> Tally:
     quantities = {f"total.{name}": values for name, values in trials.total.items()}
     counts = {"total.success": Count.of(trials.success)}
     for phase in trials.phases:
-        timed = {"start": phase.start, "end": phase.end}
-        for name, values in {**phase.quantities, **timed}.items():
-            quantities[f"{phase.name}.{name}"] = values
-        for name, happened in phase.events.items():
-            counts[f"{phase.name}.{name}"] = Count.of(happened)
+        quantities |= {f"{phase.name}.{name}": values for name, values in phase.quantities.items()}
+        counts |= {f"{phase.name}.{name}": Count.of(happened) for name, happened in phase.events.items()}
+    quantities |= {f"{phase.name}.end": phase.end for phase in trials.phases[:-1]}
     counts |= {step: Count.of(lost) for step, lost in _first_losses(trials).items()}
     for index, requirement in enumerate(mission.requirements):
         key, bounds = requirement_key(mission, requirement.quantity)
