@@ -13,7 +13,7 @@ import tempfile
 import time
 from collections.abc import Mapping, Sequence
 from functools import reduce
-from operator import itemgetter
+from itertools import chain
 from pathlib import Path
 from unittest.mock import patch
 
@@ -58,8 +58,8 @@ def function_block(item: Item) -> tuple[RunningStatistics, float]:
     started = time.perf_counter()
     found = list(map(transit_trial, speeds, seeds))
     inside = time.perf_counter() - started
-    outputs = {name: np.fromiter(map(itemgetter(place), found), float, size) for place, name in enumerate(OUTPUTS)}
-    return RunningStatistics.of(outputs), inside
+    columns = np.fromiter(chain.from_iterable(found), float, size * len(OUTPUTS)).reshape(size, -1).T
+    return RunningStatistics.of(dict(zip(OUTPUTS, columns, strict=True))), inside
 
 
 def run_function(cases: int, workers: int) -> dict[str, float]:
