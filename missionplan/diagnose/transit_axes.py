@@ -11,7 +11,9 @@ Array = NDArray[np.float64]
 
 
 def transit_axes(data: TransitData, leg: Leg, principal: Array) -> dict[str, Axis]:
-    """Time, place, heading, the hull's axes against time, leg duration, and time at the surface where it varies.
+    """Time, place, heading, the hull's axes against time, leg duration with and across the hull's axes, surface time.
+
+    Durations and times at the surface count where they vary.
 
     Values are ordered leg by leg, first principal axis then second.
 
@@ -38,7 +40,8 @@ def transit_axes(data: TransitData, leg: Leg, principal: Array) -> dict[str, Axi
         "hull": Axis("heading", _twice(time), hull),
     }
     if np.ptp(data.under_way) > 0.1 * np.median(data.under_way):
-        axes["duration"] = Axis("duration", _twice(_unit(data.under_way)[:, None]), fixed)
+        lasted = _twice(_unit(data.under_way)[:, None])
+        axes |= {"duration": Axis("duration", lasted, fixed), "duration-hull": Axis("duration", lasted, hull)}
     if np.ptp(data.surface) > 0.1 * max(float(np.median(data.surface)), 1.0):
         axes["surface"] = Axis("duration", _twice(_unit(data.surface)[:, None]), fixed)
     return axes

@@ -7,6 +7,7 @@ from scipy.stats import multivariate_normal
 from missionplan.diagnose import diagnose
 from missionplan.diagnose.binding import transit_model
 from missionplan.diagnose.decision import load_data
+from missionplan.diagnose.examination import examine
 from missionplan.diagnose.transit_data import read_transit
 from missionplan.effects import CATALOGUE
 
@@ -102,6 +103,17 @@ def test_an_inertial_current_need_not_keep_its_phase(folder, transit_mission, le
     with_more = bound.fit(("inertial-current", "persistent-error"), (alone,))
     assert alone.log_evidence > bound.fit(()).log_evidence + 50.0
     assert with_more.log_evidence < alone.log_evidence
+
+
+def test_metres_lost_on_every_leg_are_no_speed_scale(folder, transit_mission, legs):
+    """A vehicle that gathers way slowly loses most, of a leg's length, on short legs."""
+    table = legs(96, sigma=0.02)
+    through = table[["x_dr_m", "y_dr_m"]].to_numpy() - table[["x_start_m", "y_start_m"]].to_numpy()
+    table[["x_end_m", "y_end_m"]] -= 70.0 * through / np.linalg.norm(through, axis=1)[:, None]
+    found = examine(model(folder, transit_mission, table))
+    assert found.best.causes == ("speed-scale",)
+    assert found.verdict == "partly-explained"
+    assert found.remainder.axis == "duration"
 
 
 def test_what_a_record_cannot_show_is_said(folder, mission, transit_mission, legs):
