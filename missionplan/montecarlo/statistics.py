@@ -5,7 +5,7 @@ A value that is nan belongs to a trial that never reached the quantity: it is le
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,12 @@ class Statistic:
     standard_error: float
     count: int
     missing: int = 0
+
+    @classmethod
+    def of_constant(cls, value: float, trials: int) -> "Statistic":
+        """Report as many trials, at least one, of the same value."""
+        spread = 0.0 if trials > 1 else math.nan
+        return cls(value, spread, value, value, value, spread, trials)
 
     def summary(self) -> dict[str, float | None]:
         """Give the form of ``summary.json``; None for what is not known."""
@@ -215,13 +221,6 @@ class RunningStatistic:
     def of(cls, values: Array) -> "RunningStatistic":
         """Take one block, shape (n,)."""
         return cls(Moments.of(values), QuantileSketch.of(values))
-
-    @classmethod
-    def of_constant(cls, value: float, trials: int) -> "RunningStatistic":
-        """Take as many trials of the same value."""
-        one = cls.of(np.array([value]))
-        moments = replace(one.moments, count=np.asarray(trials))
-        return cls(moments, replace(one.sketch, counts=np.array([trials])))
 
     def merge(self, other: "RunningStatistic") -> "RunningStatistic":
         """Add the next block."""

@@ -54,7 +54,7 @@ class Findings:
 
     def outcome(self, provenance: Provenance) -> Outcome:
         """Put the result together."""
-        clocks = [statistic.statistic() for statistic in self._clocks()]
+        clocks = tuple(self._clocks())
         phases, spans = self.mission.phases, itertools.pairwise(clocks)
         return Outcome(
             provenance=provenance,
@@ -69,12 +69,12 @@ class Findings:
             trials_table=self.trials_table,
         )
 
-    def _clocks(self) -> Iterator[RunningStatistic]:
+    def _clocks(self) -> Iterator[Statistic]:
         """Mission time at the start, and of the trials that came through it at the end of each phase."""
-        yield RunningStatistic.of_constant(0.0, self.tally.trials)
+        yield Statistic.of_constant(0.0, self.tally.trials)
         for phase in self.mission.phases[:-1]:
-            yield self.tally.statistics[f"{phase.name}.end"]
-        yield self.tally.statistics["total.duration_s"]
+            yield self.tally.statistics[f"{phase.name}.end"].statistic()
+        yield self.tally.statistics["total.duration_s"].statistic()
 
     def _phase(self, name: str, kind: str, start: Statistic, end: Statistic) -> PhaseOutcome:
         own = _under(self.tally.statistics, name)
@@ -136,7 +136,7 @@ class Findings:
 
 
 def _under(found: Mapping[str, Value], phase: str) -> dict[str, Value]:
-    return {name.removeprefix(f"{phase}."): value for name, value in found.items() if name.startswith(f"{phase}.")}
+    return {name.removeprefix(f"{phase}."): found[name] for name in found if name.startswith(f"{phase}.")}
 
 
 def _statistic(quantity: str, running: RunningStatistic) -> Statistic:
