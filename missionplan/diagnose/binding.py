@@ -19,6 +19,7 @@ from missionplan.mission.phases import MoorPhase
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.descent_forces import Dive
 from missionplan.phases.hooks import DescentEffect, TransitEffect
+from missionplan.studies.mooring_setting import dive_of
 from missionplan.studies.setting import Setting
 from missionplan.studies.site_current import recorded_current
 
@@ -122,9 +123,8 @@ def _builder(mission: Mission) -> tuple[Callable[[Array, Array], Dive], tuple[De
 
     def build(weights: Array, lines: Array) -> Dive:
         own = {f"{moor.name}.anchor_wet_weight": weights, f"{moor.name}.line_length": lines}
-        return Setting(mission, None, {**setting.draws, "site.depth": 0.0, **own}).dive(
-            moor.model_copy(update={"anchor_wet_weight": float(weights[0])})
-        )
+        here = Setting(mission, None, {**setting.draws, "site.depth": 0.0, **own})
+        return dive_of(here, moor.model_copy(update={"anchor_wet_weight": float(weights[0])}))
 
     return build, tuple(effect for effect in _given(mission) if isinstance(effect, DescentEffect))
 

@@ -16,6 +16,7 @@ from missionplan.phases.descent_forces import Dive
 from missionplan.phases.hooks import Array
 from missionplan.results.anchor import DiveOdds
 from missionplan.studies.anchor_weight import anchor_flooded_mass
+from missionplan.studies.mooring_setting import dive_of
 from missionplan.studies.setting import STILL_WATER, Setting
 
 STEP = 0.2
@@ -123,7 +124,7 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
 
 def dive_with(setting: Setting, phase: MoorPhase, weight: float) -> Dive:
     """Bodies of a mooring's descent with an anchor of a wet weight [N]."""
-    dive = setting.dive(phase)
+    dive = dive_of(setting, phase)
     flooded = setting.get("vehicle.anchor.flooded_mass", np.nan)
     if np.isnan(flooded).all():
         flooded = anchor_flooded_mass(setting.means, weight)

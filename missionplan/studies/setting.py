@@ -1,4 +1,4 @@
-"""A mission with the draws of a block of trials, as the parameters of its phases."""
+"""A mission with the draws of a block of trials, as what its phases share and the parameters of its transits."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from missionplan.effects import CATALOGUE, Effect
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.phases import LegTable as WrittenLegTable
-from missionplan.mission.phases import MoorPhase, TransitPhase
+from missionplan.mission.phases import TransitPhase
 from missionplan.mission.site import Geographic, Position
 from missionplan.mission.vehicle import Vehicle
 from missionplan.montecarlo.distributions import mean_of
@@ -18,19 +18,14 @@ from missionplan.montecarlo.draws import Correlation, JointDistribution
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.compensation import Compensation, Forecast, compensation_named
 from missionplan.phases.currents import Current, LayeredCurrent, layers
-from missionplan.phases.descent_forces import Dive
 from missionplan.phases.drift_filter import DriftFilter
 from missionplan.phases.hooks import Array, DescentEffect, Scalars, TransitEffect
 from missionplan.phases.legs import LegTable
-from missionplan.phases.moored import MoorPlan
 from missionplan.phases.transit_plan import TransitPlan, VelocityError
-from missionplan.physics.added_mass import anchor_added_mass, lamb_axial_coefficient
-from missionplan.physics.buoyancy import displaced_mass
 from missionplan.physics.drag import FORM_CONSTANTS
 from missionplan.physics.energy import propulsive_power
-from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag, anchor_drag
+from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag
 from missionplan.physics.water import Water, sea_water
-from missionplan.studies.anchor_weight import anchor_flooded_mass, worst_case_weight
 from missionplan.studies.drift_model import drift_model
 from missionplan.studies.measured_vehicle import measured_drag, propeller, propeller_power
 from missionplan.studies.shaft_speed import inferred_speed, length_lost, shaft_speeds
@@ -194,7 +189,7 @@ class Setting:
     def capacity(self) -> Scalars:
         """What the battery holds [J]; infinite where the mission does not say."""
         capacity = self.energy("capacity")
-        return capacity if np.all(np.isfinite(capacity)) else float("inf")
+        return capacity if np.isfinite(capacity).all() else float("inf")
 
     def transit_plan(self, phase: TransitPhase) -> TransitPlan:
         """What a transit is told.
@@ -250,54 +245,6 @@ class Setting:
             prior = self.sampled(seed=0, block=PRIOR)
             return DriftFilter(forecast, drift_model(self, prior, phase, forecast))
         return compensation_named(way, forecast, covariance, self.fix_error)
-
-    def dive(self, phase: MoorPhase) -> Dive:
-        """Bodies, line and depth of a mooring's descent.
-
-        An anchor that the mission describes by its construction is built once, from the means of its parts.
-        """
-        vehicle, water = self._vehicle, self.water
-        assert vehicle.anchor is not None
-        hull, diameter = self.vehicle_drag.hull, self["vehicle.anchor.diameter"]
-        weight = self.wet_weight(phase)
-        displaced = displaced_mass(self["vehicle.mass"], self["vehicle.net_buoyancy"])
-        fraction = self.get("vehicle.hull.added_mass", lamb_axial_coefficient(hull.length / hull.diameter))
-        if "vehicle.added_mass.surge" in self.draws:
-            fraction = self["vehicle.added_mass.surge"] / displaced
-        flooded = self.draws.get("vehicle.anchor.flooded_mass")
-        return Dive(
-            wet_weight=weight,
-            anchor_mass=anchor_flooded_mass(self.means, weight) if flooded is None else flooded,
-            anchor_added_mass=self.get("vehicle.anchor.added_mass", anchor_added_mass(diameter / 2.0, water.density)),
-            anchor_drag=anchor_drag(diameter, self["vehicle.anchor.drag_coefficient"], water.density),
-            vehicle_mass=self["vehicle.mass"],
-            vehicle_added_mass=fraction * displaced,
-            net_buoyancy=self["vehicle.net_buoyancy"],
-            vehicle_drag=self.vehicle_drag,
-            line_length=self[f"{phase.name}.line_length"],
-            site_depth=self["site.depth"],
-        )
-
-    def wet_weight(self, phase: MoorPhase) -> Scalars:
-        """Wet weight of the anchor [N]: the mission's, or the one that `sized` asks for."""
-        if phase.anchor_wet_weight == "sized":
-            return worst_case_weight(self.means, phase)
-        return self[f"{phase.name}.anchor_wet_weight"]
-
-    def moor_plan(self, phase: MoorPhase) -> MoorPlan:
-        """What a mooring is told."""
-        name = phase.name
-        return MoorPlan(
-            dive=self.dive(phase),
-            radius=self[f"{name}.radius"],
-            release_time=self[f"{name}.release_time"],
-            hold=self[f"{name}.hold"],
-            galvanic_release=self[f"{name}.galvanic_release"],
-            surfacing_time=self.surfacing_time,
-            fix_error=self.fix_sd,
-            hotel_power=self.energy("hotel"),
-            surfacing_energy=self.energy("surfacing"),
-        )
 
     @property
     def _vehicle(self) -> Vehicle:

@@ -14,6 +14,7 @@ from missionplan.phases.hooks import Array
 from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.vehicle_drag import range_notes
 from missionplan.studies.anchor_weight import anchor_problem
+from missionplan.studies.mooring_setting import wet_weight_of
 from missionplan.studies.setting import Setting
 from missionplan.studies.tally import Tally
 from missionplan.studies.transition_setting import check_transition
@@ -133,7 +134,7 @@ def _anchor_notices(mission: Mission, means: Setting) -> list[str]:
     if uncertain:
         found.append(f"The anchor is built once, from the means of its parts: {', '.join(uncertain)} not drawn.")
     for phase in mission.moors:
-        weight = float(means.wet_weight(phase))
+        weight = float(wet_weight_of(means, phase))
         for failure in solve_anchor(anchor_problem(means), weight).failures:
             found.append(
                 f"{phase.name}: an anchor of {weight:.3g} N wet cannot be built as described: {failure.words}."

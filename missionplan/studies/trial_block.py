@@ -20,6 +20,7 @@ from missionplan.phases.transit_plan import (
     column,
 )
 from missionplan.studies.mission_trials import Flags, MissionTrials, PhaseTrials
+from missionplan.studies.mooring_setting import moor_plan
 from missionplan.studies.setting import STILL_WATER, Setting
 from missionplan.studies.transition_trials import transition_trials
 
@@ -122,7 +123,7 @@ class BlockRun:
 
     def _moor(self, phase: MoorPhase, state: TrialState, goal: Array) -> tuple[TrialState, PhaseTrials]:
         setting, came = self.setting, state.alive
-        plan = setting.moor_plan(phase)
+        plan = moor_plan(setting, phase)
         normals = self.normals(f"{phase.name}.fix", state.trials)
         after, record = moor(
             plan,

@@ -11,6 +11,7 @@ from missionplan.errors import InputError
 from missionplan.montecarlo.distributions import Normal
 from missionplan.physics import propeller as p
 from missionplan.studies.identify import identify
+from missionplan.studies.mooring_setting import dive_of
 from missionplan.studies.setting import Setting
 from missionplan.studies.simulate import simulate_block
 
@@ -46,7 +47,7 @@ def test_measured_drag_takes_the_place_of_the_build_up(tmp_path):
     density = float(setting.water.density)
     assert setting.vehicle_drag(1.5) == pytest.approx(0.5 * density * 0.0114 * 0.3 * 1.5**2)
     assert setting.vehicle_drag(-1.5) == pytest.approx(-setting.vehicle_drag(1.5))
-    dive = setting.dive(mission.moors[0])
+    dive = dive_of(setting, mission.moors[0])
     assert dive.vehicle_drag(1.0) == pytest.approx(0.5 * density * 0.0114 * 0.3)
 
 
@@ -64,8 +65,8 @@ def test_an_exponent_needs_its_reynolds_number(tmp_path):
 
 def test_measured_added_mass_slows_the_dive(tmp_path):
     mission = mission_with(tmp_path, added_mass={"surge": "3 kg"})
-    light = Setting.at_means(mission_with(tmp_path)).dive(mission.moors[0])
-    heavy = Setting.at_means(mission).dive(mission.moors[0])
+    light = dive_of(Setting.at_means(mission_with(tmp_path)), mission.moors[0])
+    heavy = dive_of(Setting.at_means(mission), mission.moors[0])
     assert heavy.vehicle_added_mass == pytest.approx(3.0)
     assert light.vehicle_added_mass < 1.0
 

@@ -13,6 +13,7 @@ from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases import moored
 from missionplan.studies import simulate as module
 from missionplan.studies import trial_block
+from missionplan.studies.mooring_setting import dive_of, wet_weight_of
 from missionplan.studies.setting import Setting
 from missionplan.studies.simulate import simulate, simulate_block
 
@@ -343,12 +344,12 @@ def test_a_sized_anchor_has_the_worst_case_weight(tmp_path):
     mission = chesapeake(tmp_path, {"phases.1.moor.anchor_wet_weight": "sized"})
     setting = Setting.at_means(mission)
     speed = (0.6 * 6.096 + 0.4 * 6.096) * 0.514444 / 22.86
-    dive = setting.dive(mission.moors[0])
+    dive = dive_of(setting, mission.moors[0])
     assert dive.wet_weight == pytest.approx(float(dive.vehicle_drag(speed)) + float(dive.anchor_drag(speed)), rel=1e-5)
     carried = chesapeake(
         tmp_path, {"phases.1.moor.anchor_wet_weight": "sized", "phases.1.moor.carry_net_buoyancy": True}
     )
-    heavier = Setting.at_means(carried).wet_weight(carried.moors[0])
+    heavier = wet_weight_of(Setting.at_means(carried), carried.moors[0])
     assert heavier == pytest.approx(dive.wet_weight + 0.2 * 4.4482216, rel=1e-6)
 
 

@@ -7,6 +7,7 @@ import pytest
 from simulate_missions import EXACT, chesapeake
 
 from missionplan.errors import InputError
+from missionplan.studies.mooring_setting import dive_of
 from missionplan.studies.setting import Setting
 from missionplan.studies.simulate import simulate, simulate_block
 from missionplan.studies.site_current import recorded_current
@@ -178,5 +179,5 @@ def test_without_layers_the_anchor_is_sized_for_one_design_current(tmp_path):
     sized = chesapeake(tmp_path, STEADY | csv(tmp_path, steady) | changes)
     setting = Setting.at_means(sized, recorded_current(sized))
     speed = 0.5 * 0.514444 * 12.192 / 22.86
-    dive = setting.dive(sized.moors[0])
+    dive = dive_of(setting, sized.moors[0])
     assert dive.wet_weight == pytest.approx(float(dive.vehicle_drag(speed)) + float(dive.anchor_drag(speed)), rel=1e-5)
