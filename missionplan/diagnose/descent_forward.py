@@ -24,6 +24,12 @@ LEAST_FACTOR = -0.9
 """Least strength of an effect that multiplies a drag or a weight: less would turn it round."""
 EARLIEST = 1.0
 """How much earlier than its log says a separation may be [s]: ten times the scatter."""
+LAG_ORDER, LAG_ORDER_SD = 0.5, 0.35
+"""How much nearer to a pure delay a sensor's lag is than one of first order: prior mean and standard deviation.
+
+0 is first order, 1 a lag of which one half is a pure delay. Two equal poles lie at 0.5 to 0.7, a moving average at 0.6
+to 0.9. The phase is asked for the mean; the rest is a nuisance of the fit.
+"""
 NO_BOTTOM = 1e5
 """Site depth for the fit [m]: the logs end above touchdown, and so must no model of them reach it."""
 
@@ -74,7 +80,7 @@ class DescentForward:
             Factor on the anchor's wet weight.
         """
         count, settings = len(self.logs), values.shape[1]
-        effects = (*self.given, *self._effects(coordinates, np.repeat(values, count, axis=1)))
+        effects = (*self.given, *self._effects(coordinates, np.repeat(_filtered(coordinates, values), count, axis=1)))
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
         until = max(float(log.fine[-1]) for log in self.logs) + EARLIEST
         with np.errstate(
@@ -175,6 +181,24 @@ class DiveHistories:
         for index, log in enumerate(self.logs):
             times[: len(log.fine), index] = log.fine
         return times
+
+
+def _filtered(coordinates: Sequence[Coordinate], values: Array) -> Array:
+    """Settings, shape (k, b), in which a sensor's lag is of the order expected: a part of it is a pure delay."""
+    names = [coordinate.effect for coordinate in coordinates]
+    if "sensor-lag" not in names:
+        return values
+    return delayed(values, names, 0.5 * LAG_ORDER)
+
+
+def delayed(values: Array, names: Sequence[str], share: float) -> Array:
+    """Coordinates, shape (k, ...), in which a share of the sensor's lag is a pure delay."""
+    lag, clock = names.index("sensor-lag"), names.index("clock-offset")
+    late = share * np.maximum(values[lag], 0.0)
+    result = values.copy()
+    result[lag] -= late
+    result[clock] += late
+    return result
 
 
 def _averaged(log: DiveLog, depths: Array) -> Array:

@@ -10,7 +10,7 @@ from scipy.linalg import lapack
 
 from missionplan.diagnose.coordinates import Coordinate, coordinates_of
 from missionplan.diagnose.descent_fit import jacobian_settings
-from missionplan.diagnose.descent_forward import EARLIEST, DescentForward, Histories
+from missionplan.diagnose.descent_forward import EARLIEST, LAG_ORDER, LAG_ORDER_SD, DescentForward, Histories, delayed
 from missionplan.diagnose.descent_noise import (
     DIVE_SD,
     NOMINAL,
@@ -30,13 +30,10 @@ WEIGHT_STEP, DRAG_STEP, LATE_STEP = 0.01, 0.01, 0.005
 """Steps of the differences: shares of weight and drag, and of lateness [s]."""
 SHIFT = 0.1
 """Shift of the separation at which the readings' bend is taken [s]: its scatter's standard deviation."""
+DELAYED = 0.5
+"""Share of a sensor's lag that is made a pure delay to see what the order of its filter does."""
 LATE_STEPS = 2
 """Gauss–Newton steps towards each dive's most likely lateness."""
-LAG_ORDER_SD = 0.7
-"""How much nearer to a pure delay a sensor's lag may be than one of first order: standard deviation.
-
-1 is a lag of which one half is a pure delay. Two equal poles lie at 0.5 to 0.7, a moving average at 0.6 to 0.9.
-"""
 
 
 @dataclass(frozen=True)
@@ -64,8 +61,8 @@ class Linear:
     shaped : array, shape (N,)
         What the causes with a shape of their own add to the readings [m].
     order : array, shape (N,)
-        What a lag of the sensor would read otherwise if its filter were of another order, `LAG_ORDER_SD` times what
-        it makes that half of the lag is a pure delay; all dives have the same sensor [m].
+        What a lag of the sensor would read otherwise if its filter were higher by `LAG_ORDER_SD` in its order; all
+        dives have the same sensor [m].
     """
 
     at: Array
@@ -187,7 +184,7 @@ class DescentLinear:
             ahead, steps = jacobian_settings(self.coordinates, at, np.array(chosen))
             shifted = np.repeat(at[:, None], 2, axis=1)
             shifted[self._clock] += np.array([SHIFT, -SHIFT])
-            others = np.stack([self._unshaped(at), self._delayed(at)], axis=1)
+            others = np.stack([self._unshaped(at), delayed(at, self._names, DELAYED)], axis=1)
             settings += [at[:, None], np.repeat(at[:, None], 2, axis=1), shifted, others, ahead]
             factors += [np.ones(1), 1.0 + WEIGHT_STEP * np.array([1.0, -1.0]), np.ones(4 + ahead.shape[1])]
             plans.append((chosen, steps))
@@ -247,19 +244,11 @@ class DescentLinear:
         effects = {c.effect for c in self.coordinates if c.kind == "shape"}
         return np.where([c.effect in effects for c in self.coordinates], self.centre, at)
 
-    def _delayed(self, at: Array) -> Array:
-        """Coordinates with a pure delay in the place of half of the sensor's lag, shape (k,)."""
-        lag = self._names.index("sensor-lag")
-        half = 0.5 * max(at[lag], 0.0)
-        delayed = at.copy()
-        delayed[[lag, self._clock]] += -half, half
-        return delayed
-
     def _linear(
         self, causes: Causes, at: Array, late: Array, readings: Array, chosen: list[int], steps: Array
     ) -> Linear:
-        """Linearise one set from its readings: there, heavier, lighter, later, earlier, unshaped, delayed, ahead."""
-        here, heavier, lighter, later, earlier, unshaped, delayed = readings[:, :7].T
+        """Linearise one set from its readings: here, heavier, lighter, later, earlier, unshaped, higher, ahead."""
+        here, heavier, lighter, later, earlier, unshaped, higher = readings[:, :7].T
         columns = np.zeros((len(self.y), len(self.coordinates)))
         columns[:, chosen] = (readings[:, 7:] - here[:, None]) / steps
         free = self.free(causes)
@@ -274,7 +263,7 @@ class DescentLinear:
             readings=here,
             bend=0.5 * np.abs(later + earlier - 2.0 * here) * DIVE_SD["release"] / SHIFT,
             shaped=here - unshaped,
-            order=LAG_ORDER_SD * (delayed - here),
+            order=LAG_ORDER_SD / (DELAYED * (2.0 - LAG_ORDER)) * (higher - here),
         )
         return replace(linear, y=linear.y + self.lateness(linear))
 
