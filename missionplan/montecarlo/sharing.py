@@ -1,10 +1,11 @@
 """One call's items shared among processes: a part is done here while loky's workers do the others."""
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from importlib import import_module
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from joblib.externals.loky import get_reusable_executor
+from joblib.externals.loky import ProcessPoolExecutor
 from joblib.externals.loky.process_executor import BrokenProcessPool
 from threadpoolctl import threadpool_limits
 
@@ -22,7 +23,7 @@ MOST = 4
 def start_workers(jobs: int, module: str) -> None:
     """Start the workers of `shared`; they import a module while this process goes on."""
     if jobs > 1:
-        _executor(jobs).submit(import_module, module)
+        _executor(min(jobs, MOST) - 1).submit(import_module, module)
 
 
 def shared(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int) -> list[Result]:
@@ -46,23 +47,32 @@ def shared(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int) -> l
     RunError
         When a worker process dies.
     """
-    jobs = min(jobs, MOST, len(items))
-    if jobs < 2:
+    if jobs < 2 or len(items) < 2:
         return task(items)
-    executor = _executor(jobs)
+    executor = _executor(min(jobs, MOST) - 1)
+    parts = min(jobs, MOST, len(items))
     try:
-        futures = [executor.submit(_alone, task, items[part::jobs]) for part in range(1, jobs)]
-        parts = [task(items[::jobs]), *(future.result() for future in futures)]
+        futures = [executor.submit(_alone, task, items[part::parts]) for part in range(1, parts)]
+        results = [task(items[::parts]), *(future.result() for future in futures)]
     except KeyboardInterrupt:
-        executor.shutdown(wait=False, kill_workers=True)
+        _end(executor)
         raise
     except BrokenProcessPool as error:
+        _end(executor)
         raise RunError("a worker process died (out of memory, or killed)") from error
-    return [parts[index % jobs][index // jobs] for index in range(len(items))]
+    return [results[index % parts][index // parts] for index in range(len(items))]
 
 
-def _executor(jobs: int) -> Any:
-    return get_reusable_executor(max_workers=min(jobs, MOST) - 1)
+@cache
+def _executor(workers: int) -> ProcessPoolExecutor:
+    """Processes of this module's own: joblib keeps, and replaces, those of its own calls."""
+    return ProcessPoolExecutor(max_workers=workers)
+
+
+def _end(executor: ProcessPoolExecutor) -> None:
+    """End the processes at once, whatever they are doing; the next call starts others."""
+    _executor.cache_clear()
+    executor.shutdown(wait=False, kill_workers=True)
 
 
 def _alone(task: "Part[Item, Result]", items: Sequence[Item]) -> list[Result]:
