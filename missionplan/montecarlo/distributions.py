@@ -18,6 +18,9 @@ from typing_extensions import override
 
 Array = NDArray[np.float64]
 
+NEVER = 1e-20
+"""Probability of a draw that no run will ever see."""
+
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(200)
 _FAR = 12.0  # standard deviations beyond which a normal holds nothing that a float can tell
 
@@ -41,8 +44,8 @@ class NormalTransform(ABC):
     def truncated(self, low: float = -math.inf, high: float = math.inf) -> "Distribution":
         """Truncate to the physical range of a quantity.
 
-        Returns the distribution itself when all of it lies inside; else `mass_cut` of the result says how much
-        did not.
+        Returns the distribution itself when all of it lies inside, but for less than `NEVER`; else `mass_cut` of the
+        result says how much did not.
 
         Raises
         ------
@@ -51,7 +54,7 @@ class NormalTransform(ABC):
         """
         whole = cast("Distribution", self)
         below, above = _tails(whole, low, high)
-        if below + above <= 0.0:
+        if below + above < NEVER:
             return whole
         if below + above >= 1.0:
             raise ValueError(f"no part of the distribution lies between {low:g} and {high:g}")

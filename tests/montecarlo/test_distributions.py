@@ -58,6 +58,8 @@ def test_truncation_reports_the_probability_cut():
     assert Normal(1.0, 1.0).truncated(low=0.0).mass_cut == pytest.approx(stats.norm.sf(1.0))
     assert Choices((1.0, 2.0, 3.0, 4.0)).truncated(low=1.5).mass_cut == pytest.approx(0.25)
     assert Uniform(-1.0, 3.0).truncated(0.0, 2.0).mass_cut == pytest.approx(0.5)
+    assert Normal(9.0, 1.0).truncated(low=0.0).mass_cut == pytest.approx(stats.norm.sf(9.0))
+    assert Normal(9.5, 1.0).truncated(low=0.0) == Normal(9.5, 1.0)
     assert TruncatedNormal(10.0, 3.0, low=0.0).mass_cut == 0.0
 
 
