@@ -27,6 +27,8 @@ class Setting:
     """Smallest way to touchdown [m]."""
     longest_time: float
     """Of a dive, about [s]."""
+    lines: tuple[float, ...]
+    """Length of the line by the dive's number [m]."""
 
 
 Builder = Callable[[float, np.random.Generator, Setting], tuple[Twist, Parameters]]
@@ -266,6 +268,23 @@ def _internal_wave(size, rng, setting):
     return Twist(water=lambda t, z: size * np.sin(2.0 * np.pi * z / length + phase)), {}
 
 
+def _line_drag(size, rng, setting):
+    """The line itself drags along its length: skin friction of some 4 mm of braid is 2 % of the whole a metre."""
+    return Twist(drag=lambda t, u, z, number: 1.0 + size * setting.lines[number]), {}
+
+
+def _motor_runs_on(size, rng, setting):
+    """The motor is still on when the line comes taut and drives the vehicle down until it is stopped."""
+    stop = rng.uniform(3.0, 10.0)
+    idle = rng.uniform(1.2, 1.8) * setting.fastest
+    force = size * setting.lightest
+
+    def resist(t, u):
+        return -force * max(0.0, 1.0 - u / idle) if t < stop else 0.0
+
+    return Twist(resist=resist), {}
+
+
 OUTSIDE: dict[str, Cause] = {
     "spooling-line": Cause(0.4, 1.5, _spooling_line),
     "pitch-oscillation": Cause(0.8, 3.0, _pitch_oscillation),
@@ -275,4 +294,6 @@ OUTSIDE: dict[str, Cause] = {
     "weight-loss": Cause(0.12, 0.4, _weight_loss),
     "bio-fouling": Cause(0.06, 0.20, _bio_fouling),
     "internal-wave": Cause(0.10, 0.35, _internal_wave),
+    "line-drag": Cause(0.008, 0.04, _line_drag),
+    "motor-runs-on": Cause(0.25, 1.0, _motor_runs_on),
 }

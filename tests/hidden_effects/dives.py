@@ -80,7 +80,8 @@ def draw_plan(rng: np.random.Generator, scenario: str, wanted: Sequence[str]) ->
     weights = middle * spread ** np.linspace(-0.5, 0.5, int(rng.integers(2, 4)))
     base_line = rng.uniform(3.0, 5.0)
     tie = scenario == "tie"
-    vary = not tie and (bool({"line-payout", "clock-offset"} & set(wanted)) or rng.random() < 0.6)
+    by_line = {"line-payout", "clock-offset", "line-drag"}
+    vary = not tie and (bool(by_line & set(wanted)) or rng.random() < 0.6)
     lines = base_line * np.array([1.0, 2.0, 3.0][: int(rng.integers(2, 4))]) if vary else np.array([base_line])
     count = int(rng.integers(4 if scenario in ("pair", "outside") else 3, 9))
     site = round(rng.uniform(18.0, 42.0) + (lines[-1] - lines[0]), 1)
@@ -108,7 +109,8 @@ def setting_of(plan: Plan) -> Setting:
     weights = [dive.wet_weight for dive in plan.dives]
     slow, fast = plan.craft.terminal_speed(min(weights)), plan.craft.terminal_speed(max(weights))
     ways = [dive.site_depth - dive.line for dive in plan.dives]
-    return Setting(min(weights), slow, fast, min(ways), max(ways) / slow + 6.0)
+    lines = tuple(dive.line for dive in plan.dives)
+    return Setting(min(weights), slow, fast, min(ways), max(ways) / slow + 6.0, lines)
 
 
 def turbulence(rng: np.random.Generator, sd: float, time: float) -> Twist:
@@ -192,19 +194,21 @@ def hide(
         _build(name, 0.5, 1.0, shape[name], setting)[1].get("clock-offset.time", 1.0) < 0 for name in names
     ):
         return None
+    enlarged = False
     while names:
         built = {name: _build(name, severity[name], 1.0, shape[name], setting) for name in names}
         twists = {name: built[name][0] for name in names}
         total, far = strength(plan, noise, tuple(twists.values()))
         weak = [name for name in names if not _stands_out(plan, noise, names, twists, name, far, total)]
         if not weak:
-            if len(names) == 1 and severity[names[0]] > -1.0 and total > LOUD:
+            if len(names) == 1 and not enlarged and severity[names[0]] > -1.0 and total > LOUD:
                 severity[names[0]] -= 0.25
                 continue
             break
         if any(severity[name] >= 1.0 for name in weak):
             return None
         severity |= {name: min(1.0, severity[name] + 0.34) for name in weak}
+        enlarged = True  # and not made smaller again: what is unlike the catalogue may have to be loud
     built = {name: _build(name, severity[name], scale, shape[name], setting) for name in names}
     twists = tuple(item[0] for item in built.values())
     reached = 0.0

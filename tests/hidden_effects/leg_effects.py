@@ -46,8 +46,8 @@ class Bend:
     """Unknown velocity of the water from time and position."""
     surface: Callable[[float], Array] | None = None
     """Drift at the surface, from time."""
-    push: Callable[[float], Array] | None = None
-    """Displacement on every leg whatever its length, from the heading [m]."""
+    push: Callable[[float, float, float], Array] | None = None
+    """Displacement of a leg [m], from heading, speed through the water and time under way."""
     fix_sd: float = 0.0
     stretch: Array | None = None
     """Factor on each leg's independent velocity error, shape (legs,)."""
@@ -85,6 +85,11 @@ def _ellipse(rng: np.random.Generator, major: float, rotary: float) -> tuple[com
     return left * np.exp(1j * (tilt + phase)), right * np.exp(1j * (tilt - phase))
 
 
+def _tide(parts: list[tuple[float, complex, complex]], t: float) -> complex:
+    """East + i north of constituents, each of angular frequency, anticlockwise and clockwise amplitude."""
+    return sum(left * np.exp(1j * omega * t) + right * np.exp(-1j * omega * t) for omega, left, right in parts)
+
+
 def _mean_current(size, rng, survey):
     """A steady current with a slight swing over the days."""
     current = _toward(rng, size)
@@ -106,8 +111,7 @@ def _tidal_current(size, rng, survey):
     depth, phase = rng.uniform(0.0, 0.1), rng.uniform(0.0, 2.0 * np.pi)
 
     def velocity(t, position):
-        w = sum(left * np.exp(1j * omega * t) + right * np.exp(-1j * omega * t) for omega, left, right in parts)
-        w *= 1.0 + depth * np.cos(2.0 * np.pi * t / (13.66 * 86400.0) + phase)
+        w = _tide(parts, t) * (1.0 + depth * np.cos(2.0 * np.pi * t / (13.66 * 86400.0) + phase))
         return np.array([w.real, w.imag])
 
     return Bend(current=velocity), {}
@@ -285,7 +289,45 @@ def _storm_drift(size, rng, survey):
 def _slow_start(size, rng, survey):
     """Every leg loses the same distance at the start, while the vehicle gathers way."""
     lost = size * survey.sigma * survey.leg_time
-    return Bend(push=lambda heading: -lost * np.array([np.sin(heading), np.cos(heading)])), {}
+    return Bend(push=lambda heading, speed, time: -lost * np.array([np.sin(heading), np.cos(heading)])), {}
+
+
+def _weed(size, rng, survey):
+    """Weed winds itself round the propeller at some hour and costs way until it comes off, if it does."""
+    caught = rng.uniform(0.1, 0.7) * survey.span
+    shed = caught + rng.uniform(0.1, 0.6) * survey.span
+    return Bend(pace=lambda t: 1.0 - size if caught < t < shed else 1.0), {}
+
+
+def _gyro_creep(size, rng, survey):
+    """Under water a rate gyro holds the heading: right at every dive, it turns away evenly until the next fix.
+
+    The Earth's own rotation, if left in, is 15 degrees an hour times the sine of the latitude.
+    """
+    rate = _sign(rng) * size
+
+    def aside(heading, speed, time):
+        half = 0.5 * rate * time
+        chord = np.sinc(half / np.pi) * np.array([np.sin(heading + half), np.cos(heading + half)])
+        return speed * time * (chord - np.array([np.sin(heading), np.cos(heading)]))
+
+    return Bend(push=aside), {}
+
+
+def _tidal_race(size, rng, survey):
+    """Off a headland the tide runs hard; some way from it hardly."""
+    centre = rng.standard_normal(2) * 0.7 * survey.extent
+    radius = rng.uniform(0.3, 0.7) * survey.extent
+    parts = []
+    for name, share in (("M2", 1.0), ("S2", rng.uniform(0.1, 0.4))):
+        parts.append((2.0 * np.pi / PERIODS[name], *_ellipse(rng, size * share, rng.uniform(-0.3, 0.3))))
+
+    def velocity(t, position):
+        d = (position - centre) / radius
+        w = _tide(parts, t) * np.exp(-0.5 * float(d @ d))
+        return np.array([w.real, w.imag])
+
+    return Bend(current=velocity), {}
 
 
 OUTSIDE: dict[str, Cause] = {
@@ -296,4 +338,9 @@ OUTSIDE: dict[str, Cause] = {
     "leeway": Cause(np.radians(3.0), np.radians(12.0), _leeway),
     "storm-drift": Cause(0.10, 0.40, _storm_drift),
     "slow-start": Cause(0.5, 2.5, _slow_start),
+    "weed": Cause(0.08, 0.30, _weed),
+    "gyro-creep": Cause(np.radians(3.0) / HOUR, np.radians(20.0) / HOUR, _gyro_creep),
+    "tidal-race": Cause(0.10, 0.50, _tidal_race),
 }
+STUDIED = frozenset({"slow-start"})
+"""Seen in a study to pass for a speed scale, and used while developing since: no blind test any more."""

@@ -17,6 +17,7 @@ from .dive_effects import CATALOGUE as DIVE_CATALOGUE
 from .dive_effects import OUTSIDE as DIVE_OUTSIDE
 from .drag import Craft, friction, spheroid_share
 from .leg_effects import CATALOGUE as LEG_CATALOGUE
+from .leg_effects import HOUR, PERIODS, STUDIED
 from .leg_effects import OUTSIDE as LEG_OUTSIDE
 
 HERE = Path(__file__).parent
@@ -154,6 +155,69 @@ def test_inertial_current_turns_clockwise_north_of_the_equator():
         turn = np.angle(complex(e1, n1) / complex(e0, n0))
         inertial = sign * 4.0 * np.pi / 86164.0905 * np.sin(np.radians(45.0)) * 600.0
         assert turn == pytest.approx(inertial, rel=0.025)
+
+
+def _outside_leg(name: str, size: float, seed: int = 4):
+    field = transits.draw_survey(np.random.default_rng(5), "outside", (name,)).field
+    return LEG_OUTSIDE[name].build(size, np.random.default_rng(seed), field)[0], field
+
+
+def test_gyro_creep_is_the_integral_of_a_turning_course():
+    """Halfway off to the side at first order, ½ U ω T², and by quadrature for a large angle."""
+    rate = np.radians(12.0) / HOUR
+    bend, _ = _outside_leg("gyro-creep", rate)
+    first = bend.push(0.0, 1.2, 600.0)
+    assert abs(first[0]) == pytest.approx(0.5 * 1.2 * rate * 600.0**2, rel=1e-3)
+    heading, speed, time = 2.0, 0.8, 2.5 * HOUR
+    course = heading + np.sign(first[0]) * rate * (np.arange(20000) + 0.5) * time / 20000
+    made_good = speed * time * np.array([np.sin(course).mean(), np.cos(course).mean()])
+    reckoned = speed * time * np.array([np.sin(heading), np.cos(heading)])
+    np.testing.assert_allclose(bend.push(heading, speed, time), made_good - reckoned, atol=1e-3)
+
+
+def test_weed_slows_once_and_for_a_while():
+    bend, field = _outside_leg("weed", 0.2)
+    pace = np.array([bend.pace(t) for t in np.linspace(0.0, 1.3 * field.span, 2000)])
+    assert set(pace) == {1.0, 0.8}
+    assert np.count_nonzero(np.diff(pace)) == 2
+    assert 0.1 / 1.3 < np.mean(pace < 1.0) < 0.6 / 1.3 + 1e-3
+
+
+def test_tidal_race_is_a_tide_and_only_near_one_place():
+    bend, field = _outside_leg("tidal-race", 0.4)
+    grid = 3.0 * field.extent * np.stack(np.meshgrid(*2 * [np.linspace(-1.0, 1.0, 31)]), axis=-1).reshape(-1, 2)
+    speed = np.array([np.hypot(*bend.current(3.0 * HOUR, place)) for place in grid])
+    assert np.median(speed) < 0.05 * speed.max()
+    place = grid[np.argmax(speed)]
+    series = np.array([bend.current(t, place) for t in np.arange(0.0, 60.0 * PERIODS["M2"], HOUR)])
+    assert np.abs(series.mean(axis=0)).max() < 0.02 * np.abs(series).max()
+    assert np.abs(series).max() < 0.4 * 1.4
+
+
+def test_line_drag_follows_the_line_of_the_dive():
+    setting = dives.Setting(10.0, 1.2, 1.8, 15.0, 30.0, lines=(4.0, 12.0))
+    twist, _ = DIVE_OUTSIDE["line-drag"].build(0.02, np.random.default_rng(0), setting)
+    assert [twist.drag(3.0, 1.0, 2.0, number) for number in (0, 1)] == pytest.approx([1.08, 1.24])
+
+
+def test_motor_drives_down_until_it_is_stopped():
+    """Deeper than the plain dive, and at the plain dive's speed long after."""
+    setting = dives.Setting(11.7, 1.6, 1.6, 35.0, 30.0, lines=(5.0,))
+    twist, _ = DIVE_OUTSIDE["motor-runs-on"].build(0.5, np.random.default_rng(0), setting)
+    plain, other = (sink(PAPER, Dive(11.7, 5.0, 60.0), twists, 45.0) for twists in ((), (twist,)))
+    stopped = int((plain.t_taut + 10.0) / 0.02)
+    assert twist.resist(2.0, 0.0) == pytest.approx(-0.5 * 11.7)
+    assert 0.3 < other.depth[stopped] - plain.depth[stopped] < 5.0
+    ahead = other.depth - plain.depth
+    late = (plain.t > other.t_touchdown - 5.0) & (plain.t < other.t_touchdown)
+    assert np.ptp(ahead[late]) < 0.02
+
+
+def test_studied_effects_are_some_of_those_outside():
+    assert set(LEG_OUTSIDE) > STUDIED
+    assert not set(LEG_OUTSIDE) & set(DIVE_OUTSIDE)  # one set of names serves both kinds
+    assert not set(LEG_OUTSIDE) & set(LEG_CATALOGUE)
+    assert not set(DIVE_OUTSIDE) & set(DIVE_CATALOGUE)
 
 
 def test_degrees_keep_the_length_of_a_step():

@@ -231,7 +231,7 @@ def _moved_by(bends, survey, t, heading, speed, time, wait, middle) -> Array:
         if bend.surface:
             moved = moved + wait * bend.surface(t + time + 0.5 * wait)
         if bend.push:
-            moved = moved + bend.push(heading)
+            moved = moved + bend.push(heading, speed, time)
     return moved
 
 
@@ -316,19 +316,22 @@ def hide(survey: Survey, names: Sequence[str], rng: np.random.Generator, noise_s
             built[name] = (*cause.build(size, np.random.default_rng(shape[name]), survey.field), float(size))
         return built
 
+    enlarged = False
     while True:
         built = build(1.0)
         alone = {name: sail(survey, (built[name][0],), np.random.default_rng(noise_seed)) for name in names}
         log = sail(survey, tuple(item[0] for item in built.values()), np.random.default_rng(noise_seed))
         weak = [name for name in names if not _stands_out(survey, names, built, alone, log, name)]
         if not weak:
-            if len(names) == 1 and severity[names[0]] > -1.0 and _strength(survey, log, names, built) > LOUD:
+            loud = len(names) == 1 and not enlarged and _strength(survey, log, names, built) > LOUD
+            if loud and severity[names[0]] > -1.0:
                 severity[names[0]] -= 0.25
                 continue
             break
         if any(severity[name] >= 1.0 for name in weak):
             return None
         severity |= {name: min(1.0, severity[name] + 0.34) for name in weak}
+        enlarged = True  # and not made smaller again: what is unlike the catalogue may have to be loud
     if scale != 1.0:
         built = build(scale)
         log = sail(survey, tuple(item[0] for item in built.values()), np.random.default_rng(noise_seed))
