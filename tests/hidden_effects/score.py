@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import binom
 
+from .leg_effects import STUDIED
 from .tool import Outcome
 
 DESCRIPTIONS = {"persistent-error", "heavy-tails", "random-walk", "fix-error"}
@@ -131,6 +132,8 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
         by.setdefault(outcome.case.scenario, []).append(outcome)
     controls, single, weak = by.get("control", []), by.get("single", []), by.get("weak", [])
     pairs, outside, ties = by.get("pair", []), by.get("outside", []), by.get("tie", [])
+    blind = [o for o in outside if o.case.outside not in STUDIED]
+    studied = [o for o in outside if o.case.outside in STUDIED]
     right = 0.95 if single and single[0].case.kind == "transit" else 0.93
     sizes = [float(len(o.diagnosis.get("credible_set", []))) for o in single]
     gains = [ratio for o in single + pairs if (ratio := gain(o)) is not None]
@@ -146,8 +149,9 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
         _share("two effects: truth in the 95 % set", [in_credible_set(o) for o in pairs]),
         _share("two effects: at least one", [bool(set(o.case.truth) & set(named(o))) for o in pairs], low=0.95),
         _share("wrong name asserted on a weak effect", [bool(o.error) or asserts_wrongly(o) for o in weak], high=0.10),
-        _share("outside the catalogue: flagged", [is_not_misnamed(o) for o in outside], low=0.70),
-        _share("outside the catalogue: flagged by the verdict", [is_flagged(o) for o in outside]),
+        _share("outside the catalogue, blind: flagged", [is_not_misnamed(o) for o in blind], low=0.70),
+        _share("outside the catalogue, blind: flagged by the verdict", [is_flagged(o) for o in blind]),
+        _share("outside the catalogue, studied: flagged", [is_not_misnamed(o) for o in studied]),
         _share("exact tie: one of the tied claimed", [o.case.accepts(named(o)) for o in ties]),
         _share("exact tie: truth in the 95 % set", [list(o.case.truth) in _sets(o) for o in ties]),
         _share("90 % intervals cover", [hit for o in single + pairs for hit in covered(o)], low=0.85, high=0.98),
@@ -194,9 +198,9 @@ def text(outcomes: Sequence[Outcome]) -> str:
             total = sum(counts.values())
             claims = ", ".join(f"{claim} {count}" for claim, count in counts.most_common())
             lines.append(f"  {row:<52} {total:>3} → {claims}")
-        lines += ["", f"  {'figure':<48} {'value':>8} {'cases':>6}  asked"]
+        lines += ["", f"  {'figure':<52} {'value':>8} {'cases':>6}  asked"]
         for figure in figures(chosen):
             mark = "" if figure.met else "  not met" + ("" if figure.refuted else " (within chance)")
-            lines.append(f"  {figure.name:<48} {figure.value:>8.3f} {figure.cases:>6}  {figure.asked}{mark}")
+            lines.append(f"  {figure.name:<52} {figure.value:>8.3f} {figure.cases:>6}  {figure.asked}{mark}")
         lines += ["", *(f"  failed: {o.case.name}: {o.error}" for o in chosen if o.error), ""]
     return "\n".join(lines)

@@ -14,6 +14,7 @@ import pytest
 from . import score
 from .case import Case
 from .cases import KINDS, cases
+from .leg_effects import STUDIED
 from .tool import Outcome, ask, why_not
 
 FAST_SEED = 20_000
@@ -112,8 +113,19 @@ def test_scores_pairs_weak_and_outside():
     assert found["two effects: exact"].value == 0.5
     assert found["two effects: at least one"].value == 1.0
     assert found["wrong name asserted on a weak effect"].value == pytest.approx(1 / 3)
-    assert found["outside the catalogue: flagged"].value == 0.5
-    assert found["outside the catalogue: flagged by the verdict"].value == 0.25
+    assert found["outside the catalogue, blind: flagged"].value == 0.5
+    assert found["outside the catalogue, blind: flagged by the verdict"].value == 0.25
+
+
+def test_what_was_studied_neither_helps_nor_hurts_the_blind_figure():
+    seen = [_case("outside", outside=name) for name in sorted(STUDIED)]
+    found = _figures(
+        Outcome(_case("outside", outside="obstacle"), _diagnosis("unexplained"), 1.0),
+        *(Outcome(case, _diagnosis("explained", "speed-scale"), 1.0) for case in seen),
+    )
+    blind, studied = (found[f"outside the catalogue, {which}: flagged"] for which in ("blind", "studied"))
+    assert (blind.value, blind.cases, blind.low) == (1.0, 1, 0.70)
+    assert (studied.value, studied.cases, studied.low) == (0.0, len(seen), None)
 
 
 def test_intervals_are_compared_in_their_units():
