@@ -1,7 +1,8 @@
 """The method from end to end on a model of the data: select, measure the gain, test the remainder, judge."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -76,7 +77,7 @@ def examine(model: Model, progress: Progress = silent, jobs: int = 1) -> Examina
     """
     selection = select(model, progress, jobs)
     gains = _gains(model, selection, progress, jobs)
-    checks = _checks(model, selection, tuple(gains))
+    checks = _checks(model, selection, tuple(gains), jobs)
     best = selection.ranking[0] if selection.ranking else None
     claimed = claim(selection, gains.get(best.causes) if best else None)
     progress("testing the remainder", 0, 1)
@@ -114,13 +115,18 @@ def _gains(model: Model, selection: Selection, progress: Progress, jobs: int) ->
     return {candidate.causes: compare(base, scores) for candidate, scores in zip(worth, extended, strict=True)}
 
 
-def _checks(model: Model, selection: Selection, scored: tuple[Causes, ...]) -> dict[Causes, float]:
+def _checks(model: Model, selection: Selection, scored: tuple[Causes, ...], jobs: int) -> dict[Causes, float]:
     """Bayes factors (ln) of the sets that were scored, by importance sampling."""
     if not scored:
         return {}
-    base = model.importance(selection.base).log_evidence
     fits = {candidate.causes: candidate.fit for candidate in selection.ranking}
-    return {causes: model.importance(fits[causes]).log_evidence - base for causes in scored}
+    wanted = [selection.base, *(fits[causes] for causes in scored)]
+    base, *found = shared(partial(_log_evidences, model), wanted, jobs=jobs)
+    return {causes: log_evidence - base for causes, log_evidence in zip(scored, found, strict=True)}
+
+
+def _log_evidences(model: Model, fits: Sequence[Fit]) -> list[float]:
+    return [model.importance(fit).log_evidence for fit in fits]
 
 
 def _worth_scoring(candidate: Candidate, selection: Selection) -> bool:

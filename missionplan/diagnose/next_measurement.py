@@ -3,8 +3,10 @@
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from missionplan.diagnose.model import Causes, Fit, Model
+from missionplan.montecarlo.sharing import shared
 
 ENOUGH = 5.0
 """Expected nats at which two sets count as told apart."""
@@ -53,9 +55,24 @@ class Separation:
     expected_log_bayes_factor: float
 
 
-def next_measurements(model: Model, first: Fit, others: Sequence[Fit]) -> tuple[Separation, ...]:
-    """For each rival, the cheapest measurement that separates it from the first set, else the best there is."""
-    return tuple(_cheapest(model, first, other) for other in others)
+@dataclass(frozen=True)
+class Rivalry:
+    """A rival of the first set: what would separate it, and whether data like those in hand cannot."""
+
+    separation: Separation
+    alike: bool
+
+
+def rivalries(model: Model, first: Fit, others: Sequence[Fit], jobs: int = 1) -> tuple[Rivalry, ...]:
+    """For each rival, the cheapest measurement that separates it from the first set, else the best there is.
+
+    Alike are sets that data like those in hand would not tell apart: expected ln Bayes factor below 1 nat.
+    """
+    return tuple(shared(partial(_rivalries, model, first), others, jobs=jobs))
+
+
+def _rivalries(model: Model, first: Fit, others: Sequence[Fit]) -> list[Rivalry]:
+    return [Rivalry(_cheapest(model, first, other), model.separation(first, other, None) < HARDLY) for other in others]
 
 
 def _cheapest(model: Model, first: Fit, second: Fit) -> Separation:
@@ -82,8 +99,3 @@ def _direct(first: Fit, second: Fit) -> list[tuple[str, float]]:
             if known and known.parameter == estimate.name and estimate.effect not in other.causes:
                 found.append((known.what, 0.5 * (estimate.value / known.sd) ** 2))
     return found
-
-
-def indistinguishable(model: Model, first: Fit, others: Sequence[Fit]) -> tuple[tuple[Causes, Causes], ...]:
-    """Pairs that data like these would not tell apart: expected ln Bayes factor below 1 nat."""
-    return tuple((first.causes, other.causes) for other in others if model.separation(first, other, None) < HARDLY)

@@ -21,8 +21,6 @@ BEAM = 3
 HIDDEN = 8
 """Pairs outside the beam that are fitted as well, by their quick promise."""
 MOST = 3
-SHARED = 16
-"""Sets from which on fitting them is worth sharing among processes."""
 CREDIBLE = 0.95
 
 Progress = Callable[[str, int, int], None]
@@ -129,7 +127,6 @@ def select(model: Model, progress: Progress = lambda what, done, of: None, jobs:
 
 def _fitted(model: Model, wanted: Sequence[Wanted], jobs: int = 1) -> list[Fit | Failure]:
     """Fit several sets, and improve on the best of them."""
-    jobs = jobs if len(wanted) >= SHARED else 1
     fits = shared(model.fit_all, wanted, jobs=jobs)
     best = max((fit.log_evidence for fit in fits if isinstance(fit, Fit)), default=0.0)
     return shared(partial(model.settled, best=best), fits, jobs=jobs)

@@ -19,7 +19,7 @@ from missionplan.diagnose.examination import Examination, examine
 from missionplan.diagnose.extension import extended_mission
 from missionplan.diagnose.gain import HeldOut
 from missionplan.diagnose.model import Fit
-from missionplan.diagnose.next_measurement import indistinguishable, next_measurements
+from missionplan.diagnose.next_measurement import Separation, rivalries
 from missionplan.diagnose.one_step import one_step
 from missionplan.diagnose.remainder import Remainder
 from missionplan.diagnose.selection import Candidate
@@ -112,8 +112,7 @@ def _diagnosis(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: b
     extended = _extended(mission, found.best, data)
     stage("next measurements")
     first, rivals = found.best, [rival.fit for rival in found.claimed.rivals[:SEPARATED]] if found.claimed else []
-    separations = next_measurements(model, first, rivals)
-    alike = indistinguishable(model, first, rivals)
+    next_to = rivalries(model, first, rivals, jobs)
     stage("plans")
     decision = decide(kind, mission, extended, seed=seed, jobs=jobs) if plan else {"before": {}, "after": {}}
     provenance = Provenance(
@@ -142,10 +141,8 @@ def _diagnosis(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: b
         base_remainder=_remainder(found.base_remainder),
         scores=described.scores(),
         outlying_groups=found.outlying_groups,
-        indistinguishable=alike,
-        next_measurements=tuple(
-            NextMeasurement((s.first, s.second), s.measurement, s.expected_log_bayes_factor) for s in separations
-        ),
+        indistinguishable=tuple((rival.separation.first, rival.separation.second) for rival in next_to if rival.alike),
+        next_measurements=tuple(_next(rival.separation) for rival in next_to),
         decision=decision,
         calibration=described.calibration(),
         untestable=model.untestable,
@@ -280,6 +277,10 @@ def _tempered(verdict: Verdict, kind: str) -> Verdict:
 def _gain(gain: HeldOut) -> HeldOutGain:
     names = HeldOutGain.__dataclass_fields__
     return HeldOutGain(**{name: getattr(gain, name) for name in names})
+
+
+def _next(found: Separation) -> NextMeasurement:
+    return NextMeasurement((found.first, found.second), found.measurement, found.expected_log_bayes_factor)
 
 
 def _remainder(found: Remainder) -> RemainderFound:
