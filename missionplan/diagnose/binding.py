@@ -113,7 +113,7 @@ def summary_model(data: SummaryData, mission: Mission) -> SummaryModel:
     """
     build, given = _builder(mission)
     logs = tuple(as_log(test) for test in data.tests)
-    return SummaryModel(SummaryForward(build, logs, given, data.tests))
+    return SummaryModel(SummaryForward(build, logs, given, tests=data.tests))
 
 
 def _builder(mission: Mission) -> tuple[Callable[[Array, Array], Dive], tuple[DescentEffect, ...]]:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 STEP = 0.16
 """Step of the integration [s]; readings are within 5 mm of those with steps of 0.02 s, 1 mm as a rule."""
+COARSE = 2.0 * STEP
+"""Step where only the way matters and not its end, or one simulation is laid against another [s]."""
 LEAST_FACTOR = -0.9
 """Least strength of an effect that multiplies a drag or a weight: less would turn it round."""
 EARLIEST = 1.0
@@ -46,11 +48,19 @@ class DescentForward:
         The d dives, whose times are asked for.
     given : tuple of DescentEffect
         Effects that the mission has already.
+    step : float
+        Of the integration [s].
     """
 
     build: Callable[[Array, Array], Dive]
     logs: tuple[DiveLog, ...]
     given: tuple[DescentEffect, ...] = ()
+    step: float = STEP
+
+    @cached_property
+    def coarse(self) -> Self:
+        """The same in coarse steps."""
+        return replace(self, step=COARSE)
 
     @cached_property
     def dive(self) -> Dive:
@@ -83,10 +93,10 @@ class DescentForward:
         effects = (*self.given, *self._effects(coordinates, np.repeat(_filtered(coordinates, values), count, axis=1)))
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
         until = max(float(log.fine[-1]) for log in self.logs) + EARLIEST
-        with np.errstate(
-            over="ignore", invalid="ignore"
-        ):  # a start that runs away is given up: its objective is infinite
-            history = sensor_history(self._tiled(settings, factor), settings * count, until, effects=effects, step=STEP)
+        dive = self._tiled(settings, factor)
+        # a start that runs away is given up: its objective is infinite
+        with np.errstate(over="ignore", invalid="ignore"):
+            history = sensor_history(dive, settings * count, until, effects=effects, step=self.step)
         return DiveHistories(self.logs, history)
 
     @staticmethod

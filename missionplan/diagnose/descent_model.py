@@ -75,7 +75,7 @@ class DescentModel(DescentLinear):
         ]
         climbed = [lane for _, lane in lanes if len(lane.free)]
         nominal = self._nominal
-        ended = iter(climb(self.forward, self.coordinates, self.y, nominal, climbed) if climbed else [])
+        ended = iter(climb(self.forward.coarse, self.coordinates, self.y, nominal, climbed) if climbed else [])
         best: dict[int, Ended] = {}
         for index, lane in lanes:
             end = next(ended) if len(lane.free) else Ended(lane.start, 0.0)
@@ -233,7 +233,7 @@ class DescentModel(DescentLinear):
             Lane(self.free(fit.causes), fit.state.linear.at, family, others[dive])
             for family, (fit, dive) in enumerate(folds)
         ]
-        ended = climb(self.forward, self.coordinates, self.y, self._nominal, lanes, steps=REFITTED)
+        ended = climb(self.forward.coarse, self.coordinates, self.y, self._nominal, lanes, steps=REFITTED)
         linears = self.linearise([(fit.causes, end.at) for (fit, _), end in zip(folds, ended, strict=True)])
         scores = [self._score(fit, linear, dive) for (fit, dive), linear in zip(folds, linears, strict=True)]
         return [scores[k * len(others) : (k + 1) * len(others)] for k in range(len(fits))]
@@ -260,7 +260,7 @@ class DescentModel(DescentLinear):
     def separation(self, first: Fit, second: Fit, entry: int | None) -> float:
         """Fit both sets to noise-free readings of the first, with the dives of a menu entry or without."""
         logs = self.forward.logs + (descent_menu.planned(self.forward, entry) if entry is not None else ())
-        forward = replace(self.forward, logs=logs)
+        forward = replace(self.forward.coarse, logs=logs)
         readings = forward.readings(self.coordinates, first.state.linear.at[:, None])[:, 0]
         return DescentModel(replace(forward, logs=descent_menu.filled(logs, readings))).told_apart(first, second)
 
@@ -268,7 +268,7 @@ class DescentModel(DescentLinear):
         """Ln Bayes factor of the first set, whose readings these are without noise, over the second, fitted anew."""
         start = second.state.linear.at
         (end,) = climb(
-            self.forward, self.coordinates, self.y, self._nominal, [Lane(self.free(second.causes), start, 0)]
+            self.forward.coarse, self.coordinates, self.y, self._nominal, [Lane(self.free(second.causes), start, 0)]
         )
         places = [(first.causes, first.state.linear.at), (second.causes, end.at)]
         fitted = [

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from missionplan.diagnose import descent_menu
 from missionplan.diagnose.coordinates import Coordinate
 from missionplan.diagnose.descent_data import DiveLog
-from missionplan.diagnose.descent_forward import STEP, DescentForward, Histories
+from missionplan.diagnose.descent_forward import DescentForward, Histories
 from missionplan.diagnose.descent_model import DescentModel
 from missionplan.diagnose.model import Fit
 from missionplan.diagnose.residuals import Residuals
@@ -76,7 +76,7 @@ class SummaryForward(DescentForward):
             current=STILL_WATER,
             position=np.zeros((2, trials)),
             t_start=np.zeros(trials),
-            step=STEP,
+            step=self.step,
         )
         by_name = {"terminal_velocity_m_s": record.terminal_velocity, "descent_time_s": record.descent_time}
         rows = [
