@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from missionplan.diagnose.coordinates import Coordinate, coordinates_of
+from missionplan.diagnose.descent_evidence import Evidence
 from missionplan.diagnose.descent_fit import jacobian_settings
 from missionplan.diagnose.descent_forward import EARLIEST, LAG_ORDER, LAG_ORDER_SD, DescentForward, Histories, delayed
 from missionplan.diagnose.descent_noise import (
@@ -20,7 +21,6 @@ from missionplan.diagnose.descent_noise import (
     scattered_covariance,
     still_covariance,
 )
-from missionplan.diagnose.likelihood import Marginal, marginal_of
 from missionplan.diagnose.model import Causes
 from missionplan.effects import effects_of
 
@@ -83,47 +83,6 @@ class Linear:
     def sensitivity(self, name: str) -> Array:
         """Sensitivity of the readings to one of the things that differ from dive to dive, shape (N,)."""
         return self.sensitivities[:, list(DIVE_SD).index(name)]
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """Whitened inner products of a linearisation: its likelihood at each noise of the grid, for any of the dives.
-
-    Attributes
-    ----------
-    grams : array, shape (g, d, k + 3, k + 3)
-        For g noises and d dives: of the columns, what the dives share beside them and the data.
-    log_determinants : array, shape (g, d)
-        Of each dive's covariance.
-    counts : array of int, shape (d,)
-        Readings of each dive.
-    """
-
-    grams: Array
-    log_determinants: Array
-    counts: NDArray[np.int_]
-
-    def marginals(self, prior_sd: Array, dives: NDArray[np.int_] | slice = slice(None)) -> list[Marginal]:
-        """Marginalise all coordinates at each noise; dives are independent given them.
-
-        The scatter of the separation smooths the jerk of every dive to the same side, and a lag's filter is of the
-        same order in all: columns that they share.
-
-        Parameters
-        ----------
-        prior_sd : array, shape (k,)
-            Of the coordinates.
-        dives : array of int or slice
-            Dives to use; default all.
-        """
-        return [self.marginal(index, prior_sd, dives) for index in range(len(self.grams))]
-
-    def marginal(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = slice(None)) -> Marginal:
-        """Marginalise all coordinates at one noise of the grid."""
-        gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
-        prior = np.append(prior_sd, [grid()[index].scatter, 1.0])
-        found = marginal_of(gram, prior, log_determinant, int(self.counts[dives].sum()))
-        return Marginal(found.log_density, found.mean[:-2], found.covariance[:-2, :-2])
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,10 @@ from scipy.stats import norm
 from missionplan.diagnose import descent_menu
 from missionplan.diagnose.coordinates import Estimate, estimates, is_possible
 from missionplan.diagnose.descent_axes import descent_axes
+from missionplan.diagnose.descent_evidence import Evidence
 from missionplan.diagnose.descent_fit import Ended, Lane, climb
 from missionplan.diagnose.descent_forward import limits
-from missionplan.diagnose.descent_linear import DescentLinear, Evidence, Linear
+from missionplan.diagnose.descent_linear import DescentLinear, Linear
 from missionplan.diagnose.descent_noise import NOMINAL, grid
 from missionplan.diagnose.importance import DRAWS, Importance, importance
 from missionplan.diagnose.likelihood import LOG_2PI, Marginal
