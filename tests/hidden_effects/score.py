@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import binom
 
-from .leg_effects import STUDIED
+from .leg_outside import STUDIED
 from .tool import Outcome
 
 DESCRIPTIONS = {"persistent-error", "heavy-tails", "random-walk", "fix-error"}

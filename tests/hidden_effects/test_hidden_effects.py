@@ -14,7 +14,7 @@ import pytest
 from . import score
 from .case import Case
 from .cases import KINDS, cases
-from .leg_effects import STUDIED
+from .leg_outside import STUDIED
 from .tool import Outcome, ask, why_not
 
 FAST_SEED = 20_000

@@ -17,8 +17,9 @@ from .dive_effects import CATALOGUE as DIVE_CATALOGUE
 from .dive_effects import OUTSIDE as DIVE_OUTSIDE
 from .drag import Craft, friction, spheroid_share
 from .leg_effects import CATALOGUE as LEG_CATALOGUE
-from .leg_effects import HOUR, PERIODS, STUDIED
-from .leg_effects import OUTSIDE as LEG_OUTSIDE
+from .leg_effects import HOUR, PERIODS
+from .leg_outside import OUTSIDE as LEG_OUTSIDE
+from .leg_outside import STUDIED
 
 HERE = Path(__file__).parent
 ALLOWED = {"numpy", "scipy", "yaml", "pytest"}

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 from .case import Case
-from .leg_effects import CATALOGUE, OUTSIDE, Array, Bend, Field
+from .leg_effects import CATALOGUE, Array, Bend, Field
+from .leg_outside import OUTSIDE
 
 CURRENT_SD, COMPASS_SD, SPEED_SD = 0.004, np.radians(0.15), 0.002
 """What one is unsure of before any misfit: mean current [m/s], compass [rad], speed."""
