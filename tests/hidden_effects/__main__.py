@@ -16,8 +16,8 @@ from .cases import KINDS, draw_case, plan
 from .tool import Outcome, ask, why_not
 
 
-def _one(folder: Path, truth_folder: Path, in_process: bool, arguments: tuple[int, str, str]) -> Outcome:
-    return ask(draw_case(*arguments), folder, truth_folder, in_process)
+def _one(folder: Path, truths: Path, in_process: bool, jobs: int, arguments: tuple[int, str, str]) -> Outcome:
+    return ask(draw_case(*arguments), folder, truths, in_process, jobs)
 
 
 def _strength(arguments: tuple[int, str, str]) -> tuple[str, str, str, float]:
@@ -31,7 +31,7 @@ def _parse(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1_000_000, help="of the first case; the others follow on")
     parser.add_argument("--kind", choices=KINDS, help="only this kind")
     parser.add_argument("--scenario", help="only this scenario (fewer cases then)")
-    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--jobs", type=int, default=2, help="cases at a time; only a case by itself has every core")
     parser.add_argument("--in-process", action="store_true", help="run the command line without a new process each")
     parser.add_argument("--keep", type=Path, help="keep cases, reports and truths in this new folder")
     parser.add_argument("--json", type=Path, help="write the figures to this file as well")
@@ -57,7 +57,8 @@ def main(words: Sequence[str] | None = None) -> int:
         cases, truths = root / "cases", root / "truths"
         cases.mkdir(parents=True)
         outcomes = []
-        for outcome in each_of(partial(_one, cases, truths, options.in_process), drawn):
+        tool_jobs = 0 if options.jobs == 1 else 1
+        for outcome in each_of(partial(_one, cases, truths, options.in_process, tool_jobs), drawn):
             outcomes.append(outcome)
             print(f"\r{len(outcomes)}/{len(drawn)}", end="", file=sys.stderr, flush=True)
         print(file=sys.stderr)

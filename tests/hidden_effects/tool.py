@@ -59,13 +59,14 @@ def why_not() -> str:
     return "" if status == 0 else f"`{PROGRAM} diagnose` does not exist (exit status {status}): {text[-200:]}"
 
 
-def ask(case: Case, folder: Path, truth_folder: Path, in_process: bool = False) -> Outcome:
-    """Write the case, run ``diagnose`` on it and read what it found."""
+def ask(case: Case, folder: Path, truth_folder: Path, in_process: bool = False, jobs: int = 1) -> Outcome:
+    """Write the case, run ``diagnose`` on it in so many processes (0: one a core) and read what it found."""
     mission, data = case.write(folder / case.name, truth_folder)
     report = folder / f"{case.name}-report"
     begin = time.perf_counter()
     try:
-        status, text = run_cli(["diagnose", str(mission), str(data), "--out", str(report), "--json"], in_process)
+        options = ["--out", str(report), "--json", "--jobs", str(jobs)]
+        status, text = run_cli(["diagnose", str(mission), str(data), *options], in_process)
     except Exception as fault:  # a crash of the tool is a result, not the end of the study
         return Outcome(case, {}, time.perf_counter() - begin, f"{type(fault).__name__}: {fault}")
     seconds = time.perf_counter() - begin
