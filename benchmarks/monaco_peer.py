@@ -96,12 +96,18 @@ def compare(options: Options) -> Section:
     for cases in sizes:
         what = f"overhead a case, same function, {cases} cases"
         rows.append(_overhead_row(what, function[cases, 1], monaco[cases, 1]))
+    what = f"overhead a case more, same function, {sizes[0]} to {most} cases"
+    rows.append(
+        _overhead_row(what, *(_further(runs[sizes[0], 1], runs[most, 1], sizes) for runs in (function, monaco)))
+    )
     simulated = {cases: own("simulate", cases, 1) for cases in (sizes[0], most, many)}
     swept = {cases: own("sweep", cases, 1) for cases in (most, many)}
     for study, runs in (("sweep", swept), ("simulate", simulated)):
         for cases in (most, many):
             what = f"overhead a trial, `{study}`, {cases} trials beside {most} cases"
             rows.append(_overhead_row(what, runs[cases], monaco[most, 1]))
+    what = f"overhead a trial more, `simulate`, {most} to {many} trials beside {sizes[0]} to {most} cases"
+    rows.append(_overhead_row(what, _further(simulated[most], simulated[many], [most, many]), theirs))
     for cases in (most, many):
         what = f"overhead a trial and output, `simulate`, {cases} trials beside {most} cases: "
         what += f"{simulated[cases].outputs} outputs here, {OUTPUTS} there"
@@ -115,6 +121,12 @@ def compare(options: Options) -> Section:
     return Section(
         tuple(rows), ("numpy", "joblib"), (f"The function alone takes {duration(alone)}. monaco {release}.",)
     )
+
+
+def _further(few: Cases, many: Cases, sizes: list[int]) -> Cases:
+    """What a case more costs, once the fixed part is paid."""
+    overhead = (many.overhead * sizes[1] - few.overhead * sizes[0]) / (sizes[1] - sizes[0])
+    return replace(many, overhead=overhead)
 
 
 def _memory_rows(sizes: list[int], ours: Runs, theirs: Runs) -> list[Row]:
