@@ -93,27 +93,9 @@ def compare(options: Options) -> Section:
     function = {key: own("function", *key) for key in monaco}
     many, most = SUSTAINED // options.shrink, sizes[-1]
     rows = [_time_row(*key, function[key], theirs) for key, theirs in monaco.items()]
-    for cases in sizes:
-        what = f"overhead a case, same function, {cases} cases"
-        rows.append(_overhead_row(what, function[cases, 1], monaco[cases, 1]))
-    what = f"overhead a case more, same function, {sizes[0]} to {most} cases"
-    rows.append(
-        _overhead_row(what, *(_further(runs[sizes[0], 1], runs[most, 1], sizes) for runs in (function, monaco)))
-    )
+    rows += _function_rows(sizes, function, monaco)
     simulated = {cases: own("simulate", cases, 1) for cases in (sizes[0], most, many)}
-    swept = {cases: own("sweep", cases, 1) for cases in (most, many)}
-    for study, runs in (("sweep", swept), ("simulate", simulated)):
-        for cases in (most, many):
-            what = f"overhead a trial, `{study}`, {cases} trials beside {most} cases"
-            rows.append(_overhead_row(what, runs[cases], monaco[most, 1]))
-    what = f"overhead a trial more, `simulate`, {most} to {many} trials beside {sizes[0]} to {most} cases"
-    rows.append(_overhead_row(what, _further(simulated[most], simulated[many], [most, many]), theirs))
-    for cases in (most, many):
-        what = f"overhead a trial and output, `simulate`, {cases} trials beside {most} cases: "
-        what += f"{simulated[cases].outputs} outputs here, {OUTPUTS} there"
-        rows.append(_overhead_row(what, simulated[cases].of_an_output, monaco[most, 1].of_an_output))
-    what = f"whole time a trial, `simulate`, model and analysis included, {many} trials beside {most} cases"
-    rows.append(_faster_row(what, simulated[many].each, monaco[most, 1].each))
+    rows += _study_rows(sizes, many, simulated, monaco)
     what = f"sensitivity analysis, once, {sizes[0]} cases: 4 outputs here, 2 there"
     rows.append(_faster_row(what, simulated[sizes[0]].analysis, analysed.analysis))
     rows += _memory_rows(sizes, function, monaco)
@@ -123,10 +105,41 @@ def compare(options: Options) -> Section:
     )
 
 
-def _further(few: Cases, many: Cases, sizes: list[int]) -> Cases:
+def _function_rows(sizes: list[int], ours: Runs, theirs: Runs) -> list[Row]:
+    """Overheads of the same function, and what a case more costs."""
+    few, many = sizes
+    rows = []
+    for cases in sizes:
+        what = f"overhead a case, same function, {cases} cases"
+        rows.append(_overhead_row(what, ours[cases, 1], theirs[cases, 1]))
+    what = f"overhead a case more, same function, {few} to {many} cases"
+    more = (_further(runs[few, 1], runs[many, 1], few, many) for runs in (ours, theirs))
+    return [*rows, _overhead_row(what, *more)]
+
+
+def _study_rows(sizes: list[int], many: int, simulated: Mapping[int, Cases], theirs: Runs) -> list[Row]:
+    """Overheads of the vectorised studies: a trial, a trial more, a trial and output."""
+    few, most = sizes
+    rows = []
+    swept = {trials: own("sweep", trials, 1) for trials in (most, many)}
+    for study, runs in (("sweep", swept), ("simulate", simulated)):
+        for trials in (most, many):
+            what = f"overhead a trial, `{study}`, {trials} trials beside {most} cases"
+            rows.append(_overhead_row(what, runs[trials], theirs[most, 1]))
+    what = f"overhead a trial more, `simulate`, {most} to {many} trials beside {few} to {most} cases"
+    more = _further(simulated[most], simulated[many], most, many)
+    rows.append(_overhead_row(what, more, _further(theirs[few, 1], theirs[most, 1], few, most)))
+    for trials in (most, many):
+        what = f"overhead a trial and output, `simulate`, {trials} trials beside {most} cases: "
+        what += f"{simulated[trials].outputs} outputs here, {OUTPUTS} there"
+        rows.append(_overhead_row(what, simulated[trials].of_an_output, theirs[most, 1].of_an_output))
+    what = f"whole time a trial, `simulate`, model and analysis included, {many} trials beside {most} cases"
+    return [*rows, _faster_row(what, simulated[many].each, theirs[most, 1].each)]
+
+
+def _further(few: Cases, many: Cases, fewer: int, more: int) -> Cases:
     """What a case more costs, once the fixed part is paid."""
-    overhead = (many.overhead * sizes[1] - few.overhead * sizes[0]) / (sizes[1] - sizes[0])
-    return replace(many, overhead=overhead)
+    return replace(many, overhead=(many.overhead * more - few.overhead * fewer) / (more - fewer))
 
 
 def _memory_rows(sizes: list[int], ours: Runs, theirs: Runs) -> list[Row]:
