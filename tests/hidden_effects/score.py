@@ -136,8 +136,6 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
     studied = [o for o in outside if o.case.outside in STUDIED]
     right = 0.95 if single and single[0].case.kind == "transit" else 0.93
     sizes = [float(len(o.diagnosis.get("credible_set", []))) for o in single]
-    gains = [ratio for o in single + pairs if (ratio := gain(o)) is not None]
-    clocks = [o.seconds for o in outcomes]
     return [
         _share("runs that failed", [bool(o.error) for o in outcomes], high=0.0),
         _share("false alarms without an effect", [is_false_alarm(o) for o in controls], high=0.03),
@@ -155,6 +153,16 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
         _share("exact tie: one of the tied claimed", [o.case.accepts(named(o)) for o in ties]),
         _share("exact tie: truth in the 95 % set", [list(o.case.truth) in _sets(o) for o in ties]),
         _share("90 % intervals cover", [hit for o in single + pairs for hit in covered(o)], low=0.85, high=0.98),
+        *gain_and_time(outcomes),
+    ]
+
+
+def gain_and_time(outcomes: Sequence[Outcome]) -> list[Figure]:
+    """Figures that are asked of all kinds together."""
+    effects = [o for o in outcomes if o.case.scenario in ("single", "pair")]
+    gains = [ratio for o in effects if (ratio := gain(o)) is not None]
+    clocks = [o.seconds for o in outcomes]
+    return [
         Figure("held-out RMSE, extended / base, median", _median(gains), len(gains), high=0.6, is_share=False),
         Figure("time, median [s]", _median(clocks), len(clocks), high=15.0, is_share=False),
         Figure("time, longest [s]", max(clocks, default=float("nan")), len(clocks), is_share=False),
@@ -198,9 +206,15 @@ def text(outcomes: Sequence[Outcome]) -> str:
             total = sum(counts.values())
             claims = ", ".join(f"{claim} {count}" for claim, count in counts.most_common())
             lines.append(f"  {row:<52} {total:>3} → {claims}")
-        lines += ["", f"  {'figure':<52} {'value':>8} {'cases':>6}  asked"]
-        for figure in figures(chosen):
-            mark = "" if figure.met else "  not met" + ("" if figure.refuted else " (within chance)")
-            lines.append(f"  {figure.name:<52} {figure.value:>8.3f} {figure.cases:>6}  {figure.asked}{mark}")
+        lines += _table(figures(chosen))
         lines += ["", *(f"  failed: {o.case.name}: {o.error}" for o in chosen if o.error), ""]
+    lines += ["all kinds together", *_table(gain_and_time(outcomes)), ""]
     return "\n".join(lines)
+
+
+def _table(found: Sequence[Figure]) -> list[str]:
+    lines = ["", f"  {'figure':<52} {'value':>8} {'cases':>6}  asked"]
+    for figure in found:
+        mark = "" if figure.met else "  not met" + ("" if figure.refuted else " (within chance)")
+        lines.append(f"  {figure.name:<52} {figure.value:>8.3f} {figure.cases:>6}  {figure.asked}{mark}")
+    return lines
