@@ -32,13 +32,13 @@ def diagnose(
     """What the simulation gets wrong about measured data, why, the extended mission, and what it gains."""
 
     def study(loaded: "Mission", progress: Any) -> "Result":
-        from missionplan.montecarlo.sharing import start_workers
+        from missionplan.montecarlo.sharing import started_workers
 
         workers = o.worker_count(jobs)
-        start_workers(workers, "missionplan.diagnose.study")  # they import while this process does
-        from missionplan.diagnose.study import diagnose
+        with started_workers(workers, "missionplan.diagnose.study"):  # they import while this process does
+            from missionplan.diagnose.study import diagnose
 
-        return diagnose(loaded, dataset, seed=seed, jobs=workers, progress=progress)
+            return diagnose(loaded, dataset, seed=seed, jobs=workers, progress=progress)
 
     run_study(mission, "diagnose", study, o.Output(out, force, as_json, quiet), allow_outside=allow_outside)
 

@@ -1,6 +1,7 @@
 """One call's items shared among processes: a part is done here while loky's workers do the others."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
 from typing import TypeVar
@@ -20,10 +21,18 @@ MOST = 4
 """Processes beyond which parts are too small to gain."""
 
 
-def start_workers(jobs: int, module: str) -> None:
-    """Start the workers of `shared`; they import a module while this process goes on."""
-    if jobs > 1:
-        _executor(min(jobs, MOST) - 1).submit(import_module, module)
+@contextmanager
+def started_workers(jobs: int, module: str) -> Iterator[None]:
+    """Start the workers of `shared`; they import a module while this process goes on, and end with the context."""
+    if jobs < 2:
+        yield
+        return
+    executor = _executor(min(jobs, MOST) - 1)
+    executor.submit(import_module, module)
+    try:
+        yield
+    finally:
+        _end(executor)
 
 
 def shared(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int) -> list[Result]:

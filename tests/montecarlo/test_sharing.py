@@ -5,7 +5,7 @@ import signal
 import pytest
 
 from missionplan.errors import RunError
-from missionplan.montecarlo.sharing import shared, start_workers
+from missionplan.montecarlo.sharing import shared, started_workers
 
 
 def squares(items):
@@ -29,8 +29,8 @@ def test_results_come_in_the_items_order(jobs, count):
 
 
 def test_a_part_is_done_here():
-    start_workers(2, "json")
-    found = shared(processes, range(4), jobs=2)
+    with started_workers(2, "json"):
+        found = shared(processes, range(4), jobs=2)
     assert found[0] == found[2] == os.getpid()
     assert found[1] == found[3] != os.getpid()
 
