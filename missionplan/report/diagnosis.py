@@ -130,8 +130,13 @@ def _next_words(diagnosis: Diagnosis) -> list[str]:
     return words
 
 
+_RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
 def _factor(nats: float) -> str:
-    return f"{math.exp(nats):,.0f}" if nats < 12.0 else f"10^{nats / math.log(10.0):.0f}"
+    if nats < 12.0:
+        return f"{math.exp(nats):,.0f}".replace(",", "\u202f")
+    return "10" + f"{nats / math.log(10.0):.0f}".translate(_RAISED)
 
 
 def _ranking_section(diagnosis: Diagnosis) -> Section:
