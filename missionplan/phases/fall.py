@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.physics.arrays import Array, Scalars
+from missionplan.physics.arrays import Array, Scalars, row_and_next
 
 STEP = 0.1
 """Default step [s], a twenty-fifth of the prototype's time constant."""
@@ -78,10 +78,7 @@ class Fall:
             return np.broadcast_to(self.depth, t.shape)
         inside = np.clip(t, 0.0, self.time) / self.step
         index = np.minimum(inside.astype(np.intp), len(self.depths) - 2)
-        trials = self.depths.shape[1]
-        flat = index * trials + np.arange(trials)
-        z0, z1 = (self.depths.take(flat + k) for k in (0, trials))
-        r0, r1 = (self.rates.take(flat + k) for k in (0, trials))
+        (z0, z1), (r0, r1) = (row_and_next(grid, index) for grid in (self.depths, self.rates))
         return _hermite(inside - index, z0, self.step * r0, z1, self.step * r1)
 
 

@@ -10,7 +10,7 @@ from missionplan.phases.descent import SLOWEST_DESCENT, STAGE_TIME, Stages, per_
 from missionplan.phases.descent_forces import DescentHooks, Dive, FreeVehicle
 from missionplan.phases.fall import STEP, Fall, Stop, fall
 from missionplan.phases.hooks import DescentEffect
-from missionplan.physics.arrays import Array
+from missionplan.physics.arrays import Array, row_and_next
 
 
 @dataclass(frozen=True)
@@ -37,11 +37,9 @@ class SensorHistory:
         Between the grid's points linear: within step²/8 times the acceleration, 1 mm for the prototype. Held at the
         grid's ends.
         """
-        rows, trials = self.depths.shape
-        place = np.clip(np.nan_to_num(times - self.delay) / self.step, 0.0, rows - 1.000001)
+        place = np.clip(np.nan_to_num(times - self.delay) / self.step, 0.0, len(self.depths) - 1.000001)
         row = place.astype(np.intp)
-        flat = row * trials + np.arange(trials)
-        low, high = self.depths.take(flat), self.depths.take(flat + trials)
+        low, high = row_and_next(self.depths, row)
         return np.where(np.isnan(times), np.nan, low + (high - low) * (place - row))
 
     def among(self, trials: NDArray[np.intp] | slice) -> "SensorHistory":

@@ -11,3 +11,10 @@ Scalars = float | Array
 def magnitude(value: Scalars) -> Scalars:
     """Absolute value that keeps a float a float: a stepped model runs five times faster on floats than on numpy's."""
     return np.abs(value) if isinstance(value, np.ndarray) else abs(value)
+
+
+def row_and_next(grid: Array, row: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Values of a grid, shape (m, n), at a row of each trial's own and at the row after it, each shape (k, n)."""
+    trials = grid.shape[1]
+    flat = row * trials + np.arange(trials)
+    return grid.take(flat), grid.take(flat + trials)
