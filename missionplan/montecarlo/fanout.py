@@ -19,6 +19,8 @@ Backend = Literal["loky", "threading", "dask"]
 Progress = Callable[[int, int], None]
 """Called with the items done and their total, before the first and after each."""
 
+WORKER_DIED = "a worker process died (out of memory, or killed)"
+
 
 def run_blocks(
     task: Callable[[Item], Result],
@@ -96,7 +98,7 @@ def _in_parallel(
             _kill_workers(backend)
             raise
         except BrokenProcessPool as error:
-            raise RunError("a worker process died (out of memory, or killed)") from error
+            raise RunError(WORKER_DIED) from error
         finally:
             with warnings.catch_warnings():  # after an error nobody asks about the blocks left over
                 warnings.simplefilter("ignore", UserWarning)

@@ -11,6 +11,7 @@ from joblib.externals.loky.process_executor import BrokenProcessPool
 from threadpoolctl import threadpool_limits
 
 from missionplan.errors import RunError
+from missionplan.montecarlo.fanout import WORKER_DIED
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -27,8 +28,10 @@ def started_workers(jobs: int, module: str) -> Iterator[None]:
     if jobs < 2:
         yield
         return
-    executor = _executor(min(jobs, MOST) - 1)
-    executor.submit(import_module, module)
+    workers = min(jobs, MOST) - 1
+    executor = _executor(workers)
+    for _ in range(workers):
+        executor.submit(import_module, module)
     try:
         yield
     finally:
@@ -68,7 +71,7 @@ def shared(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int) -> l
         raise
     except BrokenProcessPool as error:
         _end(executor)
-        raise RunError("a worker process died (out of memory, or killed)") from error
+        raise RunError(WORKER_DIED) from error
     return [results[index % parts][index // parts] for index in range(len(items))]
 
 
