@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from missionplan.diagnose.remainder import remainder
+from missionplan.diagnose.remainder import _smooth_functions, remainder
 from missionplan.diagnose.residuals import Axis, Residuals, outlying_groups
 
 N = 80
@@ -48,3 +48,12 @@ def test_a_shifted_group_is_outlying():
 @pytest.mark.parametrize("seed", range(3))
 def test_no_group_is_outlying_among_equals(seed):
     assert outlying_groups(residuals(np.random.default_rng(seed).normal(size=N))) == ()
+
+
+def test_smooth_functions_have_the_squared_exponential_covariance():
+    """Of places that repeat, too, and along a direction of each value's own."""
+    places = np.array([[0.0], [0.2], [0.2], [0.7], [1.0]])
+    directions = np.array([[1.0], [2.0], [-1.0], [0.5], [1.0]])
+    basis = _smooth_functions(Axis("time", places, directions), 0.4)
+    covariance = np.exp(-0.5 * ((places - places.T) / 0.4) ** 2) * (directions @ directions.T)
+    np.testing.assert_allclose(basis @ basis.T, covariance, atol=1e-6)
