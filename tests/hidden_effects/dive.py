@@ -1,7 +1,7 @@
 """One dive: pay-out, snatch, pull-down, touchdown, coasting and rising, by DOP853 with events."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 
 import numpy as np
@@ -13,6 +13,8 @@ from .drag import Craft
 Array = NDArray[np.float64]
 STEP = 0.02
 """Spacing of the returned track [s]."""
+LINE_LOSS = 0.06
+"""Time over which an elastic line damps its stretching [s]: rubber gives back some two thirds of the energy."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +51,12 @@ class Twist:
     """Lateness on the log's clock [s] from the line's length and the dive's number."""
     hold: tuple[float, float] | None = None
     """Share of the way to touchdown at which the vehicle is stopped, and for how long [s]."""
-    reading: Callable[[Array, Array], Array] | None = None
-    """Depth read, from time and true depth on the track's uniform grid."""
+    line: Callable[[int], float] | None = None
+    """Factor on the length of line that runs out from the dive's number."""
+    stretch: Callable[[float], float] | None = None
+    """How far the line gives under load [m/N] from its length."""
+    reading: Callable[[Array, Array, int], Array] | None = None
+    """Depth read, from time and true depth on the track's uniform grid and the dive's number."""
     pitch: Callable[[Array], Array] | None = None
     """Departure of the pitch from nose down [deg]."""
 
@@ -65,13 +71,11 @@ class Track:
     t_touchdown: float
 
 
-def _fall(rate: Callable[[float, Array], list[float]], start: tuple[float, float, float], end: float, event):
+def _fall(rate: Callable[[float, Array], list[float]], start: tuple[float, ...], end: float, event):
     """Integrate until the event or the end: solution, end time, end state, whether the event came."""
     event.terminal = True
-    t0, x0, v0 = start
-    run = solve_ivp(
-        rate, (t0, end), [x0, v0], "DOP853", events=event, dense_output=True, rtol=1e-8, atol=1e-9, max_step=0.5
-    )
+    t0, *y0 = start
+    run = solve_ivp(rate, (t0, end), y0, "DOP853", events=event, dense_output=True, rtol=1e-8, atol=1e-9, max_step=0.5)
     if not run.success:
         raise RuntimeError(f"integration failed: {run.message}")
     return run.sol, float(run.t[-1]), run.y[:, -1], run.status == 1
@@ -82,7 +86,10 @@ def sink(craft: Craft, dive: Dive, twists: Sequence[Twist] = (), end: float = 12
 
     ``dive.drag_factor`` multiplies the drag of both bodies throughout. The depth of the nose is zero until the line
     is taut; the anchor touches down when the nose is one line's length above the seafloor. A dive that is not ``followed`` stays where it is at touchdown.
+    With a line that stretches the two bodies are followed apart, joined by its tension; there is no snatch then.
     """
+    dive = replace(dive, line=dive.line * prod(twist.line(dive.number) for twist in twists if twist.line))
+    give = sum(twist.stretch(dive.line) for twist in twists if twist.stretch)
     lone = dive.drag_factor * prod(twist.lone_drag for twist in twists)
     drags = [twist.drag for twist in twists if twist.drag]
     resists = [twist.resist for twist in twists if twist.resist]
@@ -99,42 +106,66 @@ def sink(craft: Craft, dive: Dive, twists: Sequence[Twist] = (), end: float = 12
 
     pieces: list[tuple[float, Callable[[Array], Array]]] = []
     _, t_taut, state, _ = _fall(alone, (0.0, 0.0, 0.0), 600.0, lambda t, y: y[0] - dive.line)
-    speed = craft.anchor_mass * state[1] / joint
+    bottom = dive.site_depth - dive.line
+
+    def through_water(since: float, y: Array) -> tuple[float, float]:
+        u = y[1] - sum(water(since, y[0]) for water in waters)
+        return u, dive.drag_factor * prod(factor(since, u, y[0], dive.number) for factor in drags)
 
     def together(t: float, y: Array) -> list[float]:
         since, z = t - t_taut, y[0]
-        u = y[1] - sum(water(since, z) for water in waters)
+        u, factor = through_water(since, y)
         force = weight(t, z) - craft.net_buoyancy - sum(lift(z) for lift in lifts)
-        force -= dive.drag_factor * prod(factor(since, u, z, dive.number) for factor in drags) * craft.drag(u)
-        force -= sum(resist(since, u) for resist in resists)
+        force -= factor * craft.drag(u) + sum(resist(since, u) for resist in resists)
         return [y[1], force / joint]
 
-    bottom = dive.site_depth - dive.line
+    def tension(stretch: float, opening: float) -> float:
+        return max(0.0, (stretch + LINE_LOSS * opening) / give) if give and stretch > 0.0 else 0.0
+
+    def apart(t: float, y: Array) -> list[float]:
+        """As ``together``, with the stretch and its rate after the vehicle's depth and speed."""
+        since, z = t - t_taut, y[0]
+        u, factor = through_water(since, y)
+        pull = tension(y[2], y[3])
+        ahead = (weight(t, z) - factor * craft.anchor_drag(u + y[3]) - pull) / craft.anchor_mass
+        force = pull - craft.net_buoyancy - sum(lift(z) for lift in lifts)
+        force -= factor * craft.vehicle_drag(u) + sum(resist(since, u) for resist in resists)
+        behind = force / (joint - craft.anchor_mass)
+        return [y[1], behind, y[3], ahead - behind]
+
+    def moored(t: float, y: Array) -> list[float]:
+        """The vehicle above the anchor on the seafloor."""
+        force = tension(bottom - y[0], -y[1]) - craft.net_buoyancy - sum(lift(y[0]) for lift in lifts)
+        return [y[1], (force - dive.drag_factor * craft.vehicle_drag(y[1])) / craft.vehicle_mass]
+
+    descend = apart if give else together
+    start = [0.0, 0.0, 0.0, state[1]] if give else [0.0, craft.anchor_mass * state[1] / joint]
     stop = next((twist.hold for twist in twists if twist.hold), None)
-    t_now, z_now = t_taut, 0.0
+    t_now = t_taut
     if stop is not None:
         ledge = stop[0] * bottom
-        solution, t_now, state, _ = _fall(together, (t_now, 0.0, speed), end, lambda t, y: y[0] - ledge)
+        solution, t_now, state, _ = _fall(descend, (t_now, *start), end, lambda t, y: y[0] - ledge)
         pieces.append((t_now, solution))
-        z_now, speed = float(state[0]), 0.0
+        start = [float(state[0])] + [0.0] * (len(start) - 1)
         t_now += stop[1]
-        pieces.append((t_now, lambda t, z=z_now: np.array([np.full_like(t, z)])))
+        pieces.append((t_now, lambda t, z=start[0]: np.array([np.full_like(t, z)])))
     t_touchdown = float("inf")
     if t_now < end:
-        solution, t_now, state, down = _fall(together, (t_now, z_now, speed), end, lambda t, y: y[0] - bottom)
+        # depth of the vehicle, and the stretch if there is one, are the even entries
+        solution, t_now, state, down = _fall(descend, (t_now, *start), end, lambda t, y: sum(y[::2]) - bottom)
         pieces.append((t_now, solution))
         if down:
             t_touchdown = t_now
-            rest = [(end, lambda t: np.array([np.full_like(t, bottom)]))]
-            pieces += _after_touchdown(craft, dive, t_now, state, end) if followed else rest
+            rest = [(end, lambda t: np.array([np.full_like(t, state[0])]))]
+            pieces += _after_touchdown(moored, dive, t_now, state, end) if followed else rest
     return _assemble(pieces, t_taut, t_touchdown, end)
 
 
-def _after_touchdown(craft: Craft, dive: Dive, t: float, state: Array, end: float):
-    """Coast to rest (or to the seafloor), rise under net buoyancy, and hang at the line's length."""
+def _after_touchdown(coast: Callable[[float, Array], list[float]], dive: Dive, t: float, state: Array, end: float):
+    """Coast to rest (or to the seafloor), rise under net buoyancy, and hang at the line's length.
 
-    def coast(t: float, y: Array) -> list[float]:
-        return [y[1], (-craft.net_buoyancy - dive.drag_factor * craft.vehicle_drag(y[1])) / craft.vehicle_mass]
+    A vehicle that has become heavier than water stays on the seafloor.
+    """
 
     def halt(t: float, y: Array) -> float:
         return min(y[1], dive.site_depth - y[0])
@@ -143,6 +174,8 @@ def _after_touchdown(craft: Craft, dive: Dive, t: float, state: Array, end: floa
     solution, t_low, state, _ = _fall(coast, (t, state[0], state[1]), end, halt)
     pieces = [(t_low, solution)]
     t_up = t_low
+    if coast(t_low, np.array([state[0], 0.0]))[1] >= 0.0:
+        return [*pieces, (end, lambda t: np.array([np.full_like(t, state[0])]))]
     if t_low < end:
         solution, t_up, state, _ = _fall(coast, (t_low, state[0], 0.0), end, lambda t, y: y[0] - bottom)
         pieces.append((t_up, solution))

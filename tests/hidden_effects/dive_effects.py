@@ -1,4 +1,4 @@
-"""Causes hidden in dives: the catalogue's twelve in other shapes than an inference would choose, and others.
+"""Causes hidden in dives: the catalogue's twelve in other shapes than an inference would choose.
 
 Each builder takes a size, a generator of random numbers for its shape and what it may know of the dives, and returns
 the twist with those of its parameters that the contract's parametrisation shares exactly.
@@ -43,7 +43,8 @@ class Cause:
     build: Builder
 
 
-def _sign(rng: np.random.Generator, positive: float = 0.5) -> float:
+def sign(rng: np.random.Generator, positive: float = 0.5) -> float:
+    """Either sign, the positive one with this probability."""
     return 1.0 if rng.random() < positive else -1.0
 
 
@@ -133,7 +134,7 @@ def _sensor_lag(size, rng, setting):
         second = rng.uniform(0.15, 0.4) * size
         lags = (size - second, second)
 
-        def reading(t, depth):
+        def reading(t, depth, number):
             out = depth
             for lag in lags:
                 share = 1.0 - np.exp(-STEP / lag)
@@ -148,7 +149,7 @@ def _sensor_lag(size, rng, setting):
     else:
         window = max(1, round(2.0 * size / STEP))
 
-        def reading(t, depth):
+        def reading(t, depth, number):
             padded = np.concatenate([np.full(window - 1, depth[0]), depth])
             return np.convolve(padded, np.full(window, 1.0 / window), "valid")
 
@@ -157,7 +158,7 @@ def _sensor_lag(size, rng, setting):
 
 def _clock_offset(size, rng, setting):
     """The log's zero is not the separation; a trifle more or less from dive to dive."""
-    offset = _sign(rng, 0.6) * size
+    offset = sign(rng, 0.6) * size
     seed = int(rng.integers(2**32))
 
     def delay(line, number):
@@ -168,14 +169,14 @@ def _clock_offset(size, rng, setting):
 
 def _depth_scale(size, rng, setting):
     """Wrong gain of the pressure sensor, with a slight curvature."""
-    fraction = _sign(rng) * size
+    fraction = sign(rng) * size
     bend = rng.uniform(-1e-4, 1e-4)
-    return Twist(reading=lambda t, depth: depth * (1.0 + fraction + bend * depth)), {"fraction": fraction}
+    return Twist(reading=lambda t, depth, number: depth * (1.0 + fraction + bend * depth)), {"fraction": fraction}
 
 
 def _vertical_current(size, rng, setting):
     """Up- or downwelling that vanishes towards the surface within about a metre."""
-    speed = _sign(rng) * size
+    speed = sign(rng) * size
     skin = rng.uniform(0.2, 1.0)
     return Twist(water=lambda t, z: speed * (1.0 - np.exp(-max(z, 0.0) / skin))), {"speed": speed}
 
@@ -205,95 +206,4 @@ CATALOGUE: dict[str, Cause] = {
     "depth-scale": Cause(0.03, 0.10, _depth_scale),
     "vertical-current": Cause(0.06, 0.20, _vertical_current),
     "drag-crisis": Cause(0.15, 0.5, _drag_crisis),
-}
-
-
-def _spooling_line(size, rng, setting):
-    """The line slips on: its drag grows with every metre of depth below some depth."""
-    begin = rng.uniform(0.1, 0.4) * setting.shallowest
-    return Twist(drag=lambda t, u, z, number: 1.0 + size * max(0.0, z - begin) / setting.shallowest), {}
-
-
-def _pitch_oscillation(size, rng, setting):
-    """The hull swings about the line like a pendulum, and its drag with it."""
-    period = rng.uniform(3.0, 7.0)
-    fade = rng.uniform(8.0, 40.0)
-
-    def swing(t):
-        return np.exp(-t / fade) * np.sin(2.0 * np.pi * t / period)
-
-    return Twist(
-        drag=lambda t, u, z, number: 1.0 + size * float(swing(max(t, 0.0))) ** 2, pitch=lambda t: 35.0 * swing(t)
-    ), {}
-
-
-def _windmilling(size, rng, setting):
-    """Above some speed the propeller is turned by the flow and brakes in proportion to the excess."""
-    start = rng.uniform(0.5, 0.9) * setting.slowest
-    force = size * setting.lightest
-
-    def resist(t, u):
-        return force * max(0.0, u / start - 1.0) if u > start else 0.0
-
-    return Twist(resist=resist), {}
-
-
-def _temperature_drift(size, rng, setting):
-    """The depth sensor cools and its zero creeps."""
-    settle = rng.uniform(3.0, 12.0)
-    creep = _sign(rng) * size
-    return Twist(reading=lambda t, depth: depth + creep * (1.0 - np.exp(-t / settle))), {}
-
-
-def _obstacle(size, rng, setting):
-    """Something stops the vehicle on its way, for a while, in every dive at the same share of the way."""
-    return Twist(hold=(rng.uniform(0.25, 0.7), size)), {}
-
-
-def _weight_loss(size, rng, setting):
-    """Part of the anchor falls off at some time on the way down."""
-    when = rng.uniform(0.25, 0.6) * setting.longest_time
-    return Twist(weight=lambda t, z: 1.0 - size if t > when else 1.0), {}
-
-
-def _bio_fouling(size, rng, setting):
-    """Each dive has more drag than the one before."""
-    return Twist(drag=lambda t, u, z, number: 1.0 + size * number), {}
-
-
-def _internal_wave(size, rng, setting):
-    """The vertical current changes sign on the way down."""
-    length = rng.uniform(0.35, 0.7) * setting.shallowest
-    phase = rng.uniform(0.0, 2.0 * np.pi)
-    return Twist(water=lambda t, z: size * np.sin(2.0 * np.pi * z / length + phase)), {}
-
-
-def _line_drag(size, rng, setting):
-    """The line itself drags along its length: skin friction of some 4 mm of braid is 2 % of the whole a metre."""
-    return Twist(drag=lambda t, u, z, number: 1.0 + size * setting.lines[number]), {}
-
-
-def _motor_runs_on(size, rng, setting):
-    """The motor is still on when the line comes taut and drives the vehicle down until it is stopped."""
-    stop = rng.uniform(3.0, 10.0)
-    idle = rng.uniform(1.2, 1.8) * setting.fastest
-    force = size * setting.lightest
-
-    def resist(t, u):
-        return -force * max(0.0, 1.0 - u / idle) if t < stop else 0.0
-
-    return Twist(resist=resist), {}
-
-
-OUTSIDE: dict[str, Cause] = {
-    "spooling-line": Cause(0.4, 1.5, _spooling_line),
-    "pitch-oscillation": Cause(0.8, 3.0, _pitch_oscillation),
-    "windmilling": Cause(0.15, 0.6, _windmilling),
-    "temperature-drift": Cause(0.4, 1.5, _temperature_drift),
-    "obstacle": Cause(0.3, 2.0, _obstacle),
-    "weight-loss": Cause(0.12, 0.4, _weight_loss),
-    "bio-fouling": Cause(0.06, 0.20, _bio_fouling),
-    "internal-wave": Cause(0.10, 0.35, _internal_wave),
-    "line-drag": Cause(0.008, 0.04, _line_drag),
-    "motor-runs-on": Cause(0.25, 1.0, _motor_runs_on),
 }

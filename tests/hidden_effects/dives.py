@@ -9,7 +9,8 @@ import numpy as np
 
 from .case import Case
 from .dive import Array, Dive, Track, Twist, sink
-from .dive_effects import CATALOGUE, OUTSIDE, Setting
+from .dive_effects import CATALOGUE, Setting
+from .dive_outside import OUTSIDE
 from .drag import GRAVITY, Craft
 
 RELEASE_SD, ZERO_SD, DRAG_SD, WEIGHT_SD = 0.1, 0.05, 0.025, 0.012
@@ -129,7 +130,7 @@ def read_depth(track: Track, dive: Dive, twists: Sequence[Twist], t: Array, late
     depth = track.depth
     for twist in twists:
         if twist.reading:
-            depth = twist.reading(track.t, depth)
+            depth = twist.reading(track.t, depth, dive.number)
     return np.interp(t - late, track.t, depth)
 
 

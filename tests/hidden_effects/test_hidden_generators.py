@@ -14,7 +14,8 @@ from . import dives, transits
 from .cases import CYCLE, KINDS, SCENARIOS, cases, draw_case, plan
 from .dive import Dive, Twist, sink
 from .dive_effects import CATALOGUE as DIVE_CATALOGUE
-from .dive_effects import OUTSIDE as DIVE_OUTSIDE
+from .dive_outside import OUTSIDE as DIVE_OUTSIDE
+from .dive_outside import STUDIED as STUDIED_DIVES
 from .drag import Craft, friction, spheroid_share
 from .leg_effects import CATALOGUE as LEG_CATALOGUE
 from .leg_effects import HOUR, PERIODS
@@ -114,6 +115,8 @@ def test_vehicle_coasts_by_the_closed_form_and_rises_to_the_line():
         (Twist(water=lambda t, z: 0.1), 1),
         (Twist(mass=1.5), -1),
         (Twist(hold=(0.5, 2.0)), -1),
+        (Twist(line=lambda n: 0.5), 1),
+        (Twist(stretch=lambda line: 0.05), -1),
     ],
 )
 def test_twists_act_in_the_direction_they_should(twist, sign):
@@ -214,8 +217,70 @@ def test_motor_drives_down_until_it_is_stopped():
     assert np.ptp(ahead[late]) < 0.02
 
 
+def _outside_dive(name: str, size: float, seed: int = 0):
+    setting = dives.Setting(11.7, 1.6, 2.0, 35.0, 30.0, lines=(5.0, 5.0, 8.0))
+    return DIVE_OUTSIDE[name].build(size, np.random.default_rng(seed), setting)[0]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_foam_gives_way_for_good_below_its_yield(seed):
+    lift = np.array([_outside_dive("foam-compression", 0.4, seed).lift(z) for z in np.linspace(0.0, 200.0, 50)])
+    assert lift[0] == 0.0
+    assert np.all(np.diff(lift) <= 0.0)
+    assert -0.4 * 11.7 < lift[-1] < -0.3 * 11.7
+
+
+def test_vehicle_that_became_heavy_stays_on_the_seafloor():
+    twist = _outside_dive("foam-compression", 0.4)
+    track = sink(PAPER, Dive(11.7, 5.0, 40.0), (twist,), 90.0)
+    assert track.depth[-1] == pytest.approx(40.0)
+
+
+def test_shear_layer_slows_within_it_and_slow_dives_more():
+    twist = _outside_dive("shear-layer", 1.0)
+    depth = np.linspace(0.0, 60.0, 600)
+    slow, fast = (np.array([twist.drag(9.0, u, z, 0) for z in depth]) for u in (1.6, 2.0))
+    assert slow.max() == pytest.approx(2.0)
+    assert fast.max() == pytest.approx(1.0 + 0.8**2)
+    assert slow[0] == 1.0
+    assert slow[-1] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_plugged_port_reads_nothing_and_then_the_depth():
+    twist = _outside_dive("plugged-port", 1.0)
+    t = np.arange(0.0, 40.0, 0.02)
+    first, second = (twist.reading(t, 1.5 * t, number) for number in (0, 1))
+    assert np.count_nonzero(first == 0.0) != np.count_nonzero(second == 0.0)
+    assert np.all(np.diff(first) >= 0.0)
+    np.testing.assert_allclose(first[-500:], 1.5 * t[-500:], atol=1e-6)
+
+
+def test_jammed_spool_moors_deeper_and_only_where_it_jams():
+    twist = _outside_dive("jammed-spool", 0.3, seed=1)
+    lines = np.array([5.0 * twist.line(number) for number in range(3)])
+    assert 0.0 < np.count_nonzero(lines < 5.0) < 3
+    for number, line in enumerate(lines):
+        track = sink(PAPER, Dive(11.7, 5.0, 40.0, number=number), (twist,), 60.0)
+        assert np.interp(track.t_touchdown, track.t, track.depth) == pytest.approx(40.0 - line, abs=1e-3)
+
+
+def test_line_that_hardly_stretches_is_the_snatch():
+    plain, other = (sink(PAPER, Dive(11.7, 5.0, 40.0), each, 40.0) for each in ((), (Twist(stretch=lambda n: 5e-4),)))
+    inside = (plain.t > plain.t_taut + 1.0) & (plain.t < plain.t_touchdown - 1.0)
+    np.testing.assert_allclose(other.depth[inside], plain.depth[inside], atol=0.05)
+
+
+def test_elastic_line_is_stretched_by_the_drag_of_the_vehicle():
+    """At touchdown the vehicle is the line and its stretch above the seafloor: Hooke's law at terminal speed."""
+    track = sink(PAPER, Dive(11.7, 5.0, 60.0), (_outside_dive("elastic-line", 0.04),), 60.0)
+    above = 60.0 - np.interp(track.t_touchdown, track.t, track.depth)
+    give = _outside_dive("elastic-line", 0.04).stretch(5.0)
+    assert above == pytest.approx(5.0 + give * PAPER.vehicle_drag(PAPER.terminal_speed(11.7)), abs=3e-3)
+
+
 def test_studied_effects_are_some_of_those_outside():
     assert set(LEG_OUTSIDE) > STUDIED
+    assert set(DIVE_OUTSIDE) > STUDIED_DIVES
     assert not set(LEG_OUTSIDE) & set(DIVE_OUTSIDE)  # one set of names serves both kinds
     assert not set(LEG_OUTSIDE) & set(LEG_CATALOGUE)
     assert not set(DIVE_OUTSIDE) & set(DIVE_CATALOGUE)
