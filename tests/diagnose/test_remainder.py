@@ -3,16 +3,17 @@
 import numpy as np
 import pytest
 
-from missionplan.diagnose.remainder import _smooth_functions, remainder
-from missionplan.diagnose.residuals import Axis, Residuals, outlying_groups
+from missionplan.diagnose.axes import Axis, pointwise
+from missionplan.diagnose.remainder import remainder
+from missionplan.diagnose.residuals import Products, Residuals, outlying_groups
 
 N = 80
 
 
-def residuals(values, level=0.01):
-    axis = Axis("time", np.linspace(0.0, 1.0, N)[:, None], np.ones((N, 1)))
+def residuals(values, level=0.01, axis=None, averaged=None):
+    axis = axis or pointwise("time", "values against time", np.linspace(0.0, 1.0, N)[:, None])
     groups = np.repeat([f"dive-{k + 1}" for k in range(4)], N // 4)
-    return Residuals(values, np.eye(N), np.zeros(N, dtype=int), {"time": axis}, groups, level)
+    return Residuals(values, np.eye(N), np.zeros(N, dtype=int), [axis], groups, level, averaged)
 
 
 def test_white_residuals_leave_nothing():
@@ -50,10 +51,60 @@ def test_no_group_is_outlying_among_equals(seed):
     assert outlying_groups(residuals(np.random.default_rng(seed).normal(size=N))) == ()
 
 
+def test_a_response_that_builds_up_is_found_better_than_by_its_place():
+    """A rate that changes at some place shows in all that follows."""
+    rng = np.random.default_rng(7)
+    places = np.linspace(0.0, 1.0, 11)[:, None]
+    rate = np.sin(2.0 * np.pi * places[:, 0])
+    builds_up = np.cumsum(np.repeat(np.eye(11), N // 10, axis=0)[:N], axis=0) / 10.0
+    found = residuals(rng.normal(size=N) + 2.0 * builds_up @ rate, axis=Axis("time", "rate", places, builds_up))
+    elsewhere = residuals(found.values, axis=Axis("time", "rate", places, builds_up[rng.permutation(N)]))
+    assert remainder(found).log_bayes_factor > 3.0
+    assert remainder(elsewhere).log_bayes_factor < remainder(found).log_bayes_factor - 3.0
+
+
+def test_a_remainder_is_told_against_noise_that_is_not_known():
+    """A noise that may be greater hides less than the greater noise alone: both sides are averaged over it."""
+    rng = np.random.default_rng(8)
+    values = rng.normal(size=N) + 1.5 * np.sin(np.linspace(0.0, 9.0, N))
+
+    def at(scales):
+        def averaged(columns):
+            both = np.column_stack([columns, values])
+            return [Products(0.0, 2.0 * N * np.log(scale), both.T @ both / scale**2) for scale in scales]
+
+        return remainder(residuals(values, averaged=averaged)).log_bayes_factor
+
+    assert at([1.0]) == pytest.approx(remainder(residuals(values)).log_bayes_factor, abs=1e-9)
+    assert at([1.0, 2.0]) > at([2.0]) + 3.0
+
+
 def test_smooth_functions_have_the_squared_exponential_covariance():
     """Of places that repeat, too, and along a direction of each value's own."""
     places = np.array([[0.0], [0.2], [0.2], [0.7], [1.0]])
     directions = np.array([[1.0], [2.0], [-1.0], [0.5], [1.0]])
-    basis = _smooth_functions(Axis("time", places, directions), 0.4)
+    axis = pointwise("time", "values against time", places, directions)
+    basis = axis.response @ axis.smooth(0.4)
     covariance = np.exp(-0.5 * ((places - places.T) / 0.4) ** 2) * (directions @ directions.T)
     np.testing.assert_allclose(basis @ basis.T, covariance, atol=1e-6)
+
+
+@pytest.mark.parametrize("length", [0.06, 0.25, 1.0])
+def test_nodes_stand_for_the_places_between_them(length):
+    inputs = np.sort(np.random.default_rng(9).uniform(size=200))[:, None]
+    axis = pointwise("depth", "values against depth", inputs)
+    basis = axis.response @ axis.smooth(length)
+    covariance = np.exp(-0.5 * ((inputs - inputs.T) / length) ** 2)
+    np.testing.assert_allclose(basis @ basis.T, covariance, atol=0.005 * (0.25 / length) ** 2 + 0.001)
+
+
+def test_functions_in_two_dimensions_are_given_at_every_place():
+    inputs = np.random.default_rng(10).normal(size=(40, 2))
+    axis = pointwise("place", "values against place", inputs, np.ones((40, 2)))
+    assert axis.response.shape == (40, 80)
+    smooth = axis.smooth(0.5)
+    np.testing.assert_allclose(
+        smooth @ smooth.T,
+        np.exp(-2.0 * ((inputs[:, None] - inputs) ** 2).sum(2))[np.ix_(*2 * [np.lexsort(inputs.T[::-1])])],
+        atol=1e-5,
+    )

@@ -10,7 +10,7 @@ import numpy as np
 from .case import Case
 from .dive import Array, Dive, Track, Twist, sink
 from .dive_effects import CATALOGUE, Setting
-from .dive_outside import OUTSIDE
+from .dive_outside import OUTSIDE, STUDIED
 from .drag import GRAVITY, Craft
 
 RELEASE_SD, ZERO_SD, DRAG_SD, WEIGHT_SD = 0.1, 0.05, 0.025, 0.012
@@ -23,6 +23,8 @@ LOUD = 60.0
 """And by no more than about this, beyond which the shape of an effect is measured rather than its kind."""
 UNLIKE = 5.0
 """An effect outside the catalogue leaves this misfit to the nearest of the catalogue's, at whatever size."""
+BLIND_SHARE = 0.75
+"""Share of the effects outside the catalogue that the method's authors have not studied."""
 NEAR_TIES = ({"line-payout", "clock-offset"}, {"drag-bias", "depth-scale"}, {"drag-bias", "vertical-current"})
 """Never drawn as a pair: the one can cancel or feign the other."""
 
@@ -250,7 +252,8 @@ def _pick(rng: np.random.Generator, scenario: str) -> tuple[str, ...]:
     if scenario == "control":
         return ()
     if scenario == "outside":
-        return (str(rng.choice(list(OUTSIDE))),)
+        blind = rng.random() < BLIND_SHARE
+        return (str(rng.choice([name for name in OUTSIDE if (name in STUDIED) != blind])),)
     if scenario == "tie":
         return (str(rng.choice(["line-payout", "clock-offset"])),)
     while True:

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from scipy.stats import binom
 
-from .leg_outside import STUDIED
+from . import dive_outside, leg_outside
 from .tool import Outcome
 
+STUDIED = dive_outside.STUDIED | leg_outside.STUDIED
 DESCRIPTIONS = {"persistent-error", "heavy-tails", "random-walk", "fix-error"}
 """Causes that only describe; naming one says that no physical cause was found."""
 UNITS = {

@@ -14,7 +14,6 @@ import pytest
 from . import score
 from .case import Case
 from .cases import KINDS, cases
-from .leg_outside import STUDIED
 from .tool import Outcome, ask, why_not
 
 FAST_SEED = 20_000
@@ -105,10 +104,10 @@ def test_scores_pairs_weak_and_outside():
         Outcome(_case("weak", "drag-bias"), _diagnosis("explained", "sensor-lag"), 1.0),
         Outcome(_case("weak", "drag-bias"), _diagnosis("partly-explained", "sensor-lag"), 1.0),
         Outcome(_case("weak", "drag-bias"), _diagnosis("adequate"), 1.0),
-        Outcome(_case("outside", outside="obstacle"), _diagnosis("unexplained"), 1.0),
-        Outcome(_case("outside", outside="obstacle"), _diagnosis("explained", "heavy-tails"), 1.0),
-        Outcome(_case("outside", outside="obstacle"), _diagnosis("explained", "drag-bias"), 1.0),
-        Outcome(_case("outside", outside="obstacle"), _diagnosis("adequate"), 1.0),
+        Outcome(_case("outside", outside="eddy"), _diagnosis("unexplained"), 1.0),
+        Outcome(_case("outside", outside="eddy"), _diagnosis("explained", "heavy-tails"), 1.0),
+        Outcome(_case("outside", outside="eddy"), _diagnosis("explained", "drag-bias"), 1.0),
+        Outcome(_case("outside", outside="eddy"), _diagnosis("adequate"), 1.0),
     )
     assert found["two effects: exact"].value == 0.5
     assert found["two effects: at least one"].value == 1.0
@@ -118,9 +117,9 @@ def test_scores_pairs_weak_and_outside():
 
 
 def test_what_was_studied_neither_helps_nor_hurts_the_blind_figure():
-    seen = [_case("outside", outside=name) for name in sorted(STUDIED)]
+    seen = [_case("outside", outside=name) for name in sorted(score.STUDIED)]
     found = _figures(
-        Outcome(_case("outside", outside="obstacle"), _diagnosis("unexplained"), 1.0),
+        Outcome(_case("outside", outside="eddy"), _diagnosis("unexplained"), 1.0),
         *(Outcome(case, _diagnosis("explained", "speed-scale"), 1.0) for case in seen),
     )
     blind, studied = (found[f"outside the catalogue, {which}: flagged"] for which in ("blind", "studied"))
