@@ -5,45 +5,62 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from missionplan.diagnose.axes import Axis, pointwise, scaled
 from missionplan.diagnose.descent_data import DiveLog
-from missionplan.diagnose.residuals import Axis
+from missionplan.diagnose.descent_linear import DescentLinear, Linear
+from missionplan.diagnose.unknown_force import force_axes
 
 Array = NDArray[np.float64]
 
 
-def descent_axes(logs: Sequence[DiveLog], expected: Array, drag: Array) -> dict[str, Axis]:
-    """Time, depth and speed, each a function that all dives share; time dive by dive; drag that grows with the dives.
+def descent_axes(model: DescentLinear, linear: Linear) -> list[Axis]:
+    """Errors of the depth, forces on all dives, and what differs from dive to dive.
+
+    Parameters
+    ----------
+    model : DescentLinear
+        The dives.
+    linear : Linear
+        Where the model is fitted.
+    """
+    logs, readings = model.forward.logs, linear.readings
+    speed = np.concatenate([_speed(log, readings[rows]) for log, rows in zip(logs, model.parts, strict=True)])
+    extents = {"time": np.concatenate([log.t for log in logs]), "depth": readings, "speed": speed}
+    shared = [
+        pointwise(name, f"an error of the depth read that changes with {name}", scaled(values))
+        for name, values in extents.items()
+    ]
+    forces = force_axes(model.forward.coarse, model.coordinates, linear.at, linear.late, extents)
+    return [*shared, *forces, *_dive_by_dive(logs, extents["time"], linear.sensitivity("drag"))]
+
+
+def _dive_by_dive(logs: Sequence[DiveLog], t: Array, drag: Array) -> list[Axis]:
+    """Each dive's own error of the depth against time; drag that changes from dive to dive in order, with the line.
 
     Parameters
     ----------
     logs : sequence of DiveLog
         The dives.
-    expected : array, shape (N,)
-        Depths that the model expects, dive after dive [m].
-    drag : array, shape (N,)
-        Their sensitivity to drag [m].
+    t, drag : array, shape (N,)
+        Times of all readings [s] and their sensitivity to drag [m].
     """
-    t = np.concatenate([log.t for log in logs])
     dive = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs])
-    speed = np.concatenate([_speed(log.t, expected[dive == k]) for k, log in enumerate(logs)])
-    shared = np.ones((len(t), 1))
-    own = (dive[:, None] == np.arange(len(logs))[None, :]).astype(float)
-    axes = {
-        "time": Axis("time", _unit(t), shared),
-        "depth": Axis("depth", _unit(expected), shared),
-        "speed": Axis("speed", _unit(speed), shared),
-    }
+    axes = []
     if len(logs) > 1:
-        axes["run"] = Axis("run", _unit(t), own)
+        own = (dive[:, None] == np.arange(len(logs))[None, :]).astype(float)
+        axes.append(pointwise("run", "an error of the depth read that changes with time, dive by dive", scaled(t), own))
     if len(logs) > 2:
-        trend = drag * (2.0 * _unit(dive.astype(float)) - 1.0)[:, 0]
-        axes["trend"] = Axis("run", np.zeros((len(t), 1)), trend[:, None] / np.abs(trend).max())
+        axes.append(_slope("drag that grows or falls from dive to dive", drag, dive.astype(float)))
+    lines = np.array([log.line_length for log in logs])[dive]
+    if np.ptp(lines) > 0.0:
+        axes.append(_slope("drag that changes with the line's length", drag, lines))
     return axes
 
 
-def _speed(t: Array, depth: Array) -> Array:
-    return np.asarray(np.gradient(depth, t) if np.all(np.diff(t) > 0.0) else np.zeros_like(depth))
+def _slope(words: str, drag: Array, values: Array) -> Axis:
+    """Drag that grows in proportion to what the dives differ in, shape (N,), about its mean."""
+    return Axis("run", words, np.zeros((1, 1)), (drag * (values - values.mean()))[:, None])
 
 
-def _unit(values: Array) -> Array:
-    return np.asarray((values - values.min()) / max(float(np.ptp(values)), 1e-9))[:, None]
+def _speed(log: DiveLog, depth: Array) -> Array:
+    return np.asarray(np.gradient(depth, log.t) if np.all(np.diff(log.t) > 0.0) else np.zeros_like(depth))

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import lapack, solve_triangular
 
 from missionplan.diagnose.descent_noise import grid
 from missionplan.diagnose.likelihood import Marginal, marginal_of
+from missionplan.diagnose.residuals import Products
 
 Array = NDArray[np.float64]
 
@@ -50,3 +52,38 @@ class Evidence:
         prior = np.append(prior_sd, [grid()[index].scatter, 1.0])
         found = marginal_of(gram, prior, log_determinant, int(self.counts[dives].sum()))
         return Marginal(found.log_density, found.mean[:-2], found.covariance[:-2, :-2])
+
+
+def inner_products(covariance: Array, columns: Array) -> tuple[Array, Array]:
+    """Inner products Xᵀ C⁻¹ X of a dive's columns, shape (m, c), and ln |C| at each of g noises: (g, c, c), (g,).
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        When a covariance, shape (g, m, m), is not positive definite.
+    """
+    factor = np.linalg.cholesky(covariance)
+    white = np.stack([lapack.dtrtrs(one.T, columns, trans=1)[0] for one in factor])
+    return np.swapaxes(white, 1, 2) @ white, 2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
+
+
+def integrated(grams: Array, log_determinants: Array, prior_sd: Array) -> list[Products]:
+    """Integrate the coordinates out of the inner products of other columns and the data, at each noise of the grid.
+
+    Parameters
+    ----------
+    grams : array, shape (g, c, c)
+        Of k coordinates' columns, what the dives share beside them, other columns and the data.
+    log_determinants : array, shape (g,)
+        Of the covariance.
+    prior_sd : array, shape (k,)
+        Of the coordinates.
+    """
+    found, inner = [], len(prior_sd) + 2
+    for noise, gram, log_determinant in zip(grid(), grams, log_determinants, strict=True):
+        prior = np.append(prior_sd, [noise.scatter, 1.0])
+        factor = np.linalg.cholesky(prior[:, None] * gram[:inner, :inner] * prior + np.eye(inner))
+        known = solve_triangular(factor, prior[:, None] * gram[:inner, inner:], lower=True)
+        total = float(log_determinant + 2.0 * np.log(np.diag(factor)).sum())
+        found.append(Products(noise.log_prior, total, gram[inner:, inner:] - known.T @ known))
+    return found

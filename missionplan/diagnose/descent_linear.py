@@ -1,15 +1,14 @@
 """Dive logs and the descent phase linearised: all causes' columns, the covariance of the rest, the likelihood."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack
 
 from missionplan.diagnose.coordinates import Coordinate, coordinates_of
-from missionplan.diagnose.descent_evidence import Evidence
+from missionplan.diagnose.descent_evidence import Evidence, inner_products, integrated
 from missionplan.diagnose.descent_fit import jacobian_settings
 from missionplan.diagnose.descent_forward import EARLIEST, LAG_ORDER, LAG_ORDER_SD, DescentForward, Histories, delayed
 from missionplan.diagnose.descent_noise import (
@@ -22,6 +21,7 @@ from missionplan.diagnose.descent_noise import (
     still_covariance,
 )
 from missionplan.diagnose.model import Causes
+from missionplan.diagnose.residuals import Products
 from missionplan.effects import effects_of
 
 Array = NDArray[np.float64]
@@ -271,14 +271,20 @@ class DescentLinear:
             When a covariance is not positive definite.
         """
         both = np.concatenate([linear.columns, linear.nuisances, linear.y[:, None]], axis=1)
-        grams, log_determinants = [], []
-        for rows, covariance in zip(self.parts, self.covariances(linear, grid()), strict=True):
-            factor = np.linalg.cholesky(covariance)
-            white = np.stack([lapack.dtrtrs(one.T, both[rows], trans=1)[0] for one in factor])
-            grams.append(np.swapaxes(white, 1, 2) @ white)
-            log_determinants.append(2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1))
+        grams, log_determinants = zip(*self._inner(linear, both), strict=True)
         counts = np.array([len(rows) for rows in self.parts])
         return Evidence(np.stack(grams, axis=1), np.stack(log_determinants, axis=1), counts)
+
+    def products(self, linear: Linear, prior_sd: Array, columns: Array) -> list[Products]:
+        """Inner products of columns, shape (N, m), and the data, the coordinates integrated out, at every noise."""
+        both = np.concatenate([linear.columns, linear.nuisances, columns, linear.y[:, None]], axis=1)
+        grams, log_determinants = (sum(parts) for parts in zip(*self._inner(linear, both), strict=True))
+        return integrated(np.asarray(grams), np.asarray(log_determinants), prior_sd)
+
+    def _inner(self, linear: Linear, columns: Array) -> Iterator[tuple[Array, Array]]:
+        """Inner products of columns over each dive, and ln |covariance|, at every noise of the grid."""
+        for rows, covariance in zip(self.parts, self.covariances(linear, grid()), strict=True):
+            yield inner_products(covariance, columns[rows])
 
 
 def _later(covariance: Array, left: Array, columns: Array, late: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,7 +130,7 @@ class DescentModel(DescentLinear):
         free = self.free(causes)
         start = self.centre.copy()
         known: set[str] = set()
-        for fit in near:
+        for fit in (fit for fit in near if fit.possible):  # where another is, is no place to start from
             for i in self.free(fit.causes):
                 if self.coordinates[i].effect in causes and self.coordinates[i].effect not in known:
                     start[i] = fit.state.linear.at[i]
@@ -186,10 +186,21 @@ class DescentModel(DescentLinear):
         return low < (float(np.exp(at)) if coordinate.kind == "shape" else at) < high
 
     def promise(self, causes: Causes, parent: Fit) -> float:
-        """What further causes add to a parent's log density in its linearisation, shapes at their centres."""
-        state = parent.state
-        wider, narrow = (state.evidence.marginal(state.best, self.prior_sd(names)) for names in (causes, parent.causes))
-        return float(wider.log_density - narrow.log_density)
+        """What further causes add to a parent's log density in its linearisation, at the best of a few shapes."""
+        wider, narrow = self.prior_sd(causes), self.prior_sd(parent.causes)
+        evidences = [parent.state.evidence] if parent.causes else self._shapes
+        best = parent.state.best
+        return float(max(e.marginal(best, wider).log_density - e.marginal(best, narrow).log_density for e in evidences))
+
+    @cached_property
+    def _shapes(self) -> list[Evidence]:
+        """The base model's, the shape that each effect has first where fits start from it."""
+        first = np.zeros(len(self.coordinates))
+        for name in self.candidates:
+            first[next((i for i in self.free((name,)) if self.coordinates[i].kind == "shape"), [])] = 1.0
+        slab = np.array([coordinate.slab for coordinate in self.coordinates])
+        places = [((), self.centre + shift * first * slab) for shift in SHIFTS]
+        return [self.evidence(linear) for linear in self.linearise(places)]
 
     def importance(self, fit: Fit) -> Importance:
         """Integrate over the causes by the phase itself; narrow priors, noise and the dives' scatter as in the fit."""
@@ -221,9 +232,10 @@ class DescentModel(DescentLinear):
             state.linear.y,
             self.total_covariance(state.linear, grid()[state.best], self.prior_sd(fit.causes)),
             np.concatenate([np.full(len(log.t), k) for k, log in enumerate(logs)]),
-            descent_axes(logs, state.linear.readings, state.linear.sensitivity("drag")),
+            descent_axes(self, state.linear),
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
             TEST_LEVEL,
+            partial(self.products, state.linear, self.prior_sd(fit.causes)),
         )
 
     def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:

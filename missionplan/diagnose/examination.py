@@ -81,13 +81,10 @@ def examine(model: Model, progress: Progress = silent, jobs: int = 1) -> Examina
     best = selection.ranking[0] if selection.ranking else None
     claimed = claim(selection, gains.get(best.causes) if best else None)
     progress("testing the remainder", 0, 1)
-    base_residuals = model.residuals(selection.base)
-    base_remainder = remainder(base_residuals)
-    chosen, left, residuals = selection.base, base_remainder, base_residuals
-    if claimed is not None:
-        chosen = claimed.candidate.fit
-        residuals = model.residuals(chosen)
-        left = remainder(residuals)
+    chosen = claimed.candidate.fit if claimed is not None else selection.base
+    fits = [selection.base] if claimed is None else [selection.base, chosen]
+    looked_at = shared(partial(_looked_at, model), fits, jobs=jobs)
+    (base_remainder, _), (left, outlying) = looked_at[0], looked_at[-1]
     posterior = posteriors(selection, claimed.candidate.causes if claimed else None)
     return Examination(
         verdict(claimed, left),
@@ -100,7 +97,7 @@ def examine(model: Model, progress: Progress = silent, jobs: int = 1) -> Examina
         checks,
         left,
         base_remainder,
-        outlying_groups(residuals),
+        outlying,
     )
 
 
@@ -123,6 +120,12 @@ def _checks(model: Model, selection: Selection, scored: tuple[Causes, ...], jobs
     wanted = [selection.base, *(fits[causes] for causes in scored)]
     base, *found = shared(partial(_log_evidences, model), wanted, jobs=jobs)
     return {causes: log_evidence - base for causes, log_evidence in zip(scored, found, strict=True)}
+
+
+def _looked_at(model: Model, fits: Sequence[Fit]) -> list[tuple[Remainder, tuple[tuple[str, float], ...]]]:
+    """What each fit leaves: its remainder, and its outlying groups."""
+    residuals = [model.residuals(fit) for fit in fits]
+    return [(remainder(each), outlying_groups(each)) for each in residuals]
 
 
 def _log_evidences(model: Model, fits: Sequence[Fit]) -> list[float]:

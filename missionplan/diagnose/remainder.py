@@ -1,14 +1,14 @@
 """Remainder: is anything smooth left? A Gaussian process, as a test and not as a repair (Kennedy & O'Hagan 2001)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack, solve_triangular
-from scipy.spatial.distance import cdist
 from scipy.special import logsumexp
 
-from missionplan.diagnose.residuals import Axis, Residuals, ResidualTest, rejects, residual_tests
+from missionplan.diagnose.axes import Axis
+from missionplan.diagnose.residuals import Residuals, ResidualTest, rejects, residual_tests
 
 Array = NDArray[np.float64]
 
@@ -21,6 +21,8 @@ SIZES = (0.25, 0.5, 1.0, 2.0, 4.0)
 SCALES = (0.7, 0.8, 0.9, 1.0, 1.1, 1.2)
 """Factors by which the model's own standard deviation may be off."""
 SCALE_SPREAD = 0.12
+SCALE_PRIOR = -0.5 * (np.log(SCALES) / SCALE_SPREAD) ** 2
+SCALE_PRIOR -= logsumexp(SCALE_PRIOR)
 NEGLIGIBLE = 1e-7
 
 
@@ -35,11 +37,13 @@ class Remainder:
     axis : str or None
         Along which, when there is one.
     by_axis : tuple
-        Axis and its own ln Bayes factor, greatest first.
+        What would be smooth along each axis, in words, and its own ln Bayes factor, greatest first.
     tests : tuple of ResidualTest
         Tests of the innovations.
     speaks : bool
         Whether there is a remainder.
+    resembles : str or None
+        What it looks like most, in words, when it is smooth.
     """
 
     log_bayes_factor: float
@@ -47,58 +51,75 @@ class Remainder:
     by_axis: tuple[tuple[str, float], ...]
     tests: tuple[ResidualTest, ...]
     speaks: bool
+    resembles: str | None
 
 
 def remainder(residuals: Residuals) -> Remainder:
     """Test what a model leaves, along every axis and by residual tests at the strict level."""
-    factor = np.asarray(np.linalg.cholesky(residuals.covariance), dtype=float)
-    innovations = solve_triangular(factor, residuals.values, lower=True, check_finite=False)
-    typical = float(np.sqrt(np.median(np.diag(residuals.covariance))))
-    found = [(axis.name, _log_bayes_factor(axis, factor, innovations, typical)) for axis in residuals.axes.values()]
-    found.sort(key=lambda item: -item[1])
+    innovations = residuals.innovations()
+    found = _by_axis(residuals)
     together = float(logsumexp([value for _, value in found]) - np.log(len(found))) if found else 0.0
     tests = residual_tests(residuals, innovations)
     failed = rejects(tests, residuals.level)
     speaks = together > THRESHOLD or failed
-    axis = None
-    if speaks:
-        axis = found[0][0] if together > THRESHOLD else "time"
-    return Remainder(together, axis, tuple(found), tests, speaks)
+    likeliest = found[0][0] if together > THRESHOLD else None
+    axis = (likeliest.name if likeliest else "time") if speaks else None
+    by_axis = tuple((axis.words, value) for axis, value in found)
+    return Remainder(together, axis, by_axis, tests, speaks, likeliest.words if likeliest else None)
 
 
-def _log_bayes_factor(axis: Axis, factor: Array, innovations: Array, typical: float) -> float:
-    """Mean over lengths, sizes and scales of the evidence with the smooth part, over that without."""
-    with_it, prior = [], -0.5 * (np.log(SCALES) / SCALE_SPREAD) ** 2
-    prior -= logsumexp(prior)
-    total = float(innovations @ innovations)
-    count = len(innovations)
-    plain = _log_likelihoods(np.zeros(0), np.zeros(0), total, count, 0.0)
+def _by_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
+    """Ln Bayes factor of a smooth remainder along each axis over none, greatest first."""
+    axes = residuals.axes
+    if not axes:
+        return []
+    typical = float(np.sqrt(np.median(np.diag(residuals.covariance))))
+    columns = np.concatenate([axis.response for axis in axes], axis=1)
+    ends = np.cumsum([axis.response.shape[1] for axis in axes])
+    parts = [slice(end - axis.response.shape[1], end) for axis, end in zip(axes, ends, strict=True)]
+    bases = [_bases(axis, typical) for axis in axes]
+    plain, with_it = [], []
+    for found in residuals.products(columns):
+        total, count = float(found.gram[-1, -1]), len(residuals.values)
+        known = found.log_weight - 0.5 * found.log_determinant
+        plain.append(known + float(logsumexp(_log_likelihoods(np.zeros(0), np.zeros(0), total, count))))
+        with_it.append(
+            [
+                known + _averaged(found.gram[part, part], found.gram[part, -1], basis, total, count)
+                for part, basis in zip(parts, bases, strict=True)
+            ]
+        )
+    logs = logsumexp(with_it, axis=0) - logsumexp(plain)
+    order = np.argsort(-logs, kind="stable")
+    return [(axes[index], float(logs[index])) for index in order]
+
+
+def _bases(axis: Axis, typical: float) -> list[Array]:
+    """Smooth functions of each length: they move the data, on average over the record, by the model's typical sd."""
+    inner, size = axis.response.T @ axis.response, len(axis.places)
+    bases = []
     for length in LENGTHS:
-        low_rank = _smooth_functions(axis, length)
-        whitened = solve_triangular(factor, low_rank * typical, lower=True, check_finite=False)
-        values, vectors = np.linalg.eigh(whitened.T @ whitened)
+        basis = np.kron(np.eye(axis.response.shape[1] // size), axis.smooth(length))
+        variance = float(np.sum(basis * (inner @ basis))) / len(axis.response)
+        bases.append(typical / np.sqrt(variance) * basis)
+    return bases
+
+
+def _averaged(gram: Array, right: Array, bases: Sequence[Array], total: float, count: int) -> float:
+    """Log evidence with a smooth part along one axis, mean over lengths and sizes, up to a constant."""
+    logs = []
+    for basis in bases:
+        values, vectors = np.linalg.eigh(basis.T @ gram @ basis)
         kept = values > NEGLIGIBLE * max(float(values.max(initial=0.0)), 1e-300)
         values, vectors = values[kept], vectors[:, kept]
-        projected = (vectors.T @ (whitened.T @ innovations)) ** 2 / values
-        with_it += [_log_likelihoods(values, projected, total, count, size) + prior for size in SIZES]
-    averaged = float(logsumexp(np.stack(with_it))) - np.log(len(with_it))
-    return float(averaged - logsumexp(plain + prior))
+        logs.append(_log_likelihoods(values, (vectors.T @ (basis.T @ right)) ** 2 / values, total, count))
+    return float(logsumexp(logs)) - float(np.log(len(logs)))
 
 
-def _log_likelihoods(values: Array, projected: Array, total: float, count: int, size: float) -> Array:
-    """Log likelihood at each scale, up to a constant, with covariance scale²·I + size²·values in the eigenbasis."""
+def _log_likelihoods(values: Array, projected: Array, total: float, count: int) -> Array:
+    """Log likelihood with covariance scale²·I + size²·values in the eigenbasis at each size and scale, with priors."""
     variance = np.array(SCALES)[:, None] ** 2
-    along = variance + size**2 * values[None, :]
+    along = variance + np.array(SIZES)[:, None, None] ** 2 * values
     rest = (count - len(values)) * np.log(variance[:, 0]) + (total - projected.sum()) / variance[:, 0]
-    return np.asarray(-0.5 * (rest + np.log(along).sum(axis=1) + (projected[None, :] / along).sum(axis=1)))
-
-
-def _smooth_functions(axis: Axis, length: float) -> Array:
-    """Columns B with B Bᵀ the squared-exponential covariance of the axis' smooth functions, shape (N, m)."""
-    places, index = np.unique(axis.inputs, axis=0, return_inverse=True)
-    kernel = np.exp(-0.5 * cdist(places, places, "sqeuclidean") / length**2)
-    factor, pivots, rank, _ = lapack.dpstrf(kernel, tol=NEGLIGIBLE, lower=1)
-    basis = np.empty((len(places), rank))
-    basis[pivots - 1] = np.tril(factor)[:, :rank]
-    basis = basis[index.ravel()]
-    return np.concatenate([basis * direction[:, None] for direction in axis.directions.T], axis=1)
+    logs = -0.5 * (rest + np.log(along).sum(axis=2) + (projected / along).sum(axis=2))
+    return np.asarray(logs + SCALE_PRIOR - np.log(len(SIZES)))

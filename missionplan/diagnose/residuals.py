@@ -1,7 +1,8 @@
 """Residuals: what a fitted model leaves, in the units of the data and as numbers that should be independent normals."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,31 @@ from statsmodels.regression.linear_model import OLS
 from statsmodels.stats.diagnostic import acorr_ljungbox
 from statsmodels.tools import add_constant
 
+from missionplan.diagnose.axes import Axis
+
 Array = NDArray[np.float64]
 
 STRICT = 0.01
 """Level of the residual tests together; outlying groups too."""
+
+
+@dataclass(frozen=True)
+class Products:
+    """Inner products xᵀW⁻¹y of columns and residuals, W the residuals' covariance at one noise of the model.
+
+    Attributes
+    ----------
+    log_weight : float
+        Of the noise's prior.
+    log_determinant : float
+        ln |W|.
+    gram : array, shape (m + 1, m + 1)
+        Of m columns and, last, the residuals.
+    """
+
+    log_weight: float
+    log_determinant: float
+    gram: Array
 
 
 @dataclass(frozen=True)
@@ -29,44 +51,40 @@ class Residuals:
         Of the values under the model, uncertain parameters included.
     series : array of int, shape (N,)
         Which series each value belongs to: runs and components.
-    axes : mapping
-        Name of an axis → its inputs and its kind; see `remainder`.
+    axes : sequence of Axis
+        Along which a remainder may be smooth.
     groups : array of str, shape (N,)
         Runs, for outlying groups.
     level : float
         Strict level of the residual tests, all together.
+    averaged : callable, optional
+        From columns, shape (N, m), to their inner products at every noise over which a test of the remainder averages;
+        default the one noise of the covariance.
     """
 
     values: Array
     covariance: Array
     series: NDArray[np.int_]
-    axes: Mapping[str, "Axis"]
+    axes: Sequence[Axis]
     groups: NDArray[np.str_]
     level: float
+    averaged: Callable[[Array], Sequence[Products]] | None = None
+
+    @cached_property
+    def _factor(self) -> Array:
+        return np.asarray(np.linalg.cholesky(self.covariance), dtype=float)
 
     def innovations(self) -> Array:
         """One-step-ahead errors over their standard deviations, shape (N,): standard normals if all is well."""
-        factor = np.linalg.cholesky(self.covariance)
-        return np.asarray(solve_triangular(factor, self.values, lower=True, check_finite=False))
+        return np.asarray(solve_triangular(self._factor, self.values, lower=True, check_finite=False))
 
-
-@dataclass(frozen=True)
-class Axis:
-    """An axis along which a remainder may be smooth.
-
-    Attributes
-    ----------
-    name : str
-        As `diagnosis.json` names it.
-    inputs : array, shape (N, d)
-        Where each value lies, scaled so that the record spans about one.
-    directions : array, shape (N, p)
-        What each value feels of p independent smooth functions.
-    """
-
-    name: str
-    inputs: Array
-    directions: Array
+    def products(self, columns: Array) -> Sequence[Products]:
+        """Inner products of columns, shape (N, m), and the values at every noise over which to average."""
+        if self.averaged is not None:
+            return self.averaged(columns)
+        both = np.concatenate([columns, self.values[:, None]], axis=1)
+        white = solve_triangular(self._factor, both, lower=True, check_finite=False)
+        return [Products(0.0, 2.0 * float(np.log(np.diag(self._factor)).sum()), white.T @ white)]
 
 
 @dataclass(frozen=True)

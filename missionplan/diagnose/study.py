@@ -285,4 +285,4 @@ def _next(found: Separation) -> NextMeasurement:
 
 def _remainder(found: Remainder) -> RemainderFound:
     tests = tuple((test.name, test.p_value) for test in found.tests)
-    return RemainderFound(found.log_bayes_factor, found.axis, found.by_axis, tests)
+    return RemainderFound(found.log_bayes_factor, found.axis, found.resembles, found.by_axis, tests)

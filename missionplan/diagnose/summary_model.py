@@ -117,7 +117,7 @@ class SummaryModel(DescentModel):
 
     def residuals(self, fit: Fit) -> Residuals:
         """Residuals without axes: a handful of numbers has no structure to be tested."""
-        return replace(super().residuals(fit), axes={})
+        return replace(super().residuals(fit), axes=())
 
     @property
     def menu(self) -> Sequence[str]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 from scipy.stats import norm
 
+from missionplan.diagnose.axes import pointwise, scaled
 from missionplan.diagnose.coordinates import (
     Coordinate,
     Estimate,
@@ -21,7 +22,7 @@ from missionplan.diagnose.coordinates import (
 from missionplan.diagnose.importance import Importance, importance
 from missionplan.diagnose.likelihood import LOG_2PI, Marginal
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
-from missionplan.diagnose.residuals import Axis, Residuals
+from missionplan.diagnose.residuals import Residuals
 from missionplan.diagnose.tank_climb import Climb
 from missionplan.diagnose.tank_forward import TankForward, made
 from missionplan.diagnose.tank_linear import LinearData, marginal
@@ -205,9 +206,12 @@ class TankModel:
         noise = np.diag((state.factor * self.forward.sd) ** 2)
         covariance = noise + LOOSE * state.columns @ state.marginal.covariance @ state.columns.T
         count = len(state.left)
-        axes = {name: Axis(name, _unit(values), np.ones((count, 1))) for name, values in self.forward.axes.items()}
+        axes = [
+            pointwise(name, f"an error that changes with {name}", scaled(values))
+            for name, values in self.forward.axes.items()
+        ]
         # rows of a table are no series: only a record in time is tested for errors that follow one another
-        series = np.zeros(count, dtype=int) if "time" in axes else np.arange(count)
+        series = np.zeros(count, dtype=int) if "time" in self.forward.axes else np.arange(count)
         return Residuals(state.left, covariance, series, axes, self.forward.groups, TEST_LEVEL)
 
     def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
@@ -253,7 +257,3 @@ class TankModel:
         fitted = replace(self, forward=told, noise_known=True).fit_all([(f.causes, (f,)) for f in (first, second)])
         evidence = [fit.log_evidence if isinstance(fit, Fit) else -np.inf for fit in fitted]
         return float(max(evidence[0] - evidence[1], 0.0))
-
-
-def _unit(values: Array) -> Array:
-    return np.asarray((values - values.min()) / max(float(np.ptp(values)), 1e-9))[:, None]

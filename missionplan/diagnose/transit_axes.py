@@ -3,14 +3,14 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.diagnose.residuals import Axis
+from missionplan.diagnose.axes import Axis, pointwise, scaled
 from missionplan.diagnose.transit_data import TransitData
 from missionplan.phases.hooks import Leg
 
 Array = NDArray[np.float64]
 
 
-def transit_axes(data: TransitData, leg: Leg, principal: Array) -> dict[str, Axis]:
+def transit_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
     """Time, place, heading, the hull's axes against time, leg duration with and across the hull's axes, surface time.
 
     Durations and times at the surface count where they vary.
@@ -26,29 +26,32 @@ def transit_axes(data: TransitData, leg: Leg, principal: Array) -> dict[str, Axi
     principal : array, shape (2, 2)
         Principal axes as columns.
     """
-    time = _unit(data.middle)[:, None]
+    time = scaled(data.middle)
     place = data.start + 0.5 * (data.dead_reckoned - data.start)
     extent = max(float(np.ptp(place, axis=1).max()), 1.0)
     surge = (principal.T @ leg.along).T
     sway = np.stack([-surge[:, 1], surge[:, 0]], axis=1)
     hull = np.stack([surge, sway], axis=2).reshape(-1, 2)
     fixed = np.tile(np.eye(2), (data.n, 1))
-    axes = {
-        "time": Axis("time", _twice(time), fixed),
-        "place": Axis("place", _twice((place / extent).T), fixed),
-        "heading": Axis("heading", _twice(0.5 * leg.along.T), hull),
-        "hull": Axis("heading", _twice(time), hull),
-    }
+    axes = [
+        pointwise("time", "a velocity that changes with time", _twice(time), fixed),
+        pointwise("place", "a velocity that changes with place", _twice((place / extent).T), fixed),
+        pointwise("heading", "a velocity ahead or abeam that changes with heading", _twice(0.5 * leg.along.T), hull),
+        pointwise("heading", "a velocity ahead or abeam that changes with time", _twice(time), hull),
+    ]
     if np.ptp(data.under_way) > 0.1 * np.median(data.under_way):
-        lasted = _twice(_unit(data.under_way)[:, None])
-        axes |= {"duration": Axis("duration", lasted, fixed), "duration-hull": Axis("duration", lasted, hull)}
+        lasted = _twice(scaled(data.under_way))
+        axes += [
+            pointwise("duration", "a velocity that changes with a leg's duration", lasted, fixed),
+            pointwise("duration", "a velocity ahead or abeam that changes with a leg's duration", lasted, hull),
+        ]
     if np.ptp(data.surface) > 0.1 * max(float(np.median(data.surface)), 1.0):
-        axes["surface"] = Axis("duration", _twice(_unit(data.surface)[:, None]), fixed)
+        axes.append(
+            pointwise(
+                "duration", "a velocity that changes with time at the surface", _twice(scaled(data.surface)), fixed
+            )
+        )
     return axes
-
-
-def _unit(values: Array) -> Array:
-    return np.asarray((values - values.min()) / max(float(np.ptp(values)), 1e-12))
 
 
 def _twice(inputs: Array) -> Array:

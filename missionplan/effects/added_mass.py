@@ -24,13 +24,13 @@ INFO = EffectInfo(
     effect=AddedMass,
     parameters={
         "fraction": Parameter(
-            "", "relative error of the joint mass, heavier positive", -0.2, 3.0, scale=0.4, spike=0.03
+            "", "relative error of the joint mass, heavier positive", -0.1, 3.0, scale=0.4, spike=0.03
         )
     },
     what="Flooded spaces and added mass that the drawings do not show: the train gathers speed more slowly.",
     sizes=(
         "Free-flooding volume of a hull is 10 to 80 % of its dry mass. Less than drawn is only water that is not "
-        "there: what was weighed remains."
+        "there, some tenth of the train: what was weighed remains."
     ),
     confused_with=("broadside-start", "slow-flooding", "clock-offset"),
     told_apart_by=(

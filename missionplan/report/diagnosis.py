@@ -13,11 +13,11 @@ from missionplan.report.diagnosis_figures import (
 )
 from missionplan.report.page import Block, Figure, Page, Section, Table, Terminal
 from missionplan.report.tank_figures import TANK_UNITS
-from missionplan.results.diagnosis import Diagnosis, ParameterEstimate, RankedSet
+from missionplan.results.diagnosis import Diagnosis, ParameterEstimate, RankedSet, RemainderFound
 
 _PHRASES = {
     "adequate": "The mission's model is adequate for these data: nothing in them asks for a cause.",
-    "unexplained": "Something is left that no cause of the catalogue explains, structured along {axis}.",
+    "unexplained": "No cause of the catalogue explains what is left: {left}.",
 }
 _STATISTICAL = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
 _TESTS_SHOWN = 5
@@ -67,11 +67,11 @@ def answer(diagnosis: Diagnosis) -> str:
 
 def _verdict_words(diagnosis: Diagnosis) -> str:
     if not diagnosis.causes:
-        return _PHRASES[diagnosis.verdict].format(axis=diagnosis.remainder.axis)
+        return _PHRASES[diagnosis.verdict].format(left=_left(diagnosis.remainder))
     named = names(diagnosis.causes)
     if diagnosis.verdict == "partly-explained":
-        left = f"structure along {diagnosis.remainder.axis} is left"
-        words = f"The largest share of the misfit resembles {named}, but {left}."
+        left = _left(diagnosis.remainder)
+        words = f"The largest share of the misfit resembles {named}, but not all of it: what is left is {left}."
     elif diagnosis.verdict == "ambiguous":
         others = [names(causes) for causes in diagnosis.rivals[:3]]
         rest = f"; {' or '.join(others)} would do nearly as well" if others else "; so few numbers settle nothing"
@@ -227,7 +227,13 @@ def _held_out_section(diagnosis: Diagnosis) -> list[Section]:
 def _remainder_heading(diagnosis: Diagnosis) -> str:
     if diagnosis.remainder.axis is None:
         return "Nothing structured is left"
-    return f"What is left is structured along {diagnosis.remainder.axis}"
+    return f"What is left is {_left(diagnosis.remainder)}"
+
+
+def _left(remainder: RemainderFound) -> str:
+    """Say along what a remainder is structured, and what it looks like."""
+    resembles = f" and looks like {remainder.resembles}" if remainder.resembles else ""
+    return f"structured along {remainder.axis}{resembles}"
 
 
 def _remainder_words(diagnosis: Diagnosis) -> list[str | Table]:
@@ -239,7 +245,7 @@ def _remainder_words(diagnosis: Diagnosis) -> list[str | Table]:
     blocks: list[str | Table] = [words]
     if found.by_axis:
         rows = [[axis, f"{value:.1f}"] for axis, value in found.by_axis]
-        blocks.append(Table(["Axis", "ln BF of a smooth remainder"], rows))
+        blocks.append(Table(["What it could look like", "ln BF of a smooth remainder"], rows))
     if found.tests:
         telling = sorted(found.tests, key=lambda test: test[1])[:_TESTS_SHOWN]
         rows = [[name, f"{p_value:.2g}"] for name, p_value in telling]

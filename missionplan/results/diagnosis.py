@@ -121,10 +121,11 @@ class RankedSet:
 
 @dataclass(frozen=True)
 class RemainderFound:
-    """What is left: ln Bayes factor of a smooth remainder, its axis, the axes one by one, and the residual tests."""
+    """What is left: ln Bayes factor of a smooth remainder, its axis, what it resembles, axes one by one, and tests."""
 
     log_bayes_factor: float
     axis: str | None
+    resembles: str | None
     by_axis: tuple[tuple[str, float], ...]
     tests: tuple[tuple[str, float], ...]
 

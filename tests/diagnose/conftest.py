@@ -1,11 +1,17 @@
 """Missions and data set folders that tests write."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
 
+from missionplan.diagnose.binding import descent_model
+from missionplan.diagnose.descent_data import DescentData, binned
+from missionplan.effects import CATALOGUE
 from missionplan.mission import load
+from missionplan.phases.readings import simulate_readings
 
 TRANSIT = {
     "name": "Legs in a bay",
@@ -98,3 +104,32 @@ def make_legs(n=48, seed=1, sigma=0.03, error=None):
     for name, (x, y) in {"start": fixed, "dr": reckoned, "end": end}.items():
         columns |= {f"x_{name}_m": x, f"y_{name}_m": y}
     return pd.DataFrame(columns)
+
+
+WEIGHTS, LINES = np.array([9.0, 12.0, 16.0, 20.0]), np.array([3.0, 5.0, 7.0, 4.0])
+
+
+@pytest.fixture
+def measured(descent_mission):
+    """Bind the mission to dives of the phase with one effect, each late by its own, or averaged by the logger."""
+
+    def make(name=None, weights=WEIGHTS, lines=LINES, late=None, averaged=0.0, **parameters):
+        rng = np.random.default_rng(8)
+        times = np.tile(np.linspace(0.0, 13.0, 66)[:, None], (1, len(weights)))
+        empty = tuple(
+            binned(f"dive-{k}", times[:, k], times[:, k], 0.03, weights[k], lines[k], 60.0) for k in range(len(weights))
+        )
+        forward = descent_model(DescentData("", "", empty, ()), descent_mission).forward
+        effects = [CATALOGUE[name].make(parameters)] if name else []
+        late = rng.normal(0.0, 0.05, len(weights)) if late is None else late
+        dive = replace(forward.dive, wet_weight=forward.dive.wet_weight * (1.0 + rng.normal(0.0, 0.006, len(weights))))
+        past = late + np.linspace(0.0, averaged, 41 if averaged else 1)[:, None]
+        depth = np.mean([simulate_readings(dive, times - ago, effects=effects) for ago in past], axis=0)
+        depth += rng.normal(0.0, 0.03, times.shape)
+        logs = tuple(
+            binned(log.name, times[:, k], depth[:, k], 0.03, log.wet_weight, log.line_length, 60.0)
+            for k, log in enumerate(empty)
+        )
+        return descent_model(DescentData("", "", logs, ()), descent_mission)
+
+    return make

@@ -5,42 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from missionplan.diagnose.binding import descent_model
 from missionplan.diagnose.coordinates import Coordinate
-from missionplan.diagnose.descent_data import DescentData, binned
 from missionplan.diagnose.descent_fit import Lane, climb
 from missionplan.diagnose.descent_noise import NOMINAL, caricature, scattered_covariance, still_covariance, wandering
 from missionplan.diagnose.examination import examine
-from missionplan.effects import CATALOGUE
-from missionplan.phases.readings import simulate_readings
-
-WEIGHTS, LINES = np.array([9.0, 12.0, 16.0, 20.0]), np.array([3.0, 5.0, 7.0, 4.0])
-
-
-@pytest.fixture
-def measured(descent_mission):
-    """Bind the mission to dives of the phase with one effect, each late by its own, or averaged by the logger."""
-
-    def make(name=None, weights=WEIGHTS, lines=LINES, late=None, averaged=0.0, **parameters):
-        rng = np.random.default_rng(8)
-        times = np.tile(np.linspace(0.0, 13.0, 66)[:, None], (1, len(weights)))
-        empty = tuple(
-            binned(f"dive-{k}", times[:, k], times[:, k], 0.03, weights[k], lines[k], 60.0) for k in range(len(weights))
-        )
-        forward = descent_model(DescentData("", "", empty, ()), descent_mission).forward
-        effects = [CATALOGUE[name].make(parameters)] if name else []
-        late = rng.normal(0.0, 0.05, len(weights)) if late is None else late
-        dive = replace(forward.dive, wet_weight=forward.dive.wet_weight * (1.0 + rng.normal(0.0, 0.006, len(weights))))
-        past = late + np.linspace(0.0, averaged, 41 if averaged else 1)[:, None]
-        depth = np.mean([simulate_readings(dive, times - ago, effects=effects) for ago in past], axis=0)
-        depth += rng.normal(0.0, 0.03, times.shape)
-        logs = tuple(
-            binned(log.name, times[:, k], depth[:, k], 0.03, log.wet_weight, log.line_length, 60.0)
-            for k, log in enumerate(empty)
-        )
-        return descent_model(DescentData("", "", logs, ()), descent_mission)
-
-    return make
 
 
 def test_readings_of_many_settings_are_those_of_each(measured):
@@ -154,7 +122,7 @@ def test_a_moving_average_is_a_lag_and_no_late_clock(measured):
 
 def test_drag_that_grows_from_dive_to_dive_is_left_over(measured):
     fouled = np.array([0.0, 0.16, 0.32, 0.48])
-    found = examine(measured("drag-bias", weights=WEIGHTS[[2, 0, 3, 1]], fraction=fouled))
+    found = examine(measured("drag-bias", weights=np.array([16.0, 9.0, 20.0, 12.0]), fraction=fouled))
     assert found.verdict in ("unexplained", "partly-explained")
     assert found.remainder.axis == "run"
 
