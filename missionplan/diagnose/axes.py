@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 NODES = 33
 """Places along an axis of one dimension at which its functions are given; between them they are linear."""
-NEGLIGIBLE = 1e-7
+NEGLIGIBLE = 1e-4
 """Share of the variance of a smooth function that may be lost."""
 
 

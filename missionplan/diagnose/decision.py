@@ -15,7 +15,7 @@ from missionplan.montecarlo.sharing import shared
 from missionplan.results.base import to_yaml
 from missionplan.results.sweep import SweepCurve
 from missionplan.studies.simulate import simulate
-from missionplan.studies.size_anchor import size_anchor
+from missionplan.studies.size_anchor import worst_case_anchor
 from missionplan.studies.sweep_dmax import sweep_dmax
 
 TRIALS = 1000
@@ -92,15 +92,10 @@ def _finite(value: float) -> float | None:
 
 
 def _anchor(base: Mission, extended: Mission, seed: int, jobs: int) -> dict[str, Any]:
-    chosen = shared(partial(_anchors, seed), (base, extended), jobs=jobs)
+    chosen = [worst_case_anchor(mission) for mission in (base, extended)]
     cases = [(base, chosen[0]), (extended, chosen[1]), (extended, chosen[0])]
     results = shared(partial(_odds, seed), cases, jobs=jobs)
     return dict(zip(("before", "after", "base_choice_under_extended"), results, strict=True))
-
-
-def _anchors(seed: int, missions: Sequence[Mission]) -> list[float]:
-    """Wet weight of the anchor that each mission would have [N]."""
-    return [float(size_anchor(mission, trials=TRIALS, seed=seed).anchor.wet_weight) for mission in missions]
 
 
 def _odds(seed: int, cases: Sequence[tuple[Mission, float]]) -> list[dict[str, Any]]:

@@ -18,8 +18,8 @@ WORTH_SHARE = 0.02
 """Share of the evidence of the rest that it must add, too: no catalogue's shape fits a large effect to the letter."""
 HOPELESS = -4.0
 """Nats of quick promise below which a further cause is not fitted."""
-AGAIN = 4
-"""Sets of each size that are tried again when they ended where they are impossible."""
+AGAIN = 2
+"""Pairs that are tried again when they ended where they are impossible."""
 BEAM = 3
 HIDDEN = 8
 """Pairs outside the beam that are fitted as well, by their quick promise."""
@@ -129,7 +129,7 @@ def select(model: Model, progress: Progress = lambda what, done, of: None, jobs:
 
 
 def _fitted(model: Model, wanted: Sequence[Wanted], jobs: int = 1) -> list[Fit | Failure]:
-    """Fit several sets, those that ended badly once more from the start, and improve on the best of them."""
+    """Fit several sets, pairs that ended badly once more from the start, and improve on the best of them."""
     fits = shared(model.fit_all, wanted, jobs=jobs)
     for index, other in _tried_again(model, wanted, fits, jobs):
         if isinstance(other, Fit) and other.possible:
@@ -141,11 +141,11 @@ def _fitted(model: Model, wanted: Sequence[Wanted], jobs: int = 1) -> list[Fit |
 def _tried_again(
     model: Model, wanted: Sequence[Wanted], fits: Sequence[Fit | Failure], jobs: int
 ) -> list[tuple[int, Fit | Failure]]:
-    """Fit the best of the sets that ended where they are impossible without the places of their parts to start from."""
+    """Fit the best pairs that ended where they are impossible without the places of their parts to start from."""
     lost = [
         (fit.log_evidence, index)
         for index, fit in enumerate(fits)
-        if isinstance(fit, Fit) and len(fit.causes) > 1 and not fit.possible and _has_shape(fit)
+        if isinstance(fit, Fit) and len(fit.causes) == 2 and not fit.possible and _has_shape(fit)
     ]
     again = [index for _, index in sorted(lost, reverse=True)[:AGAIN]]
     return list(zip(again, shared(model.fit_all, [(wanted[index][0], ()) for index in again], jobs=jobs), strict=True))

@@ -97,6 +97,22 @@ def size_anchor(
     )
 
 
+def worst_case_anchor(mission: Mission) -> float:
+    """Wet weight that `size_anchor` gives the mission's first mooring for the worst current, nothing tried [N].
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what a descent needs.
+    """
+    moor = _mooring(mission, None)
+    means = Setting.at_means(mission, recorded_current(mission))
+    try:
+        return float(worst_case_weight(means, moor))
+    except ValueError as error:
+        raise InputError([Problem(str(error), mission.file, key="vehicle.anchor")]) from error
+
+
 def _mooring(mission: Mission, name: str | None) -> MoorPhase:
     """The mooring to size for, once all that a descent needs is there.
 

@@ -53,8 +53,12 @@ def test_the_same_lift_everywhere_is_a_steady_lift(measured):
     model = measured(weights=np.full(4, 12.0))
     found = axes_of(model)
     expected = moved(model, Steady(newton=12.0 * SHARE))
-    np.testing.assert_allclose(found["a lift that changes with depth"].response.sum(axis=1), expected, rtol=0.01, atol=2e-4)
-    np.testing.assert_allclose(found["drag that changes with depth"].response.sum(axis=1), expected, rtol=0.01, atol=2e-4)
+    np.testing.assert_allclose(
+        found["a lift that changes with depth"].response.sum(axis=1), expected, rtol=0.01, atol=2e-4
+    )
+    np.testing.assert_allclose(
+        found["drag that changes with depth"].response.sum(axis=1), expected, rtol=0.01, atol=2e-4
+    )
 
 
 def test_a_force_moves_only_what_follows(measured):

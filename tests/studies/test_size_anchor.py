@@ -8,7 +8,7 @@ from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.studies.anchor_search import lightest_anchor
 from missionplan.studies.anchor_trials import AnchorTrials
-from missionplan.studies.size_anchor import size_anchor
+from missionplan.studies.size_anchor import size_anchor, worst_case_anchor
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -189,3 +189,12 @@ def test_search_passes_the_shares_on():
             self.good = share(float(10.0 <= weight < edge))
 
     assert lightest_anchor(Odds, 0.9, 11.0, 5.0).weight == pytest.approx(10.0, rel=2e-3)
+
+
+def test_the_worst_case_by_itself_is_the_anchor_sized(mission):
+    assert worst_case_anchor(mission) == size_anchor(mission, trials=10).anchor.wet_weight
+
+
+def test_the_worst_case_by_itself_says_what_is_missing():
+    with pytest.raises(InputError, match="no mooring"):
+        worst_case_anchor(load(MISSIONS / "fig8.yaml"))
