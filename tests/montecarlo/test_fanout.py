@@ -104,6 +104,7 @@ from missionplan.montecarlo.fanout import run_blocks
 try:
     for _ in run_blocks(time.sleep, [0.0, 0.0, 60.0, 60.0, 60.0], jobs=2):
         print("block", flush=True)
+        time.sleep(float(sys.argv[1]))
 except KeyboardInterrupt:
     sys.exit(130)
 """
@@ -132,10 +133,10 @@ def running(process):
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads the process table of Linux")
-def test_ctrl_c_ends_at_once_and_leaves_no_process():
-    with subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED], stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
-    ) as run:
+@pytest.mark.parametrize("busy", ["0", "0.5"], ids=["waiting", "in the loop's body"])
+def test_ctrl_c_ends_at_once_and_leaves_no_process(busy):
+    command = [sys.executable, "-c", INTERRUPTED, busy]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as run:
         assert run.stdout is not None
         run.stdout.readline(), run.stdout.readline()
         workers = descendants(run.pid)
