@@ -17,6 +17,27 @@ NEGLIGIBLE = 1e-4
 
 
 @dataclass(frozen=True)
+class Measure:
+    """What the numbers of an axis of one dimension mean.
+
+    Attributes
+    ----------
+    low, high : float
+        Where it begins and ends [unit].
+    place, value : str
+        What is laid off along it, and what would be smooth, with units, for a figure.
+    factor : float
+        From a value of the function to the value shown.
+    """
+
+    low: float
+    high: float
+    place: str
+    value: str
+    factor: float = 1.0
+
+
+@dataclass(frozen=True)
 class Axis:
     """An axis along which a remainder may be smooth.
 
@@ -30,12 +51,15 @@ class Axis:
         Where its functions are given, scaled so that the record spans about one.
     response : array, shape (N, p·m)
         What each value feels of p independent functions at the places, function by function.
+    measure : Measure, optional
+        Of a single function that can be drawn.
     """
 
     name: str
     words: str
     places: Array
     response: Array
+    measure: Measure | None = None
 
     def smooth(self, length: float) -> Array:
         """Columns B, shape (m, r), with B Bᵀ the squared-exponential covariance of a function at the places."""

@@ -1,14 +1,15 @@
 """Axes along which a dive log's remainder may be smooth."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.diagnose.axes import Axis, pointwise, scaled
+from missionplan.diagnose.axes import Axis, Measure, pointwise, scaled
 from missionplan.diagnose.descent_data import DiveLog
 from missionplan.diagnose.descent_linear import DescentLinear, Linear
-from missionplan.diagnose.unknown_force import force_axes
+from missionplan.diagnose.unknown_force import PLACES, force_axes
 
 Array = NDArray[np.float64]
 
@@ -26,12 +27,16 @@ def descent_axes(model: DescentLinear, linear: Linear) -> list[Axis]:
     logs, readings = model.forward.logs, linear.readings
     speed = np.concatenate([_speed(log, readings[rows]) for log, rows in zip(logs, model.parts, strict=True)])
     extents = {"time": np.concatenate([log.t for log in logs]), "depth": readings, "speed": speed}
-    shared = [
-        pointwise(name, f"an error of the depth read that changes with {name}", scaled(values))
-        for name, values in extents.items()
-    ]
+    shared = [_error(name, values) for name, values in extents.items()]
     forces = force_axes(model.forward.coarse, model.coordinates, linear.at, linear.late, extents)
     return [*shared, *forces, *_dive_by_dive(logs, extents["time"], linear.sensitivity("drag"))]
+
+
+def _error(name: str, values: Array) -> Axis:
+    """Error of the depth read that changes with what is named, the same in all dives."""
+    axis = pointwise(name, f"an error of the depth read that changes with {name}", scaled(values))
+    measure = Measure(float(values.min()), float(values.max()), PLACES[name], "Error of the depth read (m)")
+    return replace(axis, measure=measure)
 
 
 def _dive_by_dive(logs: Sequence[DiveLog], t: Array, drag: Array) -> list[Axis]:

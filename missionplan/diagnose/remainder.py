@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
 from missionplan.diagnose.axes import Axis
@@ -27,6 +28,25 @@ NEGLIGIBLE = 1e-7
 
 
 @dataclass(frozen=True)
+class Shape:
+    """What a remainder would be along its axis, to first order: the likeliest smooth function and how unsure it is.
+
+    Attributes
+    ----------
+    place, value : str
+        Labels with units.
+    at, mean, sd : array, shape (m,)
+        Places on the axis, the function's posterior mean there and its standard deviation.
+    """
+
+    place: str
+    value: str
+    at: Array
+    mean: Array
+    sd: Array
+
+
+@dataclass(frozen=True)
 class Remainder:
     """What is left after the causes.
 
@@ -44,6 +64,8 @@ class Remainder:
         Whether there is a remainder.
     resembles : str or None
         What it looks like most, in words, when it is smooth.
+    shape : Shape or None
+        That function, where it is a single one of one dimension.
     """
 
     log_bayes_factor: float
@@ -52,6 +74,7 @@ class Remainder:
     tests: tuple[ResidualTest, ...]
     speaks: bool
     resembles: str | None
+    shape: Shape | None
 
 
 def remainder(residuals: Residuals) -> Remainder:
@@ -65,7 +88,8 @@ def remainder(residuals: Residuals) -> Remainder:
     likeliest = found[0][0] if together > THRESHOLD else None
     axis = (likeliest.name if likeliest else "time") if speaks else None
     by_axis = tuple((axis.words, value) for axis, value in found)
-    return Remainder(together, axis, by_axis, tests, speaks, likeliest.words if likeliest else None)
+    words, shape = (likeliest.words, _shape(likeliest, residuals)) if likeliest else (None, None)
+    return Remainder(together, axis, by_axis, tests, speaks, words, shape)
 
 
 def _by_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
@@ -73,11 +97,10 @@ def _by_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
     axes = residuals.axes
     if not axes:
         return []
-    typical = float(np.sqrt(np.median(np.diag(residuals.covariance))))
     columns = np.concatenate([axis.response for axis in axes], axis=1)
     ends = np.cumsum([axis.response.shape[1] for axis in axes])
     parts = [slice(end - axis.response.shape[1], end) for axis, end in zip(axes, ends, strict=True)]
-    bases = [_bases(axis, typical) for axis in axes]
+    bases = [_bases(axis, residuals) for axis in axes]
     plain, with_it = [], []
     for found in residuals.products(columns):
         total, count = float(found.gram[-1, -1]), len(residuals.values)
@@ -94,8 +117,34 @@ def _by_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
     return [(axes[index], float(logs[index])) for index in order]
 
 
-def _bases(axis: Axis, typical: float) -> list[Array]:
+def _shape(axis: Axis, residuals: Residuals) -> Shape | None:
+    """Posterior of the function at the likeliest noise, length and size."""
+    if axis.measure is None:
+        return None
+    best, mean, sd = -np.inf, np.zeros(len(axis.places)), np.zeros(len(axis.places))
+    bases = _bases(axis, residuals)
+    for found in residuals.products(axis.response):
+        for basis in bases:
+            gram, right = basis.T @ found.gram[:-1, :-1] @ basis, basis.T @ found.gram[:-1, -1]
+            for size in SIZES:
+                factor = np.linalg.cholesky(gram + np.eye(len(gram)) / size**2)
+                half = solve_triangular(factor, np.column_stack([right, basis.T]), lower=True)
+                log_likelihood = found.log_weight - 0.5 * found.log_determinant + 0.5 * float(half[:, 0] @ half[:, 0])
+                log_likelihood -= 0.5 * float(found.gram[-1, -1]) + float(np.log(size * np.diag(factor)).sum())
+                if log_likelihood > best:
+                    best, mean, sd = (
+                        log_likelihood,
+                        half[:, 1:].T @ half[:, 0],
+                        np.sqrt(np.sum(half[:, 1:] ** 2, axis=0)),
+                    )
+    measure = axis.measure
+    at = measure.low + (measure.high - measure.low) * axis.places[:, 0]
+    return Shape(measure.place, measure.value, at, measure.factor * mean, measure.factor * sd)
+
+
+def _bases(axis: Axis, residuals: Residuals) -> list[Array]:
     """Smooth functions of each length: they move the data, on average over the record, by the model's typical sd."""
+    typical = float(np.sqrt(np.median(np.diag(residuals.covariance))))
     inner, size = axis.response.T @ axis.response, len(axis.places)
     bases = []
     for length in LENGTHS:

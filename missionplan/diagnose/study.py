@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -285,4 +285,8 @@ def _next(found: Separation) -> NextMeasurement:
 
 def _remainder(found: Remainder) -> RemainderFound:
     tests = tuple((test.name, test.p_value) for test in found.tests)
-    return RemainderFound(found.log_bayes_factor, found.axis, found.resembles, found.by_axis, tests)
+    told = RemainderFound(found.log_bayes_factor, found.axis, found.resembles, found.by_axis, tests)
+    if found.shape is None:
+        return told
+    table = pd.DataFrame({"at": found.shape.at, "mean": found.shape.mean, "sd": found.shape.sd})
+    return replace(told, place=found.shape.place, value=found.shape.value, shape=table)

@@ -6,17 +6,19 @@ dive to dive as weights do, and builds up: a force that comes late leaves its ma
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.diagnose.axes import Axis
+from missionplan.diagnose.axes import Axis, Measure
 from missionplan.diagnose.coordinates import Coordinate
 from missionplan.diagnose.descent_forward import DescentForward
 from missionplan.phases.hooks import DescentEffect, Scalars
 
 Array = NDArray[np.float64]
 
+PLACES = {"time": "Time since separation (s)", "speed": "Speed (m/s)", "depth": "Depth (m)"}
 NODES = 17
 """Places along an axis at which the force is given."""
 SHARE = 0.002
@@ -77,15 +79,11 @@ def force_axes(
     weight = np.array([log.wet_weight for log in forward.logs])
     shares = np.full(len(weight), SHARE)
     kinds = [
-        ("time", "drag that changes with time", "drag_in_time", shares),
-        ("speed", "drag that changes with speed", "drag_at_speed", shares),
-        ("depth", "a lift that changes with depth", "lift_at_depth", shares * weight.mean()),
-        (
-            "depth",
-            "drag that changes with depth",
-            "lift_at_depth",
-            shares * weight,
-        ),  # steady sinking: drag is as the weight
+        _Kind("time", "drag that changes with time", "drag_in_time", shares, "Time since the line is taut (s)"),
+        _Kind("speed", "drag that changes with speed", "drag_at_speed", shares, PLACES["speed"]),
+        _Kind("depth", "a lift that changes with depth", "lift_at_depth", shares * weight.mean(), PLACES["depth"]),
+        # a train that sinks steadily has as much drag as weight
+        _Kind("depth", "drag that changes with depth", "lift_at_depth", shares * weight, PLACES["depth"]),
     ]
     effect = _every(kinds, ends)
     settings = np.repeat(at[:, None], 1 + NODES * len(kinds), axis=1)
@@ -93,22 +91,50 @@ def force_axes(
     readings = with_it.readings(coordinates, settings, np.broadcast_to(late, (settings.shape[1], len(late))))
     columns = np.split(readings[:, 1:] - readings[:, :1], len(kinds), axis=1)
     places = np.linspace(0.0, 1.0, NODES)[:, None]
-    return [Axis(name, words, places, own) for (name, words, *_), own in zip(kinds, columns, strict=True)]
+    return [
+        Axis(kind.name, kind.words, places, own, kind.measure(*ends[kind.name]))
+        for kind, own in zip(kinds, columns, strict=True)
+    ]
 
 
-def _every(kinds: Sequence[tuple[str, str, str, Array]], ends: dict[str, tuple[float, float]]) -> UnknownForce:
+class _Kind(NamedTuple):
+    """A kind of force: its axis, in words, the field of the effect, the step for each dive, and the axis' label."""
+
+    name: str
+    words: str
+    field: str
+    steps: Array
+    place: str
+
+    def measure(self, low: float, high: float) -> Measure:
+        """Give drag in per cent, lift in newtons."""
+        if self.words.startswith("drag"):
+            return Measure(low, high, self.place, "Extra drag (%)", 100.0 * SHARE)
+        return Measure(low, high, self.place, "Lift (N)", float(self.steps.mean()))
+
+
+def _every(kinds: Sequence[_Kind], ends: dict[str, tuple[float, float]]) -> UnknownForce:
     """No force in the first setting of all dives; then each kind at each of its places, setting by setting."""
-    none = np.zeros((1, len(kinds[0][3])))
-    fields = {name: [none] for name in ("drag_in_time", "drag_at_speed", "lift_at_depth")}
-    centres, lows, highs = [0.0], [0.0], [1.0]
-    for name, _, field, step in kinds:
-        for key, blocks in fields.items():
-            blocks.append(np.tile(step if key == field else 0.0 * step, (NODES, 1)))
-        low, high = ends[name]
-        centres += np.linspace(low, high, NODES).tolist()
-        lows += [low] * NODES
-        highs += [high] * NODES
-    strengths = {key: np.concatenate(blocks).ravel() for key, blocks in fields.items()}
-    centre, low_end, high_end = (np.repeat(values, none.size) for values in (centres, lows, highs))
-    width = np.maximum((high_end - low_end) / (NODES - 1), 1e-9)
-    return UnknownForce(**strengths, centre=centre, width=width, ends=(low_end, high_end))
+    dives = len(kinds[0].steps)
+
+    def strength(field: str) -> Array:
+        blocks = [np.tile(kind.steps if kind.field == field else np.zeros(dives), (NODES, 1)) for kind in kinds]
+        return np.concatenate([np.zeros((1, dives)), *blocks]).ravel()
+
+    places = [np.linspace(*ends[kind.name], NODES) for kind in kinds]
+    low, high, centre = (
+        np.repeat(np.concatenate([[first], *values]), dives)
+        for first, values in (
+            (0.0, [np.full(NODES, place[0]) for place in places]),
+            (1.0, [np.full(NODES, place[-1]) for place in places]),
+            (0.0, places),
+        )
+    )
+    return UnknownForce(
+        drag_in_time=strength("drag_in_time"),
+        drag_at_speed=strength("drag_at_speed"),
+        lift_at_depth=strength("lift_at_depth"),
+        centre=centre,
+        width=np.maximum((high - low) / (NODES - 1), 1e-9),
+        ends=(low, high),
+    )

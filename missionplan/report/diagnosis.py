@@ -9,6 +9,7 @@ from missionplan.report.diagnosis_figures import (
     held_out_figure,
     main_figure,
     ranking_figure,
+    remainder_figure,
     residual_figures,
 )
 from missionplan.report.page import Block, Figure, Page, Section, Table, Terminal
@@ -17,7 +18,7 @@ from missionplan.results.diagnosis import Diagnosis, ParameterEstimate, RankedSe
 
 _PHRASES = {
     "adequate": "The mission's model is adequate for these data: nothing in them asks for a cause.",
-    "unexplained": "No cause of the catalogue explains what is left: {left}.",
+    "unexplained": "Something is left that no cause of the catalogue explains: it {left}.",
 }
 _STATISTICAL = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
 _TESTS_SHOWN = 5
@@ -71,7 +72,7 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
     named = names(diagnosis.causes)
     if diagnosis.verdict == "partly-explained":
         left = _left(diagnosis.remainder)
-        words = f"The largest share of the misfit resembles {named}, but not all of it: what is left is {left}."
+        words = f"The largest share of the misfit resembles {named}, but not all of it: what is left {left}."
     elif diagnosis.verdict == "ambiguous":
         others = [names(causes) for causes in diagnosis.rivals[:3]]
         rest = f"; {' or '.join(others)} would do nearly as well" if others else "; so few numbers settle nothing"
@@ -227,22 +228,24 @@ def _held_out_section(diagnosis: Diagnosis) -> list[Section]:
 def _remainder_heading(diagnosis: Diagnosis) -> str:
     if diagnosis.remainder.axis is None:
         return "Nothing structured is left"
-    return f"What is left is {_left(diagnosis.remainder)}"
+    return f"What is left {_left(diagnosis.remainder)}"
 
 
 def _left(remainder: RemainderFound) -> str:
-    """Say along what a remainder is structured, and what it looks like."""
-    resembles = f" and looks like {remainder.resembles}" if remainder.resembles else ""
-    return f"structured along {remainder.axis}{resembles}"
+    """Say what a remainder looks like, or along what it is structured."""
+    if remainder.resembles is None:
+        return f"is structured along {remainder.axis}"
+    return f"looks like {remainder.resembles}"
 
 
-def _remainder_words(diagnosis: Diagnosis) -> list[str | Table]:
+def _remainder_words(diagnosis: Diagnosis) -> list[Block]:
     found = diagnosis.remainder
+    blocks: list[Block] = [remainder_figure(found)] if found.shape is not None else []
     words = (
         f"A smooth remainder along any axis: ln BF = {found.log_bayes_factor:.1f} (above 3 it counts). It is a "
         f"test and no repair. Before, with the mission's model alone: {diagnosis.base_remainder.log_bayes_factor:.1f}."
     )
-    blocks: list[str | Table] = [words]
+    blocks.append(words)
     if found.by_axis:
         rows = [[axis, f"{value:.1f}"] for axis, value in found.by_axis]
         blocks.append(Table(["What it could look like", "ln BF of a smooth remainder"], rows))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.report.tank_figures import TANK_UNITS, tank_figure, tank_residual_figure
-from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.diagnosis import Diagnosis, RemainderFound
 
 Array = NDArray[np.float64]
 _MOST_PANELS = 9
@@ -204,6 +204,27 @@ def autocorrelation_figure(diagnosis: Diagnosis) -> Figure | None:
 def _correlation(values: list[Array], lag: int) -> float:
     centred = [part - part.mean() for part in values]
     return float(sum(p[lag:] @ p[:-lag] for p in centred) / max(sum(p @ p for p in centred), 1e-30))
+
+
+def remainder_figure(found: RemainderFound) -> Figure:
+    """Draw what is left along its axis, with a 90 % band."""
+    assert found.shape is not None
+    at, mean, sd = (found.shape[name].to_numpy() for name in ("at", "mean", "sd"))
+    figure = MatplotlibFigure(figsize=(6.4, 2.8))
+    axes = figure.subplots()
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    axes.fill_between(at, mean - 1.645 * sd, mean + 1.645 * sd, color=BLUE, alpha=0.2, linewidth=0.0)
+    axes.plot(at, mean, "-", color=BLUE, linewidth=1.4)
+    axes.set(xlabel=found.place, ylabel=found.value, xlim=(at[0], at[-1]))
+    return to_figure(
+        figure,
+        "remainder",
+        alt=f"{found.value} against {found.place[0].lower()}{found.place[1:]}: what the claimed causes leave",
+        caption=(
+            f"What is left beside the causes named, if it is {found.resembles}, the same in all dives; band: 90 %. "
+            "It says where to look for a cause, and is no part of the extended mission."
+        ),
+    )
 
 
 def held_out_figure(diagnosis: Diagnosis) -> Figure:

@@ -121,13 +121,19 @@ class RankedSet:
 
 @dataclass(frozen=True)
 class RemainderFound:
-    """What is left: ln Bayes factor of a smooth remainder, its axis, what it resembles, axes one by one, and tests."""
+    """What is left: ln Bayes factor of a smooth remainder, its axis, what it resembles, axes one by one, and tests.
+
+    Its shape along the axis, where it has one, has columns ``at``, ``mean`` and ``sd`` and labels `place` and `value`.
+    """
 
     log_bayes_factor: float
     axis: str | None
     resembles: str | None
     by_axis: tuple[tuple[str, float], ...]
     tests: tuple[tuple[str, float], ...]
+    place: str = ""
+    value: str = ""
+    shape: pd.DataFrame | None = None
 
 
 @dataclass(frozen=True)

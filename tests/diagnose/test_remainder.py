@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from missionplan.diagnose.axes import Axis, pointwise
+from missionplan.diagnose.axes import Axis, Measure, pointwise
 from missionplan.diagnose.remainder import remainder
 from missionplan.diagnose.residuals import Products, Residuals, outlying_groups
 
@@ -61,6 +61,20 @@ def test_a_response_that_builds_up_is_found_better_than_by_its_place():
     elsewhere = residuals(found.values, axis=Axis("time", "rate", places, builds_up[rng.permutation(N)]))
     assert remainder(found).log_bayes_factor > 3.0
     assert remainder(elsewhere).log_bayes_factor < remainder(found).log_bayes_factor - 3.0
+
+
+def test_the_shape_of_a_remainder_is_the_function_that_is_left():
+    rng = np.random.default_rng(12)
+    left = np.sin(np.linspace(0.0, 9.0, N))
+    plain = pointwise("time", "values against time", np.linspace(0.0, 1.0, N)[:, None])
+    axis = Axis("time", "values", plain.places, plain.response, Measure(0.0, 9.0, "Time (s)", "Error (cm)", 100.0))
+    shape = remainder(residuals(2.0 * left + rng.normal(size=N), axis=axis)).shape
+    assert shape is not None
+    assert (shape.place, shape.value) == ("Time (s)", "Error (cm)")
+    off = (shape.mean - 200.0 * np.sin(shape.at)) / shape.sd
+    assert np.abs(off).max() < 3.0
+    assert 20.0 < shape.sd.mean() < 60.0  # of single values with a standard deviation of 100
+    assert remainder(residuals(rng.normal(size=N), axis=axis)).shape is None
 
 
 def test_a_remainder_is_told_against_noise_that_is_not_known():

@@ -87,6 +87,18 @@ def test_a_remainder_is_recognised_for_what_it_is(measured, name, parameters, lo
     assert found.resembles == looks_like
 
 
+def test_the_shape_of_a_lost_drag_is_drawn_in_its_units(measured):
+    """To first order: a speed that grows as (1 − fraction)^−½ is read as twice as much less drag."""
+    model = measured("drag-crisis", fraction=0.15, speed=1.3, width=0.1)
+    (base,) = model.fit_all([((), ())])
+    shape = remainder(model.residuals(base)).shape
+    assert shape is not None
+    assert (shape.place, shape.value) == ("Speed (m/s)", "Extra drag (%)")
+    fast = shape.at > 1.6
+    assert np.abs(shape.mean[fast] + 200.0 * (0.85**-0.5 - 1.0)).max() < 3.0 * shape.sd[fast].max() < 12.0
+    assert shape.mean[0] > shape.mean[fast].max() + 5.0
+
+
 def test_products_are_those_of_the_whole_covariance(measured):
     """Dive by dive with the coordinates integrated out, against the inverse of the covariance of all readings."""
     model = measured("drag-bias", fraction=0.3)

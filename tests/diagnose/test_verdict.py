@@ -24,7 +24,7 @@ def selection(*entries):
 
 
 def left(speaks):
-    return Remainder(5.0 if speaks else 0.0, "time" if speaks else None, (), (), speaks, None)
+    return Remainder(5.0 if speaks else 0.0, "time" if speaks else None, (), (), speaks, None, None)
 
 
 def test_score_charges_each_further_cause():
