@@ -20,6 +20,9 @@ SEARCH_STEP = 1e-4
 GRADIENT = 0.1
 """Gradient at which the climb ends: within 0.005 nats of the top where the posterior's standard deviation is 1."""
 CURVATURE_STEP = 0.05
+HALVINGS = 8
+"""Times that step is halved where the function does not exist on both sides."""
+IMPOSSIBLE = 1e12
 NEAR, TOLERANCE = 0.01, 1e-6
 """Steps below which Newton's are tried, and below which the mode is found, in prior standard deviations."""
 
@@ -177,14 +180,19 @@ def laplace(
         A guess of the posterior covariance, which sets the first steps.
     integrate : bool
         Whether the curvature is wanted; without it the evidence is nan and the covariance is the guess.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        When the mode lies on the edge of what is possible, where there is no curvature.
     """
 
     def negative(at: NDArray[Any]) -> float:
         try:
             value = log_posterior(at)
         except np.linalg.LinAlgError:
-            return 1e12
-        return -value if math.isfinite(value) else 1e12
+            return IMPOSSIBLE
+        return -value if math.isfinite(value) else IMPOSSIBLE
 
     best = min(starts, key=negative)
     options: dict[str, Any] = {"gtol": GRADIENT, "eps": SEARCH_STEP, "maxiter": 60, "hess_inv0": spread}
@@ -201,17 +209,27 @@ def laplace(
 
 
 def _curvature(negative: Callable[[Array], float], mode: Array) -> Array:
-    """Second derivatives by central differences."""
-    count, step = len(mode), CURVATURE_STEP
+    """Second derivatives by central differences, with shorter steps beside an edge of what is possible."""
+    count = len(mode)
     centre = negative(mode)
-    unit = step * np.eye(count)
-    ahead = [negative(mode + unit[i]) for i in range(count)]
-    behind = [negative(mode - unit[i]) for i in range(count)]
+    found = [_either_side(negative, mode, unit) for unit in CURVATURE_STEP * np.eye(count)]
+    unit, ahead, behind = (np.array(values) for values in zip(*found, strict=True))
+    steps = np.diag(unit)
     result = np.empty((count, count))
     for i in range(count):
-        result[i, i] = (ahead[i] - 2.0 * centre + behind[i]) / step**2
+        result[i, i] = (ahead[i] - 2.0 * centre + behind[i]) / steps[i] ** 2
         for j in range(i):
             both, neither = negative(mode + unit[i] + unit[j]), negative(mode - unit[i] - unit[j])
             mixed = both + neither - ahead[i] - ahead[j] - behind[i] - behind[j] + 2.0 * centre
-            result[i, j] = result[j, i] = mixed / (2.0 * step**2)
+            result[i, j] = result[j, i] = mixed / (2.0 * steps[i] * steps[j])
     return result
+
+
+def _either_side(negative: Callable[[Array], float], mode: Array, step: Array) -> tuple[Array, float, float]:
+    """Step, halved until both sides are possible, and the function there."""
+    for _ in range(HALVINGS):
+        ahead, behind = negative(mode + step), negative(mode - step)
+        if max(ahead, behind) < IMPOSSIBLE:
+            return step, ahead, behind
+        step = 0.5 * step
+    raise np.linalg.LinAlgError("the best fit lies on the edge of what is possible")

@@ -84,6 +84,25 @@ def test_laplace_of_a_gamma_density_is_close():
     assert found.log_evidence == pytest.approx(exact, abs=0.02)
 
 
+def test_laplace_keeps_clear_of_an_edge():
+    """Beyond the edge there is no density: steps across it would look like an endless curvature."""
+
+    def log_posterior(at):
+        return -0.5 * float((at[0] / 0.01) ** 2) if at[0] > -0.03 else -np.inf
+
+    found = laplace(log_posterior, [np.array([0.001])], 1e-4 * np.eye(1))
+    assert np.sqrt(found.covariance[0, 0]) == pytest.approx(0.01, rel=0.01)
+    assert found.log_evidence == pytest.approx(0.5 * np.log(2.0 * np.pi) + np.log(0.01), abs=0.02)
+
+
+def test_laplace_says_when_the_mode_is_an_edge():
+    def log_posterior(at):
+        return -float(at[0]) if at[0] >= 0.0 else -np.inf
+
+    with pytest.raises(np.linalg.LinAlgError, match="edge"):
+        laplace(log_posterior, [np.array([0.0])], np.eye(1))
+
+
 def test_expected_ratio_is_the_mean_over_draws():
     first, second = np.diag([1.0, 2.0]), np.diag([3.0, 1.0])
     mean, truth = np.array([0.5, -0.2]), np.diag([1.5, 1.0])
