@@ -1,6 +1,6 @@
 """Model of dive logs: fits of causes, linearised where each set fits best; what they leave, what they predict."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -58,11 +58,6 @@ class DescentModel(DescentLinear):
     """Base model of a mission's descent and every cause of the catalogue, fitted to dive logs."""
 
     alternatives: Sequence[frozenset[str]] = ()
-
-    @property
-    def untestable(self) -> Mapping[str, str]:
-        """Every effect can show in a dive log."""
-        return {}
 
     @cached_property
     def _nominal(self) -> Array:

@@ -32,8 +32,10 @@ INFO = EffectInfo(
         "time": Parameter("s", "time constant of the nose going down", 0.1, 8.0, median=2.0, factor=1.9, default=1.5),
     },
     what="The line draws a level vehicle down: until it has nosed over, its side and not its nose meets the water.",
-    sizes="Cross-flow drag of a slender hull is 10 to 30 times its axial drag; noses go down in 1 to 5 s. A hull "
-    "that takes longer has gone several lengths meanwhile, and is not on its way to nose down.",
+    sizes=(
+        "Cross-flow drag of a slender hull is 10 to 30 times its axial drag; noses go down in 1 to 5 s. A hull "
+        "that takes longer has gone several lengths meanwhile, and is not on its way to nose down."
+    ),
     confused_with=("added-mass", "slow-flooding"),
     told_apart_by="Pitch in the log; a dive released nose down; anchors of different weight.",
 )
