@@ -192,7 +192,8 @@ class DescentModel(DescentLinear):
         """The base model's, the shape that each effect has first where fits start from it."""
         first = np.zeros(len(self.coordinates))
         for name in self.candidates:
-            first[next((i for i in self.free((name,)) if self.coordinates[i].kind == "shape"), [])] = 1.0
+            shapes = [i for i in self.free((name,)) if self.coordinates[i].kind == "shape"]
+            first[shapes[:1]] = 1.0
         slab = np.array([coordinate.slab for coordinate in self.coordinates])
         places = [((), self.centre + shift * first * slab) for shift in SHIFTS]
         return [self.evidence(linear) for linear in self.linearise(places)]

@@ -150,7 +150,7 @@ def _bases(axis: Axis, residuals: Residuals) -> list[Array]:
     for length in LENGTHS:
         basis = np.kron(np.eye(axis.response.shape[1] // size), axis.smooth(length))
         variance = float(np.sum(basis * (inner @ basis))) / len(axis.response)
-        bases.append(typical / np.sqrt(variance) * basis)
+        bases.append(typical / np.sqrt(max(variance, 1e-300)) * basis)  # nothing may feel it at all
     return bases
 
 

@@ -77,6 +77,12 @@ def test_the_shape_of_a_remainder_is_the_function_that_is_left():
     assert remainder(residuals(rng.normal(size=N), axis=axis)).shape is None
 
 
+def test_what_nothing_feels_is_no_remainder():
+    axis = Axis("run", "drag", np.zeros((1, 1)), np.zeros((N, 1)))
+    found = remainder(residuals(np.random.default_rng(13).normal(size=N), axis=axis))
+    assert found.log_bayes_factor == pytest.approx(0.0, abs=1e-9)
+
+
 def test_a_remainder_is_told_against_noise_that_is_not_known():
     """A noise that may be greater hides less than the greater noise alone: both sides are averaged over it."""
     rng = np.random.default_rng(8)
