@@ -1,5 +1,6 @@
 """`load`: a mission file to a `Mission`, or every problem of the file at once."""
 
+import os.path
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -77,15 +78,18 @@ def include_files(document: Document, folder: Path, *, allow_outside: bool) -> l
 def _resolve(
     name: str, path: Path_, document: Document, folder: Path, allow_outside: bool, problems: list[Problem]
 ) -> Path | None:
+    if "\0" in name:
+        problems.append(document.problem(path, f"given {_shown(name)}; no file's name holds a null character"))
+        return None
     root, target = folder.resolve(), (folder / name).resolve()
     if not allow_outside and not target.is_relative_to(root):
-        message = f"given {name!r}, which lies outside the mission file's folder"
+        message = f"given {_shown(name)}, which lies outside the mission file's folder"
         problems.append(document.problem(path, message, "--allow-outside permits it"))
         return None
-    if not target.is_file():
+    if not os.path.isfile(target):  # noqa: PTH113 - raises nothing where a name is too long
         near = get_close_matches(target.name, [p.name for p in target.parent.glob("*")], n=1)
         hint = f"did you mean {Path(name).parent / near[0]}?" if near else ""
-        problems.append(document.problem(path, f"given {name!r}; there is no such file", hint))
+        problems.append(document.problem(path, f"given {_shown(name)}; there is no such file", hint))
         return None
     return target
 

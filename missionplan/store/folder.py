@@ -39,11 +39,16 @@ def check_new_folder(folder: Path, *, force: bool = False) -> None:
     Raises
     ------
     InputError
-        When it is a file, or not empty and `force` is not given.
+        When it is a file, or not empty and `force` is not given, or no folder can have such a name.
     """
-    if folder.exists() and not folder.is_dir():
+    try:
+        exists, holds = folder.exists(), folder.is_dir() and any(folder.iterdir())
+    except (OSError, ValueError) as error:
+        words = getattr(error, "strerror", None) or str(error)
+        raise InputError([Problem(f"cannot be a folder: {words}", file=str(folder))]) from error
+    if exists and not folder.is_dir():
         raise InputError([Problem("is a file; a folder was expected", file=str(folder))])
-    if folder.is_dir() and any(folder.iterdir()) and not force:
+    if holds and not force:
         raise InputError([Problem("is not empty", file=str(folder), hint="--force writes over it")])
 
 

@@ -54,7 +54,14 @@ def test_validate_reports_every_file(
 
 
 @pytest.mark.parametrize(
-    "arguments", [["sweep-dmx"], ["sweep-dmax"], ["sweep-dmax", "x.yaml", "--trials", "0"], ["validate", "--no"]]
+    "arguments",
+    [
+        ["sweep-dmx"],
+        ["sweep-dmax"],
+        ["sweep-dmax", "x.yaml", "--trials", "0"],
+        ["sweep-dmax", "x" * 300],
+        ["validate", "--no"],
+    ],
 )
 def test_usage_errors_exit_with_2(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], arguments: list[str]

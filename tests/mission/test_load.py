@@ -122,6 +122,8 @@ monte_carlo: {trials: -5, seed: x}
         (("name: short", "site: {water: {temperature: 20 degC, density: 1000 kg/m^3}}"), "site.water", "expected {temperature, salinity}"),
         (("name: short", "site: {current: {file: ../../etc/passwd}}"), "site.current.file", "outside"),
         (("name: short", "vehicle: /etc/passwd"), "vehicle", "outside"),
+        (("name: short", 'vehicle: "a\\0b"'), "vehicle", "null character"),
+        (("name: short", f"vehicle: {'a' * 300}.yaml"), "vehicle", "no such file"),
     ],
 )  # fmt: skip
 def test_one_problem(tmp_path: Path, change: tuple[str, str], key: str, words: str) -> None:
