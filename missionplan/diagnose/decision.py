@@ -10,7 +10,6 @@ from typing import Any
 from missionplan.diagnose.data import TANK
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission, load
-from missionplan.mission.phases import MoorPhase
 from missionplan.montecarlo.sharing import shared
 from missionplan.results.base import to_yaml
 from missionplan.results.sweep import SweepCurve
@@ -92,10 +91,30 @@ def _finite(value: float) -> float | None:
 
 
 def _anchor(base: Mission, extended: Mission, seed: int, jobs: int) -> dict[str, Any]:
-    chosen = [worst_case_anchor(mission) for mission in (base, extended)]
-    cases = [(base, chosen[0]), (extended, chosen[1]), (extended, chosen[0])]
+    missions = [_carrying(mission) for mission in (base, extended)]
+    chosen = [worst_case_anchor(mission) for mission in missions]
+    cases = [(missions[0], chosen[0]), (missions[1], chosen[1])]
+    if chosen[0] != chosen[1]:
+        cases.append((missions[1], chosen[0]))
     results = shared(partial(_odds, seed), cases, jobs=jobs)
-    return dict(zip(("before", "after", "base_choice_under_extended"), results, strict=True))
+    return {"before": results[0], "after": results[1], "base_choice_under_extended": results[-1]}
+
+
+def _carrying(mission: Mission) -> Mission:
+    """The mission with an anchor that carries the vehicle's net buoyancy too: Eq. 15's alone may not even sink it."""
+    return _with_mooring(mission, carry_net_buoyancy=True)
+
+
+def _with_mooring(mission: Mission, **changes: Any) -> Mission:
+    """The mission with its first mooring changed."""
+    first = [id(moor) for moor in mission.moors[:1]]
+    entries = tuple(
+        entry.model_copy(update={"moor": entry.moor.model_copy(update=changes)})
+        if entry.moor and id(entry.moor) in first
+        else entry
+        for entry in mission.entries
+    )
+    return mission.model_copy(update={"entries": entries})
 
 
 def _odds(seed: int, cases: Sequence[tuple[Mission, float]]) -> list[dict[str, Any]]:
@@ -104,15 +123,8 @@ def _odds(seed: int, cases: Sequence[tuple[Mission, float]]) -> list[dict[str, A
 
 
 def _mooring(mission: Mission, weight: float, seed: int) -> dict[str, Any]:
-    moor = next(phase for phase in mission.phases if isinstance(phase, MoorPhase))
-    entries = tuple(
-        entry.model_copy(update={"moor": entry.moor.model_copy(update={"anchor_wet_weight": weight})})
-        if entry.moor is moor
-        else entry
-        for entry in mission.entries
-    )
-    outcome = simulate(mission.model_copy(update={"entries": entries}), trials=TRIALS, seed=seed)
-    phase = next(phase for phase in outcome.phases if phase.name == moor.name)
+    outcome = simulate(_with_mooring(mission, anchor_wet_weight=weight), trials=TRIALS, seed=seed)
+    phase = next(phase for phase in outcome.phases if phase.name == mission.moors[0].name)
     return {
         "anchor_wet_weight_n": weight,
         "within_radius": phase.events["within_radius"].value,

@@ -293,6 +293,8 @@ _DECISION_COLUMNS = {
     "success": "P(success)",
 }
 
+_ANCHOR_NOTE = "Anchors sized for the worst current (Eq. 15), and to carry the vehicle's net buoyancy besides."
+
 
 def _decision_section(diagnosis: Diagnosis) -> list[Section]:
     plans = {key: diagnosis.decision.get(key) for key in _DECISION_WORDS}
@@ -305,7 +307,8 @@ def _decision_section(diagnosis: Diagnosis) -> list[Section]:
         for name, plan in plans.items()
         if plan
     ]
-    return [Section("What it means for the plan", [Table(["", *(_DECISION_COLUMNS[key] for key in keys)], rows)])]
+    note = _ANCHOR_NOTE if "anchor_wet_weight_n" in keys else ""
+    return [Section("What it means for the plan", [Table(["", *(_DECISION_COLUMNS[key] for key in keys)], rows, note)])]
 
 
 _CALIBRATION = {
