@@ -1,5 +1,7 @@
 """The command line: load → one study → render → exit status. Heavy imports wait until a command needs them."""
 
+import atexit
+import gc
 import os
 import sys
 from importlib.metadata import version
@@ -33,6 +35,7 @@ def _root(show_version: Annotated[bool, typer.Option("--version", help="Print th
 
 def main() -> None:
     """Run the command line; every expected error becomes words and an exit status."""
+    atexit.register(gc.freeze)  # else the end of a process searches all it has for garbage, half a second long
     try:
         status = app(standalone_mode=False)
     except MissionplanError as error:

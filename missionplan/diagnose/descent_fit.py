@@ -1,6 +1,6 @@
 """Least squares with priors for many sets of causes and starts at once: damped Gauss–Newton, one phase call a step."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +17,8 @@ CONVERGED = 0.05
 """Fall of the objective [nats] below which a lane is done."""
 DIFFERENCE = 0.01
 """Step of the finite differences, in prior standard deviations."""
-TRIES = (1.0, 0.25)
-"""Shares of a Gauss–Newton step that are tried together."""
+SHORTER = 0.25
+"""Share of a Gauss–Newton step that is tried when the whole of it led up."""
 LARGEST = 3.0
 """Longest step of a coordinate, in prior standard deviations."""
 PRUNED_AFTER, PRUNED_BEYOND = 3, 3.0
@@ -90,28 +90,29 @@ def climb(
     """
     problem = _Problem(forward, coordinates, y, covariance, lanes)
     places = problem.evaluate([(i, lane.start) for i, lane in enumerate(lanes)])
-    active = [i for i, place in enumerate(places) if np.isfinite(place.objective)]
+    shares = {i: 1.0 for i, place in enumerate(places) if np.isfinite(place.objective)}
     for step in range(steps):
-        if not active:
+        if not shares:
             break
-        proposals = []
-        for i in active:
-            move = problem.step(i, places[i])
-            proposals += [(i, places[i].at + share * move) for share in TRIES]
-        tried = problem.evaluate(proposals)
-        still = []
-        for order, i in enumerate(active):
-            best = min(tried[order * len(TRIES) : (order + 1) * len(TRIES)], key=lambda place: place.objective)
-            gained = places[i].objective - best.objective
+        tried = problem.evaluate(
+            [(i, places[i].at + share * problem.step(i, places[i])) for i, share in shares.items()]
+        )
+        for (i, share), place in zip(tuple(shares.items()), tried, strict=True):
+            gained = places[i].objective - place.objective
             if gained > 0.0:
-                places[i] = best
+                places[i] = place
             if gained > CONVERGED:
-                still.append(i)
-        active = _worth_going_on(still, lanes, places) if step + 1 >= PRUNED_AFTER else still
+                shares[i] = 1.0
+            elif gained > 0.0 or share < 1.0:
+                del shares[i]
+            else:
+                shares[i] = SHORTER
+        if step + 1 >= PRUNED_AFTER:
+            shares = {i: shares[i] for i in _worth_going_on(shares, lanes, places)}
     return [Ended(place.at, place.objective) for place in places]
 
 
-def _worth_going_on(active: list[int], lanes: Sequence[Lane], places: "Sequence[_Place]") -> list[int]:
+def _worth_going_on(active: Iterable[int], lanes: Sequence[Lane], places: "Sequence[_Place]") -> list[int]:
     best: dict[int, float] = {}
     for lane, place in zip(lanes, places, strict=True):
         best[lane.family] = min(best.get(lane.family, np.inf), place.objective)

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 STEP = 0.16
 """Step of the integration [s]; readings are within 5 mm of those with steps of 0.02 s, 1 mm as a rule."""
-COARSE = 2.0 * STEP
+COARSE = 3.0 * STEP
 """Step where only the way matters and not its end, or one simulation is laid against another [s]."""
 LEAST_FACTOR = -0.9
 """Least strength of an effect that multiplies a drag or a weight: less would turn it round."""

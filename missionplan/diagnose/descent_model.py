@@ -122,7 +122,16 @@ class DescentModel(DescentLinear):
         return float(_log_normal((linear.y - linear.columns[:, free] @ at)[:, None], factor)[0] + prior.sum())
 
     def _lanes(self, causes: Causes, near: Sequence[Fit], family: int) -> list[Lane]:
-        free = self.free(causes)
+        """Start where other sets of the same causes ended; where only causes alone did, afresh besides."""
+        start, known = self._placed(causes, near)
+        starts = self._spread(causes, known, start)
+        start, first = self._placed(causes, near[:1])
+        if first != known:
+            starts += self._spread(causes, first, start)
+        return [Lane(self.free(causes), begin, family) for begin in starts]
+
+    def _placed(self, causes: Causes, near: Sequence[Fit]) -> tuple[Array, set[str]]:
+        """Where other fits have the causes, the first of them first; and which of them have a place so."""
         start = self.centre.copy()
         known: set[str] = set()
         for fit in (fit for fit in near if fit.possible):  # where another is, is no place to start from
@@ -130,11 +139,15 @@ class DescentModel(DescentLinear):
                 if self.coordinates[i].effect in causes and self.coordinates[i].effect not in known:
                     start[i] = fit.state.linear.at[i]
             known |= set(fit.causes)
+        return start, known
+
+    def _spread(self, causes: Causes, known: set[str], start: Array) -> list[Array]:
+        """Starts from one place, several where the causes that have none there have shapes."""
         starts = [start]
         for name in causes:
             if name not in known:
                 starts = [moved for begin in starts for moved in self._starts(name, begin)]
-        return [Lane(free, begin, family) for begin in starts]
+        return starts
 
     def _starts(self, name: str, begin: Array) -> list[Array]:
         """Several starts for an effect with a shape, one for the others."""

@@ -68,11 +68,21 @@ def rivalries(model: Model, first: Fit, others: Sequence[Fit], jobs: int = 1) ->
 
     Alike are sets that data like those in hand would not tell apart: expected ln Bayes factor below 1 nat.
     """
-    return tuple(shared(partial(_rivalries, model, first), others, jobs=jobs))
+    asked = [(other, alike) for other in others for alike in (False, True)]
+    found = shared(partial(_answers, model, first), asked, jobs=jobs)
+    return tuple(
+        Rivalry(cheapest, in_hand.expected_log_bayes_factor < HARDLY)
+        for cheapest, in_hand in zip(found[::2], found[1::2], strict=True)
+    )
 
 
-def _rivalries(model: Model, first: Fit, others: Sequence[Fit]) -> list[Rivalry]:
-    return [Rivalry(_cheapest(model, first, other), model.separation(first, other, None) < HARDLY) for other in others]
+def _answers(model: Model, first: Fit, asked: Sequence[tuple[Fit, bool]]) -> list[Separation]:
+    """For each other set, what separates it from the first: the data in hand, or the cheapest measurement."""
+    return [_in_hand(model, first, other) if alike else _cheapest(model, first, other) for other, alike in asked]
+
+
+def _in_hand(model: Model, first: Fit, second: Fit) -> Separation:
+    return Separation(first.causes, second.causes, "data like those in hand", model.separation(first, second, None))
 
 
 def _cheapest(model: Model, first: Fit, second: Fit) -> Separation:

@@ -1,6 +1,6 @@
 """What a depth sensor logs of a descent: the model that measured dives are fitted with."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,9 @@ from missionplan.phases.descent_forces import DescentHooks, Dive, FreeVehicle
 from missionplan.phases.fall import STEP, Fall, Stop, fall
 from missionplan.phases.hooks import DescentEffect
 from missionplan.physics.arrays import Array, row_and_next
+
+IN_CACHE = 1 << 16
+"""Numbers of an array that are worked on at once, so that what comes between stays near the processor."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,9 @@ class SensorHistory:
         Between the grid's points linear: within step²/8 times the acceleration, 1 mm for the prototype. Held at the
         grid's ends.
         """
+        return np.concatenate([self._at(part) for part in _in_cache(times)])
+
+    def _at(self, times: Array) -> Array:
         place = np.clip(np.nan_to_num(times - self.delay) / self.step, 0.0, len(self.depths) - 1.000001)
         row = place.astype(np.intp)
         low, high = row_and_next(self.depths, row)
@@ -119,14 +125,29 @@ def true_depth(dive: Dive, hooks: DescentHooks, stages: Stages, since: Array, *,
     array, shape (k, n)
         [m], never below the seafloor.
     """
-    taut, down = stages.lone.time, stages.lone.time + stages.pull_down.time
-    depth = stages.pull_down.depth_at(since - taut)
+    turned = stages.lone.time + stages.pull_down.time + stages.coast.time
+    left = float(np.max(since[-1] - turned))
+    rise = _rise(dive, hooks, stages, left, step) if left > 0.0 else None
+    parts = _in_cache(since)
+    return np.concatenate([np.clip(_depth(stages, rise, part), 0.0, dive.site_depth) for part in parts])
+
+
+def _in_cache(times: Array) -> Iterator[Array]:
+    """Rows of an array, some at a time."""
+    rows = max(1, IN_CACHE // max(times.shape[1], 1))
+    return (times[first : first + rows] for first in range(0, len(times), rows))
+
+
+def _depth(stages: Stages, rise: Fall | None, since: Array) -> Array:
+    """Depth of the nose by the stages, and by the rise after them if there is one [m]."""
+    down = stages.lone.time + stages.pull_down.time
+    depth = stages.pull_down.depth_at(since - stages.lone.time)
     if np.any(since[-1] > down):
-        turned = down + stages.coast.time
         depth = np.where(since > down, stages.coast.depth_at(since - down), depth)
-        rise = _rise(dive, hooks, stages, float(np.max(since[-1] - turned)), step)
+    if rise is not None:
+        turned = down + stages.coast.time
         depth = np.where(since > turned, rise.depth_at(since - turned), depth)
-    return np.clip(depth, 0.0, dive.site_depth)
+    return depth
 
 
 def _rise(dive: Dive, hooks: DescentHooks, stages: Stages, duration: float, step: float) -> Fall:
