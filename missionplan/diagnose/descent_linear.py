@@ -32,6 +32,8 @@ SHIFT = 0.1
 """Shift of the separation at which the readings' bend is taken [s]: its scatter's standard deviation."""
 DELAYED = 0.5
 """Share of a sensor's lag that is made a pure delay to see what the order of its filter does."""
+WORTH = 0.05
+"""Share of the rest's evidence that a further cause must add: less may only mend what the others' shapes leave."""
 LATE_STEPS = 2
 """Gauss–Newton steps towards each dive's most likely lateness."""
 
@@ -95,6 +97,11 @@ class DescentLinear:
     def candidates(self) -> Causes:
         """Effects of the catalogue on a descent."""
         return tuple(info.id for info in effects_of("descent"))
+
+    @property
+    def worth(self) -> float:
+        """A twentieth: the catalogue's forces are caricatures."""
+        return WORTH
 
     @property
     def untestable(self) -> Mapping[str, str]:

@@ -92,6 +92,11 @@ class Model(Protocol):
         ...
 
     @property
+    def worth(self) -> float:
+        """Share of the rest's evidence that a further cause must add: no shape fits a large effect to the letter."""
+        ...
+
+    @property
     def untestable(self) -> Mapping[str, str]:
         """Effects of the catalogue that it could not show, and why."""
         ...

@@ -14,8 +14,6 @@ from missionplan.montecarlo.sharing import shared
 
 PRICE = 3.0
 """Nats that each cause beyond the first must earn, and that a claim must exceed."""
-WORTH_SHARE = 0.02
-"""Share of the evidence of the rest that it must add, too: no catalogue's shape fits a large effect to the letter."""
 HOPELESS = -4.0
 """Nats of quick promise below which a further cause is not fitted."""
 AGAIN = 2
@@ -120,10 +118,10 @@ def select(model: Model, progress: Progress = lambda what, done, of: None, jobs:
             if size == 1:
                 alone[fit.causes[0]] = fit
         best = sorted(tried.values(), key=lambda candidate: -candidate.score)
-        frontier = [c for c in best if len(c.causes) == size and (size == 1 or _earned(c, tried))][:BEAM]
+        frontier = [c for c in best if len(c.causes) == size and (size == 1 or _earned(c, tried, model.worth))][:BEAM]
         if not frontier or frontier[0].score < best[0].score - PRICE or best[0].score <= 0.0:
             break
-    possible = [candidate for candidate in best if candidate.fit.possible and _earned(candidate, tried)]
+    possible = [candidate for candidate in best if candidate.fit.possible and _earned(candidate, tried, model.worth)]
     impossible = [candidate for candidate in best if not candidate.fit.possible]
     return Selection(base, tuple(possible), tuple(impossible), tuple(failed), len(model.candidates))
 
@@ -175,11 +173,11 @@ def _parts(causes: Causes, parent: Fit, alone: dict[str, Fit]) -> tuple[Fit, ...
     return (parent, *(alone[name] for name in causes if name in alone and name not in parent.causes))
 
 
-def _earned(candidate: Candidate, tried: dict[frozenset[str], Candidate]) -> bool:
+def _earned(candidate: Candidate, tried: dict[frozenset[str], Candidate], share: float) -> bool:
     """Whether each cause of a set adds enough to the rest of it."""
     parts = [tried.get(frozenset(candidate.causes) - {name}) for name in candidate.causes]
     least = max((part.log_bayes_factor for part in parts if part is not None), default=-np.inf)
-    worth = max(PRICE, WORTH_SHARE * least)
+    worth = max(PRICE, share * least)
     return len(candidate.causes) == 1 or candidate.log_bayes_factor >= least + worth
 
 

@@ -66,6 +66,11 @@ class TankModel:
         return self.forward.candidates
 
     @property
+    def worth(self) -> float:
+        """A fiftieth: what the catalogue adds is as good as linear in its strengths, and of known shape."""
+        return 0.02
+
+    @property
     def untestable(self) -> Mapping[str, str]:
         """Effects that they could not, and why."""
         return self.forward.untestable

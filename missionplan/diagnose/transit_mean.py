@@ -87,6 +87,11 @@ class TransitMean:
     current_sd: tuple[float, float] = (0.0, 0.0)
     only: tuple[Coordinate, ...] | None = None
 
+    @property
+    def worth(self) -> float:
+        """A fiftieth: what the catalogue adds is as good as linear in its strengths, and of known shape."""
+        return 0.02
+
     @cached_property
     def untestable(self) -> Mapping[str, str]:
         """Effects that this record cannot show, and why."""
