@@ -18,6 +18,7 @@ from missionplan.diagnose.descent_fit import Ended, Lane, climb
 from missionplan.diagnose.descent_forward import limits
 from missionplan.diagnose.descent_linear import DescentLinear, Linear
 from missionplan.diagnose.descent_noise import NOMINAL, grid
+from missionplan.diagnose.descent_starts import SHIFTS, starts
 from missionplan.diagnose.importance import DRAWS, Importance, importance
 from missionplan.diagnose.likelihood import LOG_2PI, Marginal
 from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
@@ -29,10 +30,6 @@ Array = NDArray[np.float64]
 TEST_LEVEL = 1e-4
 """Level of the residual tests, all together: strict, for turbulence is no Ornstein–Uhlenbeck process to the letter and
 a quantised reading's noise is not white."""
-FIRST = 0.5
-"""Where strengths start, in prior standard deviations; both signs for those of either sign and a shape."""
-SHIFTS = (-1.2, 0.0, 1.2)
-"""Where the first shape of an effect starts, in prior standard deviations about its centre."""
 FAR = 0.5
 """Posterior standard deviations between the place of a linearisation and the posterior's mean that are too many."""
 MOVES, NEAR = 2, 15.0
@@ -67,7 +64,9 @@ class DescentModel(DescentLinear):
     def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
         """Fit several sets at once: climb from all their starts together, linearise, integrate."""
         lanes = [
-            (index, lane) for index, (causes, near) in enumerate(wanted) for lane in self._lanes(causes, near, index)
+            (index, Lane(self.free(causes), start, index))
+            for index, (causes, near) in enumerate(wanted)
+            for start in starts(self.coordinates, causes, near)
         ]
         climbed = [lane for _, lane in lanes if len(lane.free)]
         nominal = self._nominal
@@ -120,49 +119,6 @@ class DescentModel(DescentLinear):
         factor = _factor(self.total_covariance(linear, grid()[fit.state.best], narrow))
         prior = np.asarray(norm.logpdf(at, 0.0, slab))
         return float(_log_normal((linear.y - linear.columns[:, free] @ at)[:, None], factor)[0] + prior.sum())
-
-    def _lanes(self, causes: Causes, near: Sequence[Fit], family: int) -> list[Lane]:
-        """Start where other sets of the same causes ended; where only causes alone did, afresh besides."""
-        start, known = self._placed(causes, near)
-        starts = self._spread(causes, known, start)
-        start, first = self._placed(causes, near[:1])
-        if first != known:
-            starts += self._spread(causes, first, start)
-        return [Lane(self.free(causes), begin, family) for begin in starts]
-
-    def _placed(self, causes: Causes, near: Sequence[Fit]) -> tuple[Array, set[str]]:
-        """Where other fits have the causes, the first of them first; and which of them have a place so."""
-        start = self.centre.copy()
-        known: set[str] = set()
-        for fit in (fit for fit in near if fit.possible):  # where another is, is no place to start from
-            for i in self.free(fit.causes):
-                if self.coordinates[i].effect in causes and self.coordinates[i].effect not in known:
-                    start[i] = fit.state.linear.at[i]
-            known |= set(fit.causes)
-        return start, known
-
-    def _spread(self, causes: Causes, known: set[str], start: Array) -> list[Array]:
-        """Starts from one place, several where the causes that have none there have shapes."""
-        starts = [start]
-        for name in causes:
-            if name not in known:
-                starts = [moved for begin in starts for moved in self._starts(name, begin)]
-        return starts
-
-    def _starts(self, name: str, begin: Array) -> list[Array]:
-        """Several starts for an effect with a shape, one for the others."""
-        own = [i for i, c in enumerate(self.coordinates) if c.effect == name]
-        strengths = [i for i in own if self.coordinates[i].kind != "shape"]
-        shapes = [i for i in own if self.coordinates[i].kind == "shape"]
-        if not shapes:
-            return [begin]
-        starts = []
-        for shift in SHIFTS:
-            moved = begin.copy()
-            moved[strengths] = FIRST * np.array([self.coordinates[i].slab for i in strengths])
-            moved[shapes[0]] += shift * self.coordinates[shapes[0]].slab
-            starts.append(moved)
-        return starts
 
     def _integrated(self, causes: Causes, linear: Linear) -> Fit | Failure:
         if not np.all(np.isfinite(linear.y)) or not np.all(np.isfinite(linear.columns)):
