@@ -12,6 +12,7 @@ from missionplan.report.diagnosis_figures import (
     remainder_figure,
     residual_figures,
 )
+from missionplan.report.diagnosis_plan import plan_section, plan_words
 from missionplan.report.page import Block, Figure, Page, Section, Table, Terminal
 from missionplan.report.tank_figures import TANK_UNITS
 from missionplan.results.diagnosis import Diagnosis, ParameterEstimate, RankedSet, RemainderFound
@@ -34,7 +35,7 @@ def page(diagnosis: Diagnosis) -> Page:
         *_held_out_section(diagnosis),
         Section(_remainder_heading(diagnosis), _remainder_words(diagnosis)),
         Section(_apart_heading(diagnosis), _apart_blocks(diagnosis)),
-        *_decision_section(diagnosis),
+        *plan_section(diagnosis),
         Section("How the data were treated", _treatment(diagnosis)),
     ]
     return Page(
@@ -115,6 +116,7 @@ def _next_words(diagnosis: Diagnosis) -> list[str]:
             "The extended mission, mission.yaml in this folder, carries the causes as effects with their "
             "uncertainties. simulate, size-anchor and sweep-dmax run it as it is."
         )
+        words += plan_words(diagnosis)
     for entry in diagnosis.next_measurements:
         first, second = (names(causes) for causes in entry.separates)
         words.append(
@@ -276,39 +278,6 @@ def _apart_blocks(diagnosis: Diagnosis) -> list[str | Table]:
         rows = [[name, why] for name, why in diagnosis.untestable.items()]
         blocks.append(Table(["Effect that these data cannot show", "Why"], rows))
     return blocks
-
-
-_DECISION_WORDS = {
-    "before": "Plan with the mission's model, as it expects",
-    "after": "Plan with the extended model",
-    "base_choice_under_extended": "The mission's plan, if the extended model is true",
-}
-_DECISION_COLUMNS = {
-    "d_max_m": "d_max (m)",
-    "cost": "Mean cost",
-    "arrived": "P(arrived)",
-    "anchor_wet_weight_n": "Anchor's wet weight (N)",
-    "within_radius": "P(within radius)",
-    "struck_seafloor": "P(struck seafloor)",
-    "success": "P(success)",
-}
-
-_ANCHOR_NOTE = "Anchors sized for the worst current (Eq. 15), and to carry the vehicle's net buoyancy besides."
-
-
-def _decision_section(diagnosis: Diagnosis) -> list[Section]:
-    plans = {key: diagnosis.decision.get(key) for key in _DECISION_WORDS}
-    if not plans["after"]:
-        reason = diagnosis.decision.get("reason")
-        return [Section("No plans to compare", [str(reason)])] if reason else []
-    keys = [key for key in _DECISION_COLUMNS if key in plans["after"]]
-    rows = [
-        [_DECISION_WORDS[name], *("" if plan.get(key) is None else f"{plan[key]:.3g}" for key in keys)]
-        for name, plan in plans.items()
-        if plan
-    ]
-    note = _ANCHOR_NOTE if "anchor_wet_weight_n" in keys else ""
-    return [Section("What it means for the plan", [Table(["", *(_DECISION_COLUMNS[key] for key in keys)], rows, note)])]
 
 
 _CALIBRATION = {

@@ -1,0 +1,67 @@
+"""What the report of a diagnosis says about the plan."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from missionplan.report.diagnosis_plan import plan_section, plan_words
+
+
+def diagnosed(before: dict[str, Any], after: dict[str, Any], kept: dict[str, Any], verdict: str = "explained") -> Any:
+    decision = {"before": before, "after": after, "base_choice_under_extended": kept}
+    return SimpleNamespace(decision=decision, verdict=verdict)
+
+
+def anchor(weight: float, within: float) -> dict[str, Any]:
+    return {"anchor_wet_weight_n": weight, "within_radius": within, "struck_seafloor": 0.0}
+
+
+def legs(d_max: float, cost: float | None) -> dict[str, Any]:
+    return {"d_max_m": d_max, "cost": cost, "arrived": 1.0}
+
+
+def test_a_heavier_anchor_is_asked_for_with_what_the_old_one_would_do() -> None:
+    (words,) = plan_words(diagnosed(anchor(2.14, 0.96), anchor(2.84, 0.97), anchor(2.14, 0.075)))
+    assert words == (
+        "Plan with an anchor of 2.84 N wet, 97 % within the radius; the anchor that the mission's model asks for, "
+        "2.14 N wet, stays within the radius in 8 % of the dives, not in 96 %."
+    )
+
+
+def test_an_anchor_that_serves_is_left() -> None:
+    (words,) = plan_words(diagnosed(anchor(2.0, 0.95), anchor(2.0, 0.945), anchor(2.0, 0.945)))
+    assert words == "The anchor that the mission's model asks for, 2 N wet, still serves: 94 % within the radius."
+
+
+def test_where_the_worst_case_asks_for_the_same_anchor_the_odds_are_pointed_to() -> None:
+    (words,) = plan_words(diagnosed(anchor(4.36, 0.93), anchor(4.36, 0.88), anchor(4.36, 0.88)))
+    assert "in 88 % of the dives, not in 93 %; size-anchor with --probability" in words
+
+
+def test_no_plan_is_asserted_on_a_cause_that_is_not() -> None:
+    (words,) = plan_words(diagnosed(legs(16e3, 0.01), legs(5e3, 0.04), legs(16e3, 0.05), "ambiguous"))
+    assert words.startswith("If that is what it was: plan with a d_max of 5 km, for 4 % beyond")
+    assert "16 km, which the mission's model asks for, would take 5 % and not the expected 1 %" in words
+
+
+@pytest.mark.parametrize(
+    ("after", "kept"), [(legs(5e3, 0.04), legs(16e3, 0.041)), (legs(16e3, -0.012), legs(16e3, -0.012))]
+)
+def test_a_leg_length_that_serves_is_left(after: dict[str, Any], kept: dict[str, Any]) -> None:
+    (words,) = plan_words(diagnosed(legs(16e3, 0.0), after, kept))
+    assert words.startswith("The d_max that the mission's model asks for, 16 km, still serves: it takes")
+    assert "(expected: 0 %)" in words
+
+
+def test_legs_that_never_arrive_take_no_end() -> None:
+    (words,) = plan_words(diagnosed(legs(16e3, 0.01), legs(5e3, 0.04), legs(16e3, None)))
+    assert "would take no end and not the expected 1 %" in words
+
+
+def test_without_plans_nothing_is_said_but_why() -> None:
+    none: Any = SimpleNamespace(decision={"before": {}, "after": {}, "reason": "no mooring"}, verdict="explained")
+    assert plan_words(none) == []
+    (section,) = plan_section(none)
+    assert section.heading == "No plans to compare"
+    assert list(section.blocks) == ["no mooring"]
