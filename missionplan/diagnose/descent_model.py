@@ -203,6 +203,12 @@ class DescentModel(DescentLinear):
             partial(self.products, state.linear, self.prior_sd(fit.causes)),
         )
 
+    def innovations(self, fit: Fit) -> Array:
+        """One-step-ahead errors of the readings over their standard deviations, dive after dive, shape (N,)."""
+        linear = fit.state.linear
+        factor = _factor(self.total_covariance(linear, grid()[fit.state.best], self.prior_sd(fit.causes)))
+        return np.asarray(solve_triangular(factor, linear.y, lower=True, check_finite=False))
+
     def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
         """Predict each dive from the others under several fits: causes and noise fitted to the others alone."""
         others = [np.setdiff1d(np.arange(len(self.y)), rows) for rows in self.parts]

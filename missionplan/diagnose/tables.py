@@ -45,7 +45,10 @@ def transit_residuals(model: TransitModel, base: Fit, best: Fit) -> pd.DataFrame
 
 
 def descent_residuals(model: DescentModel, base: Fit, best: Fit) -> pd.DataFrame:
-    """One row a reading: depth, both models' depths, and what is left of each."""
+    """One row a reading: depth, both models' depths, and what is left of each.
+
+    An innovation is the error of predicting a reading from those before it, over its standard deviation.
+    """
     places = np.stack([base.state.linear.at, best.state.linear.at], axis=1)
     depths = model.forward.readings(model.coordinates, places)
     logs = model.forward.logs
@@ -58,6 +61,8 @@ def descent_residuals(model: DescentModel, base: Fit, best: Fit) -> pd.DataFrame
             "extended_m": depths[:, 1],
             "residual_base_m": model.y - depths[:, 0],
             "residual_extended_m": model.y - depths[:, 1],
+            "innovation_base": model.innovations(base),
+            "innovation_extended": model.innovations(best),
         }
     )
 

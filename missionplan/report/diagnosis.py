@@ -5,15 +5,14 @@ import shlex
 from collections.abc import Sequence
 
 from missionplan.report.diagnosis_figures import (
-    autocorrelation_figure,
     held_out_figure,
     main_figure,
     ranking_figure,
     remainder_figure,
-    residual_figures,
 )
 from missionplan.report.diagnosis_plan import plan_section, plan_words
-from missionplan.report.page import Block, Figure, Page, Section, Table, Terminal
+from missionplan.report.page import Block, Page, Section, Table, Terminal
+from missionplan.report.residual_figures import residual_figures
 from missionplan.report.tank_figures import TANK_UNITS
 from missionplan.results.diagnosis import Diagnosis, ParameterEstimate, RankedSet, RemainderFound
 
@@ -31,7 +30,7 @@ def page(diagnosis: Diagnosis) -> Page:
     sections = [
         Section("What to do next", _next_words(diagnosis)),
         _ranking_section(diagnosis),
-        Section("What was left before, and what is left now", [*residual_figures(diagnosis), *_correlation(diagnosis)]),
+        Section("What was left before, and what is left now", residual_figures(diagnosis)),
         *_held_out_section(diagnosis),
         Section(_remainder_heading(diagnosis), _remainder_words(diagnosis)),
         Section(_apart_heading(diagnosis), _apart_blocks(diagnosis)),
@@ -193,11 +192,6 @@ def _shown(parameter: ParameterEstimate, value: float) -> str:
 
 def _unit(parameter: ParameterEstimate) -> str:
     return {"rad": "deg", "": "1"}.get(parameter.unit, parameter.unit)
-
-
-def _correlation(diagnosis: Diagnosis) -> list[Figure]:
-    figure = autocorrelation_figure(diagnosis)
-    return [figure] if figure else []
 
 
 def _held_out_section(diagnosis: Diagnosis) -> list[Section]:

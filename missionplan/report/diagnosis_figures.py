@@ -1,16 +1,12 @@
-"""Figures of a diagnosis: data against both models, ranking, residuals, autocorrelation, held-out scores."""
+"""Figures of a diagnosis: data against both models, ranking, remainder, held-out scores."""
 
 import numpy as np
-import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
-from numpy.typing import NDArray
 
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
-from missionplan.report.tank_figures import TANK_UNITS, tank_figure, tank_residual_figure
+from missionplan.report.tank_figures import TANK_UNITS, tank_figure
 from missionplan.results.diagnosis import Diagnosis, RemainderFound
 
-Array = NDArray[np.float64]
 _MOST_PANELS = 9
 _LISTED = 8
 
@@ -111,99 +107,6 @@ def ranking_figure(diagnosis: Diagnosis) -> Figure:
     axes.set_xlabel("Score (nats)")
     alt = f"Scores of the best {len(entries)} sets of causes; {' + '.join(diagnosis.ranking[0].causes)} is first"
     return to_figure(figure, "ranking", alt=alt, caption="Evidence for each set of causes over the mission's model.")
-
-
-def residual_figures(diagnosis: Diagnosis) -> list[Figure]:
-    """Draw what is left before and after, against the axes that matter to the kind of data."""
-    if diagnosis.kind == "summary":
-        return []
-    if diagnosis.kind in TANK_UNITS:
-        return [tank_residual_figure(diagnosis)]
-    table = diagnosis.residuals
-    if diagnosis.kind == "transit":
-        pairs = [
-            ("Time (h)", table["t_start_s"].to_numpy() / 3600.0),
-            ("Heading (deg)", table["heading_deg"].to_numpy()),
-        ]
-        pairs.append(("Leg duration (min)", table["duration_s"].to_numpy() / 60.0))
-    else:
-        pairs = [("Time since separation (s)", table["t_s"].to_numpy()), ("Depth (m)", table["base_m"].to_numpy())]
-        pairs.append(("Speed (m/s)", _speeds(table)))
-    figure = MatplotlibFigure(figsize=(6.4, 4.2))
-    panels = figure.subplots(2, len(pairs), sharey=True, sharex="col")
-    before, after, unit = _before_and_after(diagnosis)
-    for column, (label, place) in enumerate(pairs):
-        _scatter(panels[0, column], place, before, ORANGE)
-        _scatter(panels[1, column], place, after, BLUE)
-        panels[1, column].set_xlabel(label, fontsize=8.5)
-    panels[0, 0].set_ylabel(f"Before ({unit})")
-    panels[1, 0].set_ylabel(f"After ({unit})")
-    rms = [float(np.sqrt(np.mean(np.concatenate(values) ** 2))) for values in (before, after)]
-    return [
-        to_figure(
-            figure,
-            "residuals",
-            alt=f"Residuals before and after against {', '.join(label for label, _ in pairs)}",
-            caption=f"What is left of the data: {rms[0]:.3g} {unit} rms before and {rms[1]:.3g} {unit} after.",
-        )
-    ]
-
-
-def _speeds(table: pd.DataFrame) -> Array:
-    parts = [
-        np.gradient(run["base_m"].to_numpy(), run["t_s"].to_numpy()) for _, run in table.groupby("run", sort=False)
-    ]
-    return np.concatenate(parts)
-
-
-def _before_and_after(diagnosis: Diagnosis) -> tuple[list[Array], list[Array], str]:
-    table = diagnosis.residuals
-    if diagnosis.kind == "transit":
-        names = ("east", "north")
-        values = [[100.0 * table[f"residual_{m}_{c}_m_s"].to_numpy() for c in names] for m in ("base", "extended")]
-        return values[0], values[1], "cm/s"
-    return [table["residual_base_m"].to_numpy()], [table["residual_extended_m"].to_numpy()], "m"
-
-
-def _scatter(axes: Axes, place: Array, values: list[Array], colour: str) -> None:
-    axes.axhline(0.0, color="#dddddd", linewidth=0.8)
-    for marker, part in zip((".", "x"), values, strict=False):
-        axes.plot(place, part, marker, color=colour, markersize=3.0, linestyle="none", alpha=0.8)
-
-
-def autocorrelation_figure(diagnosis: Diagnosis) -> Figure | None:
-    """Draw the autocorrelation of what is left, leg by leg; None for other data than navigation logs."""
-    if diagnosis.kind != "transit":
-        return None
-    before, after, _ = _before_and_after(diagnosis)
-    lags = np.arange(1, min(16, len(before[0]) // 3))
-    figure = MatplotlibFigure(figsize=(6.0, 2.6))
-    axes = figure.subplots()
-    for values, colour, label, shift in ((before, ORANGE, "mission", -0.15), (after, BLUE, "extended", 0.15)):
-        axes.vlines(
-            lags + shift,
-            0.0,
-            [_correlation(values, lag) for lag in lags.tolist()],
-            color=colour,
-            linewidth=3.0,
-            label=label,
-        )
-    limit = 1.96 / np.sqrt(2.0 * len(before[0]))
-    axes.axhspan(-limit, limit, color=GREY, alpha=0.15, linewidth=0.0)
-    axes.axhline(0.0, color=GREY, linewidth=0.8)
-    axes.set(xlabel="Legs apart", ylabel="Autocorrelation")
-    axes.legend(fontsize=8, frameon=False)
-    return to_figure(
-        figure,
-        "autocorrelation",
-        alt="Autocorrelation of the errors left with the mission's and with the extended model against lag in legs",
-        caption="How alike errors are some legs apart; independent ones stay in the grey band 19 times of 20.",
-    )
-
-
-def _correlation(values: list[Array], lag: int) -> float:
-    centred = [part - part.mean() for part in values]
-    return float(sum(p[lag:] @ p[:-lag] for p in centred) / max(sum(p @ p for p in centred), 1e-30))
 
 
 def remainder_figure(found: RemainderFound) -> Figure:

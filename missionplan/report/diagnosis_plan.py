@@ -53,6 +53,9 @@ def plan_words(diagnosis: Diagnosis) -> list[str]:
         return []
     provided = "" if diagnosis.verdict == "explained" else "If that is what it was: "
     words = (_anchor if "anchor_wet_weight_n" in after else _legs)(before, after, kept)
+    struck = after.get("struck_seafloor") or 0.0
+    if struck > _SAME_SHARE:
+        words += f" With that anchor the vehicle strikes the seafloor in {100.0 * struck:.0f} %: lengthen the line."
     return [f"{provided}{words}" if provided else words[0].upper() + words[1:]]
 
 

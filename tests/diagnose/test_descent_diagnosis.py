@@ -59,6 +59,15 @@ def test_wandering_is_the_integral_of_a_velocity_that_lasts():
     np.testing.assert_allclose(wandering(t, 1e-6), np.minimum.outer(t, t), rtol=1e-5)
 
 
+def test_innovations_of_effect_free_dives_are_standard_normals(measured):
+    model = measured()
+    (fit,) = model.fit_all([((), ())])
+    z = model.innovations(fit)
+    assert np.allclose(z, model.residuals(fit).innovations())
+    assert 0.7 < z.std() < 1.3
+    assert abs(np.corrcoef(z[1:], z[:-1])[0, 1]) < 0.2
+
+
 def test_effect_free_dives_are_adequate(measured):
     assert examine(measured()).verdict == "adequate"
 

@@ -10,6 +10,7 @@ from missionplan.diagnose.decision import load_data
 from missionplan.diagnose.examination import examine
 from missionplan.diagnose.transit_data import read_transit
 from missionplan.effects import CATALOGUE
+from missionplan.report.render import render
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 
@@ -218,3 +219,4 @@ def test_diagnosis_json_has_the_contracts_keys(quick, legs):
         "coverage_90_extended",
     }
     assert set(found.files()) == {"diagnosis.json", "residuals.csv", "ranking.csv", "mission.yaml"}
+    assert {"data", "ranking", "residuals", "places", "autocorrelation", "held-out"} <= set(render(found).figures)

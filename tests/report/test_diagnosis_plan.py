@@ -39,6 +39,12 @@ def test_where_the_worst_case_asks_for_the_same_anchor_the_odds_are_pointed_to()
     assert "in 88 % of the dives, not in 93 %; size-anchor with --probability" in words
 
 
+def test_a_vehicle_that_strikes_the_seafloor_is_said() -> None:
+    struck = {**anchor(2.84, 0.97), "struck_seafloor": 0.31}
+    (words,) = plan_words(diagnosed(anchor(2.14, 0.96), struck, anchor(2.14, 0.075)))
+    assert words.endswith("not in 96 %. With that anchor the vehicle strikes the seafloor in 31 %: lengthen the line.")
+
+
 def test_no_plan_is_asserted_on_a_cause_that_is_not() -> None:
     (words,) = plan_words(diagnosed(legs(16e3, 0.01), legs(5e3, 0.04), legs(16e3, 0.05), "ambiguous"))
     assert words.startswith("If that is what it was: plan with a d_max of 5 km, for 4 % beyond")
