@@ -129,4 +129,5 @@ def _mooring(mission: Mission, weight: float, seed: int) -> dict[str, Any]:
         "anchor_wet_weight_n": weight,
         "within_radius": phase.events["within_radius"].value,
         "struck_seafloor": phase.events["struck_seafloor"].value,
+        "success": outcome.total.events["success"].value,
     }

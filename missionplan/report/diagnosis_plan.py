@@ -19,6 +19,7 @@ _COLUMNS = {
     "anchor_wet_weight_n": "Anchor's wet weight (N)",
     "within_radius": "P(within radius)",
     "struck_seafloor": "P(struck seafloor)",
+    "success": "P(success), all phases",
 }
 _NOTES = {
     "anchor_wet_weight_n": (

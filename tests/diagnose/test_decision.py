@@ -28,6 +28,7 @@ def test_the_anchor_chosen_carries_the_vehicle_down(mission: Mission) -> None:
     plan = planned(mission, {"stratification": LIFT})
     assert plan["before"]["within_radius"] > 0.9
     assert plan["after"]["within_radius"] > 0.9
+    assert plan["after"]["success"] == plan["after"]["within_radius"]  # nothing else can fail here
 
 
 def test_a_lift_asks_for_a_heavier_anchor_and_the_old_one_drifts_too_far(mission: Mission) -> None:
