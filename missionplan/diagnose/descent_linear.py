@@ -32,8 +32,8 @@ SHIFT = 0.1
 """Shift of the separation at which the readings' bend is taken [s]: its scatter's standard deviation."""
 DELAYED = 0.5
 """Share of a sensor's lag that is made a pure delay to see what the order of its filter does."""
-WORTH = 0.05
-"""Share of the rest's evidence that a further cause must add: less may only mend what the others' shapes leave."""
+WORTH, WORTH_SHAPED = 0.02, 0.05
+"""Share of the evidence that a further cause must add, more where it may only mend what the others' shapes leave."""
 LATE_STEPS = 2
 """Gauss–Newton steps towards each dive's most likely lateness."""
 
@@ -98,10 +98,10 @@ class DescentLinear:
         """Effects of the catalogue on a descent."""
         return tuple(info.id for info in effects_of("descent"))
 
-    @property
-    def worth(self) -> float:
-        """A twentieth: the catalogue's forces are caricatures."""
-        return WORTH
+    def worth(self, causes: Causes) -> float:
+        """A fiftieth, or a twentieth of causes with shapes of their own, which are caricatures."""
+        shaped = any(self.coordinates[i].kind == "shape" for i in self.free(causes))
+        return WORTH_SHAPED if shaped else WORTH
 
     @property
     def untestable(self) -> Mapping[str, str]:

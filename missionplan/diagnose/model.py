@@ -91,9 +91,8 @@ class Model(Protocol):
         """Groups of effects of which a set holds at most one."""
         ...
 
-    @property
-    def worth(self) -> float:
-        """Share of the rest's evidence that a further cause must add: no shape fits a large effect to the letter."""
+    def worth(self, causes: Causes) -> float:
+        """Share of the causes' evidence that a further one must add: no shape fits a large effect to the letter."""
         ...
 
     @property

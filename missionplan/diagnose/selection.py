@@ -118,10 +118,10 @@ def select(model: Model, progress: Progress = lambda what, done, of: None, jobs:
             if size == 1:
                 alone[fit.causes[0]] = fit
         best = sorted(tried.values(), key=lambda candidate: -candidate.score)
-        frontier = [c for c in best if len(c.causes) == size and (size == 1 or _earned(c, tried, model.worth))][:BEAM]
+        frontier = [c for c in best if len(c.causes) == size and (size == 1 or _earned(c, tried, model))][:BEAM]
         if not frontier or frontier[0].score < best[0].score - PRICE or best[0].score <= 0.0:
             break
-    possible = [candidate for candidate in best if candidate.fit.possible and _earned(candidate, tried, model.worth)]
+    possible = [candidate for candidate in best if candidate.fit.possible and _earned(candidate, tried, model)]
     impossible = [candidate for candidate in best if not candidate.fit.possible]
     return Selection(base, tuple(possible), tuple(impossible), tuple(failed), len(model.candidates))
 
@@ -173,12 +173,15 @@ def _parts(causes: Causes, parent: Fit, alone: dict[str, Fit]) -> tuple[Fit, ...
     return (parent, *(alone[name] for name in causes if name in alone and name not in parent.causes))
 
 
-def _earned(candidate: Candidate, tried: dict[frozenset[str], Candidate], share: float) -> bool:
+def _earned(candidate: Candidate, tried: dict[frozenset[str], Candidate], model: Model) -> bool:
     """Whether each cause of a set adds enough to the rest of it."""
     parts = [tried.get(frozenset(candidate.causes) - {name}) for name in candidate.causes]
-    least = max((part.log_bayes_factor for part in parts if part is not None), default=-np.inf)
-    worth = max(PRICE, share * least)
-    return len(candidate.causes) == 1 or candidate.log_bayes_factor >= least + worth
+    asked = [
+        part.log_bayes_factor + max(PRICE, model.worth(part.causes) * part.log_bayes_factor)
+        for part in parts
+        if part is not None
+    ]
+    return len(candidate.causes) == 1 or candidate.log_bayes_factor >= max(asked, default=-np.inf)
 
 
 def _extensions(frontier: Sequence[Candidate], model: Model, tried: set[frozenset[str]]) -> list[tuple[Causes, Fit]]:

@@ -65,8 +65,7 @@ class TankModel:
         """Effects that these data could show."""
         return self.forward.candidates
 
-    @property
-    def worth(self) -> float:
+    def worth(self, causes: Causes) -> float:
         """A fiftieth: what the catalogue adds is as good as linear in its strengths, and of known shape."""
         return 0.02
 

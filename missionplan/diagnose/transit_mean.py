@@ -87,8 +87,7 @@ class TransitMean:
     current_sd: tuple[float, float] = (0.0, 0.0)
     only: tuple[Coordinate, ...] | None = None
 
-    @property
-    def worth(self) -> float:
+    def worth(self, causes: Causes) -> float:
         """A fiftieth: what the catalogue adds is as good as linear in its strengths, and of known shape."""
         return 0.02
 
