@@ -1,12 +1,14 @@
 """One call's items shared among processes: a part is done here while loky's workers do the others."""
 
+import pickle
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from joblib.externals.loky import ProcessPoolExecutor
+from joblib.externals.loky.backend.reduction import dumps
 from joblib.externals.loky.process_executor import BrokenProcessPool
 from threadpoolctl import threadpool_limits
 
@@ -64,7 +66,8 @@ def shared(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int) -> l
     executor = _executor(min(jobs, MOST) - 1)
     parts = min(jobs, MOST, len(items))
     try:
-        futures = [executor.submit(_alone, task, items[part::parts]) for part in range(1, parts)]
+        # pickled here, not by the executor's thread: the task may keep what it finds while it does its own part
+        futures = [executor.submit(_alone, bytes(dumps((task, items[part::parts])))) for part in range(1, parts)]
         results = [task(items[::parts]), *(future.result() for future in futures)]
     except KeyboardInterrupt:
         _end(executor)
@@ -87,7 +90,9 @@ def _end(executor: ProcessPoolExecutor) -> None:
     executor.shutdown(wait=False, kill_workers=True)
 
 
-def _alone(task: "Part[Item, Result]", items: Sequence[Item]) -> list[Result]:
-    """Run a part as the process that shares it out would."""
+def _alone(pickled: bytes) -> list[Any]:
+    """Run a part, a task and its items, as the process that shares it out would."""
     with threadpool_limits(limits=1):
-        return task(items)
+        task, items = pickle.loads(pickled)
+        found: list[Any] = task(items)
+        return found

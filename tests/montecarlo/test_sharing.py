@@ -1,6 +1,7 @@
 import functools
 import os
 import signal
+import threading
 
 import pytest
 
@@ -14,6 +15,18 @@ def squares(items):
 
 def processes(items):
     return [os.getpid()] * len(items)
+
+
+class Remembering:
+    """A task that keeps what it finds, as a model its cached properties, while others are still being sent it."""
+
+    def __getstate__(self):
+        return {"thread": threading.current_thread().name}
+
+    def __call__(self, items):
+        for item in items:
+            setattr(self, f"found{item}", item)
+        return [self.__dict__.get("thread")] * len(items)
 
 
 def die_elsewhere(here, items):
@@ -44,3 +57,8 @@ def test_a_worker_that_dies_is_told():
     with pytest.raises(RunError, match="worker process died"):
         shared(functools.partial(die_elsewhere, os.getpid()), range(4), jobs=2)
     assert shared(squares, range(4), jobs=2) == [0, 1, 4, 9]
+
+
+def test_a_task_is_sent_as_it_was_when_it_was_shared():
+    found = shared(Remembering(), range(4), jobs=2)
+    assert found[1] == found[3] == threading.main_thread().name  # no other thread reads it while it changes
