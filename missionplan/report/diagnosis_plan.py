@@ -72,7 +72,7 @@ def _anchor(before: Mapping[str, Any], after: Mapping[str, Any], kept: Mapping[s
 
 
 def _legs(before: Mapping[str, Any], after: Mapping[str, Any], kept: Mapping[str, Any]) -> str:
-    own, other = (f"{plan['d_max_m'] / 1000.0:.3g} km" for plan in (before, after))
+    own, other = (_length(plan["d_max_m"]) for plan in (before, after))
     expected, found, best = (_delay(plan["cost"]) for plan in (before, kept, after))
     if own == other or _least(kept["cost"]) < _least(after["cost"]) + _SAME_COST:
         return (
@@ -83,6 +83,10 @@ def _legs(before: Mapping[str, Any], after: Mapping[str, Any], kept: Mapping[str
         f"plan with a d_max of {other}, for {best} beyond the straight way's time; {own}, which the mission's model "
         f"asks for, would take {found} and not the expected {expected}."
     )
+
+
+def _length(metres: float) -> str:
+    return f"{metres:.0f} m" if metres < 1000.0 else f"{metres / 1000.0:.3g} km"
 
 
 def _delay(cost: float | None) -> str:
