@@ -11,6 +11,7 @@ from scipy.special import logsumexp
 from scipy.stats import norm
 
 from missionplan.diagnose import descent_menu
+from missionplan.diagnose.axes import Axis
 from missionplan.diagnose.coordinates import Estimate, estimates, is_possible
 from missionplan.diagnose.descent_axes import descent_axes
 from missionplan.diagnose.descent_evidence import Evidence
@@ -197,11 +198,15 @@ class DescentModel(DescentLinear):
             state.linear.y,
             self.total_covariance(state.linear, grid()[state.best], self.prior_sd(fit.causes)),
             np.concatenate([np.full(len(log.t), k) for k, log in enumerate(logs)]),
-            descent_axes(self, state.linear),
+            self.axes(state.linear),
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
             TEST_LEVEL,
             partial(self.products, state.linear, self.prior_sd(fit.causes)),
         )
+
+    def axes(self, linear: Linear) -> Sequence[Axis]:
+        """Axes along which a remainder is sought."""
+        return descent_axes(self, linear)
 
     def innovations(self, fit: Fit) -> Array:
         """One-step-ahead errors of the readings over their standard deviations, dive after dive, shape (N,)."""

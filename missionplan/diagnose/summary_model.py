@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.diagnose import descent_menu
+from missionplan.diagnose.axes import Axis
 from missionplan.diagnose.coordinates import Coordinate
 from missionplan.diagnose.descent_data import DiveLog
 from missionplan.diagnose.descent_forward import DescentForward, Histories
+from missionplan.diagnose.descent_linear import Linear
 from missionplan.diagnose.descent_model import DescentModel
 from missionplan.diagnose.model import Fit
-from missionplan.diagnose.residuals import Residuals
 from missionplan.diagnose.summary_data import TestSummary
 from missionplan.phases.currents import LayeredCurrent
 from missionplan.phases.descent import descend
@@ -115,9 +116,9 @@ class SummaryModel(DescentModel):
         """Zero: the numbers of a table are linear in the lateness of a separation."""
         return np.zeros((histories.settings, len(self.parts)))
 
-    def residuals(self, fit: Fit) -> Residuals:
-        """Residuals without axes: a handful of numbers has no structure to be tested."""
-        return replace(super().residuals(fit), axes=())
+    def axes(self, linear: Linear) -> Sequence[Axis]:
+        """None: a handful of numbers has no structure to be tested."""
+        return ()
 
     @property
     def menu(self) -> Sequence[str]:
