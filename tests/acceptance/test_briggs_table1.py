@@ -1,6 +1,9 @@
 """Table I of Briggs et al.: simulated against measured dives, and what the table cannot tell."""
 
 import csv
+import json
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -109,3 +112,15 @@ def test_the_table_cannot_tell_drag_from_weight_from_an_upward_current(table, pr
     # an upward current leaves the speed through the water; over the ground it does the same
     speed, times = dives(prototype, (VerticalCurrent(-0.37),))
     assert misfit(table, speed - 0.37, times, simulated) < 9.0
+
+
+def test_the_diagnosis_says_that_the_table_does_not_settle_it(tmp_path):
+    """Six numbers: a misfit, several causes that would do, the measurement that would tell, a report."""
+    command = ["diagnose", MISSIONS / "chesapeake.yaml", MISSIONS / "measured" / "table-1", "--out", tmp_path]
+    subprocess.run([sys.executable, "-m", "missionplan", *map(str, command)], check=True, capture_output=True)
+    found = json.loads((tmp_path / "diagnosis.json").read_text())
+    assert found["verdict"] != "explained"
+    assert {("stratification",), ("drag-bias",)} <= {tuple(causes) for causes in found["credible_set"]}
+    assert found["next_measurements"][0]["expected_log_bayes_factor"] > 5.0
+    assert "depth logged" in found["next_measurements"][0]["measurement"]
+    assert (tmp_path / "report.html").is_file()
