@@ -28,15 +28,14 @@ from missionplan.effects import CATALOGUE
 
 Array = NDArray[np.float64]
 
-TEST_LEVEL = 1e-4
-"""Level of the residual tests, all together: strict, for turbulence is no Ornstein–Uhlenbeck process to the letter and
-a quantised reading's noise is not white."""
 FAR = 0.5
 """Posterior standard deviations between the place of a linearisation and the posterior's mean that are too many."""
 MOVES, NEAR = 2, 15.0
 """Rounds in which fits may be moved there, if their evidence is so near the best of those fitted together [nats]."""
 SHORTER = 0.25
 """Share of a step that is tried after one that was too long."""
+SUMMED = 2
+"""Neighbouring innovations that are tested as one: between steps of a coarse depth sensor they alternate."""
 REFITTED = 2
 """Gauss–Newton steps of a refit without one dive, from the fit with it."""
 
@@ -200,8 +199,8 @@ class DescentModel(DescentLinear):
             np.concatenate([np.full(len(log.t), k) for k, log in enumerate(logs)]),
             self.axes(state.linear),
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
-            TEST_LEVEL,
-            partial(self.products, state.linear, self.prior_sd(fit.causes)),
+            summed=SUMMED,
+            averaged=partial(self.products, state.linear, self.prior_sd(fit.causes)),
         )
 
     def axes(self, linear: Linear) -> Sequence[Axis]:

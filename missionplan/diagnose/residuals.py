@@ -16,8 +16,10 @@ from missionplan.diagnose.axes import Axis
 
 Array = NDArray[np.float64]
 
-STRICT = 0.01
-"""Level of the residual tests together; outlying groups too."""
+OUTLYING = 0.01
+"""Level at which groups are outlying, all together."""
+TEST_LEVEL = 0.003
+"""Level of the residual tests, all together: three standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,9 @@ class Residuals:
     groups : array of str, shape (N,)
         Runs, for outlying groups.
     level : float
-        Strict level of the residual tests, all together.
+        Of the residual tests, all together.
+    summed : int
+        Neighbouring innovations of a series that the residual tests take as one.
     averaged : callable, optional
         From columns, shape (N, m), to their inner products at every noise over which a test of the remainder averages;
         default the one noise of the covariance.
@@ -67,7 +71,8 @@ class Residuals:
     series: NDArray[np.int_]
     axes: Sequence[Axis]
     groups: NDArray[np.str_]
-    level: float
+    level: float = TEST_LEVEL
+    summed: int = 1
     averaged: Callable[[Array], Sequence[Products]] | None = None
 
     @cached_property
@@ -99,10 +104,17 @@ def residual_tests(residuals: Residuals, innovations: Array) -> tuple[ResidualTe
     """Ljung–Box test of the innovations and Engle's ARCH test of their squares, for each series of 16 or more.
 
     Innovations enter by their normal scores, so that a heavy tail alone rejects nothing.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        Which says what makes a series and how many neighbours are taken as one.
+    innovations : array, shape (N,)
+        Its innovations.
     """
     tests = []
     for number in np.unique(residuals.series):
-        z = innovations[residuals.series == number]
+        z = _summed(innovations[residuals.series == number], residuals.summed)
         if len(z) < 16:
             continue
         ranks = np.argsort(np.argsort(z))
@@ -112,6 +124,12 @@ def residual_tests(residuals: Residuals, innovations: Array) -> tuple[ResidualTe
         tests.append(ResidualTest(f"autocorrelation {number + 1}", float(portmanteau)))
         tests.append(ResidualTest(f"changing spread {number + 1}", _arch_p_value(scores, min(4, lags))))
     return tuple(tests)
+
+
+def _summed(innovations: Array, count: int) -> Array:
+    """Sums of so many neighbours; the last few that make no such sum are left out."""
+    whole = len(innovations) // count * count
+    return np.asarray(innovations[:whole].reshape(-1, count).sum(axis=1))
 
 
 def _arch_p_value(scores: Array, lags: int) -> float:
@@ -141,6 +159,6 @@ def outlying_groups(residuals: Residuals) -> tuple[tuple[str, float], ...]:
         own = np.flatnonzero(residuals.groups == name)
         squared = float(pulled[own] @ np.linalg.solve(precision[np.ix_(own, own)], pulled[own]))
         p_value = min(1.0, float(chi2.sf(squared, len(own))) * len(names))
-        if p_value < STRICT and len(names) > 1:
+        if p_value < OUTLYING and len(names) > 1:
             found.append((name, p_value))
     return tuple(found)

@@ -28,8 +28,6 @@ Array = NDArray[np.float64]
 ALTERNATIVES = (frozenset({"persistent-error", "random-walk", "heavy-tails"}),)
 ROUNDS, SETTLED = 5, 0.005
 """Times that angles and wavering currents are linearised, at most: until they move by less than this of a slab."""
-TEST_LEVEL = 0.01
-"""Level of the residual tests, all together."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +128,6 @@ class TransitModel(TransitNoise):
             np.tile([0, 1], n),
             transit_axes(self.data, self.leg, self.axes),
             np.repeat(self.data.labels, 2),
-            TEST_LEVEL,
         )
 
     def _total_covariance(self, fit: Fit, linear: Linear) -> Array:

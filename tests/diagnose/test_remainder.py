@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from missionplan.diagnose.axes import Axis, Measure, pointwise
 from missionplan.diagnose.remainder import remainder
@@ -10,10 +11,10 @@ from missionplan.diagnose.residuals import Products, Residuals, outlying_groups
 N = 80
 
 
-def residuals(values, level=0.01, axis=None, averaged=None):
+def residuals(values, axis=None, **others):
     axis = axis or pointwise("time", "values against time", np.linspace(0.0, 1.0, N)[:, None])
     groups = np.repeat([f"dive-{k + 1}" for k in range(4)], N // 4)
-    return Residuals(values, np.eye(N), np.zeros(N, dtype=int), [axis], groups, level, averaged)
+    return Residuals(values, np.eye(N), np.zeros(N, dtype=int), [axis], groups, **others)
 
 
 def test_white_residuals_leave_nothing():
@@ -35,6 +36,20 @@ def test_changing_spread_fails_a_residual_test():
     spread = np.exp(np.repeat([-2.0, 1.0, -2.0, 1.0], N // 4))
     tests = remainder(residuals(rng.normal(size=N) * spread)).tests
     assert min(test.p_value for test in tests if test.name.startswith("changing")) < 0.01
+
+
+def test_neighbours_that_alternate_are_no_remainder_where_they_are_taken_as_one():
+    rng = np.random.default_rng(8)
+    values = rng.normal(size=N) + 1.5 * (-1.0) ** np.arange(N)
+    assert remainder(residuals(values)).speaks
+    assert not remainder(residuals(values, summed=2)).speaks
+
+
+def test_errors_that_follow_one_another_show_in_sums_of_neighbours_too():
+    rng = np.random.default_rng(9)
+    values = lfilter([1.0], [1.0, -0.85], rng.normal(size=N))
+    tests = remainder(residuals(values / values.std(), summed=2)).tests
+    assert min(test.p_value for test in tests if test.name.startswith("autocorrelation")) < 0.003
 
 
 def test_a_shifted_group_is_outlying():
