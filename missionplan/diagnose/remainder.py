@@ -78,12 +78,12 @@ class Remainder:
 
 
 def remainder(residuals: Residuals) -> Remainder:
-    """Test what a model leaves, along every axis and by residual tests at the strict level."""
+    """Test what a model leaves, along every axis and by residual tests."""
     innovations = residuals.innovations()
     found = _by_axis(residuals)
     together = float(logsumexp([value for _, value in found]) - np.log(len(found))) if found else 0.0
     tests = residual_tests(residuals, innovations)
-    failed = rejects(tests, residuals.level)
+    failed = rejects(tests)
     speaks = together > THRESHOLD or failed
     likeliest = found[0][0] if together > THRESHOLD else None
     axis = (likeliest.name if likeliest else "time") if speaks else None

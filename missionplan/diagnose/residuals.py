@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 
 OUTLYING = 0.01
 """Level at which groups are outlying, all together."""
-TEST_LEVEL = 0.003
-"""Level of the residual tests, all together: three standard deviations."""
+TEST_LEVEL = 0.001
+"""Level of the residual tests, all together."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,6 @@ class Residuals:
         Along which a remainder may be smooth.
     groups : array of str, shape (N,)
         Runs, for outlying groups.
-    level : float
-        Of the residual tests, all together.
     summed : int
         Neighbouring innovations of a series that the residual tests take as one.
     averaged : callable, optional
@@ -71,7 +69,6 @@ class Residuals:
     series: NDArray[np.int_]
     axes: Sequence[Axis]
     groups: NDArray[np.str_]
-    level: float = TEST_LEVEL
     summed: int = 1
     averaged: Callable[[Array], Sequence[Products]] | None = None
 
@@ -140,9 +137,9 @@ def _arch_p_value(scores: Array, lags: int) -> float:
     return float(chi2.sf(len(past) * fitted.rsquared, lags))
 
 
-def rejects(tests: tuple[ResidualTest, ...], level: float) -> bool:
+def rejects(tests: tuple[ResidualTest, ...]) -> bool:
     """Whether any of the tests fails at a level that holds for all of them together (Bonferroni)."""
-    return any(test.p_value < level / len(tests) for test in tests)
+    return any(test.p_value < TEST_LEVEL / len(tests) for test in tests)
 
 
 def outlying_groups(residuals: Residuals) -> tuple[tuple[str, float], ...]:

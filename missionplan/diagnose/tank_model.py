@@ -30,8 +30,6 @@ from missionplan.effects import CATALOGUE
 
 Array = NDArray[np.float64]
 
-TEST_LEVEL = 1e-3
-"""Level of the residual tests, all together."""
 STATED_SPREAD, UNSTATED_SPREAD = 0.4, 2.3
 """Standard deviation of ln(noise over what is stated), where it is stated and where it is not."""
 SPIKES = {("drag-bias", "fraction"): 0.02}
@@ -216,7 +214,7 @@ class TankModel:
         ]
         # rows of a table are no series: only a record in time is tested for errors that follow one another
         series = np.zeros(count, dtype=int) if "time" in self.forward.axes else np.arange(count)
-        return Residuals(state.left, covariance, series, axes, self.forward.groups, TEST_LEVEL)
+        return Residuals(state.left, covariance, series, axes, self.forward.groups)
 
     def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
         """Predict each group from the others under several fits, linearised where the fits are.
