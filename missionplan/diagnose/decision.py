@@ -106,12 +106,10 @@ def _carrying(mission: Mission) -> Mission:
 
 
 def _with_mooring(mission: Mission, **changes: Any) -> Mission:
-    """The mission with its first mooring changed."""
-    first = [id(moor) for moor in mission.moors[:1]]
+    """The mission with its first mooring, if there is one, changed."""
+    first = next(iter(mission.moors), None)
     entries = tuple(
-        entry.model_copy(update={"moor": entry.moor.model_copy(update=changes)})
-        if entry.moor and id(entry.moor) in first
-        else entry
+        entry.model_copy(update={"moor": first.model_copy(update=changes)}) if first and entry.moor is first else entry
         for entry in mission.entries
     )
     return mission.model_copy(update={"entries": entries})

@@ -20,7 +20,7 @@ from missionplan.diagnose.descent_noise import (
     scattered_covariance,
     still_covariance,
 )
-from missionplan.diagnose.model import Causes
+from missionplan.diagnose.model import WORTH, Causes
 from missionplan.diagnose.residuals import Products
 from missionplan.effects import effects_of
 
@@ -32,8 +32,8 @@ SHIFT = 0.1
 """Shift of the separation at which the readings' bend is taken [s]: its scatter's standard deviation."""
 DELAYED = 0.5
 """Share of a sensor's lag that is made a pure delay to see what the order of its filter does."""
-WORTH, WORTH_SHAPED = 0.02, 0.05
-"""Share of the evidence that a further cause must add, more where it may only mend what the others' shapes leave."""
+WORTH_SHAPED = 0.05
+"""Share of the evidence that a cause must add beside others with shapes of their own, which it may only mend."""
 LATE_STEPS = 2
 """Gauss–Newton steps towards each dive's most likely lateness."""
 
@@ -99,7 +99,7 @@ class DescentLinear:
         return tuple(info.id for info in effects_of("descent"))
 
     def worth(self, causes: Causes) -> float:
-        """A fiftieth, or a twentieth of causes with shapes of their own, which are caricatures."""
+        """The usual, more beside causes with shapes of their own: they are caricatures."""
         shaped = any(self.coordinates[i].kind == "shape" for i in self.free(causes))
         return WORTH_SHAPED if shaped else WORTH
 

@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 Causes = tuple[str, ...]
 Wanted = tuple[Causes, Sequence["Fit"]]
 """A set to fit, and fits of its parts to start from."""
+WORTH = 0.02
+"""Share of the others' evidence that a further cause must add, where a model knows no better."""
 
 
 @dataclass(frozen=True)

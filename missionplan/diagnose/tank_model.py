@@ -21,7 +21,7 @@ from missionplan.diagnose.coordinates import (
 )
 from missionplan.diagnose.importance import Importance, importance
 from missionplan.diagnose.likelihood import LOG_2PI, Marginal
-from missionplan.diagnose.model import Causes, Failure, Fit, Score, Wanted
+from missionplan.diagnose.model import WORTH, Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnose.residuals import Residuals
 from missionplan.diagnose.tank_climb import Climb
 from missionplan.diagnose.tank_forward import TankForward, made
@@ -64,8 +64,8 @@ class TankModel:
         return self.forward.candidates
 
     def worth(self, causes: Causes) -> float:
-        """A fiftieth: what the catalogue adds is as good as linear in its strengths, and of known shape."""
-        return 0.02
+        """The usual: what the catalogue adds is as good as linear in its strengths, and of known shape."""
+        return WORTH
 
     @property
     def untestable(self) -> Mapping[str, str]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.diagnose.coordinates import Coordinate, coordinates_of, parameters_from
-from missionplan.diagnose.model import Causes
+from missionplan.diagnose.model import WORTH, Causes
 from missionplan.diagnose.transit_data import TransitData
 from missionplan.diagnose.transit_waver import waver
 from missionplan.effects import CATALOGUE, effects_of
@@ -88,8 +88,8 @@ class TransitMean:
     only: tuple[Coordinate, ...] | None = None
 
     def worth(self, causes: Causes) -> float:
-        """A fiftieth: what the catalogue adds is as good as linear in its strengths, and of known shape."""
-        return 0.02
+        """The usual: what the catalogue adds is as good as linear in its strengths, and of known shape."""
+        return WORTH
 
     @cached_property
     def untestable(self) -> Mapping[str, str]:
