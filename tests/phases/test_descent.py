@@ -88,7 +88,7 @@ def test_constant_drag_gives_the_closed_forms():
     assert record.lowest_altitude == pytest.approx(altitude, rel=1e-5)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     weight=st.floats(5.0, 40.0),
     line=st.floats(1.0, 15.0),
@@ -194,7 +194,7 @@ def test_trials_do_not_touch_each_other():
             assert getattr(together, name)[index] == pytest.approx(getattr(alone, name)[0], rel=1e-12)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.floats(6.0, 30.0), st.floats(1.02, 1.5))
 def test_a_heavier_anchor_is_faster_and_stops_lower(weight, factor):
     record = run(replace(PROTOTYPE, wet_weight=np.array([weight, weight * factor])), 2)

@@ -143,7 +143,7 @@ transits = st.fixed_dictionaries(
 )
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(transit=transits, fraction=st.floats(0.1, 1.5), length=st.floats(0.1, 10.0), time=st.floats(0.1, 10.0))
 def test_cost_has_no_dimension(transit, fraction, length, time):
     d_max = fraction * transit["distance"]
@@ -158,7 +158,7 @@ def test_cost_has_no_dimension(transit, fraction, length, time):
     assert expected_cost(d_max=d_max * length, **scaled) == pytest.approx(cost, rel=1e-6, abs=1e-6)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(transit=transits, more=st.floats(1.01, 1.7))
 def test_one_leg_costs_more_with_larger_errors_or_a_smaller_circle(transit, more):
     """With d_max ≥ distance J grows with d, so that by induction over legs it grows with σ and falls with r_x."""
@@ -171,7 +171,7 @@ def test_one_leg_costs_more_with_larger_errors_or_a_smaller_circle(transit, more
     assert expected_cost(d_max=no_limit, **wider) <= cost + tolerance
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(transit=transits, fraction=st.floats(0.1, 1.5), more=st.floats(0.0, 300.0))
 def test_cost_rises_with_the_surfacing_time_by_the_surfacings(transit, fraction, more):
     first = expected_transit(d_max=fraction * transit["distance"], **transit)

@@ -51,7 +51,7 @@ def test_best_fixed_d_max_of_fig8():
     assert fixed.cost == pytest.approx(0.0203, abs=2e-4)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(
     case=st.sampled_from([SHORT, (7408.0, 1.25, 50.0, 0.035)]),
     where=st.floats(0.0, 1.0),
@@ -70,7 +70,7 @@ def test_no_perturbation_does_better(case, where, width, size):
     assert perturbed >= policy.bound - LOSS
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 2**32 - 1), size=st.floats(0.001, 0.3))
 def test_no_random_table_does_better(seed, size):
     policy = policy_of(SHORT)
@@ -179,7 +179,6 @@ def test_thinning_keeps_ends_bends_and_jumps():
     np.testing.assert_allclose(thin.leg, [10.0, 360.0, 250.0, 250.0])
 
 
-@settings(deadline=None)
 @given(st.lists(st.floats(1.0, 1000.0), min_size=2, max_size=40), st.floats(0.1, 100.0))
 def test_thinning_stays_within_its_tolerance(leg, tolerance):
     table = LegTable(np.arange(len(leg)) * 500.0, np.array(leg))

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from simulate_missions import chesapeake
@@ -25,7 +25,6 @@ def same(one, other):
     )
 
 
-@settings(deadline=None)
 @given(VALUES)
 def test_a_tally_comes_back_from_its_arrays(values):
     found = tally_of(values)
@@ -35,7 +34,6 @@ def test_a_tally_comes_back_from_its_arrays(values):
     assert again.trials == values.size
 
 
-@settings(deadline=None)
 @given(st.lists(VALUES, min_size=2, max_size=4))
 def test_merging_what_came_back_gives_the_same_bits(blocks):
     direct = stored = tally_of(blocks[0])
@@ -47,7 +45,6 @@ def test_merging_what_came_back_gives_the_same_bits(blocks):
     assert direct.trials == sum(values.size for values in blocks)
 
 
-@settings(deadline=None)
 @given(VALUES)
 def test_a_histogram_holds_every_trial_that_reached_the_quantity(values):
     found = histogram(RunningStatistic.of(values))
