@@ -81,65 +81,88 @@ def _fall(rate: Callable[[float, Array], list[float]], start: tuple[float, ...],
     return run.sol, float(run.t[-1]), run.y[:, -1], run.status == 1
 
 
+class _Motion:
+    """Rates of depth and speed in each stage of a dive; times count from the separation."""
+
+    def __init__(self, craft: Craft, dive: Dive, twists: Sequence[Twist]) -> None:
+        self.craft = craft
+        self.dive = replace(dive, line=dive.line * prod(twist.line(dive.number) for twist in twists if twist.line))
+        self.give = sum(twist.stretch(self.dive.line) for twist in twists if twist.stretch)
+        self.lone = dive.drag_factor * prod(twist.lone_drag for twist in twists)
+        self.drags = [twist.drag for twist in twists if twist.drag]
+        self.resists = [twist.resist for twist in twists if twist.resist]
+        self.weights = [twist.weight for twist in twists if twist.weight]
+        self.lifts = [twist.lift for twist in twists if twist.lift]
+        self.waters = [twist.water for twist in twists if twist.water]
+        self.joint = (craft.anchor_mass + craft.vehicle_mass) * prod(twist.mass for twist in twists)
+        self.bottom = dive.site_depth - self.dive.line
+        self.t_taut = 0.0
+
+    def weight(self, t: float, z: float) -> float:
+        """The anchor's."""
+        return self.dive.wet_weight * prod(factor(t, z) for factor in self.weights)
+
+    def buoyancy(self, z: float) -> float:
+        """The vehicle's."""
+        return self.craft.net_buoyancy + sum(lift(z) for lift in self.lifts)
+
+    def tension(self, stretch: float, opening: float) -> float:
+        """The line's."""
+        return max(0.0, (stretch + LINE_LOSS * opening) / self.give) if self.give and stretch > 0.0 else 0.0
+
+    def through_water(self, since: float, y: Array) -> tuple[float, float]:
+        """Speed, and the factor on drag there."""
+        u = y[1] - sum(water(since, y[0]) for water in self.waters)
+        return u, self.dive.drag_factor * prod(factor(since, u, y[0], self.dive.number) for factor in self.drags)
+
+    def alone(self, t: float, y: Array) -> list[float]:
+        """The anchor, while the line runs out."""
+        return [y[1], (self.weight(t, 0.0) - self.lone * self.craft.anchor_drag(y[1])) / self.craft.anchor_mass]
+
+    def together(self, t: float, y: Array) -> list[float]:
+        """Both bodies as one."""
+        since, z = t - self.t_taut, y[0]
+        u, factor = self.through_water(since, y)
+        force = self.weight(t, z) - self.buoyancy(z)
+        force -= factor * self.craft.drag(u) + sum(resist(since, u) for resist in self.resists)
+        return [y[1], force / self.joint]
+
+    def apart(self, t: float, y: Array) -> list[float]:
+        """As ``together``, with the stretch and its rate after the vehicle's depth and speed."""
+        since, z = t - self.t_taut, y[0]
+        u, factor = self.through_water(since, y)
+        pull = self.tension(y[2], y[3])
+        ahead = (self.weight(t, z) - factor * self.craft.anchor_drag(u + y[3]) - pull) / self.craft.anchor_mass
+        force = pull - self.buoyancy(z)
+        force -= factor * self.craft.vehicle_drag(u) + sum(resist(since, u) for resist in self.resists)
+        behind = force / (self.joint - self.craft.anchor_mass)
+        return [y[1], behind, y[3], ahead - behind]
+
+    def moored(self, t: float, y: Array) -> list[float]:
+        """The vehicle above the anchor on the seafloor."""
+        force = self.tension(self.bottom - y[0], -y[1]) - self.buoyancy(y[0])
+        return [y[1], (force - self.dive.drag_factor * self.craft.vehicle_drag(y[1])) / self.craft.vehicle_mass]
+
+    def after_snatch(self, speed: float) -> list[float]:
+        """State of ``together`` or ``apart`` when the line is taut and the anchor has a speed."""
+        return [0.0, 0.0, 0.0, speed] if self.give else [0.0, self.craft.anchor_mass * speed / self.joint]
+
+
 def sink(craft: Craft, dive: Dive, twists: Sequence[Twist] = (), end: float = 120.0, followed: bool = True) -> Track:
     """Follow one dive until ``end`` seconds after the separation.
 
     ``dive.drag_factor`` multiplies the drag of both bodies throughout. The depth of the nose is zero until the line
-    is taut; the anchor touches down when the nose is one line's length above the seafloor. A dive that is not ``followed`` stays where it is at touchdown.
-    With a line that stretches the two bodies are followed apart, joined by its tension; there is no snatch then.
+    is taut; the anchor touches down when the nose is one line's length above the seafloor. A dive that is not
+    ``followed`` stays where it is at touchdown. With a line that stretches the two bodies are followed apart, joined
+    by its tension; there is no snatch then.
     """
-    dive = replace(dive, line=dive.line * prod(twist.line(dive.number) for twist in twists if twist.line))
-    give = sum(twist.stretch(dive.line) for twist in twists if twist.stretch)
-    lone = dive.drag_factor * prod(twist.lone_drag for twist in twists)
-    drags = [twist.drag for twist in twists if twist.drag]
-    resists = [twist.resist for twist in twists if twist.resist]
-    weights = [twist.weight for twist in twists if twist.weight]
-    lifts = [twist.lift for twist in twists if twist.lift]
-    waters = [twist.water for twist in twists if twist.water]
-    joint = (craft.anchor_mass + craft.vehicle_mass) * prod(twist.mass for twist in twists)
-
-    def weight(t: float, z: float) -> float:
-        return dive.wet_weight * prod(factor(t, z) for factor in weights)
-
-    def alone(t: float, y: Array) -> list[float]:
-        return [y[1], (weight(t, 0.0) - lone * craft.anchor_drag(y[1])) / craft.anchor_mass]
-
+    motion = _Motion(craft, dive, twists)
+    line, bottom = motion.dive.line, motion.bottom
+    _, t_taut, state, _ = _fall(motion.alone, (0.0, 0.0, 0.0), 600.0, lambda t, y: y[0] - line)
+    motion.t_taut = t_taut
+    descend = motion.apart if motion.give else motion.together
+    start = motion.after_snatch(state[1])
     pieces: list[tuple[float, Callable[[Array], Array]]] = []
-    _, t_taut, state, _ = _fall(alone, (0.0, 0.0, 0.0), 600.0, lambda t, y: y[0] - dive.line)
-    bottom = dive.site_depth - dive.line
-
-    def through_water(since: float, y: Array) -> tuple[float, float]:
-        u = y[1] - sum(water(since, y[0]) for water in waters)
-        return u, dive.drag_factor * prod(factor(since, u, y[0], dive.number) for factor in drags)
-
-    def together(t: float, y: Array) -> list[float]:
-        since, z = t - t_taut, y[0]
-        u, factor = through_water(since, y)
-        force = weight(t, z) - craft.net_buoyancy - sum(lift(z) for lift in lifts)
-        force -= factor * craft.drag(u) + sum(resist(since, u) for resist in resists)
-        return [y[1], force / joint]
-
-    def tension(stretch: float, opening: float) -> float:
-        return max(0.0, (stretch + LINE_LOSS * opening) / give) if give and stretch > 0.0 else 0.0
-
-    def apart(t: float, y: Array) -> list[float]:
-        """As ``together``, with the stretch and its rate after the vehicle's depth and speed."""
-        since, z = t - t_taut, y[0]
-        u, factor = through_water(since, y)
-        pull = tension(y[2], y[3])
-        ahead = (weight(t, z) - factor * craft.anchor_drag(u + y[3]) - pull) / craft.anchor_mass
-        force = pull - craft.net_buoyancy - sum(lift(z) for lift in lifts)
-        force -= factor * craft.vehicle_drag(u) + sum(resist(since, u) for resist in resists)
-        behind = force / (joint - craft.anchor_mass)
-        return [y[1], behind, y[3], ahead - behind]
-
-    def moored(t: float, y: Array) -> list[float]:
-        """The vehicle above the anchor on the seafloor."""
-        force = tension(bottom - y[0], -y[1]) - craft.net_buoyancy - sum(lift(y[0]) for lift in lifts)
-        return [y[1], (force - dive.drag_factor * craft.vehicle_drag(y[1])) / craft.vehicle_mass]
-
-    descend = apart if give else together
-    start = [0.0, 0.0, 0.0, state[1]] if give else [0.0, craft.anchor_mass * state[1] / joint]
     stop = next((twist.hold for twist in twists if twist.hold), None)
     t_now = t_taut
     if stop is not None:
@@ -157,7 +180,7 @@ def sink(craft: Craft, dive: Dive, twists: Sequence[Twist] = (), end: float = 12
         if down:
             t_touchdown = t_now
             rest = [(end, lambda t: np.array([np.full_like(t, state[0])]))]
-            pieces += _after_touchdown(moored, dive, t_now, state, end) if followed else rest
+            pieces += _after_touchdown(motion.moored, motion.dive, t_now, state, end) if followed else rest
     return _assemble(pieces, t_taut, t_touchdown, end)
 
 
