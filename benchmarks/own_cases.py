@@ -13,7 +13,7 @@ import tempfile
 import time
 from collections.abc import Mapping, Sequence
 from functools import reduce
-from itertools import chain
+from operator import itemgetter
 from pathlib import Path
 from unittest.mock import patch
 
@@ -46,7 +46,7 @@ from missionplan.studies.sweep_dmax import sweep_dmax
 
 Item = tuple[int, int]
 SEED = 1
-OUTPUTS = ("duration", "surfacings")
+OUTPUTS: dict[str, type] = {"duration": float, "surfacings": int}
 
 
 def function_block(item: Item) -> tuple[RunningStatistics, float]:
@@ -58,8 +58,11 @@ def function_block(item: Item) -> tuple[RunningStatistics, float]:
     started = time.perf_counter()
     found = list(map(transit_trial, speeds, seeds))
     inside = time.perf_counter() - started
-    columns = np.fromiter(chain.from_iterable(found), float, size * len(OUTPUTS)).reshape(size, -1).T
-    return RunningStatistics.of(dict(zip(OUTPUTS, columns, strict=True))), inside
+    columns: dict[str, Array] = {
+        name: np.fromiter(map(itemgetter(place), found), kind, size)
+        for place, (name, kind) in enumerate(OUTPUTS.items())
+    }
+    return RunningStatistics.of(columns), inside
 
 
 def run_function(cases: int, workers: int) -> dict[str, float]:

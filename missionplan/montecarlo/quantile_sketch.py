@@ -1,6 +1,7 @@
 """Quantiles of a stream in bounded memory: counts in bins of nearly equal ratio, merged exactly in any order."""
 
 import math
+import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -45,8 +46,7 @@ class QuantileSketch:
         kept = np.asarray(values[~np.isnan(values)], dtype=np.float64)
         if not kept.size:
             return NOTHING
-        first, last = bin_numbers(np.array([kept.min(), kept.max()])).tolist()
-        return cls.between(first, last, kept)
+        return cls.between(bin_number(kept.min()), bin_number(kept.max()), kept)
 
     @classmethod
     def between(cls, first: int, last: int, values: Array) -> "QuantileSketch":
@@ -57,7 +57,7 @@ class QuantileSketch:
             numbers = values.view(np.int64) >> _CUT
             numbers -= _BELOW + first
         else:
-            numbers = bin_numbers(values)
+            numbers = _bin_numbers(values)
             numbers -= first
         return cls(first, np.bincount(numbers))
 
@@ -100,7 +100,7 @@ class QuantileSketch:
             Range of the values, where it is known.
         """
         last = self.first + self.counts.size - 1
-        numbers = np.minimum(np.maximum(bin_numbers(limits), self.first), last)
+        numbers = np.minimum(np.maximum(_bin_numbers(limits), self.first), last)
         start, end = (np.minimum(np.maximum(side, low), high) for side in _bounds(numbers))
         filled = np.minimum(np.maximum(limits, start), end) - start
         share = np.divide(filled, end - start, out=(limits >= start).astype(float), where=end > start)
@@ -130,7 +130,14 @@ NOTHING = QuantileSketch(0, np.empty(0, dtype=np.int64))
 """Of no values."""
 
 
-def bin_numbers(values: Array) -> Integers:
+def bin_number(value: float) -> int:
+    """Number the bin of one value that is not nan: what `_bin_numbers` does, quicker."""
+    bits: int = struct.unpack("<q", struct.pack("<d", abs(value)))[0]
+    number = max((bits >> _CUT) - _BELOW, 0)
+    return -number if value < 0.0 else number
+
+
+def _bin_numbers(values: Array) -> Integers:
     """Number the bins of values, any shape, none of them nan."""
     numbers: Integers = np.abs(values).view(np.int64) >> _CUT
     numbers -= _BELOW

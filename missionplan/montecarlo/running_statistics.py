@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from missionplan.montecarlo.quantile_sketch import NOTHING, QuantileSketch, bin_numbers
+from missionplan.montecarlo.quantile_sketch import NOTHING, QuantileSketch, bin_number
 from missionplan.montecarlo.statistics import Moments, RunningStatistic
 
 Array = NDArray[np.float64]
@@ -33,12 +33,12 @@ class RunningStatistics(Mapping[str, RunningStatistic]):
         """Take one block of quantities, shape (n,) each: the same as one by one, and quicker."""
         rows = np.concatenate(list(quantities.values()), dtype=np.float64).reshape(len(quantities), -1)
         moments = Moments.of(rows)
-        firsts, lasts = bin_numbers(np.array((moments.low, moments.high))).tolist()
+        ranges = zip(moments.low.tolist(), moments.high.tolist(), moments.missing.tolist(), strict=True)
         sketches = (
-            QuantileSketch.between(first, last, row[~np.isnan(row)] if missing else row) if count else NOTHING
-            for row, first, last, count, missing in zip(
-                rows, firsts, lasts, moments.count.tolist(), moments.missing.tolist(), strict=True
-            )
+            QuantileSketch.between(bin_number(low), bin_number(high), row[~np.isnan(row)] if missing else row)
+            if low <= high
+            else NOTHING
+            for row, (low, high, missing) in zip(rows, ranges, strict=True)
         )
         return cls(tuple(quantities), moments, tuple(sketches))
 

@@ -133,8 +133,9 @@ class Moments:
         sums = np.add.reduce(values, axis=-1)
         if not values.size:
             return cls._of_reached(values)
-        found, broken = cls._of_all(values, sums), np.isnan(sums)
-        if broken.any():
+        found = cls._of_all(values, sums)
+        if any(map(math.isnan, sums.ravel().tolist())):  # quicker than to ask numpy, of a handful
+            broken = np.isnan(sums)
             found._put(broken, cls._of_reached(values[broken]))
         return found
 
@@ -145,8 +146,8 @@ class Moments:
         deviations = values - mean[..., None]
         squares = np.einsum("...t,...t->...", deviations, deviations)
         low, high = np.minimum.reduce(values, axis=-1), np.maximum.reduce(values, axis=-1)
-        missing = np.zeros(mean.shape, dtype=np.int64)
-        return cls(*map(np.asarray, (missing + values.shape[-1], missing, mean, squares, low, high)))
+        count, missing = np.full(mean.shape, values.shape[-1]), np.zeros(mean.shape, dtype=np.int64)
+        return cls(*map(np.asarray, (count, missing, mean, squares, low, high)))
 
     @classmethod
     def _of_reached(cls, values: Array) -> "Moments":
