@@ -236,9 +236,15 @@ class DescentModel(DescentLinear):
         own, rest = self.parts[dive], np.concatenate([self.parts[k] for k in others])
         weights = np.linalg.solve(total[np.ix_(rest, rest)], total[np.ix_(rest, own)]).T
         error = linear.y[own] - weights @ linear.y[rest]
+        scaled = error / self.units[own]
         variance = np.diag(total[np.ix_(own, own)] - weights @ total[np.ix_(rest, own)])
         inside = int((np.abs(error) <= norm.ppf(0.95) * np.sqrt(variance)).sum())
-        return Score(self.forward.logs[dive].name, log_score, float(error @ error), inside, len(error))
+        return Score(self.forward.logs[dive].name, log_score, float(scaled @ scaled), inside, len(error))
+
+    @property
+    def units(self) -> Array:
+        """What errors of the readings are counted in, shape (N,): metres."""
+        return np.ones(len(self.y))
 
     @property
     def menu(self) -> Sequence[str]:

@@ -25,11 +25,11 @@ from missionplan.diagnose.remainder import Remainder
 from missionplan.diagnose.selection import Candidate
 from missionplan.diagnose.summary_data import read_summary
 from missionplan.diagnose.summary_model import SummaryModel
+from missionplan.diagnose.summary_tables import summary_misfit, summary_residuals
 from missionplan.diagnose.tables import (
     descent_misfit,
     descent_residuals,
     descent_shares,
-    summary_misfit,
     transit_misfit,
     transit_residuals,
     transit_share,
@@ -202,6 +202,8 @@ class _Described:
             self.residuals = transit_residuals(model, base, best)
         elif isinstance(model, TankModel):
             self.residuals = tank_residuals(model, best)
+        elif isinstance(model, SummaryModel):
+            self.residuals = summary_residuals(model, base, best)
         else:
             self.residuals = descent_residuals(model, base, best)
 

@@ -112,6 +112,8 @@ class SummaryQuantities:
 class SummaryModel(DescentModel):
     """Base model and catalogue bound to summaries."""
 
+    forward: SummaryForward
+
     def most_likely_late(self, histories: Histories) -> Array:
         """Zero: the numbers of a table are linear in the lateness of a separation."""
         return np.zeros((histories.settings, len(self.parts)))
@@ -119,6 +121,11 @@ class SummaryModel(DescentModel):
     def axes(self, linear: Linear) -> Sequence[Axis]:
         """None: a handful of numbers has no structure to be tested."""
         return ()
+
+    @property
+    def units(self) -> Array:
+        """Standard deviations of the numbers, which are speeds and times."""
+        return np.concatenate([log.sd for log in self.forward.logs])
 
     @property
     def menu(self) -> Sequence[str]:

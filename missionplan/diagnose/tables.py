@@ -74,9 +74,9 @@ def transit_share(model: TransitModel, fit: Fit) -> float:
 
 
 def descent_shares(model: DescentModel, base: Fit, fits: Sequence[Fit]) -> list[float]:
-    """Share of the squared depth residuals that goes with each set, by one call of the phase."""
+    """Share of the squared residuals that goes with each set, by one call of the phase."""
     places = np.stack([fit.state.linear.at for fit in (base, *fits)], axis=1)
-    left = model.y[:, None] - model.forward.readings(model.coordinates, places)
+    left = (model.y[:, None] - model.forward.readings(model.coordinates, places)) / model.units[:, None]
     before, *after = (float(value) for value in np.sum(left**2, axis=0))
     return [float(np.clip(1.0 - value / max(before, 1e-30), 0.0, 1.0)) for value in after]
 
@@ -95,15 +95,6 @@ def transit_misfit(model: TransitModel) -> str:
     return (
         f"Over {count} legs the errors add up to {words} what the mission expects "
         f"({measured / 1000.0:.2f} km against {expected / 1000.0:.2f} km); a leg errs by {100.0 * rms:.1f} cm/s rms."
-    )
-
-
-def summary_misfit(table: pd.DataFrame) -> str:
-    """How far the numbers of the tests are from the model's, at worst."""
-    worst = table.iloc[int(np.argmax(np.abs(table["residual_base_m"].to_numpy())))]
-    return (
-        f"{len(table)} numbers of {table['run'].nunique()} tests; the farthest from the simulation is of "
-        f"{worst['run']}, off by {worst['residual_base_m']:+.2f} (SI)."
     )
 
 

@@ -4,6 +4,7 @@ import math
 import shlex
 from collections.abc import Sequence
 
+from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis_figures import (
     held_out_figure,
     main_figure,
@@ -20,9 +21,8 @@ _PHRASES = {
     "adequate": "The mission's model is adequate for these data: nothing in them asks for a cause.",
     "unexplained": "Something is left that no cause of the catalogue explains: it {left}.",
 }
-_STATISTICAL = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
 _TESTS_SHOWN = 5
-_UNITS = {"transit": "m/s", "descent": "m", "summary": "SI", **TANK_UNITS}
+_UNITS = {"transit": "m/s", "descent": "m", "summary": "sd", **TANK_UNITS}
 
 
 def page(diagnosis: Diagnosis) -> Page:
@@ -30,7 +30,7 @@ def page(diagnosis: Diagnosis) -> Page:
     sections = [
         Section("What to do next", _next_words(diagnosis)),
         _ranking_section(diagnosis),
-        Section("What was left before, and what is left now", residual_figures(diagnosis)),
+        *_residual_section(diagnosis),
         *_held_out_section(diagnosis),
         Section(_remainder_heading(diagnosis), _remainder_words(diagnosis)),
         Section(_apart_heading(diagnosis), _apart_blocks(diagnosis)),
@@ -79,7 +79,7 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
         words = f"The data fit {named}{rest}."
     else:
         words = f"The misfit is explained by {named}."
-    if any(cause in _STATISTICAL for cause in diagnosis.causes):
+    if any(CATALOGUE[cause].tier == "statistical" for cause in diagnosis.causes):
         words += " Part of this describes the errors statistically; its physical cause is not identified."
     return words
 
@@ -194,6 +194,11 @@ def _unit(parameter: ParameterEstimate) -> str:
     return {"rad": "deg", "": "1"}.get(parameter.unit, parameter.unit)
 
 
+def _residual_section(diagnosis: Diagnosis) -> list[Section]:
+    figures = residual_figures(diagnosis)
+    return [Section("What was left before, and what is left now", figures)] if figures else []
+
+
 def _held_out_section(diagnosis: Diagnosis) -> list[Section]:
     if not diagnosis.scores:
         return []
@@ -222,6 +227,8 @@ def _held_out_section(diagnosis: Diagnosis) -> list[Section]:
 
 
 def _remainder_heading(diagnosis: Diagnosis) -> str:
+    if not diagnosis.remainder.by_axis:
+        return "Too few data to look for what is left"
     if diagnosis.remainder.axis is None:
         return "Nothing structured is left"
     return f"What is left {_left(diagnosis.remainder)}"
@@ -236,15 +243,16 @@ def _left(remainder: RemainderFound) -> str:
 
 def _remainder_words(diagnosis: Diagnosis) -> list[Block]:
     found = diagnosis.remainder
+    if not found.by_axis:
+        return ["A handful of numbers has no structure that could be tested."]
     blocks: list[Block] = [remainder_figure(found)] if found.shape is not None else []
     words = (
         f"A smooth remainder along any axis: ln BF = {found.log_bayes_factor:.1f} (above 3 it counts). It is a "
         f"test and no repair. Before, with the mission's model alone: {diagnosis.base_remainder.log_bayes_factor:.1f}."
     )
     blocks.append(words)
-    if found.by_axis:
-        rows = [[axis, f"{value:.1f}"] for axis, value in found.by_axis]
-        blocks.append(Table(["What it could look like", "ln BF of a smooth remainder"], rows))
+    rows = [[axis, f"{value:.1f}"] for axis, value in found.by_axis]
+    blocks.append(Table(["What it could look like", "ln BF of a smooth remainder"], rows))
     if found.tests:
         telling = sorted(found.tests, key=lambda test: test[1])[:_TESTS_SHOWN]
         rows = [[name, f"{p_value:.2g}"] for name, p_value in telling]

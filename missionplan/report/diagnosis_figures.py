@@ -76,21 +76,34 @@ def _dives(diagnosis: Diagnosis) -> Figure:
     )
 
 
+_QUANTITIES = {"terminal_velocity_m_s": "Terminal velocity (m/s)", "descent_time_s": "Descent time (s)"}
+
+
 def _numbers(diagnosis: Diagnosis) -> Figure:
-    table = diagnosis.residuals
-    figure = MatplotlibFigure(figsize=(6.0, 0.35 * len(table) + 1.2))
-    axes = figure.subplots()
-    place = np.arange(len(table))
-    axes.plot(table["depth_m"], place, "o", color=GREY, label="measured")
-    axes.plot(table["base_m"], place, "s", color=ORANGE, fillstyle="none", label="mission")
-    if diagnosis.causes:
-        axes.plot(table["extended_m"], place, "D", color=BLUE, fillstyle="none", label="extended")
-    axes.set_yticks(place, [str(run) for run in table["run"]])
-    axes.invert_yaxis()
-    axes.set_xlabel("Value, or measured less simulated (SI)")
-    axes.legend(fontsize=8, frameon=False)
-    alt = "Numbers of each test: measured, mission's model, extended model"
-    return to_figure(figure, "data", alt=alt, caption="The numbers of the tests against both models.")
+    """Draw the numbers of each test, a panel for each quantity."""
+    quantities = list(diagnosis.residuals.groupby("quantity", sort=False))
+    figure = MatplotlibFigure(figsize=(6.4, 0.35 * diagnosis.residuals["run"].nunique() + 1.6), layout="constrained")
+    panels = figure.subplots(1, len(quantities), sharey=True, squeeze=False)[0]
+    for axes, (name, table) in zip(panels, quantities, strict=True):
+        runs = table["run"].astype(str)
+        axes.errorbar(table["measured"], runs, xerr=table["sd"], fmt="o", color=GREY, label="measured")
+        axes.plot(table["base"], runs, "s", color=ORANGE, fillstyle="none", label="mission")
+        if diagnosis.causes:
+            axes.plot(table["extended"], runs, "D", color=BLUE, fillstyle="none", label="extended")
+        axes.set_xlabel(
+            _QUANTITIES[str(name)] + (",\nless the table's simulated" if table["less_simulated"].all() else "")
+        )
+        axes.margins(y=0.25)
+    panels[0].invert_yaxis()
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, fontsize=8, frameon=False
+    )
+    return to_figure(
+        figure,
+        "data",
+        alt="Numbers of each test: measured, mission's model, extended model",
+        caption="The numbers of each test with their standard deviations, against both models.",
+    )
 
 
 def ranking_figure(diagnosis: Diagnosis) -> Figure:

@@ -29,6 +29,8 @@ _NOTES = {
 }
 _SAME_SHARE, _SAME_COST = 0.02, 0.002
 """Differences of a probability, and of a mean cost, that are not worth another plan."""
+_SERVES = 0.9
+"""Probability of staying within the radius below which an anchor is no plan."""
 
 
 def plan_section(diagnosis: Diagnosis) -> list[Section]:
@@ -66,8 +68,11 @@ def _anchor(before: Mapping[str, Any], after: Mapping[str, Any], kept: Mapping[s
     if abs(kept["within_radius"] - before["within_radius"]) < _SAME_SHARE:
         return f"the anchor that the mission's model asks for, {own} wet, still serves: {found} within the radius."
     fares = f"the anchor that the mission's model asks for, {own} wet, stays within the radius in {found} of the dives"
+    more = "size-anchor with --probability finds the weight for more"
     if own == other:
-        return f"{fares}, not in {expected}; size-anchor with --probability finds the weight for more."
+        return f"{fares}, not in {expected}; {more}."
+    if after["within_radius"] < _SERVES:
+        return f"{fares}, not in {expected}, and one sized with the extended model, {other} wet, in {best}; {more}."
     return f"plan with an anchor of {other} wet, {best} within the radius; {fares}, not in {expected}."
 
 

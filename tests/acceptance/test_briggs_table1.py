@@ -123,4 +123,11 @@ def test_the_diagnosis_says_that_the_table_does_not_settle_it(tmp_path):
     assert {("stratification",), ("drag-bias",)} <= {tuple(causes) for causes in found["credible_set"]}
     assert found["next_measurements"][0]["expected_log_bayes_factor"] > 5.0
     assert "depth logged" in found["next_measurements"][0]["measurement"]
-    assert (tmp_path / "report.html").is_file()
+    assert "the terminal velocity of test-2, 0.42 m/s below it, 8.4 standard deviations" in found["misfit"]
+    with (tmp_path / "residuals.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["quantity"] for row in rows] == ["terminal_velocity_m_s", "descent_time_s"] * 3
+    assert max(abs(float(row["residual_extended_sd"])) for row in rows) < 3.0
+    report = (tmp_path / "report.html").read_text()
+    assert "A handful of numbers has no structure that could be tested." in report
+    assert "What was left before" not in report

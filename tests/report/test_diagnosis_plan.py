@@ -39,6 +39,12 @@ def test_where_the_worst_case_asks_for_the_same_anchor_the_odds_are_pointed_to()
     assert "in 88 % of the dives, not in 93 %; size-anchor with --probability" in words
 
 
+def test_an_anchor_that_seldom_holds_is_no_plan() -> None:
+    (words,) = plan_words(diagnosed(anchor(1.02, 1.0), anchor(3.64, 0.18), anchor(1.02, 0.0)))
+    assert "in 0 % of the dives, not in 100 %, and one sized with the extended model, 3.64 N wet, in 18 %" in words
+    assert words.endswith("size-anchor with --probability finds the weight for more.")
+
+
 def test_a_vehicle_that_strikes_the_seafloor_is_said() -> None:
     struck = {**anchor(2.84, 0.97), "struck_seafloor": 0.31}
     (words,) = plan_words(diagnosed(anchor(2.14, 0.96), struck, anchor(2.14, 0.075)))
