@@ -78,13 +78,15 @@ def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
 
 
 def _nearest_file(path: Path) -> str:
+    """What may have been meant, or the outermost folder that is not there and what that may have been."""
     from difflib import get_close_matches
 
-    if not path.parent.is_dir():
-        return f"there is no folder {path.parent}"
-    names = [entry.name for entry in path.parent.iterdir()]
-    close = get_close_matches(path.name, names, n=1)
-    return f"did you mean {close[0]}?" if close else ""
+    missing = path
+    while missing.parent != missing and not missing.parent.is_dir():
+        missing = missing.parent
+    close = get_close_matches(missing.name, [entry.name for entry in missing.parent.iterdir()], n=1)
+    parts = [] if missing == path else [f"there is no folder {missing}"]
+    return "; ".join(parts + [f"did you mean {each}?" for each in close])
 
 
 def load_document(path: Path, shown: str | None = None) -> Document:

@@ -69,9 +69,12 @@ def test_bad_syntax_is_said_in_words(tmp_path: Path, text: str, words: str) -> N
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     (tmp_path / "mission.yaml").write_bytes(b"a: \xff\xfe\n")
+    (tmp_path / "sea-trial").mkdir()
     for name, words in [
         ("mission.yaml", "not UTF-8"),
         ("mision.yaml", "did you mean mission.yaml?"),
+        ("sea-trail/dataset.yaml", "there is no folder .*sea-trail; did you mean sea-trial?"),
+        ("elsewhere/below/dataset.yaml", r"there is no folder .*elsewhere\)"),
         (".", "is a folder"),
     ]:
         with pytest.raises(InputError, match=words.replace("?", r"\?")):
