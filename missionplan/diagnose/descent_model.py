@@ -34,8 +34,6 @@ MOVES, NEAR = 2, 15.0
 """Rounds in which fits may be moved there, if their evidence is so near the best of those fitted together [nats]."""
 SHORTER = 0.25
 """Share of a step that is tried after one that was too long."""
-SUMMED = 2
-"""Neighbouring innovations that are tested as one: between steps of a coarse depth sensor they alternate."""
 REFITTED = 2
 """Gauss–Newton steps of a refit without one dive, from the fit with it."""
 
@@ -199,7 +197,7 @@ class DescentModel(DescentLinear):
             np.concatenate([np.full(len(log.t), k) for k, log in enumerate(logs)]),
             self.axes(state.linear),
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
-            summed=SUMMED,
+            quantised=True,
             averaged=partial(self.products, state.linear, self.prior_sd(fit.causes)),
         )
 

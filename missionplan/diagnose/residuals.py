@@ -57,8 +57,8 @@ class Residuals:
         Along which a remainder may be smooth.
     groups : array of str, shape (N,)
         Runs, for outlying groups.
-    summed : int
-        Neighbouring innovations of a series that the residual tests take as one.
+    quantised : bool
+        Whether the residual tests pass over what alternates: readings of a coarse sensor in quick succession do.
     averaged : callable, optional
         From columns, shape (N, m), to their inner products at every noise over which a test of the remainder averages;
         default the one noise of the covariance.
@@ -69,7 +69,7 @@ class Residuals:
     series: NDArray[np.int_]
     axes: Sequence[Axis]
     groups: NDArray[np.str_]
-    summed: int = 1
+    quantised: bool = False
     averaged: Callable[[Array], Sequence[Products]] | None = None
 
     @cached_property
@@ -105,28 +105,27 @@ def residual_tests(residuals: Residuals, innovations: Array) -> tuple[ResidualTe
     Parameters
     ----------
     residuals : Residuals
-        Which says what makes a series and how many neighbours are taken as one.
+        Which says what makes a series. The quantum of a coarse sensor beats with the sampling: of quantised ones
+        neighbours are taken together, and autocorrelations must add up to more than zero.
     innovations : array, shape (N,)
         Its innovations.
     """
     tests = []
     for number in np.unique(residuals.series):
-        z = _summed(innovations[residuals.series == number], residuals.summed)
+        z = innovations[residuals.series == number]
+        if residuals.quantised:
+            z = z[: len(z) // 2 * 2].reshape(-1, 2).sum(axis=1)
         if len(z) < 16:
             continue
         ranks = np.argsort(np.argsort(z))
         scores = norm.ppf((ranks + 0.5) / len(z))
         lags = min(8, len(z) // 4)
-        portmanteau = acorr_ljungbox(scores, lags=[lags], return_df=True)["lb_pvalue"].iloc[0]
-        tests.append(ResidualTest(f"autocorrelation {number + 1}", float(portmanteau)))
+        portmanteau = float(acorr_ljungbox(scores, lags=[lags], return_df=True)["lb_pvalue"].iloc[0])
+        if residuals.quantised and sum(float(scores[k:] @ scores[:-k]) for k in range(1, lags + 1)) <= 0.0:
+            portmanteau = 1.0
+        tests.append(ResidualTest(f"autocorrelation {number + 1}", portmanteau))
         tests.append(ResidualTest(f"changing spread {number + 1}", _arch_p_value(scores, min(4, lags))))
     return tuple(tests)
-
-
-def _summed(innovations: Array, count: int) -> Array:
-    """Sums of so many neighbours; the last few that make no such sum are left out."""
-    whole = len(innovations) // count * count
-    return np.asarray(innovations[:whole].reshape(-1, count).sum(axis=1))
 
 
 def _arch_p_value(scores: Array, lags: int) -> float:

@@ -38,17 +38,18 @@ def test_changing_spread_fails_a_residual_test():
     assert min(test.p_value for test in tests if test.name.startswith("changing")) < 0.01
 
 
-def test_neighbours_that_alternate_are_no_remainder_where_they_are_taken_as_one():
+@pytest.mark.parametrize("period", [2, 4, 5])
+def test_the_beat_of_a_coarse_sensor_with_its_sampling_is_no_remainder(period):
     rng = np.random.default_rng(8)
-    values = rng.normal(size=N) + 1.5 * (-1.0) ** np.arange(N)
+    values = rng.normal(size=N) + 2.0 * np.cos(2.0 * np.pi * np.arange(N) / period)
     assert remainder(residuals(values)).speaks
-    assert not remainder(residuals(values, summed=2)).speaks
+    assert not remainder(residuals(values, quantised=True)).speaks
 
 
-def test_errors_that_follow_one_another_show_in_sums_of_neighbours_too():
+def test_errors_that_last_show_on_a_coarse_sensor_too():
     rng = np.random.default_rng(9)
     values = lfilter([1.0], [1.0, -0.95], rng.normal(size=N))
-    tests = remainder(residuals(values / values.std(), summed=2)).tests
+    tests = remainder(residuals(values / values.std(), quantised=True)).tests
     assert min(test.p_value for test in tests if test.name.startswith("autocorrelation")) < 0.001
 
 
