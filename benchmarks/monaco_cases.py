@@ -57,7 +57,7 @@ def main(cases: int, workers: int, *, analyse: bool) -> None:
     sim.addInVar("speed", norm, {"loc": SPEED, "scale": SPEED_SD})
     run_all(sim)
     runs = []
-    for _ in range(RUNS):
+    for _ in range(RUNS[workers]):
         inside = 0.0
         started = time.perf_counter()
         run_all(sim)

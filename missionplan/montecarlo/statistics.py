@@ -173,13 +173,13 @@ class Moments:
     def merge(self, other: "Moments") -> "Moments":
         """Add another block (Chan, Golub & LeVeque 1983, Eq. 2.1)."""
         count = self.count + other.count
-        total = np.maximum(count, 1)
+        share = other.count / np.maximum(count, 1)
         step = other.mean - self.mean
         return Moments(
             count=count,
             missing=self.missing + other.missing,
-            mean=self.mean + step * (other.count / total),
-            squares=self.squares + other.squares + step**2 * (self.count * (other.count / total)),
+            mean=self.mean + step * share,
+            squares=self.squares + other.squares + step * step * (self.count * share),
             low=np.minimum(self.low, other.low),
             high=np.maximum(self.high, other.high),
         )
