@@ -5,6 +5,7 @@ import shlex
 from collections.abc import Sequence
 
 from missionplan.effects import CATALOGUE
+from missionplan.report.diagnosis_causes import causes_section, names
 from missionplan.report.diagnosis_figures import (
     held_out_figure,
     main_figure,
@@ -30,6 +31,7 @@ def page(diagnosis: Diagnosis) -> Page:
     sections = [
         Section("What to do next", _next_words(diagnosis)),
         _ranking_section(diagnosis),
+        *causes_section(diagnosis),
         *_residual_section(diagnosis),
         *_held_out_section(diagnosis),
         Section(_remainder_heading(diagnosis), _remainder_words(diagnosis)),
@@ -82,12 +84,6 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
     if any(CATALOGUE[cause].tier == "statistical" for cause in diagnosis.causes):
         words += " Part of this describes the errors statistically; its physical cause is not identified."
     return words
-
-
-def names(causes: Sequence[str]) -> str:
-    """Write a set of causes in words."""
-    plain = [cause.replace("-", " ") for cause in causes]
-    return plain[0] if len(plain) == 1 else ", ".join(plain[:-1]) + f" and {plain[-1]}" if plain else "no cause"
 
 
 def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:

@@ -1,0 +1,33 @@
+"""What the report of a diagnosis says of the causes themselves."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from missionplan.effects import CATALOGUE
+from missionplan.report.diagnosis_causes import causes_section, names
+
+
+def diagnosed(*causes: str, rivals: tuple[tuple[str, ...], ...] = ()) -> Any:
+    return SimpleNamespace(causes=causes, rivals=rivals)
+
+
+@pytest.mark.parametrize("cause", CATALOGUE)
+def test_every_cause_of_the_catalogue_is_described(cause: str) -> None:
+    (section,) = causes_section(diagnosed(cause))
+    (words,) = section.blocks
+    info = CATALOGUE[cause]
+    assert section.heading == "What such a cause is"
+    assert all(part in words for part in (info.what, info.sizes, info.told_apart_by[1:]))
+    assert all(names((other,)) in words for other in info.confused_with)
+
+
+def test_causes_that_would_do_as_well_follow_once_each() -> None:
+    (section,) = causes_section(diagnosed("sensor-lag", rivals=(("clock-offset",), ("clock-offset", "drag-bias"))))
+    assert section.heading == "What such causes are"
+    assert [str(words).split(".")[0] for words in section.blocks] == ["Sensor lag", "Clock offset", "Drag bias"]
+
+
+def test_nothing_is_described_where_nothing_is_claimed() -> None:
+    assert causes_section(diagnosed()) == []
