@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.report.numbers import plain, split_key
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.report.tank_figures import TANK_UNITS, tank_figure
 from missionplan.results.diagnosis import Diagnosis, RemainderFound
@@ -76,9 +77,6 @@ def _dives(diagnosis: Diagnosis) -> Figure:
     )
 
 
-_QUANTITIES = {"terminal_velocity_m_s": "Terminal velocity (m/s)", "descent_time_s": "Descent time (s)"}
-
-
 def _numbers(diagnosis: Diagnosis) -> Figure:
     """Draw the numbers of each test, a panel for each quantity."""
     quantities = list(diagnosis.residuals.groupby("quantity", sort=False))
@@ -90,14 +88,12 @@ def _numbers(diagnosis: Diagnosis) -> Figure:
         axes.plot(table["base"], runs, "s", color=ORANGE, fillstyle="none", label="mission")
         if diagnosis.causes:
             axes.plot(table["extended"], runs, "D", color=BLUE, fillstyle="none", label="extended")
-        axes.set_xlabel(
-            _QUANTITIES[str(name)] + (",\nless the table's simulated" if table["less_simulated"].all() else "")
-        )
+        difference = ",\nmeasured less simulated" if table["less_simulated"].all() else ""
+        axes.set_xlabel(f"{plain(str(name)).capitalize()}{difference} ({split_key(str(name))[1]})")
         axes.margins(y=0.25)
     panels[0].invert_yaxis()
-    figure.legend(
-        *panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, fontsize=8, frameon=False
-    )
+    shown = panels[0].get_legend_handles_labels()
+    figure.legend(*shown, loc="outside upper center", ncols=3, fontsize=8, frameon=False)
     return to_figure(
         figure,
         "data",
