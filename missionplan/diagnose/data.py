@@ -45,6 +45,8 @@ class RawDataset:
         The CSV, as messages name it.
     notices : tuple of str
         Treatments the reader should know of.
+    problems : tuple of Problem
+        Cells that are no numbers, nan in the table: to be raised with what else is wrong.
     """
 
     kind: str
@@ -55,6 +57,7 @@ class RawDataset:
     table: pd.DataFrame
     file: str
     notices: tuple[str, ...]
+    problems: tuple[Problem, ...] = ()
 
 
 def read_dataset(
@@ -74,7 +77,7 @@ def read_dataset(
     Raises
     ------
     InputError
-        All problems of ``dataset.yaml``, or of the CSV.
+        All problems of ``dataset.yaml``, or why the CSV is no table.
     """
     if not folder.is_dir():
         raise InputError([Problem("no such folder", str(folder), hint="a data set is a folder with dataset.yaml")])
@@ -87,9 +90,10 @@ def read_dataset(
         raise InputError(problems)
     kind, path = document.data["kind"], folder / document.data["file"]
     wanted = columns[kind]
-    table, notices = _read_table(path, tuple(wanted["text"]), tuple(wanted["numeric"]))
+    table, notices, bad_cells = _read_table(path, tuple(wanted["text"]), tuple(wanted["numeric"]))
     words = {key: str(document.data.get(key, "")).strip() for key in ("name", "source")}
-    return RawDataset(kind, words["name"] or folder.name, words["source"], document, stated, table, str(path), notices)
+    name = words["name"] or folder.name
+    return RawDataset(kind, name, words["source"], document, stated, table, str(path), notices, bad_cells)
 
 
 def _check_keys(document: Document, columns: Mapping[str, Any]) -> list[Problem]:
@@ -145,7 +149,9 @@ def read_quantity(
         return None
 
 
-def _read_table(path: Path, text: tuple[str, ...], numeric: tuple[str, ...]) -> tuple[pd.DataFrame, tuple[str, ...]]:
+def _read_table(
+    path: Path, text: tuple[str, ...], numeric: tuple[str, ...]
+) -> tuple[pd.DataFrame, tuple[str, ...], tuple[Problem, ...]]:
     shown = str(path)
     if not path.is_file():
         raise InputError([Problem("no such file", shown)])
@@ -173,13 +179,13 @@ def _read_table(path: Path, text: tuple[str, ...], numeric: tuple[str, ...]) -> 
     table.index = pd.RangeIndex(2, len(table) + 2)
     table = table.dropna(how="all")
     notices = [f"{path.name}: columns not used: {', '.join(extra)}"] if extra else []
-    table = _numbers(table, text, shown)
+    table, problems = _numbers(table, text, shown)
     if "ok" in table:
         left_out = int((table["ok"] == 0).sum())
         table = table[table["ok"] != 0].drop(columns="ok")
         if left_out:
             notices.append(f"{path.name}: {left_out} rows left out as marked (ok = 0)")
-    return table, tuple(notices)
+    return table, tuple(notices), tuple(problems)
 
 
 def _floats_or_words(path: Path, options: dict[str, Any], text: tuple[str, ...]) -> pd.DataFrame:
@@ -196,14 +202,8 @@ def _floats_or_words(path: Path, options: dict[str, Any], text: tuple[str, ...])
     return table
 
 
-def _numbers(table: pd.DataFrame, text: tuple[str, ...], shown: str) -> pd.DataFrame:
-    """Turn the columns that are not text into floats.
-
-    Raises
-    ------
-    InputError
-        With every bad cell: the first of each column by line, the rest counted.
-    """
+def _numbers(table: pd.DataFrame, text: tuple[str, ...], shown: str) -> tuple[pd.DataFrame, list[Problem]]:
+    """Turn the columns that are not text into floats; name the first bad cells of each column, count the rest."""
     problems: list[Problem] = []
     converted: dict[Any, Any] = {}
     for column in table.columns:
@@ -216,17 +216,23 @@ def _numbers(table: pd.DataFrame, text: tuple[str, ...], shown: str) -> pd.DataF
             problems.append(Problem(f"given {table.at[line, column]!r}, expected a number", shown, int(line), column))
         if bad.sum() > SHOWN:
             problems.append(Problem(f"{int(bad.sum()) - SHOWN} more cells are no numbers", shown, key=column))
-        converted[column] = numbers
-    if problems:
-        raise InputError(problems)
-    return pd.DataFrame(converted, index=table.index)
+        converted[column] = numbers.where(~bad)
+    return pd.DataFrame(converted, index=table.index), problems
 
 
-def missing_columns(table: pd.DataFrame, required: Iterable[str], file: str) -> list[Problem]:
-    """Name the columns that the CSV lacks."""
-    problems = []
+def problems_of(raw: RawDataset, required: Iterable[str]) -> list[Problem]:
+    """Give the problems so far of a CSV that has the columns required.
+
+    Raises
+    ------
+    InputError
+        When it lacks some: nothing more can be looked for then.
+    """
+    missing = []
     for column in required:
-        if column not in table:
-            close = get_close_matches(column, [str(name) for name in table.columns], n=1)
-            problems.append(Problem("column is missing", file, 1, column, f"is it {close[0]}?" if close else ""))
-    return problems
+        if column not in raw.table:
+            close = get_close_matches(column, [str(name) for name in raw.table.columns], n=1)
+            missing.append(Problem("column is missing", raw.file, 1, column, f"is it {close[0]}?" if close else ""))
+    if missing:
+        raise InputError([*missing, *raw.problems])
+    return list(raw.problems)

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from missionplan.diagnose.data import Array, RawDataset, missing_columns, read_dataset, read_quantity
+from missionplan.diagnose.data import Array, RawDataset, problems_of, read_dataset, read_quantity
 from missionplan.errors import InputError, Problem
 from missionplan.mission.mission import Mission
 
@@ -98,9 +98,7 @@ def read_descent(folder: Path, mission: Mission) -> DescentData:
         All problems of the folder at once.
     """
     raw = read_dataset(folder, {"descent": COLUMNS}, {"depth": "m"})
-    problems = missing_columns(raw.table, ("run", "t_s", "depth_m"), raw.file)
-    if problems:
-        raise InputError(problems)
+    problems = problems_of(raw, ("run", "t_s", "depth_m"))
     settings = _read_runs(raw, mission, problems)
     table = raw.table.dropna(subset=["t_s", "depth_m"])
     notices = list(raw.notices)

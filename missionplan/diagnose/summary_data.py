@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from missionplan.diagnose.data import Array, missing_columns, read_dataset, read_quantity
+from missionplan.diagnose.data import Array, problems_of, read_dataset, read_quantity
 from missionplan.errors import InputError, Problem
 from missionplan.mission.mission import Mission
 from missionplan.montecarlo.distributions import mean_of
@@ -66,9 +66,7 @@ def read_summary(folder: Path, mission: Mission) -> SummaryData:
         All problems of the folder at once.
     """
     raw = read_dataset(folder, {"summary": COLUMNS}, {})
-    problems = missing_columns(raw.table, ("run", "quantity", "value"), raw.file)
-    if problems:
-        raise InputError(problems)
+    problems = problems_of(raw, ("run", "quantity", "value"))
     known = {*MEASURED, *(SIMULATED + name for name in MEASURED)}
     for line, name in raw.table["quantity"].items():
         if name not in known:

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from missionplan.diagnose.data import Array, RawDataset, missing_columns, read_dataset
+from missionplan.diagnose.data import Array, RawDataset, problems_of, read_dataset
 from missionplan.errors import InputError, Problem
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.mission import Mission
@@ -119,14 +119,12 @@ def read_transit(folder: Path, mission: Mission) -> TransitData:
     raw = read_dataset(folder, {"transit": COLUMNS}, {"fix": "m"})
     geographic = GEOGRAPHIC[0] in raw.table and PLANAR[0] not in raw.table
     positions = GEOGRAPHIC if geographic else PLANAR
-    problems = missing_columns(raw.table, (*TIMES, *positions), raw.file)
-    if problems:
-        raise InputError(problems)
+    problems = problems_of(raw, (*TIMES, *positions))
     notices = list(raw.notices)
     table = raw.table.dropna(subset=[*TIMES, *positions])
     if len(table) < len(raw.table):
         notices.append(f"{len(raw.table) - len(table)} legs without all of their times and positions are left out")
-    problems = _check_rows(table, raw, geographic)
+    problems += _check_rows(table, raw, geographic)
     if problems:
         raise InputError(problems)
     data = _build(table, raw, mission, geographic, notices)

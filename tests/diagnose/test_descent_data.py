@@ -53,14 +53,16 @@ def test_noise_of_readings_on_the_way_down(quantum, uneven, noise):
 
 
 def test_runs_not_described_times_repeated_and_too_few(folder, descent_mission):
-    table = dives().reset_index(drop=True)
+    table = dives().reset_index(drop=True).astype(object)
     table.loc[table["run"] == "dive-3", "run"] = "dive-4"
     table.loc[5, "t_s"] = table.loc[4, "t_s"]
+    table.loc[9, "depth_m"] = "deep"
     with pytest.raises(InputError) as excinfo:
         read_descent(folder(KIND, table), descent_mission)
     words = "\n".join(str(problem) for problem in excinfo.value.problems)
     assert "run 'dive-4' is not among runs" in words
     assert "rows.csv:7: t_s: dive-1: a time stands twice" in words
+    assert "rows.csv:11: depth_m: given 'deep'" in words
 
 
 def test_too_few_dives_says_how_many_are_needed_for_what(folder, descent_mission):

@@ -39,10 +39,12 @@ def test_latitude_and_longitude_become_the_same_metres(folder, transit_mission, 
 def test_bad_cells_are_all_named(folder, transit_mission, legs):
     table = legs().astype(object)
     table.loc[3, "t_end_s"], table.loc[8, "x_dr_m"] = "late", "12,5"
+    table.loc[12, "t_start_s"] = table.loc[11, "t_start_s"]
     with pytest.raises(InputError) as excinfo:
         read_transit(folder(KIND, table), transit_mission)
     assert "rows.csv:5: t_end_s: given 'late'" in problems(excinfo)
     assert "rows.csv:10: x_dr_m: given '12,5'" in problems(excinfo)
+    assert "rows.csv:14: t_start_s: two legs start at the same time" in problems(excinfo)
 
 
 def test_missing_column_comes_with_its_nearest(folder, transit_mission, legs):
