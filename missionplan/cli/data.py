@@ -32,10 +32,13 @@ def diagnose(
     """What the simulation gets wrong about measured data, why, the extended mission, and what it gains."""
 
     def study(loaded: "Mission", progress: Any) -> "Result":
-        from missionplan.montecarlo.sharing import started_workers
+        from missionplan.montecarlo.sharing import MOST
+        from missionplan.montecarlo.workers import started_workers
 
         workers = o.worker_count(jobs)
-        with started_workers(workers, "missionplan.diagnose.study"):  # they import while this process does
+        with started_workers(
+            min(workers, MOST) - 1, "missionplan.diagnose.study"
+        ):  # they import while this process does
             from missionplan.diagnose.study import diagnose
 
             return diagnose(loaded, dataset, seed=seed, jobs=workers, progress=progress)

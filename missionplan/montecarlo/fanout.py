@@ -1,17 +1,18 @@
-"""Fan-out of blocks over processes, threads or a cluster: joblib is the only way out of this process."""
+"""Fan-out of blocks over processes, threads or a cluster: joblib, and its loky, is the only way out of this process."""
 
 import itertools
 import warnings
+from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import Future, wait
 from contextlib import ExitStack, closing
 from importlib import import_module
 from typing import Any, Literal, TypeVar
 
 import joblib
-from joblib.externals.loky import get_reusable_executor
-from joblib.externals.loky.process_executor import BrokenProcessPool
 
-from missionplan.errors import InputError, RunError
+from missionplan.errors import InputError
+from missionplan.montecarlo.workers import ended_on_failure, worker_processes
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -19,7 +20,8 @@ Backend = Literal["loky", "threading", "dask"]
 Progress = Callable[[int, int], None]
 """Called with the items done and their total, before the first and after each."""
 
-WORKER_DIED = "a worker process died (out of memory, or killed)"
+_AHEAD = 64
+"""Results that may wait for one that comes before them: what this process does while its workers start."""
 
 
 def run_blocks(
@@ -40,7 +42,7 @@ def run_blocks(
     items : sequence
         Such as block numbers.
     jobs : int
-        Workers; 1 runs in this process (unless on a cluster), -1 uses every core.
+        Processes, this one included, or threads, or a local cluster's workers; -1 uses every core.
     backend : {'loky', 'threading', 'dask'}
     scheduler : str, optional
         Address of the Dask scheduler, such as ``tcp://10.0.0.1:8786``; without it a local cluster of `jobs`.
@@ -57,11 +59,14 @@ def run_blocks(
         raise InputError(f"--backend: given {backend!r}, expected loky, threading or dask")
     if jobs == 0 or jobs < -1:
         raise InputError(f"--jobs: given {jobs}, expected a positive number, or -1 for every core")
-    results: Generator[Result, None, None] = (
-        (task(item) for item in items)
-        if not items or (backend != "dask" and (jobs == 1 or len(items) == 1))
-        else _in_parallel(task, items, jobs, backend, scheduler)
-    )
+    results: Generator[Result, None, None]
+    jobs = joblib.cpu_count() if jobs == -1 else jobs
+    if not items or (backend != "dask" and (jobs == 1 or len(items) == 1)):
+        results = (task(item) for item in items)
+    elif backend == "loky":
+        results = _among_processes(task, items, min(jobs, len(items)) - 1)
+    else:
+        results = _by_joblib(task, items, jobs, backend, scheduler)
     total = len(items)
     if progress is not None:
         progress(0, total)
@@ -72,43 +77,73 @@ def run_blocks(
             yield result
 
 
-def _in_parallel(
+def _among_processes(
+    task: Callable[[Item], Result], items: Sequence[Item], workers: int
+) -> Generator[Result, None, None]:
+    """Do a part here while worker processes do the others; until they have started, do what was meant for them too."""
+    todo = deque(items)
+    line: deque[tuple[Item, Future[Result]]] = deque()  # those begun, in the items' order
+    with ended_on_failure():
+        executor = worker_processes(workers)
+        started = executor.submit(_nothing, task)
+        elsewhere: list[Future[Result]] = []
+        try:
+            while todo or line:
+                if todo and len(line) < _AHEAD:
+                    line.append((todo.popleft(), Future()))
+                    own = line[-1]
+                    elsewhere = [future for future in elsewhere if not future.done()]
+                    wanted = workers * (2 if started.done() else 1) - len(elsewhere)  # one runs, one waits
+                    for item in [todo.popleft() for _ in range(min(wanted, len(todo)))]:
+                        elsewhere.append(executor.submit(task, item))
+                        line.append((item, elsewhere[-1]))
+                    _do(task, *own)
+                elif not started.done():
+                    line[0] = line[0][0], Future()
+                    _do(task, *line[0])
+                else:
+                    wait([line[0][1]])
+                while line and line[0][1].done():
+                    yield line.popleft()[1].result()
+        finally:  # a reader may stop early, or a block fail
+            for _, future in line:
+                future.cancel()
+
+
+def _nothing(task: object) -> None:
+    """Answer: a worker has started, and has imported what the task needs."""
+
+
+def _do(task: Callable[[Item], Result], item: Item, future: "Future[Result]") -> None:
+    """Run a task in this process as a worker would: an error is raised where the result is read."""
+    try:
+        future.set_result(task(item))
+    except Exception as error:
+        future.set_exception(error)
+
+
+def _by_joblib(
     task: Callable[[Item], Result], items: Sequence[Item], jobs: int, backend: Backend, scheduler: str | None
 ) -> Generator[Result, None, None]:
     with ExitStack() as stack:
         if backend == "dask":
             stack.enter_context(_dask_client(jobs, scheduler))
-        # each worker's BLAS keeps to one thread: the blocks are the parallelism
-        options: dict[str, Any] = {"inner_max_num_threads": 1} if backend == "loky" else {}
-        with joblib.parallel_config(backend=backend, n_jobs=jobs, **options):
-            # no more in flight than loky's call queue holds: killing workers while others wait outside it
-            # ends its manager thread with a KeyError
+        with joblib.parallel_config(backend=backend, n_jobs=jobs):
             parallel = joblib.Parallel(return_as="generator", batch_size=1, pre_dispatch="2*n_jobs")
         wanted = True
         results: Any = parallel(joblib.delayed(task)(item) for item in itertools.takewhile(lambda _: wanted, items))
         try:
             for result in results:  # noqa: UP028  (`yield from` would close it before the filter below)
                 yield result
-        except GeneratorExit:  # a reader who stops early: let the few in flight end, and keep the workers
+        except GeneratorExit:  # a reader who stops early: let the few in flight end
             wanted = False
             for _ in results:
                 pass
             raise
-        except KeyboardInterrupt:
-            _kill_workers(backend)
-            raise
-        except BrokenProcessPool as error:
-            raise RunError(WORKER_DIED) from error
         finally:
             with warnings.catch_warnings():  # after an error nobody asks about the blocks left over
                 warnings.simplefilter("ignore", UserWarning)
                 results.close()
-
-
-def _kill_workers(backend: Backend) -> None:
-    """End the worker processes at once, whatever they are doing."""
-    if backend == "loky":
-        get_reusable_executor().shutdown(wait=False, kill_workers=True)
 
 
 def _dask_client(jobs: int, scheduler: str | None) -> Any:
@@ -124,7 +159,7 @@ def _dask_client(jobs: int, scheduler: str | None) -> Any:
     except ImportError as error:
         raise InputError("--backend dask needs dask.distributed: pip install 'missionplan[dask]'") from error
     if scheduler is None:
-        return distributed.Client(n_workers=None if jobs < 0 else jobs, threads_per_worker=1, dashboard_address=None)
+        return distributed.Client(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
     try:
         return distributed.Client(scheduler, timeout="10s")
     except (OSError, ValueError) as error:

@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from missionplan.errors import InputError
+from missionplan.errors import InputError, RunError
 from missionplan.montecarlo.distributions import LogNormal, Normal
 from missionplan.montecarlo.draws import Correlation, JointDistribution
 from missionplan.montecarlo.fanout import run_blocks
 from missionplan.montecarlo.statistics import RunningStatistic
 from missionplan.montecarlo.streams import LegNormals
+from missionplan.montecarlo.workers import end_workers
 
 JOINT = JointDistribution.of({"a": Normal(0.0, 1.0), "b": LogNormal(2.0, 1.3)}, [Correlation(("a", "b"), 0.5)])
 
@@ -60,6 +61,29 @@ def test_results_come_in_order_with_progress(jobs):
     assert calls == [(count, 7) for count in range(8)]
 
 
+def test_nothing_waits_for_the_workers_to_start():
+    end_workers()
+    assert set(run_blocks(worker_after, range(3), jobs=2)) == {os.getpid()}
+
+
+def test_a_part_is_done_here():
+    processes = list(run_blocks(worker_after, range(100), jobs=2))
+    assert processes[0] == os.getpid()
+    assert len(set(processes)) > 1
+
+
+def die_elsewhere(here, block):
+    if os.getpid() != here:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return slow_block(block)
+
+
+def test_a_worker_that_dies_is_told_and_replaced():
+    with pytest.raises(RunError, match="worker process died"):
+        list(run_blocks(functools.partial(die_elsewhere, os.getpid()), range(200), jobs=2))
+    assert list(run_blocks(slow_block, range(4), jobs=2)) == [0, 1, 2, 3]
+
+
 @pytest.mark.parametrize(("jobs", "backend"), [(1, "loky"), (2, "loky"), (2, "threading")])
 def test_a_reader_may_stop_early(jobs, backend):
     results = run_blocks(slow_block, range(50), jobs=jobs, backend=backend)
@@ -102,9 +126,9 @@ INTERRUPTED = """
 import sys, time
 from missionplan.montecarlo.fanout import run_blocks
 try:
-    for _ in run_blocks(time.sleep, [0.0, 0.0, 60.0, 60.0, 60.0], jobs=2):
+    for _ in run_blocks(time.sleep, [0.0] + [60.0] * int(sys.argv[1]), jobs=2):
         print("block", flush=True)
-        time.sleep(float(sys.argv[1]))
+        time.sleep(float(sys.argv[2]))
 except KeyboardInterrupt:
     sys.exit(130)
 """
@@ -133,17 +157,21 @@ def running(process):
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads the process table of Linux")
-@pytest.mark.parametrize("busy", ["0", "0.5"], ids=["waiting", "in the loop's body"])
-def test_ctrl_c_ends_at_once_and_leaves_no_process(busy):
-    command = [sys.executable, "-c", INTERRUPTED, busy]
+@pytest.mark.parametrize(
+    ("more", "busy", "send"),
+    [("1", "0", os.killpg), ("1", "0", os.kill), ("5", "0", os.killpg), ("5", "0", os.kill), ("5", "60", os.killpg)],
+    ids=["waiting", "waiting, sent to it alone", "in a block", "in a block, sent to it alone", "in the loop's body"],
+)
+def test_ctrl_c_ends_at_once_and_leaves_no_process(more, busy, send):
+    command = [sys.executable, "-c", INTERRUPTED, more, busy]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as run:
         assert run.stdout is not None
-        run.stdout.readline(), run.stdout.readline()
-        workers = descendants(run.pid)
-        os.killpg(run.pid, signal.SIGINT)
+        run.stdout.readline()
+        while len(workers := descendants(run.pid)) < 2:  # one worker, and loky's tracker
+            time.sleep(0.05)
+        send(run.pid, signal.SIGINT)
         assert run.wait(timeout=20) == 130
     deadline = time.monotonic() + 10.0
     while any(map(running, workers)) and time.monotonic() < deadline:
         time.sleep(0.05)
-    assert len(workers) >= 2
     assert not any(map(running, workers))

@@ -6,7 +6,8 @@ import threading
 import pytest
 
 from missionplan.errors import RunError
-from missionplan.montecarlo.sharing import shared, started_workers
+from missionplan.montecarlo.sharing import shared
+from missionplan.montecarlo.workers import started_workers
 
 
 def squares(items):
@@ -42,7 +43,7 @@ def test_results_come_in_the_items_order(jobs, count):
 
 
 def test_a_part_is_done_here():
-    with started_workers(2, "json"):
+    with started_workers(1, "json"):
         found = shared(processes, range(4), jobs=2)
     assert found[0] == found[2] == os.getpid()
     assert found[1] == found[3] != os.getpid()

@@ -1,0 +1,65 @@
+"""The worker processes, joblib's own kind (loky): kept from call to call, ended at once when the command is."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+
+from joblib.externals.loky import ProcessPoolExecutor
+from joblib.externals.loky.process_executor import BrokenProcessPool
+
+from missionplan.errors import RunError
+
+WORKER_DIED = "a worker process died (out of memory, or killed)"
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1")
+
+_kept: dict[int, ProcessPoolExecutor] = {}  # one at most, by its number of processes
+
+
+def worker_processes(count: int) -> ProcessPoolExecutor:
+    """Give at least so many processes beside this one: those of the last call, where they are enough.
+
+    They are the parallelism: the BLAS of each keeps to one thread.
+    """
+    if count > max(_kept, default=0):
+        for executor in _kept.values():
+            executor.shutdown(wait=False)
+        _kept.clear()
+        _kept[count] = ProcessPoolExecutor(max_workers=count, env=_ONE_THREAD)
+    return next(iter(_kept.values()))
+
+
+def end_workers() -> None:
+    """End the processes at once, whatever they are doing; the next call starts others."""
+    for executor in _kept.values():
+        executor.shutdown(wait=False, kill_workers=True)
+    _kept.clear()
+
+
+@contextmanager
+def started_workers(count: int, module: str) -> Iterator[None]:
+    """Start processes; they import a module while this one goes on, and end with the context."""
+    for _ in range(count):
+        worker_processes(count).submit(import_module, module)
+    try:
+        yield
+    finally:
+        end_workers()
+
+
+@contextmanager
+def ended_on_failure() -> Iterator[None]:
+    """End the processes on Ctrl-C, or when one of them has died.
+
+    Raises
+    ------
+    RunError
+        When one died.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        end_workers()
+        raise
+    except BrokenProcessPool as error:
+        end_workers()
+        raise RunError(WORKER_DIED) from error
