@@ -146,10 +146,9 @@ def _memory_rows(sizes: list[int], ours: Runs, theirs: Runs) -> list[Row]:
     """Peaks, and what a case more takes."""
     few, many = sizes
     rows = []
-    for workers in (1, 2):
-        key = many, workers
-        what = f"peak memory, same function, {many} cases, {_count(workers)}"
-        rows.append(Row(what, megabytes(ours[key].peak), megabytes(theirs[key].peak)))
+    for (cases, workers), their in theirs.items():
+        what = f"peak memory, same function, {cases} cases, {_count(workers)}"
+        rows.append(Row(what, megabytes(ours[cases, workers].peak), megabytes(their.peak)))
     growth = [max(runs[many, 1].peak - runs[few, 1].peak, 0) / (many - few) for runs in (ours, theirs)]
     what = f"memory a case more, {few} to {many} cases, 1 worker"
     return [*rows, Row(what, f"{growth[0] / 1e3:.1f} kB", f"{growth[1] / 1e3:.1f} kB")]

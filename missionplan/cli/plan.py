@@ -8,7 +8,7 @@ import typer
 
 from missionplan.cli import options as o
 from missionplan.cli.running import deliver, progress_bar, report_folder, run_study
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, Problem, RunError
 
 if TYPE_CHECKING:
     from missionplan.mission import Mission
@@ -208,8 +208,9 @@ def simulate(
                 keep_trials=keep_trials,
                 progress=progress,
             )
-    except KeyboardInterrupt:
-        typer.echo(f"Finished blocks are kept; go on with: --resume --out {folder}", err=True)
+    except (KeyboardInterrupt, RunError):
+        if any((folder / BLOCKS).glob("block-*.npz")):
+            typer.echo(f"Finished blocks are kept; go on with: --resume --out {folder}", err=True)
         raise
     deliver(outcome, folder, o.Output(out, force, as_json, quiet), force=True)
     if not outcome.requirements_met:

@@ -3,11 +3,13 @@
 import json
 import subprocess
 import sys
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
 from missionplan.cli import main
+from missionplan.errors import RunError
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -132,6 +134,26 @@ def test_simulate_is_resumed_refused_and_forced(
     assert "seed" in capsys.readouterr().err
     assert run(monkeypatch, *common, "--trials", "300", "--seed", "2", "--force") == 0
     assert json.loads(capsys.readouterr().out)["seed"] == 2
+
+
+@pytest.mark.parametrize(("error", "status"), [(RunError("a worker process died"), 1), (KeyboardInterrupt(), 130)])
+@pytest.mark.parametrize("blocks", [0, 1])
+def test_a_run_that_is_cut_short_tells_how_to_go_on(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    mission: Path,
+    error: BaseException,
+    status: int,
+    blocks: int,
+) -> None:
+    def cut_short(task: Callable[[object], object], items: Sequence[object], **_: object) -> Iterator[object]:
+        yield from map(task, items[:blocks])
+        raise error
+
+    monkeypatch.setattr("missionplan.studies.simulate.run_blocks", cut_short)
+    out = mission.with_name("report")
+    assert run(monkeypatch, "simulate", str(mission), "--trials", "5000", "--out", str(out)) == status
+    assert (f"--resume --out {out}" in capsys.readouterr().err.replace("\n", "")) == bool(blocks)
 
 
 def test_a_requirement_that_is_not_met_exits_with_3(
