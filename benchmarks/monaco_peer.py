@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import venv
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -49,11 +49,13 @@ class Cases:
     outputs: int
 
     @classmethod
-    def of(cls, run: Run, cases: int) -> "Cases":
-        """Read what a child printed."""
-        found = json.loads(run.output.splitlines()[-1])
-        outputs = found.get("outputs", OUTPUTS)
-        return cls(found["wall"] / cases, found["overhead"] / cases, found.get("analysis", 0.0), run.peak, outputs)
+    def of(cls, runs: Sequence[Run], cases: int) -> "Cases":
+        """Take the least of what each child printed; the model may have been timed in runs of its own."""
+        printed = [json.loads(run.output.splitlines()[-1]) for run in runs]
+        least = {key: min(found[key] for found in printed) for key in printed[0]}
+        overhead = least["overhead"] if "overhead" in least else least["wall"] - least["inside"]
+        peak, outputs = min(run.peak for run in runs), least.get("outputs", OUTPUTS)
+        return cls(least["wall"] / cases, overhead / cases, least.get("analysis", 0.0), peak, outputs)
 
     @property
     def of_an_output(self) -> "Cases":
@@ -61,8 +63,9 @@ class Cases:
         return replace(self, overhead=self.overhead / self.outputs)
 
 
-Runs = Mapping[tuple[int, int], Cases]
-"""By cases and workers."""
+Key = tuple[str, int, int]
+"""What is run (``monaco``, ``function``, ``simulate``, ``sweep``), how many cases, how many workers."""
+Measured = Mapping[Key, Cases]
 
 
 def install(folder: Path) -> Path | None:
@@ -75,94 +78,99 @@ def install(folder: Path) -> Path | None:
 
 
 def compare(options: Options) -> Section:
-    """Run both, with one worker and with two."""
-    sizes = [cases // options.shrink for cases in CASES]
+    """Run both sides in alternation, with one worker and with two."""
+    sizes, many = [cases // options.shrink for cases in CASES], SUSTAINED // options.shrink
+    keys = [(side, cases, workers) for cases in sizes for workers in (1, 2) for side in ("monaco", "function")]
+    keys += [("simulate", trials, 1) for trials in (*sizes, many)]
+    keys += [("sweep", trials, 1) for trials in (sizes[-1], many)]
     with tempfile.TemporaryDirectory() as folder:
         interpreter = install(Path(folder))
         if interpreter is None:
             return Section((Row("`monaco` could not be installed here", "not run"),))
         command = [str(interpreter), "-c", "from importlib.metadata import version; print(version('monaco'))"]
         release = run_command(command).output.strip()
-        child: list[str | Path] = [interpreter, "-m", "benchmarks.monaco_cases"]
-        monaco = {
-            (cases, workers): Cases.of(run_command([*child, str(cases), str(workers)]), cases)
-            for cases in sizes
-            for workers in (1, 2)
-        }
-        analysed = Cases.of(run_command([*child, str(sizes[0]), "1", "analysis"]), sizes[0])
-    function = {key: own("function", *key) for key in monaco}
-    many, most = SUSTAINED // options.shrink, sizes[-1]
-    rows = [_time_row(*key, function[key], theirs) for key, theirs in monaco.items()]
-    rows += _function_rows(sizes, function, monaco)
-    simulated = {cases: own("simulate", cases, 1) for cases in (sizes[0], most, many)}
-    rows += _study_rows(sizes, many, simulated, monaco)
+        rounds = [{key: run(key, interpreter) for key in keys} for _ in range(options.repeats)]
+        analysed = Cases.of([run(("monaco", sizes[0], 1), interpreter, "analysis")], sizes[0])
+    measured = {key: Cases.of([found[key] for found in rounds], key[1]) for key in keys}
     what = f"sensitivity analysis, once, {sizes[0]} cases: 4 outputs here, 2 there"
-    rows.append(_faster_row(what, simulated[sizes[0]].analysis, analysed.analysis))
-    rows += _memory_rows(sizes, function, monaco)
-    alone = monaco[most, 1].each - monaco[most, 1].overhead
+    rows = [
+        *_time_rows(keys, measured),
+        *_function_rows(sizes, measured),
+        *_study_rows(sizes, many, measured),
+        _faster_row(what, measured["simulate", sizes[0], 1].analysis, analysed.analysis),
+        *_memory_rows(sizes, keys, measured),
+    ]
+    alone = measured["monaco", sizes[-1], 1].each - measured["monaco", sizes[-1], 1].overhead
     return Section(
         tuple(rows), ("numpy", "joblib"), (f"The function alone takes {duration(alone)}. monaco {release}.",)
     )
 
 
-def _function_rows(sizes: list[int], ours: Runs, theirs: Runs) -> list[Row]:
+def run(key: Key, interpreter: Path, *more: str) -> Run:
+    """Run cases in a process of their own."""
+    what, cases, workers = key
+    own = python("benchmarks.own_cases", what)
+    command = [interpreter, "-m", "benchmarks.monaco_cases"] if what == "monaco" else own
+    return run_command([*command, str(cases), str(workers), *more])
+
+
+def _time_rows(keys: Sequence[Key], measured: Measured) -> Iterator[Row]:
+    """Whole times of the same function."""
+    for side, cases, workers in keys:
+        if side == "function":
+            ours, theirs = measured[side, cases, workers], measured["monaco", cases, workers]
+            what = f"time a case, same function, {cases} cases, {_count(workers)}"
+            yield _faster_row(what, ours.each, theirs.each, digits=1)
+
+
+def _function_rows(sizes: Sequence[int], measured: Measured) -> Iterator[Row]:
     """Overheads of the same function, and what a case more costs."""
-    few, many = sizes
-    rows = []
     for cases in sizes:
         what = f"overhead a case, same function, {cases} cases"
-        rows.append(_overhead_row(what, ours[cases, 1], theirs[cases, 1]))
+        yield _overhead_row(what, measured["function", cases, 1], measured["monaco", cases, 1])
+    few, many = sizes
     what = f"overhead a case more, same function, {few} to {many} cases"
-    more = (_further(runs[few, 1], runs[many, 1], few, many) for runs in (ours, theirs))
-    return [*rows, _overhead_row(what, *more)]
+    yield _overhead_row(what, *(_further(measured, side, few, many) for side in ("function", "monaco")))
 
 
-def _study_rows(sizes: list[int], many: int, simulated: Mapping[int, Cases], theirs: Runs) -> list[Row]:
+def _study_rows(sizes: Sequence[int], many: int, measured: Measured) -> Iterator[Row]:
     """Overheads of the vectorised studies: a trial, a trial more, a trial and output."""
     few, most = sizes
-    rows = []
-    swept = {trials: own("sweep", trials, 1) for trials in (most, many)}
-    for study, runs in (("sweep", swept), ("simulate", simulated)):
+    theirs = measured["monaco", most, 1]
+    for study in ("sweep", "simulate"):
         for trials in (most, many):
             what = f"overhead a trial, `{study}`, {trials} trials beside {most} cases"
-            rows.append(_overhead_row(what, runs[trials], theirs[most, 1]))
+            yield _overhead_row(what, measured[study, trials, 1], theirs)
     what = f"overhead a trial more, `simulate`, {most} to {many} trials beside {few} to {most} cases"
-    more = _further(simulated[most], simulated[many], most, many)
-    rows.append(_overhead_row(what, more, _further(theirs[few, 1], theirs[most, 1], few, most)))
+    yield _overhead_row(what, _further(measured, "simulate", most, many), _further(measured, "monaco", few, most))
     for trials in (most, many):
+        ours = measured["simulate", trials, 1]
         what = f"overhead a trial and output, `simulate`, {trials} trials beside {most} cases: "
-        what += f"{simulated[trials].outputs} outputs here, {OUTPUTS} there"
-        rows.append(_overhead_row(what, simulated[trials].of_an_output, theirs[most, 1].of_an_output))
+        what += f"{ours.outputs} outputs here, {OUTPUTS} there"
+        yield _overhead_row(what, ours.of_an_output, theirs.of_an_output)
     what = f"whole time a trial, `simulate`, model and analysis included, {many} trials beside {most} cases"
-    return [*rows, _faster_row(what, simulated[many].each, theirs[most, 1].each)]
+    yield _faster_row(what, measured["simulate", many, 1].each, theirs.each)
 
 
-def _further(few: Cases, many: Cases, fewer: int, more: int) -> Cases:
+def _further(measured: Measured, what: str, few: int, many: int) -> Cases:
     """What a case more costs, once the fixed part is paid."""
-    return replace(many, overhead=(many.overhead * more - few.overhead * fewer) / (more - fewer))
+    fewer, more = measured[what, few, 1], measured[what, many, 1]
+    return replace(more, overhead=(more.overhead * many - fewer.overhead * few) / (many - few))
 
 
-def _memory_rows(sizes: list[int], ours: Runs, theirs: Runs) -> list[Row]:
+def _memory_rows(sizes: Sequence[int], keys: Sequence[Key], measured: Measured) -> Iterator[Row]:
     """Peaks, and what a case more takes."""
+    for side, cases, workers in keys:
+        if side == "function":
+            peak, peer = measured[side, cases, workers].peak, measured["monaco", cases, workers].peak
+            what = f"peak memory, same function, {cases} cases, {_count(workers)}"
+            yield Row(what, megabytes(peak), megabytes(peer))
     few, many = sizes
-    rows = []
-    for (cases, workers), their in theirs.items():
-        what = f"peak memory, same function, {cases} cases, {_count(workers)}"
-        rows.append(Row(what, megabytes(ours[cases, workers].peak), megabytes(their.peak)))
-    growth = [max(runs[many, 1].peak - runs[few, 1].peak, 0) / (many - few) for runs in (ours, theirs)]
-    what = f"memory a case more, {few} to {many} cases, 1 worker"
-    return [*rows, Row(what, f"{growth[0] / 1e3:.1f} kB", f"{growth[1] / 1e3:.1f} kB")]
-
-
-def own(what: str, cases: int, workers: int) -> Cases:
-    """Run the cases under missionplan, in a process of their own."""
-    return Cases.of(run_command(python("benchmarks.own_cases", what, str(cases), str(workers))), cases)
-
-
-def _time_row(cases: int, workers: int, ours: Cases, theirs: Cases) -> Row:
-    return _faster_row(
-        f"time a case, same function, {cases} cases, {_count(workers)}", ours.each, theirs.each, digits=1
+    ours, theirs = (
+        f"{max(measured[side, many, 1].peak - measured[side, few, 1].peak, 0) / (many - few) / 1e3:.1f} kB"
+        for side in ("function", "monaco")
     )
+    yield Row(f"memory a case more, {few} to {many} cases, 1 worker", ours, theirs)
 
 
 def _faster_row(what: str, ours: float, theirs: float, digits: int = 0) -> Row:
