@@ -5,7 +5,7 @@ import numpy as np
 from missionplan.report.leg_figures import cases_figure, policy_figure, tracks_figure
 from missionplan.report.numbers import Unit, number, percent, with_error
 from missionplan.report.page import Block, Listing, Page, Section, Table, Terminal
-from missionplan.results.legs import JOULES_PER_WATT_HOUR, Contender, LegPlan
+from missionplan.results.legs import JOULES_PER_WATT_HOUR, Contender, LegCase, LegPlan
 
 _PERCENT = Unit("%", 0.01)
 _SECONDS = Unit("s", 1.0)
@@ -20,30 +20,38 @@ _BEYOND_WORDS = (
 
 def page(plan: LegPlan) -> Page:
     """Build the page of a plan of legs."""
-    own = plan.cases[0]
-    numbers = [
-        _saving(plan),
-        ("Mean cost of the table", with_error(own.adaptive.cost, own.adaptive.standard_error, _PERCENT)),
-        (
-            f"Of the best fixed d_max, {_length(plan.fixed_d_max)}",
-            with_error(own.fixed.cost, own.fixed.standard_error, _PERCENT),
-        ),
-    ]
+    costs = [] if plan.integral_applies else [Section(_BEYOND, [_BEYOND_WORDS, _trials_table(plan)])]
+    checked = [Section("Trials and integral equation", [_trials_table(plan)])] if plan.integral_applies else []
     return Page(
         title=f"Legs for {plan.phase}: {plan.provenance.mission}",
         answer=answer(plan),
         figure=policy_figure(plan),
-        numbers=numbers,
+        numbers=_numbers(plan),
         sections=[
-            *([] if plan.integral_applies else [Section(_BEYOND, [_BEYOND_WORDS, _trials_table(plan)])]),
+            *costs,
             *_aim_section(plan),
-            Section("The table for the mission file", [_how_found(plan), Listing(_written(plan))]),
+            Section("For the mission file", [*([_how_found(plan)] if plan.adapts else []), Listing(_written(plan))]),
             Section("What the legs do", [tracks_figure(plan)]),
-            Section(_robustness_heading(plan), [cases_figure(plan), _cases_table(plan)]),
-            *([Section("Trials and integral equation", [_trials_table(plan)])] if plan.integral_applies else []),
+            Section(_robustness_heading(plan), [*([cases_figure(plan)] if plan.adapts else []), _cases_table(plan)]),
+            *checked,
         ],
         verdict="good" if plan.recommended else "",
     )
+
+
+def _numbers(plan: LegPlan) -> list[tuple[str, str]]:
+    own = plan.cases[0]
+    fixed = (
+        f"Mean cost of the best fixed d_max, {_length(plan.fixed_d_max)}",
+        with_error(own.fixed.cost, own.fixed.standard_error, _PERCENT),
+    )
+    if not plan.adapts:
+        return [fixed]
+    return [
+        _saving(plan),
+        ("Mean cost of the table", with_error(own.adaptive.cost, own.adaptive.standard_error, _PERCENT)),
+        fixed,
+    ]
 
 
 def terminal(plan: LegPlan) -> Terminal:
@@ -93,12 +101,9 @@ def _speed_words(plan: LegPlan) -> str:
 
 
 def _saving(plan: LegPlan) -> tuple[str, str]:
-    own = plan.cases[0]
-    if plan.aim == "energy":
-        return "Energy saved against the best fixed d_max", with_error(
-            own.energy_saving, own.energy_saving_error, _WATT_HOURS
-        )
-    return "Saved against the best fixed d_max", with_error(own.saving, own.saving_error, _SECONDS)
+    saved, unit = plan.cases[0].aimed_saving(plan.aim), _WATT_HOURS if plan.aim == "energy" else _SECONDS
+    what = "Energy saved" if plan.aim == "energy" else "Saved"
+    return f"{what} against the best fixed d_max", with_error(*saved, unit)
 
 
 def _how_found(plan: LegPlan) -> str:
@@ -107,13 +112,16 @@ def _how_found(plan: LegPlan) -> str:
         spread += f" and {number(plan.base_spread)} m that no leg escapes"
     return (
         f"{plan.machinery} The legs reckon with {spread}. Leg length is linear between the knots, [distance left, leg "
-        "length]; the same table is in legs.yaml, and in its place in mission-with-legs.yaml."
+        "length]; it is in legs.yaml too, and in its place in mission-with-legs.yaml."
     )
 
 
 def _written(plan: LegPlan) -> str:
-    """Write the transit's d_max as a mission file may hold it, a knot a line."""
-    return "d_max:\n  table:\n" + "".join(f"    - [{left}, {leg}]\n" for left, leg in plan.d_max["table"])
+    """Write what changes of the transit as a mission file may hold it, a knot a line."""
+    lines = [f"{key}: {value}" for key, value in plan.changes.items() if isinstance(value, str)]
+    if not isinstance(plan.d_max, str):
+        lines += ["d_max:", "  table:", *(f"    - [{left}, {leg}]" for left, leg in plan.d_max["table"])]
+    return "\n".join(lines)
 
 
 def _aim_section(plan: LegPlan) -> list[Section]:
@@ -149,7 +157,7 @@ def _trials_table(plan: LegPlan) -> Block:
     own = plan.cases[0]
     plans = (
         (f"fixed d_max {_length(plan.fixed_d_max)}", plan.fixed_cost, own.fixed),
-        ("table of legs", plan.expected_cost, own.adaptive),
+        *([("table of legs", plan.expected_cost, own.adaptive)] if plan.adapts else []),
     )
     rows = [
         [
@@ -169,25 +177,27 @@ def _trials_table(plan: LegPlan) -> Block:
 
 
 def _robustness_heading(plan: LegPlan) -> str:
-    if plan.left.size == 1:
-        return "The table is the fixed d_max itself"
-    losing = [case.name for case in plan.cases[1:] if not case.saving > 0.0]
+    if not plan.adapts:
+        return "What the transit costs when the errors are not as planned"
+    losing = [case.name for case in plan.cases[1:] if not case.aimed_saving(plan.aim)[0] > 0.0]
     if not losing:
         return "The table still saves when the errors are not as planned"
     return "The table loses its advantage with " + ", or ".join(losing)
 
 
 def _cases_table(plan: LegPlan) -> Table:
-    rows = [
-        [
-            case.name or "as the mission",
-            with_error(case.fixed.cost, case.fixed.standard_error, Unit("", 0.01)),
-            with_error(case.adaptive.cost, case.adaptive.standard_error, Unit("", 0.01)),
-            with_error(case.saving, case.saving_error, Unit("", 1.0)),
-        ]
-        for case in plan.cases
-    ]
-    return Table(["Errors", "Fixed d_max (%)", "Table (%)", "Time saved (s)"], rows, caption="Neither plan is changed.")
+    heads = ["Errors", "Fixed d_max (%)"]
+    if plan.adapts:
+        heads += ["Table (%)", "Energy saved (W\u202fh)" if plan.aim == "energy" else "Time saved (s)"]
+    rows = [_case_row(plan, case) for case in plan.cases]
+    return Table(heads, rows, caption="Neither plan is changed." if plan.adapts else "The plan is not changed.")
+
+
+def _case_row(plan: LegPlan, case: LegCase) -> list[str]:
+    costs = [case.fixed, case.adaptive] if plan.adapts else [case.fixed]
+    row = [case.name or "as the mission", *(with_error(it.cost, it.standard_error, Unit("", 0.01)) for it in costs)]
+    unit = Unit("", JOULES_PER_WATT_HOUR if plan.aim == "energy" else 1.0)
+    return [*row, with_error(*case.aimed_saving(plan.aim), unit)] if plan.adapts else row
 
 
 def _length(metres: float) -> str:

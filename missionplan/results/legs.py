@@ -65,6 +65,12 @@ class LegCase:
     energy_saving: float
     energy_saving_error: float
 
+    def aimed_saving(self, aim: str) -> tuple[float, float]:
+        """Give what the table saves, with its standard error: energy for the aim ``energy`` [J], else time [s]."""
+        if aim == "energy":
+            return self.energy_saving, self.energy_saving_error
+        return self.saving, self.saving_error
+
 
 @dataclass(frozen=True)
 class Contender:
@@ -188,27 +194,35 @@ class LegPlan(Result):
     @property
     def recommended(self) -> bool:
         """Whether the table does better in the mission's own trials, by more than two standard errors."""
-        own = self.cases[0]
-        if self.aim == "energy":
-            return own.energy_saving > 2.0 * own.energy_saving_error
         if self.aim == "p95":
             fixed, *_, table = self.contenders
             gain = table.value - fixed.value if np.isfinite(self.deadline) else fixed.value - table.value
             return gain > 2.0 * float(np.hypot(fixed.standard_error, table.standard_error))
-        return own.saving > 2.0 * own.saving_error
+        saving, error = self.cases[0].aimed_saving(self.aim)
+        return saving > 2.0 * error
 
     @property
-    def d_max(self) -> dict[str, list[list[str]]]:
-        """The table as a mission file writes it, to 0.1 m."""
+    def adapts(self) -> bool:
+        """Whether the table is more than a fixed d_max."""
+        return self.left.size > 1
+
+    @property
+    def d_max(self) -> dict[str, list[list[str]]] | str:
+        """The table as a mission file writes it, to 0.1 m; a length where it does not adapt."""
+        if not self.adapts:
+            return f"{self.leg[0]:.1f} m"
         return {"table": [[f"{left:.1f} m", f"{leg:.1f} m"] for left, leg in zip(self.left, self.leg, strict=True)]}
 
+    @property
+    def changes(self) -> dict[str, Any]:
+        """What the plan changes of the transit, as a mission file writes it."""
+        speed = {"speed": f"{self.speed:.3f} m/s"} if self.speed != self.mission_speed else {}
+        return {**speed, "d_max": self.d_max}
+
     def mission_with_legs(self) -> dict[str, Any]:
-        """Give the mission's data with the table as the transit's d_max."""
+        """Give the mission's data with the transit as planned."""
         data = deepcopy(dict(self.provenance.data))
-        transit = data["phases"][self.phase_index]["transit"]
-        transit["d_max"] = self.d_max
-        if self.speed != self.mission_speed:
-            transit["speed"] = f"{self.speed:.3f} m/s"
+        data["phases"][self.phase_index]["transit"].update(self.changes)
         return data
 
     def to_frame(self) -> pd.DataFrame:
@@ -216,10 +230,10 @@ class LegPlan(Result):
         return pd.DataFrame({"distance_left_m": self.left, "leg_m": self.leg, "aim_short_m": self.left - self.leg})
 
     def files(self) -> dict[str, str | bytes]:
-        """Give ``legs.csv``, ``legs.yaml`` (the transit's d_max) and ``mission-with-legs.yaml``."""
+        """Give ``legs.csv``, ``legs.yaml`` (what changes of the transit) and ``mission-with-legs.yaml``."""
         return {
             "legs.csv": to_csv(self.to_frame()),
-            "legs.yaml": to_yaml({"d_max": self.d_max}),
+            "legs.yaml": to_yaml(self.changes),
             "mission-with-legs.yaml": to_yaml(self.mission_with_legs()),
         }
 
