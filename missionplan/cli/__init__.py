@@ -64,7 +64,9 @@ def _usage_error(error: Exception) -> int:
 
 
 def _leave_at_once(status: int) -> None:
-    """End without waiting for worker pools to wind down."""
+    """End without waiting for what worker processes still do."""
+    if workers := sys.modules.get("missionplan.montecarlo.workers"):
+        workers.end_workers()
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)
