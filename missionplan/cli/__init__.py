@@ -2,7 +2,6 @@
 
 import atexit
 import gc
-import os
 import sys
 from importlib.metadata import version
 from typing import Annotated
@@ -40,12 +39,14 @@ def main() -> None:
         status = app(standalone_mode=False)
     except MissionplanError as error:
         typer.echo(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{error}", err=True)
-        sys.exit(error.exit_status)
+        status = error.exit_status
     except KeyboardInterrupt:
-        typer.echo("Interrupted.", err=True)
-        _leave_at_once(INTERRUPTED)
+        status = INTERRUPTED
     except Exception as error:
-        sys.exit(_usage_error(error))
+        status = _usage_error(error)
+    if status == INTERRUPTED:  # by typer too
+        _end_workers()
+        typer.echo("Interrupted.", err=True)
     sys.exit(status if isinstance(status, int) else 0)
 
 
@@ -55,18 +56,14 @@ def _usage_error(error: Exception) -> int:
     Told by what it offers: typer brings click's errors with it, or takes them from click, by its version.
     """
     if type(error).__name__ == "Abort":
-        typer.echo("Interrupted.", err=True)
-        _leave_at_once(INTERRUPTED)
+        return INTERRUPTED
     if hasattr(error, "show") and hasattr(error, "exit_code"):
         error.show()
         return int(error.exit_code)
     raise error
 
 
-def _leave_at_once(status: int) -> None:
-    """End without waiting for what worker processes still do."""
+def _end_workers() -> None:
+    """End worker processes, if any: the interpreter would wait for what they still do."""
     if workers := sys.modules.get("missionplan.montecarlo.workers"):
         workers.end_workers()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(status)

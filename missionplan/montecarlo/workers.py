@@ -1,10 +1,14 @@
 """The worker processes, joblib's own kind (loky): kept from call to call, ended at once when the command is."""
 
+import multiprocessing.resource_tracker
+import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 
 from joblib.externals.loky import ProcessPoolExecutor
+from joblib.externals.loky.backend import resource_tracker
 from joblib.externals.loky.process_executor import BrokenProcessPool
 
 from missionplan.errors import RunError
@@ -24,14 +28,44 @@ def worker_processes(count: int) -> ProcessPoolExecutor:
         for executor in _kept.values():
             executor.shutdown(wait=False)
         _kept.clear()
-        _kept[count] = ProcessPoolExecutor(max_workers=count, env=_ONE_THREAD)
+        _start_trackers()
+        with _ctrl_c_held_back():
+            _kept[count] = ProcessPoolExecutor(max_workers=count, env=_ONE_THREAD)
+            _kept[count].submit(int)  # starts them
     return next(iter(_kept.values()))
+
+
+def _start_trackers() -> None:
+    """Start what watches over the workers' locks, told to be silent of workers that are ended while they start."""
+    sys.warnoptions.append(silent := f"ignore::UserWarning:{resource_tracker.__name__}")
+    try:
+        for tracker in (multiprocessing.resource_tracker, resource_tracker):
+            tracker.ensure_running()
+    finally:
+        sys.warnoptions.remove(silent)
+
+
+@contextmanager
+def _ctrl_c_held_back() -> Iterator[None]:
+    """Hold back Ctrl-C, from processes started meanwhile for ever: it is this one that ends them.
+
+    Else they would show where they were, or end in the midst of an answer that this process then waits for. The
+    trackers must have started: when they do, they let Ctrl-C through again.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def end_workers() -> None:
     """End the processes at once, whatever they are doing; the next call starts others."""
     for executor in _kept.values():
-        executor.shutdown(wait=False, kill_workers=True)
+        executor.shutdown(wait=True, kill_workers=True)
     _kept.clear()
 
 

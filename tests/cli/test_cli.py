@@ -1,8 +1,11 @@
 """The command line: messages, exit statuses, nothing overwritten."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -154,6 +157,29 @@ def test_a_run_that_is_cut_short_tells_how_to_go_on(
     out = mission.with_name("report")
     assert run(monkeypatch, "simulate", str(mission), "--trials", "5000", "--out", str(out)) == status
     assert (f"--resume --out {out}" in capsys.readouterr().err.replace("\n", "")) == bool(blocks)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("blocks", [1, 40], ids=["workers start", "workers run"])
+def test_ctrl_c_ends_a_run_in_few_words(tmp_path: Path, blocks: int) -> None:
+    mission, out = MISSIONS / "chesapeake.yaml", tmp_path / "report"
+    words = ["simulate", mission, "--trials", "4000000", "--jobs", "2", "--out", out]
+    run = subprocess.Popen(
+        [sys.executable, "-m", "missionplan", *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+        text=True,
+    )
+    while run.poll() is None and len(list(out.rglob("block-*.npz"))) < blocks:
+        time.sleep(0.02)
+    os.killpg(run.pid, signal.SIGINT)
+    said, _ = run.communicate(timeout=20)  # until the last process that could write has ended
+    assert run.returncode == 130
+    assert (
+        said.replace("\n", " ").split()
+        == f"Finished blocks are kept; go on with: --resume --out {out} Interrupted.".split()
+    )
 
 
 def test_a_requirement_that_is_not_met_exits_with_3(
