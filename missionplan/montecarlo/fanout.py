@@ -12,7 +12,7 @@ from typing import Any, Literal, TypeVar
 import joblib
 
 from missionplan.errors import InputError
-from missionplan.montecarlo.workers import ended_on_failure, worker_processes
+from missionplan.montecarlo.workers import ctrl_c_held_back, ended_on_failure, worker_processes
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -159,7 +159,8 @@ def _dask_client(jobs: int, scheduler: str | None) -> Any:
     except ImportError as error:
         raise InputError("--backend dask needs dask.distributed: pip install 'missionplan[dask]'") from error
     if scheduler is None:
-        return distributed.Client(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
+        with ctrl_c_held_back():
+            return distributed.Client(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
     try:
         return distributed.Client(scheduler, timeout="10s")
     except (OSError, ValueError) as error:

@@ -28,8 +28,7 @@ def worker_processes(count: int) -> ProcessPoolExecutor:
         for executor in _kept.values():
             executor.shutdown(wait=False)
         _kept.clear()
-        _start_trackers()
-        with _ctrl_c_held_back():
+        with ctrl_c_held_back():
             _kept[count] = ProcessPoolExecutor(max_workers=count, env=_ONE_THREAD)
             _kept[count].submit(int)  # starts them
     return next(iter(_kept.values()))
@@ -46,12 +45,12 @@ def _start_trackers() -> None:
 
 
 @contextmanager
-def _ctrl_c_held_back() -> Iterator[None]:
+def ctrl_c_held_back() -> Iterator[None]:
     """Hold back Ctrl-C, from processes started meanwhile for ever: it is this one that ends them.
 
-    Else they would show where they were, or end in the midst of an answer that this process then waits for. The
-    trackers must have started: when they do, they let Ctrl-C through again.
+    Else they would show where they were, or end in the midst of an answer that this process then waits for.
     """
+    _start_trackers()  # as they start they would let it through again
     if sys.platform == "win32":
         yield
         return
