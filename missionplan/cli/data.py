@@ -35,13 +35,12 @@ def diagnose(
         from missionplan.montecarlo.sharing import MOST
         from missionplan.montecarlo.workers import started_workers
 
-        workers = o.worker_count(jobs)
-        with started_workers(
-            min(workers, MOST) - 1, "missionplan.diagnose.study"
-        ):  # they import while this process does
+        processes = o.worker_count(jobs)
+        others = min(processes, MOST) - 1
+        with started_workers(others, "missionplan.diagnose.study"):  # they import while this process does
             from missionplan.diagnose.study import diagnose
 
-            return diagnose(loaded, dataset, seed=seed, jobs=workers, progress=progress)
+            return diagnose(loaded, dataset, seed=seed, jobs=processes, progress=progress)
 
     run_study(mission, "diagnose", study, o.Output(out, force, as_json, quiet), allow_outside=allow_outside)
 
