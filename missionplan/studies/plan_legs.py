@@ -162,11 +162,11 @@ def _quantile(running: RunningStatistic, share: float, trials: int) -> tuple[flo
 
 
 def _cases(setting: SweepSetting) -> tuple[Misjudged, ...]:
-    """The mission itself; σ_v half and double; the mean error half and double, or one that was not expected."""
-    mean = setting.plan(0, setting.means).velocity_error.mean[:, 0]
+    """The mission itself; σ_v half and double; the mean drift half and double, or one that was not expected."""
+    drift = setting.mean_drift
     sigma = setting.sigma(0)
-    if np.any(mean):
-        means = [("mean error half as large", -0.5 * mean), ("mean error twice as large", mean)]
+    if np.any(drift):
+        means = [("mean drift half as large", -0.5 * drift), ("mean drift twice as large", drift)]
     else:
         course = setting.means.position(setting.phase.to, f"{setting.phase.name}.to")
         course = course - setting.means.position(*setting.start)

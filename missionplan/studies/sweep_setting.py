@@ -88,6 +88,11 @@ class SweepSetting:
         return self.mission.navigation
 
     @property
+    def mean_drift(self) -> Array:
+        """Mean velocity that carries the vehicle under way at the start, shape (2,) [m/s]."""
+        return _mean_drift(self.means, self.phase, self.means.position(*self.start))
+
+    @property
     def table(self) -> LegTable | None:
         """Legs that adapt to the distance left, where the transit has them instead of a d_max."""
         return leg_table(self.phase.d_max) if isinstance(self.phase.d_max, WrittenLegTable) else None

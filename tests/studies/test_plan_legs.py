@@ -61,6 +61,18 @@ def test_robustness_covers_sigma_and_mean(plan):
         assert np.dot(case.mean_error, course) == pytest.approx(0.0, abs=1e-12)
 
 
+def test_robustness_doubts_the_drift_that_the_mission_expects(tmp_path):
+    path = tmp_path / "drift.yaml"
+    site = "site: {depth: 20 m, current: [{down_to: 20 m, speed: 0.1 m/s, toward: 0 deg}]}\n"
+    path.write_text(
+        MISSION.replace("{sigma: 0.05 m/s}", "{mean: [0.03 m/s, 0 m/s], sigma: 0.05 m/s}") + site, encoding="utf-8"
+    )
+    half, double = plan_legs(load(path), trials=100).cases[3:]
+    assert (half.name, double.name) == ("mean drift half as large", "mean drift twice as large")
+    assert half.mean_error == pytest.approx((-0.015, -0.05))
+    assert double.mean_error == pytest.approx((0.03, 0.1))
+
+
 def test_the_mission_with_legs_loads_and_runs(plan, tmp_path):
     path = tmp_path / "mission.yaml"
     path.write_text(plan.files()["mission-with-legs.yaml"], encoding="utf-8")
