@@ -15,7 +15,7 @@ from missionplan.montecarlo.draws import Correlation, JointDistribution
 from missionplan.montecarlo.fanout import run_blocks
 from missionplan.montecarlo.statistics import RunningStatistic
 from missionplan.montecarlo.streams import LegNormals
-from missionplan.montecarlo.workers import end_workers
+from missionplan.montecarlo.workers import end_workers, worker_processes
 
 JOINT = JointDistribution.of({"a": Normal(0.0, 1.0), "b": LogNormal(2.0, 1.3)}, [Correlation(("a", "b"), 0.5)])
 
@@ -66,8 +66,14 @@ def test_nothing_waits_for_the_workers_to_start():
     assert set(run_blocks(worker_after, range(3), jobs=2)) == {os.getpid()}
 
 
+@pytest.fixture
+def warm_worker():
+    worker_processes(1).submit(worker_after, 0).result()
+
+
+@pytest.mark.usefixtures("warm_worker")
 def test_a_part_is_done_here():
-    processes = list(run_blocks(worker_after, range(100), jobs=2))
+    processes = list(run_blocks(worker_after, range(20), jobs=2))
     assert processes[0] == os.getpid()
     assert len(set(processes)) > 1
 
@@ -78,9 +84,10 @@ def die_elsewhere(here, block):
     return slow_block(block)
 
 
+@pytest.mark.usefixtures("warm_worker")
 def test_a_worker_that_dies_is_told_and_replaced():
     with pytest.raises(RunError, match="worker process died"):
-        list(run_blocks(functools.partial(die_elsewhere, os.getpid()), range(200), jobs=2))
+        list(run_blocks(functools.partial(die_elsewhere, os.getpid()), range(20), jobs=2))
     assert list(run_blocks(slow_block, range(4), jobs=2)) == [0, 1, 2, 3]
 
 
@@ -97,8 +104,10 @@ def worker_after(block):
     return os.getpid()
 
 
+@pytest.mark.usefixtures("warm_worker")
 def test_workers_outlive_a_reader_who_stops_early():
     before = set(run_blocks(worker_after, range(12), jobs=2))
+    assert len(before) > 1
     results = run_blocks(worker_after, range(50), jobs=2)
     next(results)
     results.close()
