@@ -4,7 +4,7 @@ import tempfile
 from pathlib import Path
 
 from benchmarks.common import MISSIONS, Options, Row, Run, Section, alternate, duration, python, run_command
-from missionplan.phases.leg_policy import best_legs
+from missionplan.phases.transit.analytic.policy import best_legs
 
 SWEEP_TRIALS = 20_000
 HARDEST_LEGS = {"distance": 14816.0, "speed": 1.2, "arrival_radius": 10.0, "sigma": 0.035, "surfacing_time": 90.0}

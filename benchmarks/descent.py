@@ -15,8 +15,8 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.common import Options, Row, Section, alternate, duration
 from missionplan.phases.currents import layers
-from missionplan.phases.descent import DescentRecord, descend
-from missionplan.phases.descent_forces import Dive
+from missionplan.phases.mooring.descent import DescentRecord, descend
+from missionplan.phases.mooring.forces import Dive
 from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag, anchor_drag
 from missionplan.physics.water import Water
 

@@ -33,18 +33,19 @@ from benchmarks.transit_trial import (
     SURFACING_TIME,
     transit_trial,
 )
+from missionplan.arrays import Array
 from missionplan.mission import Mission, load
-from missionplan.montecarlo.fanout import run_blocks
+from missionplan.montecarlo.parallel_blocks import run_blocks
+from missionplan.montecarlo.pool import worker_processes
 from missionplan.montecarlo.running_statistics import RunningStatistics
-from missionplan.montecarlo.sensitivity import Array, Influence, sensitivities
+from missionplan.montecarlo.sensitivity import Influence, sensitivities
 from missionplan.montecarlo.streams import BLOCK, LegNormals, block_count, block_size, stream
-from missionplan.montecarlo.workers import worker_processes
 from missionplan.phases.state import TrialState
-from missionplan.phases.transit import transit
-from missionplan.phases.transit_plan import TransitNormals, TransitPlan, VelocityError
-from missionplan.studies import outcome
-from missionplan.studies.simulate import simulate
-from missionplan.studies.sweep_dmax import sweep_dmax
+from missionplan.phases.transit.plan import TransitNormals, TransitPlan, VelocityError
+from missionplan.phases.transit.transit import transit
+from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+from missionplan.studies.simulation import outcome_builder as outcome
+from missionplan.studies.simulation.simulate import simulate
 
 Item = tuple[int, int]
 SEED = 1

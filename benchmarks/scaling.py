@@ -11,7 +11,7 @@ import yaml
 
 from benchmarks.common import MISSIONS, Options, Row, Section, duration, grouped, megabytes, python, run_command
 from missionplan.mission import Mission, load
-from missionplan.studies.simulate import simulate as simulate_study
+from missionplan.studies.simulation.simulate import simulate as simulate_study
 
 MISSION = "chesapeake.yaml"
 PACKAGES = ("numpy", "scipy", "joblib")

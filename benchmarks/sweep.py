@@ -18,9 +18,9 @@ import numpy as np
 
 from benchmarks.common import MISSIONS, Options, Row, Section, alternate, duration
 from missionplan.mission import load
-from missionplan.montecarlo.workers import worker_processes
+from missionplan.montecarlo.pool import worker_processes
 from missionplan.results.sweep import Sweep
-from missionplan.studies.sweep_dmax import sweep_dmax
+from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
 TRIALS, PYTHON_TRIALS = 20_000, 300
 DISTANCE, SPEED, RADIUS, SURFACING_TIME, MAX_LEGS = 7408.0, 1.25, 50.0, 90.0, 400

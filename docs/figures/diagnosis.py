@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from missionplan.diagnose import diagnose
-from missionplan.mission import load
-from missionplan.report.diagnosis_figures import main_figure, ranking_figure
+from missionplan import diagnose, load
+from missionplan.report.diagnosis.figures import main_figure, ranking_figure
 from missionplan.report.page import style
 
 HERE = Path(__file__).parent

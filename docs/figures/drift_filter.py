@@ -12,12 +12,12 @@ from tempfile import TemporaryDirectory
 import matplotlib.pyplot as plt
 import numpy as np
 
-from missionplan.mission import load
-from missionplan.phases.leg_policy import best_legs
-from missionplan.phases.legs import LegTable
-from missionplan.studies.leg_aims import with_first_leg
-from missionplan.studies.leg_trials import LegsAtSpeed, run_plans
-from missionplan.studies.sweep_setting import SweepSetting
+from missionplan import load
+from missionplan.phases.transit.analytic.policy import best_legs
+from missionplan.phases.transit.leg_table import LegTable
+from missionplan.studies.leg_length.aims import with_first_leg
+from missionplan.studies.leg_length.sweep_scenario import SweepSetting
+from missionplan.studies.leg_length.trials import LegsAtSpeed, run_plans
 
 FOLDER = Path(__file__).parent
 WAYS = ("none", "forecast", "last-leg", "mean", "filter")

@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 
 import missionplan
+from missionplan.report.leg_length.sweep import cost_figure
 from missionplan.report.page import style
-from missionplan.report.sweep import cost_figure
 
 ROOT = Path(__file__).parents[2]
 

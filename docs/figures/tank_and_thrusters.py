@@ -15,8 +15,8 @@ from missionplan.physics import tunnel_thruster as tunnel
 from missionplan.report import identification as pictures
 from missionplan.report import transition as transition_pictures
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, style, to_figure
-from missionplan.studies.identify import identify
-from missionplan.studies.sweep_transition import sweep_transition
+from missionplan.studies.identification.identify import identify
+from missionplan.studies.transition.sweep_transition import sweep_transition
 
 HERE = Path(__file__).parent
 MISSIONS = HERE.parents[1] / "missions"

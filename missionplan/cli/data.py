@@ -32,13 +32,13 @@ def diagnose(
     """What the simulation gets wrong about measured data, why, the extended mission, and what it gains."""
 
     def study(loaded: "Mission", progress: Any) -> "Result":
-        from missionplan.montecarlo.sharing import MOST
-        from missionplan.montecarlo.workers import started_workers
+        from missionplan.montecarlo.parallel_map import MOST
+        from missionplan.montecarlo.pool import started_workers
 
         processes = o.worker_count(jobs)
         others = min(processes, MOST) - 1
-        with started_workers(others, "missionplan.diagnose.study"):  # they import while this process does
-            from missionplan.diagnose.study import diagnose
+        with started_workers(others, "missionplan.diagnosis.diagnose"):  # they import while this process does
+            from missionplan.diagnosis.diagnose import diagnose
 
             return diagnose(loaded, dataset, seed=seed, jobs=processes, progress=progress)
 
@@ -54,7 +54,7 @@ def identify(
 ) -> None:
     """Hydrodynamic and thruster parameters from tank data, with their errors and a fragment for a vehicle file."""
     from missionplan.store.folder import check_new_folder
-    from missionplan.studies.identify import identify
+    from missionplan.studies.identification.identify import identify
 
     folder = out or report_folder(dataset.resolve().name, "identify")
     check_new_folder(folder, force=force)

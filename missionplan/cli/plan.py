@@ -63,7 +63,7 @@ def sweep_dmax(
     """Cost of each maximum leg length d_max, for each velocity error; the best d_max with its uncertainty."""
 
     def study(loaded: "Mission", progress: Any) -> "Result":
-        from missionplan.studies.sweep_dmax import sweep_dmax
+        from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
         return sweep_dmax(
             loaded,
@@ -99,7 +99,7 @@ def plan_legs(
     """Legs that adapt to the distance left: a table better than any fixed d_max, and what it saves."""
 
     def study(loaded: "Mission", progress: Any) -> "Result":
-        from missionplan.studies.plan_legs import plan_legs
+        from missionplan.studies.leg_length.plan_legs import plan_legs
 
         return plan_legs(
             loaded,
@@ -140,7 +140,7 @@ def size_anchor(
     """Anchor that takes the vehicle down within the radius: weight, length, trim ring, and the dive it gives."""
 
     def study(loaded: "Mission", progress: Any) -> "Result":
-        from missionplan.studies.size_anchor import size_anchor
+        from missionplan.studies.anchor.size_anchor import size_anchor
 
         return size_anchor(
             loaded,
@@ -186,7 +186,7 @@ def simulate(
     """The whole mission, phase by phase: will it work, how long, how much energy, and what spoils it."""
     from missionplan.mission import load
     from missionplan.store.folder import check_new_folder
-    from missionplan.studies.simulate import simulate
+    from missionplan.studies.simulation.simulate import simulate
 
     folder = out or (_last_unfinished(mission.stem) if resume else report_folder(mission.stem, "simulate"))
     check_new_folder(folder, force=force or resume)
@@ -246,7 +246,7 @@ def sweep_transition(
     """Depth, pitch and energy of slowing down to hover, over the grid of the transition phase."""
 
     def study(loaded: "Mission", _progress: Any) -> "Result":
-        from missionplan.studies.sweep_transition import sweep_transition
+        from missionplan.studies.transition.sweep_transition import sweep_transition
 
         return sweep_transition(loaded, phase=phase)
 

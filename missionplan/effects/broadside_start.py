@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from missionplan.arrays import Scalars
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import DescentEffect, Scalars
+from missionplan.phases.hooks import DescentEffect
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import Array, Leg, Scalars, TransitEffect
+from missionplan.phases.hooks import Leg, TransitEffect
 
 
 def turned(leg: Leg, angle: Scalars) -> Array:

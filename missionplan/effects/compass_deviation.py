@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from missionplan.arrays import Array, Scalars
 from missionplan.effects.compass_bias import turned
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import Array, Leg, Scalars, TransitEffect
+from missionplan.phases.hooks import Leg, TransitEffect
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
+from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import Array, DescentEffect, Scalars
+from missionplan.phases.hooks import DescentEffect
 
 
 @dataclass(frozen=True)

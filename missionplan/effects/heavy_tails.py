@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gammaincinv, ndtr
 
+from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import Array, Scalars, TransitEffect
+from missionplan.phases.hooks import TransitEffect
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.effects.oscillation import mean_phasor, wave
-from missionplan.phases.hooks import Array, Leg, Scalars, TransitEffect
+from missionplan.phases.hooks import Leg, TransitEffect
 
 EARTH_ROTATION = 7.2921159e-5
 """Angular velocity of the Earth [rad/s]."""

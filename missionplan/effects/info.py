@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from math import inf
 from typing import Literal
 
-from missionplan.phases.hooks import Array, DescentEffect, Scalars, TransitEffect
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.hooks import DescentEffect, TransitEffect
 
 Phase = Literal["transit", "descent", "tank"]
 Tier = Literal["physical", "statistical"]

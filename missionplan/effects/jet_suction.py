@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
+from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter, TankEffect
-from missionplan.phases.hooks import Array, Scalars
 from missionplan.physics.tunnel_thruster import force_factor
 
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from missionplan.phases.hooks import Array, Leg, Scalars
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.hooks import Leg
 
 
 def mean_phasor(leg: Leg, frequency: float) -> tuple[Array, Array]:

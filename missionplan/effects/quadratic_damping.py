@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
+from missionplan.arrays import Scalars
 from missionplan.effects.info import EffectInfo, Parameter, TankEffect
-from missionplan.phases.hooks import Scalars
 
 
 @dataclass(frozen=True)

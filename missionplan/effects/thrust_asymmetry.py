@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter, TankEffect
-from missionplan.phases.hooks import Array, Scalars
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.effects.oscillation import mean_phasor, wave
-from missionplan.phases.hooks import Array, Leg, Scalars, TransitEffect
+from missionplan.phases.hooks import Leg, TransitEffect
 
 PERIODS = {"m2": 12.4206012 * 3600.0, "s2": 12.0 * 3600.0, "k1": 23.9344696 * 3600.0, "o1": 25.8193417 * 3600.0}
 """Periods of the constituents [s]."""

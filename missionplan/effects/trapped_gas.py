@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from missionplan.arrays import Scalars
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import DescentEffect, Scalars
+from missionplan.phases.hooks import DescentEffect
 
 ATMOSPHERE = 10.1
 """Depth of water that adds one atmosphere of pressure [m]; 10.07 m in sea water, 10.33 m in fresh."""

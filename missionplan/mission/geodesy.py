@@ -5,14 +5,12 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from missionplan.mission.site import Geographic
+from missionplan.arrays import Array
+from missionplan.mission.schema.site import Geographic
 
 if TYPE_CHECKING:
     from pyproj import Proj
-
-Array = NDArray[np.float64]
 
 
 @lru_cache(maxsize=16)

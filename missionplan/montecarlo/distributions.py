@@ -12,11 +12,10 @@ from functools import cached_property
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 from typing_extensions import override
 
-Array = NDArray[np.float64]
+from missionplan.arrays import Array
 
 NEVER = 1e-20
 """Probability of a draw that no run will ever see."""

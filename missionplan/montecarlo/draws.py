@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
+from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.distributions import Distribution, Quantity
 from missionplan.montecarlo.streams import BLOCK, stream
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from missionplan.arrays import Array
+
 Integers = NDArray[np.int64]
 
 _CUT = 42  # of the 52 bits of a mantissa: 1024 bins between a power of 2 and the next

@@ -4,13 +4,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
+from missionplan.arrays import Array
 from missionplan.montecarlo.quantile_sketch import NOTHING, QuantileSketch, bin_number
 from missionplan.montecarlo.statistics import Moments, RunningStatistic
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from missionplan.arrays import Array
 
 LEAST_TRIALS = 100
 """Below this many trials nothing is said."""

@@ -10,9 +10,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from missionplan.arrays import Array
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _Z95 = 1.959963984540054

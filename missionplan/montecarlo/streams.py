@@ -6,7 +6,7 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from missionplan.arrays import Array
 
 BLOCK = 4096
 """Trials in a block. Whole blocks are drawn even when fewer trials are used, so that raising the number keeps bits."""

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 from typing_extensions import override
 
+from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError
-from missionplan.phases.hooks import Array, Scalars
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 

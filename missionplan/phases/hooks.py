@@ -9,12 +9,7 @@ column, start or dive a trial.
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
-Scalars = float | Array
-"""A number, or an array over trials."""
+from missionplan.arrays import Array, Scalars
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.phases.hooks import Array, Scalars
+from missionplan.arrays import Array, Scalars
 
 
 @dataclass(frozen=True)

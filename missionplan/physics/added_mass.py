@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from missionplan.physics.arrays import Scalars
+from missionplan.arrays import Scalars
 
 
 def lamb_axial_coefficient(fineness: Scalars) -> Scalars:

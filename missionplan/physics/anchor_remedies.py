@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from missionplan.arrays import Array
 from missionplan.physics.anchor import AnchorDesign, AnchorProblem, Construction, solve_anchor
-from missionplan.physics.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Weights and displaced masses of submerged bodies."""
 
-from missionplan.physics.arrays import Scalars
+from missionplan.arrays import Scalars
 
 STANDARD_GRAVITY = 9.80665
 """g [m/s²], the conventional value."""

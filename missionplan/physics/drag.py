@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from missionplan.physics.arrays import Scalars
+from missionplan.arrays import Scalars
 
 REYNOLDS_HELD = 1e4
 """Below it C_f keeps its value there: the ITTC line is singular at Re = 100, which every dive crosses."""

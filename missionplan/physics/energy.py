@@ -1,6 +1,6 @@
 """Power that the vehicle draws under way."""
 
-from missionplan.physics.arrays import Scalars
+from missionplan.arrays import Scalars
 
 
 def propulsive_power(drag: Scalars, speed: Scalars, efficiency: Scalars) -> Scalars:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missionplan.physics.arrays import Scalars
+from missionplan.arrays import Scalars
 from missionplan.physics.drag import REYNOLDS_HELD, drag_force, reynolds_number
 from missionplan.physics.tank import reynolds_drag_coefficient
 from missionplan.physics.vehicle_drag import VehicleDrag

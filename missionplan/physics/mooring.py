@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from missionplan.physics.arrays import Array, Scalars
+from missionplan.arrays import Array, Scalars
 
 
 def layer_thicknesses(down_to: Array, depth: float) -> Array:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missionplan.physics.arrays import Array, Scalars, magnitude
+from missionplan.arrays import Array, Scalars, magnitude
 
 STEPS_A_PERIOD = 40
 """Steps in a period: 2e-5 of the release A where βA = 0.1, 2e-4 where it is 1; exact without quadratic damping."""

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from missionplan.physics.arrays import Scalars, magnitude
+from missionplan.arrays import Scalars, magnitude
 
 Damping = Literal["surge", "momentum"]
 

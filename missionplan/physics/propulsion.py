@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from missionplan.physics.arrays import Array, Scalars, magnitude
+from missionplan.arrays import Array, Scalars, magnitude
 from missionplan.physics.propeller import Propeller, Resistance, flow_acceleration, steady_axial_flow, thrust, torque
 
 State = tuple[Scalars, Scalars, Scalars]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from missionplan.physics.arrays import Scalars
+from missionplan.arrays import Scalars
 
 
 def static_thrust(command: Scalars, ahead: Scalars, astern: Scalars, deadband: Scalars = 0.0) -> Scalars:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.physics.arrays import Scalars
+from missionplan.arrays import Scalars
 from missionplan.physics.drag import disc_area
 
 LEAST_FORCE_FACTOR = 0.07

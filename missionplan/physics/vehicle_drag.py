@@ -7,8 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
+from missionplan.arrays import Scalars
 from missionplan.physics import drag
-from missionplan.physics.arrays import Scalars
 from missionplan.physics.water import Water
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missionplan.physics.arrays import Array, Scalars
+from missionplan.arrays import Array, Scalars
 
 GRAVITY = 9.81
 """Standard gravity as the paper's 0.3 % of 3600 kg = 105.9 N supposes [m/s²]."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import gsw
 import numpy as np
 
-from missionplan.physics.arrays import Scalars
+from missionplan.arrays import Scalars
 
 REFERENCE_SALINITY_RATIO = 35.16504 / 35.0
 """Absolute (reference) salinity [g/kg] over practical salinity, TEOS-10."""

@@ -4,7 +4,7 @@ import io
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import Environment, PackageLoader
 from markupsafe import Markup
 
+from missionplan.rendering import Rendered
 from missionplan.results.base import Provenance, to_yaml
 
 if TYPE_CHECKING:
@@ -113,15 +114,6 @@ class Terminal:
     sentence: str
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
-
-
-@dataclass(frozen=True)
-class Rendered:
-    """A page as HTML, its figures as SVG by name, and files for other programs (GeoJSON, KML) by file name."""
-
-    html: str
-    figures: dict[str, str]
-    files: dict[str, str] = field(default_factory=dict)
 
 
 @contextmanager

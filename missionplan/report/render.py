@@ -4,7 +4,8 @@ from dataclasses import replace
 from importlib import import_module
 from types import ModuleType
 
-from missionplan.report.page import Rendered, Terminal, render_page, style
+from missionplan.rendering import Rendered
+from missionplan.report.page import Terminal, render_page, style
 from missionplan.results.base import Result
 
 

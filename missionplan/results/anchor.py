@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability, Statistic
-from missionplan.phases.descent_forces import Dive
-from missionplan.phases.descent_profile import DescentProfile
+from missionplan.phases.mooring.forces import Dive
+from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.anchor import AnchorDesign
 from missionplan.physics.anchor_remedies import HEAVIEST, Remedy
 from missionplan.physics.vehicle_drag import DragBuildUp
@@ -235,7 +235,7 @@ class AnchorSizing(Result):
         Where formulae leave their range.
     """
 
-    report: ClassVar[str] = "anchor"
+    report: ClassVar[str] = "anchor.page"
 
     provenance: Provenance
     phase: str

@@ -7,7 +7,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, ClassVar
@@ -15,6 +14,7 @@ from typing import Any, ClassVar
 import pandas as pd
 import yaml
 
+from missionplan.rendering import render
 from missionplan.store.folder import new_folder, write_atomically
 
 _LIBRARIES = ("numpy", "scipy", "pandas", "matplotlib", "joblib", "pydantic", "pint")
@@ -112,7 +112,7 @@ class Result(ABC):
             When it cannot be written.
         """
         folder = Path(folder)
-        rendered = import_module("missionplan.report.render").render(self)
+        rendered = render(self)
         contents: dict[str, str | bytes] = {
             "report.html": rendered.html,
             "summary.json": to_json(self.summary()),

@@ -194,7 +194,7 @@ class Diagnosis(Result):
         The mission's data with the causes as effects.
     """
 
-    report: ClassVar[str] = "diagnosis"
+    report: ClassVar[str] = "diagnosis.page"
 
     provenance: Provenance
     kind: str

@@ -4,13 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from missionplan.arrays import Array
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
-
-Array = NDArray[np.float64]
 
 JOULES_PER_WATT_HOUR = 3600.0
 
@@ -146,7 +144,7 @@ class LegPlan(Result):
         Tracks of the same few trials by both plans: the start, where they surfaced and dived; nan after arrival [m].
     """
 
-    report: ClassVar[str] = "legs"
+    report: ClassVar[str] = "leg_length.plan"
 
     provenance: Provenance
     phase: str

@@ -8,10 +8,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results.base import Provenance, Result, to_csv
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -191,7 +190,7 @@ class Outcome(Result):
         Parquet, one row a trial, on request.
     """
 
-    report: ClassVar[str] = "simulation"
+    report: ClassVar[str] = "simulation.page"
 
     provenance: Provenance
     phases: tuple[PhaseOutcome, ...]

@@ -102,7 +102,7 @@ class Sweep(Result):
     curves : tuple of SweepCurve
     """
 
-    report: ClassVar[str] = "sweep"
+    report: ClassVar[str] = "leg_length.sweep"
 
     provenance: Provenance
     phase: str

@@ -4,13 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from missionplan.arrays import Array
 from missionplan.results.base import Provenance, Result, to_csv
-
-Array = NDArray[np.float64]
 
 FORCE, SUCTION, PAIR = "one thruster, force alone", "one thruster with suction", "thruster pair"
 """Variants, in the order of the paper: sections 6, 7.1 and 7.2."""

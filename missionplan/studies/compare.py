@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from missionplan.errors import InputError, Problem
-from missionplan.mission.loading import load_document, read_text
+from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.results.base import Provenance
 from missionplan.results.comparison import Change, Comparison, Difference, Run
 from missionplan.studies.mission_changes import changes

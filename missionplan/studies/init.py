@@ -7,15 +7,16 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from missionplan.arrays import Array
 from missionplan.effects.compass_bias import CompassBias
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.streams import stream
-from missionplan.phases.hooks import Array, Leg
+from missionplan.phases.hooks import Leg
 from missionplan.results.base import to_csv
+from missionplan.scenario.scenario import Setting
 from missionplan.store.folder import write_atomically
-from missionplan.studies.setting import Setting
 
 COMPASS_BIAS = math.radians(3.0)
 """What the sea trial holds and the mission does not know: the course made is this much clockwise of that steered."""

@@ -10,7 +10,7 @@ from missionplan.physics import oscillation as osc
 from missionplan.physics import tank
 from missionplan.physics.drag import reynolds_number
 from missionplan.physics.thruster import static_thrust
-from missionplan.studies.identify import identify
+from missionplan.studies.identification.identify import identify
 
 MEASURED = Path(__file__).parents[2] / "missions" / "measured"
 TABLE_1_SPEED = np.arange(2, 9) / 10.0

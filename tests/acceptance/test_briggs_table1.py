@@ -15,10 +15,10 @@ from missionplan.effects.drag_bias import DragBias
 from missionplan.effects.vertical_current import VerticalCurrent
 from missionplan.mission import load
 from missionplan.phases.currents import layers
-from missionplan.phases.descent import descend
-from missionplan.studies.anchor_trials import dive_with
-from missionplan.studies.anchor_weight import worst_case_weight
-from missionplan.studies.setting import Setting
+from missionplan.phases.mooring.descent import descend
+from missionplan.scenario.anchor_weight import worst_case_weight
+from missionplan.scenario.scenario import Setting
+from missionplan.studies.anchor.trials import dive_with
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 FOOT = 0.3048

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from missionplan.mission import load
-from missionplan.studies.setting import Setting
-from missionplan.studies.simulate import simulate, simulate_block
-from missionplan.studies.size_anchor import size_anchor
-from missionplan.studies.trial_block import run_block
+from missionplan.scenario.scenario import Setting
+from missionplan.studies.anchor.size_anchor import size_anchor
+from missionplan.studies.simulation.simulate import simulate, simulate_block
+from missionplan.studies.simulation.trial_block import run_block
 
 MISSION = Path(__file__).parents[2] / "missions" / "chesapeake.yaml"
 

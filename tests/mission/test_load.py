@@ -6,7 +6,7 @@ import pytest
 
 from missionplan import load
 from missionplan.errors import InputError
-from missionplan.mission.phases import MoorPhase, TransitPhase
+from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.montecarlo.distributions import Normal, TruncatedNormal
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import missionplan
-from missionplan.phases import transition as tr
-from missionplan.phases import transition_plan as plan
-from missionplan.studies.setting import Setting
-from missionplan.studies.transition_setting import manoeuvre, transition_phase, transition_vehicle
+from missionplan.phases.transition import plan as plan
+from missionplan.phases.transition import simulation as tr
+from missionplan.scenario.scenario import Setting
+from missionplan.scenario.transition import manoeuvre, transition_phase, transition_vehicle
 
 MISSION = Path(__file__).parents[2] / "missions" / "autosub-transition.yaml"
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from missionplan.diagnose import diagnose
+from missionplan import diagnose
 from missionplan.mission import load
 
 DATA = Path(__file__).parents[2].parent / "shared" / "data"

@@ -3,8 +3,8 @@ from pathlib import Path
 import pytest
 
 from missionplan.mission import load
-from missionplan.report.anchor import answer, page, terminal
-from missionplan.studies.size_anchor import size_anchor
+from missionplan.report.anchor.page import answer, page, terminal
+from missionplan.studies.anchor.size_anchor import size_anchor
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from missionplan.effects import CATALOGUE
-from missionplan.report.diagnosis_causes import causes_section, names
+from missionplan.report.diagnosis.causes import causes_section, names
 
 
 def diagnosed(*causes: str, rivals: tuple[tuple[str, ...], ...] = ()) -> Any:

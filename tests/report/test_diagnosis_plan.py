@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from missionplan.report.diagnosis_plan import plan_section, plan_words
+from missionplan.report.diagnosis.plan import plan_section, plan_words
 
 
 def diagnosed(before: dict[str, Any], after: dict[str, Any], kept: dict[str, Any], verdict: str = "explained") -> Any:

@@ -7,10 +7,10 @@ import pytest
 
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import Statistic, wilson
-from missionplan.report.legs import page
+from missionplan.report.leg_length.plan import page
 from missionplan.report.page import Figure, Listing, Table
 from missionplan.results.legs import Contender
-from missionplan.studies.plan_legs import plan_legs
+from missionplan.studies.leg_length.plan_legs import plan_legs
 
 MISSION = """
 name: Legs

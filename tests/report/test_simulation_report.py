@@ -10,9 +10,9 @@ import pytest
 from outcome_example import MAPPED, example
 
 from missionplan.montecarlo.statistics import wilson
-from missionplan.report import simulation
 from missionplan.report.page import Figure, style
 from missionplan.report.render import render, terminal
+from missionplan.report.simulation import page as simulation
 from missionplan.results.simulation import Attrition, Outcome
 
 

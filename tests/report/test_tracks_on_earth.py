@@ -10,8 +10,8 @@ import pytest
 from outcome_example import example
 from pyproj import Geod
 
-from missionplan.report.geojson import SAMPLES, longitudes_latitudes, track_geojson
-from missionplan.report.kml import track_kml
+from missionplan.report.geography.geojson import SAMPLES, longitudes_latitudes, track_geojson
+from missionplan.report.geography.kml import track_kml
 
 POSITION = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number"}}
 LINE = {"type": "array", "minItems": 2, "items": POSITION}

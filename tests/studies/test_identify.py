@@ -8,7 +8,7 @@ from missionplan.errors import InputError, RunError
 from missionplan.physics import propeller as p
 from missionplan.physics import propulsion as pr
 from missionplan.report.render import render, terminal
-from missionplan.studies.identify import identify
+from missionplan.studies.identification.identify import identify
 
 
 def write(folder, settings, columns, name="data.csv"):

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from missionplan.diagnose.transit_data import read_transit
+from missionplan.datasets.legs import read_transit
 from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.studies.init import COMPASS_BIAS, LEGS, init, sea_trial
-from missionplan.studies.simulate import simulate
+from missionplan.studies.simulation.simulate import simulate
 
 
 @pytest.fixture(scope="module")

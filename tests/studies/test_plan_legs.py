@@ -8,12 +8,13 @@ import yaml
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.studies import leg_aims, leg_trials
-from missionplan.studies.leg_spread import measured_spread
-from missionplan.studies.leg_trials import LegsAtSpeed, best_plan
-from missionplan.studies.plan_legs import plan_legs
-from missionplan.studies.sweep_dmax import sweep_dmax
-from missionplan.studies.sweep_setting import SweepSetting
+from missionplan.studies.leg_length import aims as leg_aims
+from missionplan.studies.leg_length import trials as leg_trials
+from missionplan.studies.leg_length.plan_legs import plan_legs
+from missionplan.studies.leg_length.spread import measured_spread
+from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+from missionplan.studies.leg_length.sweep_scenario import SweepSetting
+from missionplan.studies.leg_length.trials import LegsAtSpeed, best_plan
 
 MISSION = """
 name: Legs

@@ -10,12 +10,12 @@ from simulate_missions import EXACT, GONE, MISSIONS, chesapeake, chesapeake_data
 from missionplan.errors import InputError, RunError
 from missionplan.mission import load
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.phases import moored
-from missionplan.studies import simulate as module
-from missionplan.studies import trial_block
-from missionplan.studies.mooring_setting import dive_of, wet_weight_of
-from missionplan.studies.setting import Setting
-from missionplan.studies.simulate import simulate, simulate_block
+from missionplan.phases.mooring import mooring as moored
+from missionplan.scenario.mooring import dive_of, wet_weight_of
+from missionplan.scenario.scenario import Setting
+from missionplan.studies.simulation import simulate as module
+from missionplan.studies.simulation import trial_block
+from missionplan.studies.simulation.simulate import simulate, simulate_block
 
 
 @pytest.fixture(scope="module")

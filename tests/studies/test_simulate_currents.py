@@ -7,11 +7,11 @@ import pytest
 from simulate_missions import EXACT, chesapeake
 
 from missionplan.errors import InputError
-from missionplan.studies.mooring_setting import dive_of
-from missionplan.studies.setting import Setting
-from missionplan.studies.simulate import simulate, simulate_block
-from missionplan.studies.site_current import recorded_current
-from missionplan.studies.trial_block import run_block
+from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.scenario import Setting
+from missionplan.scenario.site_current import recorded_current
+from missionplan.studies.simulation.simulate import simulate, simulate_block
+from missionplan.studies.simulation.trial_block import run_block
 
 EAST, NORTH = 0.12, -0.05
 STEADY = {

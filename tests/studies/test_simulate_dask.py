@@ -13,7 +13,7 @@ from simulate_missions import chesapeake, chesapeake_data
 
 from missionplan.errors import InputError
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.studies.simulate import simulate
+from missionplan.studies.simulation.simulate import simulate
 
 pytest.importorskip("distributed")
 DATA = chesapeake_data()

@@ -12,11 +12,11 @@ from simulate_missions import chesapeake, chesapeake_data
 
 from missionplan.errors import InputError, RunError
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.studies import block_task
-from missionplan.studies import simulate as module
-from missionplan.studies.precision import Precision
-from missionplan.studies.setting import Setting
-from missionplan.studies.simulate import simulate
+from missionplan.scenario.scenario import Setting
+from missionplan.studies.simulation import block_task
+from missionplan.studies.simulation import simulate as module
+from missionplan.studies.simulation.precision import Precision
+from missionplan.studies.simulation.simulate import simulate
 
 TRIALS = 2 * BLOCK + 500
 DATA = chesapeake_data()
@@ -229,8 +229,8 @@ RUN = """
 import sys
 from pathlib import Path
 from missionplan.mission import load
-from missionplan.studies.setting import Setting
-from missionplan.studies.simulate import simulate
+from missionplan.scenario.scenario import Setting
+from missionplan.studies.simulation.simulate import simulate
 if __name__ == "__main__":
     simulate(load(sys.argv[1]), trials=int(sys.argv[2]), checkpoint=Path(sys.argv[3]), resume=True)
 """

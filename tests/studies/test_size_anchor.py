@@ -6,9 +6,9 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.studies.anchor_search import lightest_anchor
-from missionplan.studies.anchor_trials import AnchorTrials
-from missionplan.studies.size_anchor import size_anchor, worst_case_anchor
+from missionplan.studies.anchor.search import lightest_anchor
+from missionplan.studies.anchor.size_anchor import size_anchor, worst_case_anchor
+from missionplan.studies.anchor.trials import AnchorTrials
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 

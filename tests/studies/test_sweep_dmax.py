@@ -8,8 +8,8 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.studies.sweep_cells import MOST_PAIRED, CellTotals, _totals
-from missionplan.studies.sweep_dmax import sweep_dmax
+from missionplan.studies.leg_length.sweep_cells import MOST_PAIRED, CellTotals, _totals
+from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
 FIG8 = Path(__file__).parents[2] / "missions" / "fig8.yaml"
 SMALL = """

@@ -1,0 +1,177 @@
+"""Parameters of effects as the diagnosis fits them: unbounded coordinates with normal priors.
+
+A strength is its own coordinate, a shape enters by its logarithm, an amplitude and its phase as a·cos φ and a·sin φ.
+Every prior is then normal: narrow about zero while the effect is no cause (a *spike*: what one is honestly unsure of
+before any misfit), wide when it is (a *slab*: the sizes at which the effect occurs).
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from missionplan.arrays import Array, Scalars
+from missionplan.effects import CATALOGUE, EffectInfo
+
+LOWER, UPPER = 0.05, 0.95
+"""Ends of the intervals that are reported."""
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """One fitted coordinate.
+
+    Attributes
+    ----------
+    effect, name : str
+        Effect and parameter (of a polar pair: the amplitude).
+    kind : str
+        How it relates to the parameter.
+    centre, slab, spike : float
+        Prior mean, and prior standard deviation as a cause and otherwise; a shape has no spike.
+    """
+
+    effect: str
+    name: str
+    kind: Literal["strength", "shape", "cosine", "sine"]
+    centre: float
+    slab: float
+    spike: float
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter of a cause as fitted, with a 90 % interval [unit]."""
+
+    effect: str
+    name: str
+    value: float
+    sd: float
+    low: float
+    high: float
+    unit: str
+
+
+def coordinates_of(info: EffectInfo, names: Iterable[str] | None = None) -> tuple[Coordinate, ...]:
+    """Coordinates of an effect.
+
+    Parameters
+    ----------
+    info : EffectInfo
+        The effect.
+    names : iterable of str, optional
+        Parameters to fit; default all of them.
+    """
+    wanted = list(info.parameters if names is None else names)
+    phases = {phase for _, phase in info.polar}
+    amplitudes = {amplitude for amplitude, _ in info.polar}
+    found: list[Coordinate] = []
+    for name in wanted:
+        parameter = info.parameters[name]
+        if name in phases:
+            continue
+        if name in amplitudes:
+            found.append(Coordinate(info.id, name, "cosine", 0.0, parameter.scale, parameter.spike))
+            found.append(Coordinate(info.id, name, "sine", 0.0, parameter.scale, parameter.spike))
+        elif parameter.is_shape:
+            centre, slab = math.log(parameter.median), math.log(parameter.factor)
+            found.append(Coordinate(info.id, name, "shape", centre, slab, 0.0))
+        else:
+            found.append(Coordinate(info.id, name, "strength", 0.0, parameter.scale, parameter.spike))
+    return tuple(found)
+
+
+def parameters_from(
+    coordinates: Sequence[Coordinate], values: Sequence[Scalars] | Array
+) -> dict[str, dict[str, Scalars]]:
+    """Turn coordinates into parameters: effect → name → value; shapes of the values are kept."""
+    result: dict[str, dict[str, Scalars]] = {}
+    cosines: dict[tuple[str, str], Scalars] = {}
+    for coordinate, value in zip(coordinates, values, strict=True):
+        parameters = result.setdefault(coordinate.effect, {})
+        if coordinate.kind == "strength":
+            parameters[coordinate.name] = value
+        elif coordinate.kind == "shape":
+            parameters[coordinate.name] = np.exp(value)
+        elif coordinate.kind == "cosine":
+            cosines[coordinate.effect, coordinate.name] = value
+        else:
+            cosine = cosines[coordinate.effect, coordinate.name]
+            parameters[coordinate.name] = np.hypot(cosine, value)
+            parameters[_phase_of(coordinate)] = np.arctan2(value, cosine)
+    return result
+
+
+def _phase_of(coordinate: Coordinate) -> str:
+    return dict(CATALOGUE[coordinate.effect].polar)[coordinate.name]
+
+
+def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array) -> tuple[Estimate, ...]:
+    """Values, standard deviations and 90 % intervals of the parameters from a normal posterior of the coordinates.
+
+    An amplitude and its phase by linear propagation; an interval ends where the parameter's range does.
+
+    Parameters
+    ----------
+    coordinates : sequence of Coordinate, length k
+        What was fitted.
+    mean : array, shape (k,)
+        Posterior mean.
+    covariance : array, shape (k, k)
+        Posterior covariance.
+    """
+    found: list[Estimate] = []
+    for index, coordinate in enumerate(coordinates):
+        value, variance = float(mean[index]), float(covariance[index, index])
+        sd = math.sqrt(max(variance, 0.0))
+        if coordinate.kind == "strength":
+            found.append(_estimate(coordinate, coordinate.name, value, sd))
+        elif coordinate.kind == "shape":
+            low, high = (math.exp(value + norm.ppf(p) * sd) for p in (LOWER, UPPER))
+            unit = CATALOGUE[coordinate.effect].parameters[coordinate.name].unit
+            size = math.exp(value)
+            found.append(Estimate(coordinate.effect, coordinate.name, size, size * sd, low, high, unit))
+        elif coordinate.kind == "sine":
+            found += _polar(
+                coordinate, mean[index - 1 : index + 1], covariance[index - 1 : index + 1, index - 1 : index + 1]
+            )
+    return tuple(found)
+
+
+def _polar(coordinate: Coordinate, pair: NDArray[np.float64], covariance: Array) -> list[Estimate]:
+    amplitude, phase = float(np.hypot(*pair)), float(np.arctan2(pair[1], pair[0]))
+    radial = pair / max(amplitude, 1e-12)
+    across = np.array([-radial[1], radial[0]])
+    sd = math.sqrt(max(float(radial @ covariance @ radial), 0.0))
+    sd_phase = min(
+        math.sqrt(max(float(across @ covariance @ across), 0.0)) / max(amplitude, 1e-12), math.pi / math.sqrt(3)
+    )
+    return [
+        _estimate(coordinate, coordinate.name, amplitude, sd),
+        _estimate(coordinate, _phase_of(coordinate), phase, sd_phase),
+    ]
+
+
+def _estimate(coordinate: Coordinate, name: str, value: float, sd: float) -> Estimate:
+    parameter = CATALOGUE[coordinate.effect].parameters[name]
+    low, high = (min(max(value + norm.ppf(p) * sd, parameter.low), parameter.high) for p in (LOWER, UPPER))
+    return Estimate(coordinate.effect, name, value, sd, low, high, parameter.unit)
+
+
+def is_possible(found: Iterable[Estimate]) -> bool:
+    """Whether every parameter lies in its physical range, or its interval still reaches into it.
+
+    A strength of the wrong sign is not the effect: its value must lie inside; a shape's interval must touch the range.
+    """
+    for estimate in found:
+        parameter = CATALOGUE[estimate.effect].parameters[estimate.name]
+        if parameter.is_shape:
+            if estimate.high < parameter.low or estimate.low > parameter.high:
+                return False
+        elif not parameter.low <= estimate.value <= parameter.high:
+            return False
+    return True

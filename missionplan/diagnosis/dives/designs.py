@@ -1,0 +1,61 @@
+"""Further dives that might tell two causes apart, and what they would bring."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.datasets.dives import MARGIN, MOST_SAMPLES, DiveLog
+from missionplan.diagnosis.coordinates import Coordinate
+from missionplan.diagnosis.dives.forward import DescentForward
+
+MENU = (
+    ("two dives with 0.4 times the anchor's weight", 0.4, 1.0, 1.0),
+    ("two dives with a line three times as long", 1.0, 3.0, 1.0),
+    ("two dives twice as deep", 1.0, 1.0, 2.0),
+)
+"""In words; factors on wet weight, line length and site depth. Cheapest first."""
+LONGEST = 120.0
+
+
+def planned(forward: DescentForward, entry: int | None) -> tuple[DiveLog, ...]:
+    """Two dives of the menu, like the first two of the data but for the factor; depths are left zero.
+
+    Parameters
+    ----------
+    forward : DescentForward
+        The dives so far.
+    entry : int or None
+        Of `MENU`; None for the same dives again.
+    """
+    _, weight, line, depth = MENU[entry] if entry is not None else ("", 1.0, 1.0, 1.0)
+    logs = []
+    for log in forward.logs[:2]:
+        site = log.site_depth * depth + (line - 1.0) * log.line_length
+        logs.append(
+            replace(log, wet_weight=log.wet_weight * weight, line_length=log.line_length * line, site_depth=site)
+        )
+    grid = np.linspace(0.0, LONGEST, 600)
+    none: tuple[Coordinate, ...] = ()
+    whole = replace(forward, logs=tuple(_sampled(log, grid) for log in logs))
+    depths = whole.readings(none, np.zeros((0, 1)))[:, 0].reshape(len(logs), -1)
+    return tuple(_until_touchdown(log, grid, depth) for log, depth in zip(logs, depths, strict=True))
+
+
+def _sampled(log: DiveLog, t: Array) -> DiveLog:
+    """The same dive with single readings at other times."""
+    sd = np.full(len(t), float(np.median(log.sd)))
+    return replace(log, t=t, depth=0.0 * t, sd=sd, fine=t, bins=np.arange(len(t)), shares=np.ones(len(t)))
+
+
+def _until_touchdown(log: DiveLog, grid: Array, depth: Array) -> DiveLog:
+    """Sample a dive evenly until the base model nears touchdown."""
+    near = np.flatnonzero(depth > (1.0 - MARGIN) * (log.site_depth - log.line_length))
+    end = grid[near[0]] if len(near) else LONGEST
+    return _sampled(log, np.linspace(0.0, float(end), MOST_SAMPLES))
+
+
+def filled(logs: tuple[DiveLog, ...], readings: Array) -> tuple[DiveLog, ...]:
+    """Put readings, dive after dive, into logs."""
+    parts = np.split(readings, np.cumsum([len(log.t) for log in logs])[:-1])
+    return tuple(replace(log, depth=part) for log, part in zip(logs, parts, strict=True))

@@ -1,0 +1,228 @@
+"""The descent phase as the diagnosis calls it: many settings of the parameters and all dives in one call."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars
+from missionplan.datasets.dives import DiveLog
+from missionplan.diagnosis.coordinates import Coordinate, parameters_from
+from missionplan.effects import CATALOGUE
+from missionplan.phases.hooks import DescentEffect
+from missionplan.phases.mooring.depth_sensor import SensorHistory, sensor_history
+from missionplan.phases.mooring.forces import Dive
+from missionplan.phases.mooring.subset_effect import Among
+
+STEP = 0.16
+"""Step of the integration [s]; readings are within 5 mm of those with steps of 0.02 s, 1 mm as a rule."""
+COARSE = 3.0 * STEP
+"""Step where only the way matters and not its end, or one simulation is laid against another [s]."""
+LEAST_FACTOR = -0.9
+"""Least strength of an effect that multiplies a drag or a weight: less would turn it round."""
+EARLIEST = 1.0
+"""How much earlier than its log says a separation may be [s]: ten times the scatter."""
+LAG_ORDER, LAG_ORDER_SD = 0.5, 0.35
+"""How much nearer to a pure delay a sensor's lag is than one of first order: prior mean and standard deviation.
+
+0 is first order, 1 a lag of which one half is a pure delay. Two equal poles lie at 0.5 to 0.7, a moving average at 0.6
+to 0.9. The phase is asked for the mean; the rest is a nuisance of the fit.
+"""
+NO_BOTTOM = 1e5
+"""Site depth for the fit [m]: the logs end above touchdown, and so must no model of them reach it."""
+
+
+@dataclass(frozen=True)
+class DescentForward:
+    """Readings of all dives under many settings at once.
+
+    Attributes
+    ----------
+    build : callable
+        The mission's descent from wet weights [N] and line lengths [m], arrays of shape (d,).
+    logs : tuple of DiveLog
+        The d dives, whose times are asked for.
+    given : tuple of DescentEffect
+        Effects that the mission has already.
+    step : float
+        Of the integration [s].
+    """
+
+    build: Callable[[Array, Array], Dive]
+    logs: tuple[DiveLog, ...]
+    given: tuple[DescentEffect, ...] = ()
+    step: float = STEP
+
+    @cached_property
+    def coarse(self) -> Self:
+        """The same in coarse steps."""
+        return replace(self, step=COARSE)
+
+    @cached_property
+    def dive(self) -> Dive:
+        """Bodies and line of all dives, without a bottom."""
+        weights, lines = (np.array([getattr(log, key) for log in self.logs]) for key in ("wet_weight", "line_length"))
+        return replace(self.build(weights, lines), site_depth=NO_BOTTOM)
+
+    @property
+    def samples(self) -> int:
+        """Number of readings of all dives together."""
+        return sum(len(log.t) for log in self.logs)
+
+    def readings(self, coordinates: Sequence[Coordinate], values: Array, late: Scalars = 0.0) -> Array:
+        """Readings of all dives, one after the other, under b settings, shape (N, b) [m]: `histories`, read out."""
+        return self.histories(coordinates, values).readings(late)
+
+    def histories(self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0) -> "Histories":
+        """All dives under b settings.
+
+        Parameters
+        ----------
+        coordinates : sequence of Coordinate, length k
+            What varies.
+        values : array, shape (k, b)
+            Their values in b settings.
+        weight_factor : float or array, shape (b,)
+            Factor on the anchor's wet weight.
+        """
+        count, settings = len(self.logs), values.shape[1]
+        effects = (*self.given, *self._effects(coordinates, np.repeat(_filtered(coordinates, values), count, axis=1)))
+        factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
+        until = max(float(log.fine[-1]) for log in self.logs) + EARLIEST
+        dive = self._tiled(settings, factor)
+        # a start that runs away is given up: its objective is infinite
+        with np.errstate(over="ignore", invalid="ignore"):
+            history = sensor_history(dive, settings * count, until, effects=effects, step=self.step)
+        return DiveHistories(self.logs, history)
+
+    @staticmethod
+    def _effects(coordinates: Sequence[Coordinate], values: Array) -> Iterator[DescentEffect]:
+        """Effects among the trials where their strength is not zero, parameters held inside what can be integrated."""
+        for name in dict.fromkeys(c.effect for c in coordinates):
+            own = [i for i, c in enumerate(coordinates) if c.effect == name]
+            strengths = [i for i in own if coordinates[i].kind != "shape"]
+            trials = np.flatnonzero(np.any(values[strengths] != 0.0, axis=0))
+            if not len(trials):
+                continue
+            parameters = parameters_from([coordinates[i] for i in own], values[own][:, trials])[name]
+            held = {key: np.clip(value, *_limits(name, key)) for key, value in parameters.items()}
+            effect = CATALOGUE[name].make(held)
+            assert isinstance(effect, DescentEffect)
+            yield effect if len(trials) == values.shape[1] else Among(effect, trials, values.shape[1])
+
+    def _tiled(self, settings: int, factor: Array) -> Dive:
+        def tiled(value: Scalars) -> Scalars:
+            return np.tile(value, settings) if isinstance(value, np.ndarray) else value
+
+        dive = self.dive
+        return replace(
+            dive,
+            wet_weight=tiled(dive.wet_weight) * factor,
+            anchor_mass=tiled(dive.anchor_mass),
+            anchor_added_mass=tiled(dive.anchor_added_mass),
+            line_length=tiled(dive.line_length),
+        )
+
+
+class Histories(Protocol):
+    """All dives under several settings, to be read out as often as wanted."""
+
+    @property
+    def settings(self) -> int:
+        """Number of settings, b."""
+        ...
+
+    def readings(self, late: Scalars = 0.0) -> Array:
+        """What was measured, shape (N, b), if the separations are late on their logs: (d,) or (b, d) [s]."""
+        ...
+
+    def among(self, settings: NDArray[np.intp]) -> "Histories":
+        """Those under some of the settings."""
+        ...
+
+
+@dataclass(frozen=True)
+class DiveHistories:
+    """What the sensor read of all d dives under b settings, to be read out at the times of their logs.
+
+    Attributes
+    ----------
+    logs : tuple of DiveLog
+        The d dives.
+    history : SensorHistory
+        Of b·d trials, setting by setting.
+    """
+
+    logs: tuple[DiveLog, ...]
+    history: SensorHistory
+
+    @property
+    def settings(self) -> int:
+        """Number of settings, b."""
+        return int(self.history.depths.shape[1]) // len(self.logs)
+
+    def readings(self, late: Scalars = 0.0) -> Array:
+        """Readings of all dives, one after the other, shape (N, b) [m].
+
+        Parameters
+        ----------
+        late : float or array, shape (d,) or (b, d)
+            By how much each dive's separation is late on its log [s].
+        """
+        count, settings = len(self.logs), self.settings
+        times = np.tile(self._fine, (1, settings)) - np.broadcast_to(late, (settings, count)).ravel()
+        depths = self.history.at(times).reshape(-1, settings, count)
+        return np.concatenate([_averaged(log, depths[:, :, index]) for index, log in enumerate(self.logs)])
+
+    def among(self, settings: NDArray[np.intp]) -> "DiveHistories":
+        """Those under some of the settings."""
+        count = len(self.logs)
+        trials = (settings[:, None] * count + np.arange(count)).ravel()
+        return DiveHistories(self.logs, self.history.among(trials))
+
+    @cached_property
+    def _fine(self) -> Array:
+        """Fine times of each dive, nan where it has fewer than others, shape (k, d) [s]."""
+        times = np.full((max(len(log.fine) for log in self.logs), len(self.logs)), np.nan)
+        for index, log in enumerate(self.logs):
+            times[: len(log.fine), index] = log.fine
+        return times
+
+
+def _filtered(coordinates: Sequence[Coordinate], values: Array) -> Array:
+    """Settings, shape (k, b), in which a sensor's lag is of the order expected: a part of it is a pure delay."""
+    names = [coordinate.effect for coordinate in coordinates]
+    if "sensor-lag" not in names:
+        return values
+    return delayed(values, names, 0.5 * LAG_ORDER)
+
+
+def delayed(values: Array, names: Sequence[str], share: float) -> Array:
+    """Coordinates, shape (k, ...), in which a share of the sensor's lag is a pure delay."""
+    lag, clock = names.index("sensor-lag"), names.index("clock-offset")
+    late = share * np.maximum(values[lag], 0.0)
+    result = values.copy()
+    result[lag] -= late
+    result[clock] += late
+    return result
+
+
+def _averaged(log: DiveLog, depths: Array) -> Array:
+    """Average depths at a log's fine times over its bins, shape (m, settings)."""
+    starts = np.searchsorted(log.bins, np.arange(len(log.t)))
+    return np.asarray(np.add.reduceat(log.shares[:, None] * depths[: len(log.fine)], starts, axis=0))
+
+
+def limits(coordinate: Coordinate) -> tuple[float, float]:
+    """Range inside which the phase is asked for a parameter [unit]; a strength may go through zero to be judged."""
+    return _limits(coordinate.effect, coordinate.name)
+
+
+def _limits(effect: str, name: str) -> tuple[float, float]:
+    parameter = CATALOGUE[effect].parameters[name]
+    if parameter.low != 0.0 or parameter.is_shape or not np.isfinite(parameter.high):
+        return parameter.low, parameter.high
+    return max(-parameter.high, LEAST_FACTOR) if parameter.unit == "" else -parameter.high, parameter.high

@@ -1,0 +1,118 @@
+"""Covariance of a dive's readings: sensor, what differs from dive to dive, turbulence."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from missionplan.arrays import Array
+
+DIVE_SD = {"release": 0.1, "zero": 0.05, "drag": 0.025, "weight": 0.012}
+"""Dive-to-dive scatter: separation [s], zero of the depth [m], drag and wet weight [1]."""
+SCATTERS = (0.5, 1.0, 2.0)
+"""Factors κ on that scatter over which the evidence is averaged."""
+SCATTER_SPREAD = 0.45
+WALKS = (4e-5, 3e-4, 2e-3)
+"""Rates q at which turbulence makes the depth wander in the long run [m²/s]: 2σ²τ for velocities σ over times τ."""
+WALK_CENTRE, WALK_SPREAD = 3e-4, 1.3
+EDDIES = (1.0, 4.0)
+"""Correlation times τ of the turbulent velocity [s]: eddies of a vehicle's length, and of several."""
+EDDY_CENTRE = 2.0
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Hyperparameters of the covariance: scatter κ, rate q [m²/s], eddies' time τ [s]; with their log prior weight."""
+
+    scatter: float
+    walk: float
+    eddy: float
+    log_prior: float
+
+
+@cache
+def grid() -> tuple[Noise, ...]:
+    """Grid of hyperparameters with normalised prior weights; the eddies' times weigh the same."""
+    points = list(itertools.product(SCATTERS, WALKS, EDDIES))
+    logs = np.array(
+        [
+            -0.5 * (np.log(scatter) / SCATTER_SPREAD) ** 2 - 0.5 * (np.log(walk / WALK_CENTRE) / WALK_SPREAD) ** 2
+            for scatter, walk, _ in points
+        ]
+    )
+    logs -= np.logaddexp.reduce(logs)
+    return tuple(Noise(*point, float(log)) for point, log in zip(points, logs, strict=True))
+
+
+NOMINAL = Noise(1.0, WALK_CENTRE, EDDY_CENTRE, 0.0)
+"""In the middle of the grid, for the climb."""
+
+
+def still_covariance(t: Array, sd: Array, noises: Sequence[Noise]) -> Array:
+    """σ²I + turbulence for each of g noises, which no model of the dive changes, shape (g, m, m) [m²].
+
+    Parameters
+    ----------
+    t, sd : array, shape (m,)
+        Times [s] and the sensor's standard deviations [m].
+    noises : sequence of Noise, length g
+        Hyperparameters.
+    """
+    wandered = {eddy: wandering(t - min(0.0, float(t.min())), eddy) for eddy in {noise.eddy for noise in noises}}
+    return np.stack([np.diag(sd**2) + noise.walk * wandered[noise.eddy] for noise in noises])
+
+
+def scattered_covariance(sensitivities: Array, bend: Array, noises: Sequence[Noise]) -> Array:
+    """κ²(J S Jᵀ + bend²) for each of g noises, shape (g, m, m) [m²].
+
+    Parameters
+    ----------
+    sensitivities : array, shape (m, 4)
+        Of the readings to release, zero, drag and weight, in the order of `DIVE_SD`.
+    bend : array, shape (m,)
+        What the scatter of the separation does beyond the linear, where the vehicle starts with a jerk [m].
+    noises : sequence of Noise, length g
+        Hyperparameters.
+    """
+    scaled = sensitivities * np.array(list(DIVE_SD.values()))
+    scatter = np.array([noise.scatter for noise in noises])
+    return np.asarray(scatter[:, None, None] ** 2 * (scaled @ scaled.T + np.diag(bend**2)))
+
+
+def wandering(t: Array, eddy: float) -> Array:
+    """Covariance of the depth that turbulence gives, for a long-run rate of 1 m²/s, shape (m, m) [m²].
+
+    The integral of an Ornstein–Uhlenbeck velocity of correlation time τ: min(t, t′) − ½τ(1 − e^(−t/τ) − e^(−t′/τ)
+    + e^(−|t − t′|/τ)), a random walk for τ → 0.
+
+    Parameters
+    ----------
+    t : array, shape (m,)
+        Times since the separation [s].
+    eddy : float
+        τ [s].
+    """
+    faded = np.exp(-t / eddy)
+    apart = np.exp(-np.abs(t[:, None] - t[None, :]) / eddy)
+    return np.asarray(np.minimum(t[:, None], t[None, :]) - 0.5 * eddy * (1.0 - faded[:, None] - faded[None, :] + apart))
+
+
+SHAPE_SD = 0.02
+"""Standard deviation of the smooth factor by which a cause's true shape differs from the catalogue's."""
+SHAPE_LENGTH = 0.25
+"""Its correlation length, of a dive's duration."""
+
+
+def caricature(t: Array, added: Array) -> Array:
+    """Covariance of what a cause adds to the readings, shape (m, m) [m²]: SHAPE_SD²·g(t)·g(t′)·exp(−½(Δt/ℓ)²).
+
+    Parameters
+    ----------
+    t, added : array, shape (m,)
+        Times [s] and what the cause adds, g [m].
+    """
+    length = SHAPE_LENGTH * max(float(np.ptp(t)), 1e-9)
+    kernel = np.exp(-0.5 * ((t[:, None] - t[None, :]) / length) ** 2)
+    return np.asarray(SHAPE_SD**2 * added[:, None] * added[None, :] * kernel)

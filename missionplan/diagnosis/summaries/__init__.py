@@ -1,0 +1,1 @@
+"""Summaries of dives, a few numbers each, under the model of dive logs."""

@@ -1,0 +1,1 @@
+"""Tank data: drag, free oscillation and thrust. Read first `model`, then `forward` and `linearised`."""

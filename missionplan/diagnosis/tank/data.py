@@ -1,0 +1,62 @@
+"""Rows of tank data as the diagnosis takes them: at most so many, and in blocks."""
+
+import itertools
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.datasets.tank import TankData, read_tank_data
+
+MOST = 600
+"""Rows that are kept of a longer record, evenly."""
+BLOCKS = 8
+FEW = 12
+"""Up to so many rows each is held out by itself."""
+
+
+@dataclass(frozen=True)
+class TankSet:
+    """A data set of the tank with what a report says of it."""
+
+    name: str
+    source: str
+    notices: tuple[str, ...]
+    tank: TankData
+
+
+def read_tank(folder: Path) -> TankSet:
+    """Read a data set of one of the tank's kinds.
+
+    Raises
+    ------
+    InputError
+        With every problem of `dataset.yaml` and of the tables.
+    """
+    data = thinned(read_tank_data(folder))
+    return TankSet(data.settings.name or folder.name, data.settings.source, data.notes, data)
+
+
+def thinned(data: TankData) -> TankData:
+    """Keep every so-manieth row of a long record, and note it."""
+    count = len(next(iter(data.columns.values())))
+    step = -(-count // MOST)
+    if step == 1:
+        return data
+    note = f"{count} rows: every {step}th is used"
+    return replace(
+        data,
+        columns={name: column[::step] for name, column in data.columns.items()},
+        labels={name: column[::step] for name, column in data.labels.items()},
+        notes=(*data.notes, note),
+    )
+
+
+def blocks(count: int) -> NDArray[np.str_]:
+    """Name of each row's block: rows one by one where they are few, else even blocks in their order."""
+    if count <= FEW:
+        return np.array([f"row {k + 1}" for k in range(count)])
+    ends = np.linspace(0, count, BLOCKS + 1).astype(int)
+    names = [f"rows {a + 1} to {b}" for a, b in itertools.pairwise(ends.tolist())]
+    return np.repeat(names, np.diff(ends))

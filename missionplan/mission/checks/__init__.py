@@ -1,0 +1,1 @@
+"""What one section alone cannot show: phases in order, names, correlations, requirements."""

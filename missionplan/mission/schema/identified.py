@@ -1,0 +1,83 @@
+"""What `identify` finds, as a vehicle file carries it: drag, added mass, propulsion and thrusters."""
+
+from typing import Annotated, Any
+
+from pydantic import Discriminator, PlainValidator, Tag, model_validator
+
+from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.section import Section, complain
+from missionplan.mission.schema.transition import WrittenTunnelThruster
+from missionplan.mission.units import QuantityParser
+from missionplan.montecarlo.distributions import Quantity
+
+_Area = Annotated[float, PlainValidator(QuantityParser("m^2", low=0.0, open_low=True, fixed=True))]
+_Exponent = Annotated[Quantity, PlainValidator(QuantityParser("", low=-2.0, high=2.0))]
+_Fraction = Annotated[float, PlainValidator(QuantityParser("", low=0.0, high=0.99, fixed=True))]
+_Negative = Annotated[Quantity, PlainValidator(QuantityParser("", high=0.0))]
+_PerVolt = Annotated[Quantity, PlainValidator(QuantityParser("N/V^2", low=0.0, open_low=True))]
+_Volts = Annotated[Quantity, PlainValidator(QuantityParser("V", low=0.0))]
+_FixedNumber = Annotated[float, PlainValidator(QuantityParser("", low=0.0, open_low=True, fixed=True))]
+
+
+class MeasuredDrag(Section):
+    """Drag of the egress vehicle from the tank, in place of Eqs. 3 to 13; against Re where an exponent is given."""
+
+    coefficient: q.PositiveNumber
+    area: _Area
+    exponent: _Exponent = 0.0
+    at_reynolds: _FixedNumber | None = None
+    length: q.FixedLength | None = None
+
+    @model_validator(mode="after")
+    def _whole(self) -> "MeasuredDrag":
+        if "exponent" in self.model_fields_set:
+            for key in ("at_reynolds", "length"):
+                if getattr(self, key) is None:
+                    raise complain("missing; an exponent needs it", (key,))
+        return self
+
+
+class MeasuredAddedMass(Section):
+    """Added masses from free oscillation; a descent uses `surge`."""
+
+    surge: q.Mass | None = None
+    sway: q.Mass | None = None
+    heave: q.Mass | None = None
+
+
+class Propulsion(Section):
+    """A propeller by its open-water lines K_T = α₀ + α₁J and K_Q = β₀ + β₁J (Blanke et al., Eq. 19).
+
+    `thrust_factor` and `drag_factor`: true thrust and drag over this file's, from which speed is inferred.
+    """
+
+    diameter: q.FixedLength
+    thrust_coefficient: tuple[q.PositiveNumber, _Negative]
+    torque_coefficient: tuple[q.PositiveNumber, _Negative]
+    wake_fraction: _Fraction = 0.0
+    thrust_deduction: _Fraction = 0.0
+    axial_flow_factor: _Fraction = 0.0
+    flow_mass: q.Mass | None = None
+    motor_efficiency: q.Efficiency = 1.0
+    thrust_factor: q.PositiveNumber = 1.0
+    drag_factor: q.PositiveNumber = 1.0
+
+
+class StaticThruster(Section):
+    """A thruster by its bollard pull against voltage."""
+
+    name: str = "thruster"
+    ahead: _PerVolt
+    astern: _PerVolt | None = None
+    deadband: _Volts = 0.0
+
+
+def _kind(value: Any) -> str:
+    tunnel = isinstance(value, WrittenTunnelThruster) or (isinstance(value, dict) and "diameter" in value)
+    return "<tunnel>" if tunnel else "<static>"
+
+
+Thruster = Annotated[
+    Annotated[WrittenTunnelThruster, Tag("<tunnel>")] | Annotated[StaticThruster, Tag("<static>")],
+    Discriminator(_kind),
+]

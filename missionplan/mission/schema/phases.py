@@ -1,0 +1,105 @@
+"""Phases of a mission as the file writes them."""
+
+import itertools
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.section import Section, complain
+from missionplan.mission.schema.site import Position
+from missionplan.mission.schema.transition import TransitionPhase
+from missionplan.mission.units import QuantityParser
+from missionplan.montecarlo.distributions import Quantity
+
+_FORCE = QuantityParser("N", low=0.0, open_low=True)
+
+
+class LegTable(Section):
+    """Leg length against distance left, piecewise linear."""
+
+    table: tuple[tuple[q.FixedDistance, q.FixedLength], ...]
+
+    @model_validator(mode="after")
+    def _increasing(self) -> "LegTable":
+        left = [row[0] for row in self.table]
+        if not left or any(b <= a for a, b in itertools.pairwise(left)):
+            raise complain("expected rows with increasing distance left", ("table",))
+        return self
+
+
+DMax = Annotated[
+    Annotated[q.PositiveLength, Tag("<length>")] | Annotated[LegTable, Tag("<table>")],
+    Discriminator(lambda value: "<table>" if isinstance(value, LegTable) or _has_table(value) else "<length>"),
+]
+
+
+def _has_table(value: Any) -> bool:
+    return isinstance(value, dict) and "table" in value
+
+
+class TransitPhase(Section):
+    """A transit by dead reckoning with surfacings; `speed` is nan where `shaft_rate` is given instead."""
+
+    kind: Literal["transit"] = Field(default="transit", exclude=True)
+    name: str = "transit"
+    start: Position | None = Field(default=None, alias="from")
+    to: Position
+    depth: q.Distance = 0.0
+    speed: q.PositiveSpeed = math.nan
+    shaft_rate: q.ShaftRate | None = None
+    d_max: DMax
+    arrival_radius: q.PositiveLength
+
+    @model_validator(mode="after")
+    def _one_of_speed_and_shaft_rate(self) -> "TransitPhase":
+        given = self.model_fields_set & {"speed", "shaft_rate"}
+        if len(given) != 1:
+            raise complain("expected exactly one of speed and shaft_rate" if given else "missing", ("speed",))
+        return self
+
+
+DesignCurrent = Annotated[
+    Annotated[tuple[q.FixedSpeed, ...], Tag("<layers>")] | Annotated[q.FixedSpeed, Tag("<one>")],
+    Discriminator(lambda value: "<layers>" if isinstance(value, list | tuple) else "<one>"),
+]
+
+
+class MoorPhase(Section):
+    """Anchor release, descent, hold, galvanic release and ascent."""
+
+    kind: Literal["moor"] = Field(default="moor", exclude=True)
+    name: str = "moor"
+    radius: q.PositiveLength
+    design_current: DesignCurrent | None = None
+    anchor_wet_weight: Annotated[Quantity | Literal["sized"], q.or_word(_FORCE, "sized")] = "sized"
+    line_length: q.PositiveLength
+    release_time: q.Duration = 0.0
+    hold: q.Duration = 0.0
+    galvanic_release: q.Duration = 0.0
+    carry_net_buoyancy: bool = False
+
+
+class PhaseEntry(Section):
+    """One item of `phases`: a single key that says the kind."""
+
+    transit: TransitPhase | None = None
+    moor: MoorPhase | None = None
+    transition: TransitionPhase | None = None
+
+    @model_validator(mode="after")
+    def _exactly_one(self) -> "PhaseEntry":
+        if len(self.model_fields_set) != 1:
+            raise complain(f"expected one of the phases {', '.join(type(self).model_fields)} in each item")
+        return self
+
+    @property
+    def phase(self) -> "Phase":
+        """The phase itself."""
+        phase = self.transit or self.moor or self.transition
+        assert phase is not None
+        return phase
+
+
+Phase = TransitPhase | MoorPhase | TransitionPhase

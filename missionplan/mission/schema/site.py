@@ -1,0 +1,78 @@
+"""Where the mission is: origin, depth, water and current."""
+
+from typing import Annotated, Any
+
+from pydantic import Discriminator, PlainValidator, Tag, model_validator
+
+from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.section import Section, complain
+from missionplan.mission.units import QuantityParser
+
+_LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
+Latitude = Annotated[float, PlainValidator(_LATITUDE)]
+
+
+class Geographic(Section):
+    """A point by latitude and longitude, WGS 84 [rad]."""
+
+    latitude: Latitude
+    longitude: q.FixedAngle
+
+
+Planar = Annotated[tuple[q.Length, q.Length], Tag("<planar>")]
+Position = Annotated[
+    Planar | Annotated[Geographic, Tag("<geographic>")],
+    Discriminator(lambda value: "<geographic>" if isinstance(value, dict | Geographic) else "<planar>"),
+]
+"""East and north of the origin [m], or latitude and longitude."""
+
+
+class Water(Section):
+    """Water, by temperature and practical salinity, or by density and viscosity."""
+
+    temperature: q.Temperature | None = None
+    salinity: q.Salinity | None = None
+    density: q.WaterDensity | None = None
+    viscosity: q.Viscosity | None = None
+
+    @model_validator(mode="after")
+    def _one_pair(self) -> "Water":
+        by_state = self.temperature is not None and self.salinity is not None
+        by_value = self.density is not None and self.viscosity is not None
+        given = sum(value is not None for value in (self.temperature, self.salinity, self.density, self.viscosity))
+        if given != 2 or not (by_state or by_value):
+            raise complain("expected {temperature, salinity} or {density, viscosity}")
+        return self
+
+
+class CurrentLayer(Section):
+    """A layer of the current, from the layer above down to `down_to`; `toward` is clockwise from north."""
+
+    down_to: q.PositiveLength
+    speed: q.SignedSpeed
+    toward: q.Angle
+
+
+class CurrentFile(Section):
+    """A current read from a CSV or CF NetCDF file."""
+
+    file: str
+
+
+def _current_tag(value: Any) -> str:
+    return "<file>" if isinstance(value, dict | CurrentFile) else "<layers>"
+
+
+Current = Annotated[
+    Annotated[tuple[CurrentLayer, ...], Tag("<layers>")] | Annotated[CurrentFile, Tag("<file>")],
+    Discriminator(_current_tag),
+]
+
+
+class Site(Section):
+    """Site of the mission."""
+
+    origin: Geographic | None = None
+    depth: q.PositiveLength | None = None
+    water: Water | None = None
+    current: Current = ()

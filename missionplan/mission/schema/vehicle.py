@@ -1,0 +1,109 @@
+"""Vehicle files: hull, sail, mass and buoyancy, anchor, energy. Everything in SI once validated."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, Thruster
+from missionplan.mission.schema.section import Section
+from missionplan.mission.schema.transition import Manoeuvring
+from missionplan.mission.units import QuantityParser
+from missionplan.montecarlo.distributions import Quantity
+
+_FORM_FACTOR = QuantityParser("", low=0.0, open_low=True)
+
+
+class Hull(Section):
+    """The egress vehicle's body: a cylinder with hemispherical ends."""
+
+    length: q.PositiveLength
+    diameter: q.PositiveLength
+    form_factor: Annotated[Quantity | Literal["briggs", "hoerner"], q.or_word(_FORM_FACTOR, "briggs", "hoerner")] = (
+        "briggs"
+    )
+    added_mass: q.Number | None = None
+
+
+class Sail(Section):
+    """The sail, a small airfoil."""
+
+    chord: q.PositiveLength
+    span: q.PositiveLength
+    thickness: q.PositiveLength
+
+
+class Front(Section):
+    """Machined front of the anchor; `centre` from the anchor's tip."""
+
+    mass: q.Mass
+    density: q.Density
+    centre: q.Distance
+
+
+class Tube(Section):
+    """Tube between front and back; its length is what the sizing finds."""
+
+    mass_per_length: q.MassPerLength
+    density: q.Density
+
+
+class Back(Section):
+    """Machined back of the anchor; `centre_from_back` from the end of the tube."""
+
+    mass: q.Mass
+    density: q.Density
+    centre_from_back: q.Distance
+
+
+class Trim(Section):
+    """Trim ring; its mass and place are what the sizing finds."""
+
+    density: q.Density
+
+
+class Construction(Section):
+    """What the anchor is made of."""
+
+    front: Front
+    tube: Tube
+    back: Back
+    trim: Trim
+
+
+class Anchor(Section):
+    """The false nose."""
+
+    diameter: q.PositiveLength
+    drag_coefficient: q.PositiveNumber = 0.2
+    overlap_volume: q.Volume = 0.0
+    flooded_mass: q.Mass | None = None
+    added_mass: q.Mass | None = None
+    construction: Construction | None = None
+
+
+class EnergyBudget(Section):
+    """Hotel load over all time, propulsion under way, surfacings, and what the battery holds."""
+
+    hotel: q.Power = 0.0
+    propulsive_efficiency: q.Efficiency = 0.45
+    surfacing: q.Energy = 0.0
+    capacity: q.Energy | None = None
+
+
+class Vehicle(Section):
+    """A vehicle file."""
+
+    name: str = ""
+    hull: Hull
+    sail: Sail | None = None
+    appendage_factor: q.PositiveNumber = 1.0
+    mass: q.Mass | None = None
+    net_buoyancy: q.SignedForce = 0.0
+    anchor: Anchor | None = None
+    energy: EnergyBudget | None = Field(default=None)
+    manoeuvring: Manoeuvring | None = None
+    drag: MeasuredDrag | None = None
+    added_mass: MeasuredAddedMass | None = None
+    propulsion: Propulsion | None = None
+    thrusters: tuple[Thruster, ...] = ()

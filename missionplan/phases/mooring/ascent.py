@@ -1,0 +1,84 @@
+"""From the galvanic release to the surface: the vehicle rises on its net buoyancy, tail first along its axis."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.phases.currents import Current
+from missionplan.phases.hooks import DescentEffect
+from missionplan.phases.mooring.descent import SLOWEST_DESCENT, STAGE_TIME, Drift, per_trial
+from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle
+from missionplan.phases.mooring.vertical_motion import Stop, fall
+
+STEP = 0.25
+"""Default step [s], a twentieth of the prototype's time constant of some 6 s."""
+
+
+@dataclass(frozen=True)
+class AscentRecord:
+    """What became of a block of ascents.
+
+    Attributes
+    ----------
+    ascent_time : array, shape (n,)
+        From the release to the surface; nan where the vehicle never came up [s].
+    drift : array, shape (2, n)
+        Carried by the current meanwhile, east and north [m].
+    surfaced : array of bool, shape (n,)
+    """
+
+    ascent_time: Array
+    drift: Array
+    surfaced: NDArray[np.bool_]
+
+
+def ascend(
+    dive: Dive,
+    *,
+    effects: Iterable[DescentEffect] = (),
+    current: Current,
+    position: Array,
+    t_start: Array,
+    since_taut: Array,
+    step: float = STEP,
+) -> AscentRecord:
+    """Let a block of moored vehicles rise to the surface.
+
+    Parameters
+    ----------
+    dive : Dive
+        As it went down; the vehicle starts at rest, a line's length above the seafloor.
+    effects : iterable of DescentEffect
+        Those of the descent: lifts, vertical water velocity and drag factors go on to act on the vehicle.
+    current : Current
+    position : array, shape (2, n)
+        Of the mooring, east and north of the coordinates' origin [m].
+    t_start : array, shape (n,)
+        Time of the release since the mission's start [s].
+    since_taut : array, shape (n,)
+        Time from the taut line of the descent to the release, for effects that fade [s].
+    step : float
+        Of the integration [s].
+
+    Returns
+    -------
+    AscentRecord
+    """
+    hooks, trials = DescentHooks(effects), t_start.size
+    bottom, line = per_trial(dive.site_depth, trials), per_trial(dive.line_length, trials)
+    start = np.maximum(bottom - line, 0.0)
+    drift = Drift(current, position, t_start)
+    rise = fall(
+        FreeVehicle(dive, hooks, since_taut),
+        start,
+        -per_trial(hooks.water_velocity, trials),
+        Stop(shallowest=0.0),
+        time_limit=STAGE_TIME + float(np.max(start, initial=0.0)) / SLOWEST_DESCENT,
+        step=step,
+        on_step=drift.stage(),
+    )
+    time = np.where(rise.ended, rise.time, np.nan)
+    return AscentRecord(time, drift.position - position, rise.ended)

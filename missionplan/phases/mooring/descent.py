@@ -1,0 +1,251 @@
+"""From the last fix to the moored vehicle: release, pay-out, snatch, pull-down, touchdown, coasting.
+
+The paper's descent (section III) takes the terminal velocity as reached at once; here both bodies have mass. Depths are
+those of the vehicle's nose, where the line is attached; the anchor is a line's length below it once the line is taut.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.currents import Current
+from missionplan.phases.hooks import DescentEffect
+from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle, LoneFall, PullDown
+from missionplan.phases.mooring.vertical_motion import STEP, Fall, OnStep, Stop, fall
+from missionplan.physics.vehicle_drag import terminal_velocity
+
+SLOWEST_DESCENT = 0.1
+"""Mean speed [m/s] below which a stage is given up as never ending."""
+STAGE_TIME = 60.0
+"""Time [s] that a stage is given beyond that."""
+
+
+@dataclass(frozen=True)
+class Stages:
+    """The stages of a descent under way.
+
+    Attributes
+    ----------
+    lone, pull_down, coast : Fall
+        The anchor alone (its depth), both bodies, and the vehicle after touchdown (the vehicle's depth).
+    delay : array, shape (n,)
+        From the separation to the start of the lone fall [s].
+    """
+
+    lone: Fall
+    pull_down: Fall
+    coast: Fall
+    delay: Array
+
+    @property
+    def taut_at(self) -> Array:
+        """Time from the separation to the taut line, shape (n,) [s]."""
+        return self.delay + self.lone.time
+
+    @property
+    def touchdown_at(self) -> Array:
+        """Time from the separation to the anchor's touchdown, shape (n,) [s]."""
+        return self.taut_at + self.pull_down.time
+
+
+@dataclass(frozen=True)
+class DescentRecord:
+    """What became of a block of descents; arrays of shape (n,) unless said otherwise.
+
+    Attributes
+    ----------
+    release_time : array
+        From the last fix to the anchor's separation [s].
+    payout_time : array
+        From the separation to the taut line [s].
+    descent_time : array
+        From the separation to the anchor's touchdown; nan where it never came down [s].
+    terminal_velocity : array
+        Speed through the water at which the forces at touchdown balance [m/s].
+    offset : array, shape (2, n)
+        Of the anchor on the seafloor from where the vehicle was at the last fix, east and north [m].
+    lowest_altitude : array
+        Least height of the vehicle's nose above the seafloor; how far it would have gone into it where negative [m].
+    touched_down, struck : array of bool
+        Whether the anchor reached the seafloor, and whether the vehicle did.
+    """
+
+    release_time: Array
+    payout_time: Array
+    descent_time: Array
+    terminal_velocity: Array
+    offset: Array
+    lowest_altitude: Array
+    touched_down: NDArray[np.bool_]
+    struck: NDArray[np.bool_]
+
+    @property
+    def offset_distance(self) -> Array:
+        """Distance of the anchor from the last fix, shape (n,) [m]."""
+        return np.asarray(np.hypot(self.offset[0], self.offset[1]))
+
+
+class Drift:
+    """Where a body is carried horizontally while it falls; `position` has shape (2, n) [m]."""
+
+    def __init__(self, current: Current, position: Array, t_start: Array) -> None:
+        self._current, self.position, self._t_start = current, position, t_start
+
+    def wait(self, duration: Array, depth: Array, pieces: int = 4, extra: Array | float = 0.0) -> None:
+        """Stay at a depth [m] for a duration [s], carried besides by an extra velocity, shape (2, n) [m/s]."""
+        part = duration / pieces
+        for _ in range(pieces):
+            velocity = self._current.velocity(self._t_start + 0.5 * part, depth, self.position) + extra
+            self.position = self.position + part * velocity
+            self._t_start = self._t_start + part
+
+    def stage(self, below: Scalars = 0.0) -> OnStep:
+        """Follower of a stage for a body that is some length below the falling one [m]."""
+        start = self._t_start
+
+        def on_step(t: Scalars, spent: Array, depth: Array) -> None:
+            velocity = self._current.velocity(start + t + 0.5 * spent, depth + below, self.position)
+            self.position = self.position + spent * velocity
+
+        return on_step
+
+    def advance(self, duration: Array) -> None:
+        """Let the clock go on by a stage's duration [s]."""
+        self._t_start = self._t_start + duration
+
+
+def sink(
+    dive: Dive,
+    hooks: DescentHooks,
+    trials: int,
+    *,
+    step: float = STEP,
+    keep: bool = False,
+    drift: Drift | None = None,
+    until: float = np.inf,
+) -> Stages:
+    """Carry anchor and vehicle from the separation to the vehicle's lowest point.
+
+    Parameters
+    ----------
+    dive : Dive
+    hooks : DescentHooks
+    trials : int
+        n.
+    step : float
+        [s].
+    keep : bool
+        Whether the stages keep their histories.
+    drift : Drift, optional
+        Carries the anchor along.
+    until : float
+        Time since the start of the free fall beyond which nothing is asked: stages are cut there [s].
+
+    Returns
+    -------
+    Stages
+    """
+    rest = np.zeros(trials)
+    line, bottom = (per_trial(value, trials) for value in (dive.line_length, dive.site_depth))
+    limit = STAGE_TIME + float(np.max(bottom, initial=0.0)) / SLOWEST_DESCENT
+    run = partial(fall, step=step, keep=keep)
+    delay = np.maximum(per_trial(hooks.delay(line), trials), 0.0)
+    stop = Stop(deepest=np.minimum(line, bottom))
+    if drift is not None:
+        drift.wait(delay, rest)
+    lone = run(LoneFall(dive, hooks), rest, rest, stop, time_limit=limit, on_step=drift.stage() if drift else None)
+    if drift is not None:
+        drift.advance(lone.time)
+    taut = lone.ended & (line < bottom)  # a longer line never draws the vehicle down
+    until -= float(np.min(lone.time))
+    # the snatch shares momentum over the ground: moving water takes the bodies' time constant to carry them
+    snatched = dive.lone_mass * lone.speed / (dive.joint_mass * hooks.mass_factor)
+    shared = np.where(taut, snatched - hooks.water_velocity, 0.0)
+    pull_down = run(
+        PullDown(dive, hooks, lone.time),
+        rest,
+        shared,
+        Stop(deepest=np.where(taut, bottom - line, 0.0)),
+        time_limit=min(limit, until),
+        on_step=drift.stage(below=line) if drift else None,
+    )
+    until -= float(np.min(pull_down.time))
+    coast = run(
+        FreeVehicle(dive, hooks, pull_down.time),
+        pull_down.depth,
+        pull_down.speed,
+        Stop(deepest=2.0 * bottom, at_rest=True),  # what nothing buoys up would sink without end
+        time_limit=min(limit, until),
+    )
+    return Stages(lone, pull_down, coast, delay)
+
+
+def per_trial(value: Scalars, trials: int) -> Array:
+    """A number or an array over trials as an array of shape (n,)."""
+    return np.broadcast_to(np.asarray(value, dtype=float), (trials,))
+
+
+def descend(
+    dive: Dive,
+    *,
+    effects: Iterable[DescentEffect] = (),
+    release_time: Array,
+    current: Current,
+    position: Array,
+    t_start: Array,
+    surface_velocity: Array | float = 0.0,
+    step: float = STEP,
+) -> DescentRecord:
+    """Take a block of trials from the last fix to the vehicle's lowest point.
+
+    Parameters
+    ----------
+    dive : Dive
+    effects : iterable of DescentEffect
+    release_time : array, shape (n,)
+        From the last fix to the anchor's separation [s].
+    current : Current
+        Carries each body with the layer that it is in.
+    position : array, shape (2, n)
+        At the last fix, east and north of the coordinates' origin [m].
+    t_start : array, shape (n,)
+        Time of the last fix since the mission's start [s].
+    surface_velocity : array, shape (2, n), optional
+        Drift at the surface beyond the current, while the anchor has not separated [m/s].
+    step : float
+        Of the integration [s].
+
+    Returns
+    -------
+    DescentRecord
+    """
+    hooks = DescentHooks(effects)
+    trials = release_time.size
+    drift = Drift(current, position, t_start)
+    drift.wait(release_time, np.zeros(trials), extra=surface_velocity)
+    stages = sink(dive, hooks, trials, step=step, drift=drift)
+    down = stages.lone.ended & stages.pull_down.ended
+    deepest = np.where(down, stages.coast.depth, stages.pull_down.depth)
+    lowest = per_trial(dive.site_depth, trials) - deepest
+    return DescentRecord(
+        release_time=release_time,
+        payout_time=stages.taut_at,
+        descent_time=np.where(down, stages.touchdown_at, np.nan),
+        terminal_velocity=_balance_speed(dive, hooks, stages),
+        offset=drift.position - position,
+        lowest_altitude=lowest,
+        touched_down=down,
+        struck=lowest <= 0.0,
+    )
+
+
+def _balance_speed(dive: Dive, hooks: DescentHooks, stages: Stages) -> Array:
+    """Speed through the water at which the forces at touchdown balance, shape (n,) [m/s]."""
+    ended = stages.pull_down
+    forces = PullDown(dive, hooks, stages.lone.time)
+    pull = forces.pull(ended.time, ended.depth)
+    return np.broadcast_to(terminal_velocity(lambda v: forces.drag(ended.time, np.asarray(v)), pull), ended.time.shape)

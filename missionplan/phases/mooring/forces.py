@@ -1,0 +1,220 @@
+"""Forces of each stage of a descent (Briggs et al., section III, made dynamic), with the effects' hooks combined."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.hooks import DescentEffect
+from missionplan.physics.vehicle_drag import DragLaw
+
+
+@dataclass(frozen=True)
+class Dive:
+    """Bodies, line and depth of a descent; every number a float or an array over trials, shape (n,).
+
+    Attributes
+    ----------
+    wet_weight : float or array
+        Of the flooded anchor [N].
+    anchor_mass, anchor_added_mass : float or array
+        Of the anchor with the water inside, and its axial added mass [kg].
+    anchor_drag : DragLaw
+    vehicle_mass, vehicle_added_mass : float or array
+        Of the egress vehicle, and its axial added mass [kg].
+    net_buoyancy : float or array
+        Buoyancy minus weight of the egress vehicle [N].
+    vehicle_drag : DragLaw
+    line_length : float or array
+        From the anchor to the vehicle's nose [m].
+    site_depth : float or array
+        [m].
+    """
+
+    wet_weight: Scalars
+    anchor_mass: Scalars
+    anchor_added_mass: Scalars
+    anchor_drag: DragLaw
+    vehicle_mass: Scalars
+    vehicle_added_mass: Scalars
+    net_buoyancy: Scalars
+    vehicle_drag: DragLaw
+    line_length: Scalars
+    site_depth: Scalars
+
+    @property
+    def lone_mass(self) -> Scalars:
+        """Mass that moves while the anchor falls alone [kg]."""
+        return self.anchor_mass + self.anchor_added_mass
+
+    @property
+    def free_mass(self) -> Scalars:
+        """Mass that moves with the vehicle alone [kg]."""
+        return self.vehicle_mass + self.vehicle_added_mass
+
+    @property
+    def joint_mass(self) -> Scalars:
+        """Mass that moves once the line is taut [kg]."""
+        return self.lone_mass + self.free_mass
+
+
+class DescentHooks:
+    """The hooks of several effects as one: factors multiply, lifts, velocities and delays add.
+
+    Hooks that no effect refines are left out, so that they cost nothing at each step.
+    """
+
+    def __init__(self, effects: Iterable[DescentEffect] = ()) -> None:
+        effects = tuple(effects)
+
+        def refined(name: str) -> list[Callable[..., Any]]:
+            return [getattr(effect, name) for effect in effects if effect.refines(name)]
+
+        self._lone_drag, self._drag = refined("lone_drag_factor"), refined("drag_factor")
+        self._weight, self._lift, self._mass = refined("wet_weight_factor"), refined("lift"), refined("mass_factor")
+        self._water, self._delay, self._reading = refined("water_velocity"), refined("delay"), refined("reading")
+
+    @property
+    def lone_drag_factor(self) -> Scalars:
+        """Factor on the anchor's drag while it falls alone."""
+        return _product(hook() for hook in self._lone_drag)
+
+    @property
+    def mass_factor(self) -> Scalars:
+        """Factor on the joint mass."""
+        return _product(hook() for hook in self._mass)
+
+    @property
+    def water_velocity(self) -> Scalars:
+        """Downward velocity of the water once the line is taut [m/s]."""
+        return _total(hook() for hook in self._water)
+
+    def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
+        """Factor on both bodies' drag, at a time since the line went taut [s] and a speed [m/s]."""
+        return _product(hook(since_taut, speed) for hook in self._drag)
+
+    def wet_weight_factor(self, since_separation: Scalars) -> Scalars:
+        """Factor on the anchor's wet weight, at a time since its separation [s]."""
+        return _product(hook(since_separation) for hook in self._weight)
+
+    def lift(self, depth: Scalars) -> Scalars:
+        """Upward force on the vehicle at its depth [m] once the line is taut [N]."""
+        return _total(hook(depth) for hook in self._lift)
+
+    def delay(self, line_length: Scalars) -> Scalars:
+        """Time by which everything after the separation comes late [s]."""
+        return _total(hook(line_length) for hook in self._delay)
+
+    def reading(self, t: Array, depth: Array) -> Array:
+        """Depth that the sensor reads, from the true depth on a uniform grid: the effects in their order [m]."""
+        for hook in self._reading:
+            depth = hook(t, depth)
+        return depth
+
+
+def _product(factors: Iterable[Scalars]) -> Scalars:
+    result: Scalars = 1.0
+    for factor in factors:
+        result = result * factor
+    return result
+
+
+def _total(terms: Iterable[Scalars]) -> Scalars:
+    result: Scalars = 0.0
+    for term in terms:
+        result = result + term
+    return result
+
+
+class LoneFall:
+    """The anchor alone, from its separation until the line is taut: (m_a + added) a = W - F_anchor."""
+
+    water_velocity: Scalars = 0.0
+
+    def __init__(self, dive: Dive, hooks: DescentHooks) -> None:
+        self._dive, self._hooks = dive, hooks
+        self._drag_factor = hooks.lone_drag_factor
+
+    def acceleration(self, t: float, depth: Array, speed: Array) -> Array:
+        """Of the anchor [m/s²]."""
+        dive = self._dive
+        weight = dive.wet_weight * self._hooks.wet_weight_factor(t)
+        return np.asarray((weight - self._drag_factor * dive.anchor_drag(speed)) / dive.lone_mass)
+
+
+class PullDown:
+    """Both bodies on a taut line: M a = W - B_net - lift - F_vehicle - F_anchor (Eq. 14)."""
+
+    def __init__(self, dive: Dive, hooks: DescentHooks, taut_at: Array) -> None:
+        self._dive, self._hooks, self._taut_at = dive, hooks, taut_at
+        self._mass = dive.joint_mass * hooks.mass_factor
+        self.water_velocity = hooks.water_velocity
+
+    def drag(self, t: Scalars, speed: Array) -> Array:
+        """Of both bodies [N], at a time since the line went taut [s] and a speed through the water [m/s]."""
+        force = self._dive.vehicle_drag(speed) + self._dive.anchor_drag(speed)
+        return np.asarray(force * self._hooks.drag_factor(t, np.abs(speed)))
+
+    def pull(self, t: Scalars, depth: Array) -> Array:
+        """Net downward force without drag [N], at a time since the line went taut [s] and the vehicle's depth [m]."""
+        dive, hooks = self._dive, self._hooks
+        weight = dive.wet_weight * hooks.wet_weight_factor(self._taut_at + t)
+        return np.asarray(weight - dive.net_buoyancy - hooks.lift(depth))
+
+    def acceleration(self, t: float, depth: Array, speed: Array) -> Array:
+        """Of both bodies [m/s²]."""
+        return np.asarray((self.pull(t, depth) - self.drag(t, speed)) / self._mass)
+
+
+class FreeVehicle:
+    """The vehicle on a slack line after touchdown, sinking on or rising: M_v a = -B_net - lift - F_vehicle."""
+
+    def __init__(self, dive: Dive, hooks: DescentHooks, since_taut: Array) -> None:
+        self._dive, self._hooks, self._since_taut = dive, hooks, since_taut
+        self.water_velocity = hooks.water_velocity
+
+    def acceleration(self, t: float, depth: Array, speed: Array) -> Array:
+        """Of the vehicle [m/s²]."""
+        dive, hooks = self._dive, self._hooks
+        drag = dive.vehicle_drag(speed) * hooks.drag_factor(self._since_taut + t, np.abs(speed))
+        return np.asarray(-(dive.net_buoyancy + hooks.lift(depth) + drag) / dive.free_mass)
+
+
+_LATE = 1e6
+"""Time [s] by which every effect that fades has faded."""
+
+
+@dataclass(frozen=True)
+class SteadySink:
+    """Both bodies sinking steadily: what Eqs. 14–15 balance, with the effects that last.
+
+    Attributes
+    ----------
+    through_water : float or array, shape (n,)
+        Speed through the water [m/s].
+    drag_factor : float or array, shape (n,)
+        Of the effects, on both bodies' drag.
+    lift : float or array, shape (n,)
+        Of the effects, on the vehicle, mean over the depth [N].
+    weight_factor : float or array, shape (n,)
+        Of the effects, on the anchor's wet weight.
+    """
+
+    through_water: Scalars
+    drag_factor: Scalars
+    lift: Scalars
+    weight_factor: Scalars
+
+    @classmethod
+    def at(cls, speed: float, hooks: DescentHooks, site_depth: float) -> "SteadySink":
+        """Sink at a speed over the ground [m/s] to a depth [m]."""
+        through_water = speed - hooks.water_velocity
+        depths = np.linspace(0.01, 0.99, 50, dtype=np.float64) * site_depth
+        lift = float(np.mean(np.broadcast_to(hooks.lift(depths), depths.shape)))
+        return cls(through_water, hooks.drag_factor(_LATE, through_water), lift, hooks.wet_weight_factor(_LATE))
+
+    def wet_weight(self, drag: Scalars) -> Scalars:
+        """Wet weight of the anchor that balances the drag of both bodies without effects [N] (Eq. 15) [N]."""
+        return (drag * self.drag_factor + self.lift) / self.weight_factor

@@ -1,0 +1,197 @@
+"""Mooring: from the arrival fix down to the seafloor, the hold, the galvanic release, and up to the fix that follows.
+
+Briggs et al., sections II–III. The anchor separates some time after the last fix and takes the vehicle down; it hangs
+on its line above the anchor until the galvanic link has corroded, rises, and surfaces once for a fix. There is no
+second surfacing before the release.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.currents import Current
+from missionplan.phases.hooks import DescentEffect, TransitEffect
+from missionplan.phases.mooring.ascent import ascend
+from missionplan.phases.mooring.descent import DescentRecord, descend
+from missionplan.phases.mooring.forces import Dive
+from missionplan.phases.state import TrialState
+
+
+@dataclass(frozen=True)
+class MoorPlan:
+    """What a mooring is told. Each number may be an array over trials, shape (n,).
+
+    Attributes
+    ----------
+    dive : Dive
+        Bodies, line and depth.
+    radius : float
+        R of Eq. 1: how far from the last fix the anchor may come down [m].
+    release_time : float
+        From the last fix until the anchor separates [s].
+    hold, galvanic_release : float
+        From touchdown until the release is triggered, and from there until the line parts [s].
+    surfacing_time : float
+        At the surface after the ascent, up to the fix [s].
+    fix_error : float
+        Standard deviation of that fix, each axis [m].
+    hotel_power : float
+        Drawn all the time [W].
+    surfacing_energy : float
+        For the one surfacing [J].
+    """
+
+    dive: Dive
+    radius: Scalars
+    release_time: Scalars
+    hold: Scalars = 0.0
+    galvanic_release: Scalars = 0.0
+    surfacing_time: Scalars = 0.0
+    fix_error: Scalars = 0.0
+    hotel_power: Scalars = 0.0
+    surfacing_energy: Scalars = 0.0
+
+
+@dataclass(frozen=True)
+class MoorRecord:
+    """What a mooring came to; arrays of shape (n,) unless said otherwise.
+
+    Attributes
+    ----------
+    descent : DescentRecord
+    anchor : array, shape (2, n)
+        Where the anchor came down, east and north of the coordinates' origin; nan where it did not [m].
+    offset : array, shape (2, n)
+        Of the anchor from the last fix: how far it drifted, and by how much that fix was wrong [m].
+    surfaced_at : array, shape (2, n)
+        Where the vehicle came up; nan where it did not [m].
+    ascent_time : array
+        From the parting of the line to the surface; nan where it did not come up [s].
+    duration : array
+        From the arrival fix to the fix after the ascent; nan as above [s].
+    energy : array
+        nan as above [J].
+    within_radius, struck, surfaced : array of bool
+        Whether the anchor came down within the radius about the last fix, the vehicle struck the seafloor on the way
+        down, and came up again.
+    """
+
+    descent: DescentRecord
+    anchor: Array
+    offset: Array
+    surfaced_at: Array
+    ascent_time: Array
+    duration: Array
+    energy: Array
+    within_radius: NDArray[np.bool_]
+    struck: NDArray[np.bool_]
+    surfaced: NDArray[np.bool_]
+
+    @property
+    def offset_distance(self) -> Array:
+        """Distance of the anchor from the last fix, shape (n,) [m]."""
+        return np.asarray(np.hypot(self.offset[0], self.offset[1]))
+
+
+def moor(
+    plan: MoorPlan,
+    state: TrialState,
+    fix_normals: Array,
+    current: Current,
+    *,
+    effects: Iterable[DescentEffect] = (),
+    surface_effects: Iterable[TransitEffect] = (),
+) -> tuple[TrialState, MoorRecord]:
+    """Take a block of trials through a mooring.
+
+    A vehicle whose anchor came down outside the radius, or that struck the seafloor, is followed on: it is buoyant,
+    and its line parts all the same. A trial that never touched down, or never came up, ends here.
+
+    Parameters
+    ----------
+    plan : MoorPlan
+    state : TrialState
+        At the arrival fix.
+    fix_normals : array, shape (2, n)
+        Standard normals of the fix after the ascent.
+    current : Current
+        Carries anchor and vehicle with the layers that they are in.
+    effects : iterable of DescentEffect
+    surface_effects : iterable of TransitEffect
+        Of these, only the drift at the surface acts here.
+
+    Returns
+    -------
+    state, record : TrialState, MoorRecord
+        A trial that was not alive before keeps its state; what the record says of it has no meaning.
+    """
+    effects, surface_effects = tuple(effects), tuple(surface_effects)
+    n = state.trials
+    release = _over(plan.release_time, n)
+    descent = descend(
+        plan.dive,
+        effects=effects,
+        release_time=release,
+        current=current,
+        position=state.position,
+        t_start=state.clock,
+        surface_velocity=_surface_velocity(surface_effects, state.clock, release, state.position),
+    )
+    down = descent.touched_down
+    landed = state.position + descent.offset
+    moored = np.where(down, descent.descent_time, 0.0) + plan.hold + plan.galvanic_release
+    ascent = ascend(
+        plan.dive,
+        effects=effects,
+        current=current,
+        position=landed,
+        t_start=state.clock + release + moored,
+        since_taut=moored - np.where(down, descent.payout_time, 0.0),
+    )
+    surfaced = down & ascent.surfaced
+    came_up = landed + ascent.drift
+    up_at = state.clock + release + moored + np.where(surfaced, ascent.ascent_time, 0.0)
+    time = _over(plan.surfacing_time, n)
+    carried = current.mean_velocity(up_at, time, 0.0, came_up, np.zeros((2, 1)))
+    end = came_up + (carried + _surface_velocity(surface_effects, up_at, time, came_up)) * time
+    duration = np.where(surfaced, up_at + time - state.clock, np.nan)
+    offset = np.where(down, landed - state.fix, np.nan)
+    record = MoorRecord(
+        descent=descent,
+        anchor=np.where(down, landed, np.nan),
+        offset=offset,
+        surfaced_at=np.where(surfaced, came_up, np.nan),
+        ascent_time=np.where(down, ascent.ascent_time, np.nan),
+        duration=duration,
+        energy=duration * plan.hotel_power + plan.surfacing_energy,
+        within_radius=np.hypot(offset[0], offset[1]) <= plan.radius,
+        struck=descent.struck & down,
+        surfaced=surfaced,
+    )
+    return _after(state, record, end, end + plan.fix_error * fix_normals), record
+
+
+def _after(state: TrialState, record: MoorRecord, position: Array, fix: Array) -> TrialState:
+    """State after the mooring; a trial that ends here, or had ended before, stays where it was."""
+    goes_on = state.alive & record.surfaced
+    return TrialState(
+        position=np.where(goes_on, position, state.position),
+        fix=np.where(goes_on, fix, state.fix),
+        clock=np.where(goes_on, state.clock + record.duration, state.clock),
+        energy=np.where(goes_on, state.energy + record.energy, state.energy),
+        alive=goes_on,
+    )
+
+
+def _surface_velocity(effects: Iterable[TransitEffect], t: Array, duration: Array, position: Array) -> Array:
+    velocity = np.zeros((2, t.size))
+    for effect in effects:
+        velocity = velocity + effect.surface_velocity(t, duration, position)
+    return velocity
+
+
+def _over(value: Scalars, trials: int) -> Array:
+    return np.broadcast_to(np.asarray(value, dtype=float), (trials,))

@@ -1,0 +1,135 @@
+"""One descent followed in time: depths, speed and tracks of both bodies, for figures and tables."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.phases.currents import Current
+from missionplan.phases.hooks import DescentEffect
+from missionplan.phases.mooring.depth_sensor import true_depth
+from missionplan.phases.mooring.descent import DescentRecord, Stages, descend, sink
+from missionplan.phases.mooring.forces import DescentHooks, Dive
+from missionplan.phases.mooring.vertical_motion import STEP
+
+RISE_TIME = 120.0
+"""Longest that the rise to the line's length is followed [s]."""
+
+
+@dataclass(frozen=True)
+class DescentProfile:
+    """A single descent against time.
+
+    Attributes
+    ----------
+    record : DescentRecord
+        Of the one trial.
+    time : array, shape (k,)
+        Since the last fix [s].
+    vehicle_depth, anchor_depth : array, shape (k,)
+        Of the vehicle's nose and of the anchor [m].
+    vehicle_track, anchor_track : array, shape (2, k)
+        East and north of the last fix, until touchdown, nan after it [m].
+    stages : dict
+        Separation, free fall, pull-down, touchdown and lowest point, each since the last fix [s].
+    """
+
+    record: DescentRecord
+    time: Array
+    vehicle_depth: Array
+    anchor_depth: Array
+    vehicle_track: Array
+    anchor_track: Array
+    stages: dict[str, float]
+
+    @property
+    def vehicle_speed(self) -> Array:
+        """Downward velocity of the vehicle, shape (k,) [m/s]."""
+        return np.gradient(self.vehicle_depth, self.time)
+
+
+def follow(
+    dive: Dive,
+    *,
+    effects: Iterable[DescentEffect] = (),
+    release_time: float,
+    current: Current,
+    position: Array,
+    t_start: float = 0.0,
+    step: float = STEP,
+) -> DescentProfile:
+    """Follow one descent until the vehicle hangs on its line.
+
+    Parameters
+    ----------
+    dive : Dive
+        Of floats.
+    effects : iterable of DescentEffect
+    release_time : float
+        From the last fix to the separation [s].
+    current : Current
+    position : array, shape (2,)
+        At the last fix, east and north of the coordinates' origin [m].
+    t_start : float
+        Of the last fix since the mission's start [s].
+    step : float
+        [s].
+    """
+    effects = tuple(effects)
+    hooks = DescentHooks(effects)
+    place = np.asarray(position, dtype=float).reshape(2, 1)
+    record = descend(
+        dive,
+        effects=effects,
+        release_time=np.array([release_time]),
+        current=current,
+        position=place,
+        t_start=np.array([t_start]),
+        step=step,
+    )
+    stages = sink(dive, hooks, 1, step=step, keep=True)
+    marks = _marks(stages, release_time)
+    since, vehicle = _vehicle_depth(dive, hooks, stages, step)
+    line = float(np.asarray(dive.line_length))
+    falling = stages.lone.depth_at(since)
+    anchor = np.where(since < stages.lone.time, falling, np.minimum(vehicle + line, stages.pull_down.depth + line))
+    down = float(stages.lone.time[0] + stages.pull_down.time[0])
+    anchor = np.where(since > down, stages.pull_down.depth + line, anchor)
+    waiting = np.arange(0.0, marks["free fall"], step)
+    time = np.concatenate((waiting, marks["free fall"] + since[:, 0]))
+    depths = [np.concatenate((np.zeros(waiting.size), depth[:, 0])) for depth in (vehicle, anchor)]
+    tracks = [_track(current, place, t_start, time, depth, marks["touchdown"]) for depth in depths]
+    return DescentProfile(record, time, depths[0], depths[1], tracks[0], tracks[1], marks)
+
+
+def _marks(stages: Stages, release_time: float) -> dict[str, float]:
+    lengths = {
+        "free fall": stages.delay,
+        "pull-down": stages.lone.time,
+        "touchdown": stages.pull_down.time,
+        "lowest point": stages.coast.time,
+    }
+    at = release_time + np.cumsum([float(length[0]) for length in lengths.values()])
+    return {"separation": release_time, **{name: float(t) for name, t in zip(lengths, at, strict=True)}}
+
+
+def _vehicle_depth(dive: Dive, hooks: DescentHooks, stages: Stages, step: float) -> tuple[Array, Array]:
+    """Times since the start of the free fall [s] and the vehicle's depth [m], until it hangs on its line."""
+    turned = float(stages.lone.time[0] + stages.pull_down.time[0] + stages.coast.time[0])
+    grid = np.arange(0.0, turned + RISE_TIME, step)[:, None]
+    depth = true_depth(dive, hooks, stages, grid, step=step)
+    moving = np.flatnonzero(np.abs(np.diff(depth[:, 0])) > 1e-9)
+    end = min(int(moving[-1]) + 2 + round(2.0 / step), len(grid)) if moving.size else len(grid)
+    return grid[:end], depth[:end]
+
+
+def _track(current: Current, place: Array, t_start: float, time: Array, depth: Array, until: float) -> Array:
+    """Displacement with the layers along a depth history, shape (2, k) [m]; nan after a time [s]."""
+    middle = 0.5 * (time[1:] + time[:-1])
+    positions = np.broadcast_to(place, (2, middle.size))
+    velocity = np.broadcast_to(
+        current.velocity(t_start + middle, 0.5 * (depth[1:] + depth[:-1]), positions), positions.shape
+    )
+    track = np.concatenate((np.zeros((2, 1)), np.cumsum(velocity * np.diff(time), axis=1)), axis=1)
+    return np.where(time <= until + np.diff(time).max(), track, np.nan)

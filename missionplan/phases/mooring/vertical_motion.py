@@ -1,0 +1,204 @@
+"""Bodies that sink or rise along the vertical: fixed-step RK4 over trials, with the end of a stage interpolated.
+
+A stage runs on its own clock, which starts for each trial when its last stage ended; so the steps of all trials
+coincide though their events do not.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars, row_and_next
+
+STEP = 0.1
+"""Default step [s], a twenty-fifth of the prototype's time constant."""
+
+OnStep = Callable[[Scalars, Array, Array], None]
+"""Told of each step: its start on the stage's clock [s], the time each trial spent in it [s], its mean depth [m]."""
+
+
+class Forces(Protocol):
+    """What moves a body along the vertical; trials are the last axis."""
+
+    @property
+    def water_velocity(self) -> Scalars:
+        """Downward velocity of the water [m/s]."""
+        ...
+
+    def acceleration(self, t: float, depth: Array, speed: Array) -> Array:
+        """Of a body at a depth [m] with a downward speed through the water [m/s], at a time of the stage [s]."""
+        ...
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Where a stage ends: at a depth reached from above or below, shape (n,) [m], or when the body stops sinking."""
+
+    deepest: Scalars = np.inf
+    shallowest: Scalars = -np.inf
+    at_rest: bool = False
+
+    def left(self, depth: Array, rate: Array) -> Array:
+        """Return what falls to 0 when a trial's stage ends, from depth [m] and its rate [m/s]."""
+        left = np.minimum(self.deepest - depth, depth - self.shallowest)
+        return np.minimum(left, rate) if self.at_rest else left
+
+
+@dataclass(frozen=True)
+class Fall:
+    """A stage of a descent.
+
+    Attributes
+    ----------
+    step : float
+        [s].
+    time, depth, speed : array, shape (n,)
+        End of each trial's stage: on the stage's clock [s], depth [m] and speed through the water [m/s].
+    ended : array of bool, shape (n,)
+        False where the stage was cut at its time limit.
+    depths, rates : array, shape (m, n)
+        On the grid k·step of the stage's clock: depth [m] and its rate [m/s]; no rows unless kept.
+    """
+
+    step: float
+    time: Array
+    depth: Array
+    speed: Array
+    ended: NDArray[np.bool_]
+    depths: Array
+    rates: Array
+
+    def depth_at(self, t: Array) -> Array:
+        """Depth at times of the stage's clock, shape (k, n) [s], held at the stage's ends; needs a kept stage [m]."""
+        if len(self.depths) < 2:
+            return np.broadcast_to(self.depth, t.shape)
+        inside = np.clip(t, 0.0, self.time) / self.step
+        index = np.minimum(inside.astype(np.intp), len(self.depths) - 2)
+        (z0, z1), (r0, r1) = (row_and_next(grid, index) for grid in (self.depths, self.rates))
+        return _hermite(inside - index, z0, self.step * r0, z1, self.step * r1)
+
+
+def fall(
+    forces: Forces,
+    depth: Array,
+    speed: Array,
+    stop: Stop,
+    *,
+    time_limit: float,
+    step: float = STEP,
+    keep: bool = False,
+    on_step: OnStep | None = None,
+) -> Fall:
+    """Carry bodies through one stage.
+
+    Parameters
+    ----------
+    forces : Forces
+    depth, speed : array, shape (n,)
+        At the start: depth [m] and downward speed through the water [m/s].
+    stop : Stop
+        Where the stage ends.
+    time_limit : float
+        A stage that has not ended by then is cut [s].
+    step : float
+        [s].
+    keep : bool
+        Whether to keep depths and rates on the grid.
+    on_step : callable, optional
+        For what goes on beside the fall, such as drifting.
+
+    Returns
+    -------
+    Fall
+    """
+    water = forces.water_velocity
+    z, u, a = depth, speed, forces.acceleration(0.0, depth, speed)
+    ends = _Ends(np.stack((z, u, a)), stop.left(z, u + water) > 0.0)
+    floats = bool(np.all(np.isneginf(stop.shallowest)))
+    grid = [(z, u + water)]
+    t = 0.0
+    for k in range(max(1, math.ceil(time_limit / step))):
+        if not ends.under_way.any():
+            break
+        t = k * step
+        z1, u1 = _rk4(forces, t, (z, u, a), water, step)
+        if floats and (z1 < 0.0).any():  # nothing rises out of the water
+            u1 = np.where(z1 < 0.0, np.maximum(u1, -water), u1)
+            z1 = np.maximum(z1, 0.0)
+        a1 = forces.acceleration(t + step, z1, u1)
+        ends.note(stop.left(z1, u1 + water) <= 0.0, t, (z, u, a), (z1, u1, a1))
+        if on_step is not None:
+            on_step(t, np.where(ends.under_way, step, 0.0), 0.5 * (z + z1))
+        z, u, a = z1, u1, a1
+        if keep:
+            grid.append((z, u + water))
+    ended = ~ends.under_way
+    ends.note(ends.under_way, t + step, (z, u, a), (z, u, a))
+    share = np.where(ended, ends.share(stop, water, step), 0.0)
+    z0, z, u = ends.before[0], *ends.at(share, water, step)
+    if on_step is not None:
+        on_step(ends.start, share * step, 0.5 * (z0 + z))
+    depths, rates = (np.stack(values) if keep else np.empty((0, z.size)) for values in zip(*grid, strict=True))
+    return Fall(step, ends.start + share * step, z, u, ended, depths, rates)
+
+
+class _Ends:
+    """The step in which each trial's stage ends: depth, speed and acceleration before and after, shape (3, n)."""
+
+    def __init__(self, state: Array, under_way: NDArray[np.bool_]) -> None:
+        self.under_way = under_way
+        self.before, self.after = state.copy(), state.copy()
+        self.start = np.zeros(state.shape[1])
+
+    def note(self, over: NDArray[np.bool_], t: float, before: tuple[Array, ...], after: tuple[Array, ...]) -> None:
+        """Remember the step of the trials under way whose stage is over."""
+        new = over & self.under_way
+        if new.any():
+            np.copyto(self.start, t, where=new)
+            for kept, values in ((self.before, before), (self.after, after)):
+                for row, value in zip(kept, values, strict=True):
+                    np.copyto(row, value, where=new)
+            self.under_way = self.under_way & ~new
+
+    def at(self, share: Array, water: Scalars, step: float) -> tuple[Array, Array]:
+        """Depth and speed at a share of the step, by cubic Hermite polynomials."""
+        (z0, u0, a0), (z1, u1, a1) = self.before, self.after
+        z = _hermite(share, z0, step * (u0 + water), z1, step * (u1 + water))
+        return z, _hermite(share, u0, step * a0, u1, step * a1)
+
+    def share(self, stop: Stop, water: Scalars, step: float) -> Array:
+        """Share of the step at which the stage ends, by bisection to 1e-9."""
+        low, high = np.zeros_like(self.start), np.ones_like(self.start)
+        for _ in range(30):
+            middle = 0.5 * (low + high)
+            z, u = self.at(middle, water, step)
+            past = stop.left(z, u + water) <= 0.0
+            low, high = np.where(past, low, middle), np.where(past, middle, high)
+        return high
+
+
+def _hermite(share: Array, y0: Array, slope0: Array, y1: Array, slope1: Array) -> Array:
+    """Cubic with given values and slopes (per step) at both ends, at a share of the step."""
+    rest = 1.0 - share
+    rise = y1 - y0
+    return y0 * rest + y1 * share + share * rest * ((slope0 - rise) * rest - (slope1 - rise) * share)
+
+
+def _rk4(
+    forces: Forces, t: float, state: tuple[Array, Array, Array], water: Scalars, step: float
+) -> tuple[Array, Array]:
+    """One step of the classical Runge–Kutta method for z' = u + w, u' = a(t, z, u), given a at its start."""
+    z, u, k1 = state
+    half = 0.5 * step
+    drifted = z + half * water
+    u2 = u + half * k1
+    k2 = forces.acceleration(t + half, drifted + half * u, u2)
+    u3 = u + half * k2
+    k3 = forces.acceleration(t + half, drifted + half * u2, u3)
+    k4 = forces.acceleration(t + step, z + step * (u3 + water), u + step * k3)
+    inner = k2 + k3
+    return z + step * (u + water + step / 6.0 * (k1 + inner)), u + step / 6.0 * (k1 + 2.0 * inner + k4)

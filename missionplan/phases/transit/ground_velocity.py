@@ -1,0 +1,97 @@
+"""What moves the vehicle beside its own propulsion: the velocity error of a leg, the site's current, effects."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.hooks import Leg
+from missionplan.phases.transit.plan import Normals, Surroundings, TransitNormals, TransitPlan, VelocityError
+
+
+class Drift:
+    """Velocities over the ground that a leg and a surfacing add, with the memory of effects that persist."""
+
+    def __init__(self, plan: TransitPlan, surroundings: Surroundings, normals: TransitNormals) -> None:
+        self._plan, self._surroundings, self._normals = plan, surroundings, normals
+        self._memory: list[Any] = [None] * len(surroundings.effects)
+        self._mid_leg: Array | None = None
+
+    def of_leg(self, number: int, normals: Array, t: Array, duration: Array, start: Array, through: Array) -> Array:
+        """Mean velocity over a leg that the vehicle does not make itself (Eq. 24, with the site's current).
+
+        Parameters
+        ----------
+        number : int
+            Leg, from 0.
+        normals : array, shape (2, n)
+            Standard normals of the velocity error.
+        t, duration : array, shape (n,)
+            Start and length of the leg in time [s].
+        start, through : array, shape (2, n)
+            True position at the start, and displacement through the water [m].
+
+        Returns
+        -------
+        array, shape (2, n)
+            [m/s]
+        """
+        plan, current, effects = self._plan, self._surroundings.current, self._surroundings.effects
+        velocity = random_part(plan.velocity_error, normals)
+        length = np.hypot(*through)
+        leg = Leg(t, duration, start, through / np.where(length > 0.0, length, 1.0), plan.speed, plan.latitude)
+        mid_leg = t + 0.5 * duration
+        elapsed = np.zeros_like(t) if self._mid_leg is None else mid_leg - self._mid_leg
+        persistent: Array | float = 0.0
+        for index, effect in enumerate(effects):
+            source = self._normals.effects[index] if effect.is_random else None
+            own = source.leg(number)[:, : t.size] if source is not None else np.zeros((2, t.size))
+            velocity = velocity * effect.error_scale(own)
+            self._memory[index], carried = effect.step(self._memory[index], elapsed, own)
+            persistent = persistent + carried + effect.velocity(leg)
+        self._mid_leg = mid_leg
+        velocity = velocity + plan.velocity_error.mean + persistent
+        if current is not None:
+            velocity = velocity + current.mean_velocity(t, duration, plan.depth, start, through)
+        return velocity
+
+    def at_surface(self, t: Array, position: Array) -> Array | float:
+        """Mean velocity with the surface layer while the vehicle is up, shape (2, n); 0 in still water [m/s]."""
+        current, time = self._surroundings.current, self._plan.surfacing_time
+        velocity: Array | float = 0.0
+        if current is not None:
+            velocity = current.mean_velocity(t, time, 0.0, position, np.zeros((2, 1)))
+        lasting = np.broadcast_to(np.asarray(time, dtype=float), t.shape)
+        for effect in self._surroundings.effects:
+            velocity = velocity + effect.surface_velocity(t, lasting, position)
+        return velocity
+
+    def fix_sd(self) -> Scalars:
+        """Standard deviation of a fix, each axis, effects included [m]."""
+        variance: Scalars = np.square(self._plan.fix_error)
+        for effect in self._surroundings.effects:
+            variance = variance + effect.fix_variance()
+        sd: Scalars = np.sqrt(variance)
+        return sd
+
+    def take(self, plan: TransitPlan, trials: NDArray[np.intp]) -> "Drift":
+        """Go on with some of the trials; for surroundings without effects."""
+        current = self._surroundings.current
+        fewer = Surroundings(current.take(trials) if current else None, self._surroundings.compensation)
+        return Drift(plan, fewer, self._normals)
+
+
+def random_part(error: VelocityError, normals: Array) -> Array:
+    """Velocity error about its mean, R z, from standard normals z, shape (2, n) [m/s]."""
+    root = error.root
+    if error.is_isotropic:
+        isotropic: Array = root[0, 0] * normals
+        return isotropic
+    return np.stack((root[0, 0] * normals[0], root[1, 0] * normals[0] + root[1, 1] * normals[1]))
+
+
+def drawn(source: Normals, number: int, trials: NDArray[np.intp] | int) -> Array:
+    """Take a leg's normals of some trials of the block, or of the first ones."""
+    whole = source.leg(number)
+    return whole[:, :trials] if isinstance(trials, int) else whole.take(trials, axis=1)

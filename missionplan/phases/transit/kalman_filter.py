@@ -1,0 +1,272 @@
+"""A Kalman filter over what carries the vehicle, fed by the fixes of each leg: `drift_compensation: filter`.
+
+The drift that the forecast does not hold is a linear model: a steady velocity (that may walk), a displacement each time
+at the surface, a velocity that persists for a while (Ornstein–Uhlenbeck), and oscillations of known frequencies. Its
+prior is the mission's own uncertainty. With the model true and everything normal, the estimate is that of least
+mean square; what the mission does not call uncertain, the filter takes as known. Kalman 1960, J. Basic Eng. 82, 35–45.
+
+The measurements are those of `compensation`: a leg's velocity error, of variance σ_v² + 2σ_fix²/T², and the drift
+between the fixes on surfacing and on diving, of variance 2σ_fix². Both hold the error of the fix on surfacing; half the
+drift's rate, added to the first, makes their errors independent, with σ_v² + 3σ_fix²/(2T²).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import erfc
+from typing_extensions import override
+
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.transit.compensation import Compensation, Forecast, LegAhead, LegBehind, Memory
+
+STEADY, SURFACE, PERSISTENT, WAVES = 0, 2, 4, 6
+"""Where each part of the state begins: two components each, and four for each frequency of a tide."""
+RETREAT, LEFT_OVER = 2.0, 0.2724
+"""Standard deviations that a leg that will miss stops short by, and the mean of a Rice(2, 1) distance less that."""
+
+
+@dataclass(frozen=True)
+class DriftModel:
+    """What the filter takes the drift beyond the forecast to be.
+
+    The state holds, east before north: the steady velocity [m/s], the displacement of one surfacing [m], the persistent
+    velocity [m/s]; for each frequency of `tides` the coefficients of cos ωt and sin ωt toward east, then toward
+    north; for `turning` A and B of (A cos ωt + B sin ωt, B cos ωt − A sin ωt), a current that turns clockwise [m/s].
+
+    Attributes
+    ----------
+    mean : array, shape (k,)
+        Of the state before the first leg.
+    prior : array, shape (k, k)
+        Its covariance.
+    tides : tuple of float
+        Angular frequencies [rad/s].
+    turning : float
+        Angular frequency; 0 for none [rad/s].
+    persistence : float
+        Correlation time of the persistent velocity [s].
+    walk : float
+        Growth of the steady velocity's deviation [m/s^1.5].
+    covariance : array, shape (2, 2)
+        Σ_v, of what is drawn anew each leg [m²/s²].
+    fix_error : float
+        σ_fix, each axis [m].
+    """
+
+    mean: Array
+    prior: Array
+    tides: tuple[float, ...]
+    turning: float
+    persistence: float
+    walk: float
+    covariance: Array
+    fix_error: float
+
+    def phasors(self, t: Array, duration: Array) -> Array:
+        """Means over each leg of cos ωt and sin ωt for every frequency, shape (frequencies, 2, n)."""
+        frequencies = np.array([*self.tides, *([self.turning] if self.turning else [])])[:, None]
+        angle, damping = frequencies * (t + 0.5 * duration), np.sinc(frequencies * duration / (2.0 * np.pi))
+        return np.stack([damping * np.cos(angle), damping * np.sin(angle)], axis=1)
+
+    def under_way(self, t: Array, duration: Array) -> Array:
+        """Matrix that gives a leg's mean velocity from the state, shape (2, k, n)."""
+        matrix = np.zeros((2, len(self.mean), t.size))
+        for axis in (0, 1):
+            matrix[axis, [STEADY + axis, PERSISTENT + axis]] = 1.0
+        phasors = self.phasors(t, duration)
+        for index in range(len(self.tides)):
+            for axis in (0, 1):
+                first = WAVES + 4 * index + 2 * axis
+                matrix[axis, first : first + 2] = phasors[index]
+        if self.turning:
+            cosine, sine = phasors[-1]
+            matrix[0, -2:] = cosine, sine
+            matrix[1, -2:] = -sine, cosine
+        return matrix
+
+
+@dataclass(frozen=True)
+class DriftFilter(Compensation):
+    """Expect what the filter makes of the fixes so far, beyond the forecast.
+
+    Attributes
+    ----------
+    forecast : Forecast
+    model : DriftModel
+    """
+
+    forecast: Forecast
+    model: DriftModel
+
+    @override
+    def begin(self, trials: int) -> Memory:
+        """Give state (k, n), covariance (k, k, n), and the time of the last leg's middle (n,), negative without one."""
+        state = np.repeat(self.model.mean[:, None], trials, axis=1)
+        return state, np.repeat(self.model.prior[:, :, None], trials, axis=2), np.full(trials, -1.0)
+
+    @override
+    def offset(self, memory: Memory, leg: LegAhead) -> Array:
+        velocity, surface = self.expected(memory, leg)
+        wanted = leg.nominal - self.short(memory, leg) - surface
+        return leg.nominal - wanted + velocity * time_over_ground(wanted, velocity, _speed(leg), leg.duration)
+
+    def expected(self, memory: Memory, leg: LegAhead) -> tuple[Array, Array]:
+        """Mean velocity expected over the coming leg [m/s] and displacement at the surface [m], shape (2, n) each."""
+        state, _, last = memory
+        state = state * self._kept(last, leg.t + 0.5 * leg.duration)
+        velocity = np.einsum("akn,kn->an", self.model.under_way(leg.t, leg.duration), state)
+        surface = self.forecast.at_surface(leg.t + leg.duration, leg.fix + leg.nominal) + state[SURFACE : SURFACE + 2]
+        return velocity + self.forecast.under_way(leg.t, leg.duration, leg.fix, leg.nominal), surface
+
+    def spread(self, memory: Memory, leg: LegAhead) -> tuple[Array, Array]:
+        """Standard deviation of where the coming leg ends by its fix, along and across it, shape (n,) each [m]."""
+        model, (_, covariance, last) = self.model, memory
+        middle = leg.t + 0.5 * leg.duration
+        kept = self._kept(last, middle)
+        rows = model.under_way(leg.t, leg.duration) * leg.duration
+        for axis in (0, 1):
+            rows[axis, SURFACE + axis] += 1.0
+        course = leg.nominal / np.maximum(np.hypot(*leg.nominal), 1e-300)
+        across = np.stack((-course[1], course[0]))
+        added, found = np.einsum("iin->in", self._added(last, middle)), []
+        for way in (course, across):
+            row = way[0] * rows[0] + way[1] * rows[1]
+            carried = row * kept
+            variance = np.einsum("in,in->n", np.einsum("ijn,jn->in", covariance, carried), carried)
+            variance += np.einsum("in,in->n", added, row**2)
+            drawn = np.einsum("an,an->n", np.einsum("ab,bn->an", model.covariance, way), way)
+            found.append(np.sqrt(variance + drawn * leg.duration**2 + 2.0 * model.fix_error**2))
+        return found[0], found[1]
+
+    @override
+    def short(self, memory: Memory, leg: LegAhead) -> Array:
+        """How far short of the target it pays to end, beyond what the plan stops short by itself."""
+        along, across = self.spread(memory, leg)
+        price = _speed(leg) * self.forecast.surfacing_time
+        planned = np.hypot(*(leg.goal - leg.fix - leg.nominal))
+        more = np.maximum(stop_short(leg.radius, along, across, price) - planned, 0.0)
+        length = np.hypot(*leg.nominal)
+        more = np.minimum(more, 0.5 * length)  # where the error is about as large as the leg, half of it is run
+        kept: Array = leg.nominal * (more / np.where(length > 0.0, length, 1.0))
+        return kept
+
+    @override
+    def learn(self, memory: Memory, leg: LegBehind) -> Memory:
+        model, (state, covariance, last) = self.model, memory
+        moved = leg.duration > 0.0
+        seconds, middle = np.where(moved, leg.duration, 1.0), leg.t + 0.5 * leg.duration
+        kept, added = self._kept(last, middle), self._added(last, middle)
+        state, covariance = state * kept, covariance * kept * kept[:, None] + added
+        drift = leg.surface_drift - self.forecast.at_surface(leg.t + leg.duration, leg.start + leg.through)
+        share = 0.5 / seconds if model.fix_error > 0.0 else np.zeros_like(seconds)
+        error = leg.velocity_error - self.forecast.under_way(leg.t, leg.duration, leg.start, leg.through)
+        velocity, rows = error + share * drift, model.under_way(leg.t, leg.duration)
+        surface = np.zeros_like(rows)
+        for axis in (0, 1):
+            surface[axis, SURFACE + axis] = 1.0
+        rows = rows + share * surface
+        variances, axes = np.linalg.eigh(model.covariance)
+        for index in (0, 1):
+            row = axes[0, index] * rows[0] + axes[1, index] * rows[1]
+            seen = axes[0, index] * velocity[0] + axes[1, index] * velocity[1]
+            noise = max(float(variances[index]), 0.0) + 1.5 * model.fix_error**2 / seconds**2
+            state, covariance = _updated(state, covariance, row, seen, noise, moved)
+        for axis in (0, 1):
+            noise = np.full_like(seconds, 2.0 * model.fix_error**2)
+            state, covariance = _updated(state, covariance, surface[axis], drift[axis], noise, moved)
+        return state, covariance, np.where(moved, middle, last)
+
+    def _kept(self, last: Array, now: Array) -> Array:
+        """Share of each state that is left at the middle of the next leg, shape (k, n)."""
+        kept = np.ones((len(self.model.mean), now.size))
+        elapsed = np.where(last >= 0.0, now - last, 0.0)
+        kept[PERSISTENT : PERSISTENT + 2] = np.exp(-elapsed / self.model.persistence)
+        return kept
+
+    def _added(self, last: Array, now: Array) -> Array:
+        """Covariance that the time between two legs adds, shape (k, k, n)."""
+        added = np.zeros((*self.model.prior.shape, now.size))
+        elapsed = np.where(last >= 0.0, now - last, 0.0)
+        gone = -np.expm1(-2.0 * elapsed / self.model.persistence)
+        for axis in (0, 1):
+            added[STEADY + axis, STEADY + axis] = self.model.walk**2 * elapsed
+            place = PERSISTENT + axis
+            added[place, place] = self.model.prior[place, place] * gone
+        return added
+
+
+def _speed(leg: LegAhead) -> Array:
+    """Speed through the water, 0 for a trial that does not move, shape (n,) [m/s]."""
+    return np.asarray(np.hypot(*leg.nominal) / np.where(leg.duration > 0.0, leg.duration, 1.0))
+
+
+def time_over_ground(wanted: Array, velocity: Array, speed: Array, otherwise: Array) -> Array:
+    """Time that a displacement takes at a speed through water that moves: ‖d − v t‖ = U t.
+
+    The nominal time, which Eqs. 21 and 22 aim off with, makes a leg end short by v²ℓ/U², along a current as against it.
+
+    Parameters
+    ----------
+    wanted, velocity : array, shape (2, n)
+        d [m], v [m/s].
+    speed, otherwise : array, shape (n,)
+        U [m/s]; what is given where the water is the faster [s].
+    """
+    spare = speed**2 - np.sum(velocity**2, axis=0)
+    against = -np.sum(wanted * velocity, axis=0)
+    gains = spare > 0.0
+    root = np.sqrt(np.maximum(against**2 + spare * np.sum(wanted**2, axis=0), 0.0))
+    return np.where(gains, (against + root) / np.where(gains, spare, 1.0), otherwise)
+
+
+def stop_short(radius: Scalars, along: Array, across: Array, price: Scalars) -> Array:
+    """How far short of the centre of the arrival circle it pays to aim.
+
+    A leg aimed m short ends off by N(0, s²) along it and N(0, s_c²) across it. It saves the run m, but where it misses,
+    a surfacing is to be paid and what is left to be run. Two regimes of that cost have a minimum in closed form:
+
+    - s well below r: the near edge lies r − s_c²/(2r) before the centre on average, a miss costs C = U t_s + r, and
+      −m + C Φ((m + s_c²/(2r) − r)/s) is least at m = r − s_c²/(2r) − s √(2 ln(C/(s √(2π)))); the centre, m = 0, where
+      that is negative or has no root.
+    - s above about r: the leg will miss anyhow and had better not pass by, so that the next goes on and not back. Then
+      m = 2s: what is left to be run beyond m is 0.27 s on average. Taken where that and a sure surfacing cost less than
+      aiming at the centre, which costs P U t_s + E[d; d > r] with d the Rayleigh distance from it.
+
+    Parameters
+    ----------
+    radius : float or array, shape (n,)
+        r [m].
+    along, across : array, shape (n,)
+        s and s_c; the second regime takes the root of their mean square [m].
+    price : float or array, shape (n,)
+        U t_s, of a surfacing in metres run.
+    """
+    r = np.maximum(radius, 1e-9)
+    ratio = (price + r) / (np.sqrt(2.0 * np.pi) * np.maximum(along, 1e-9))
+    margin = along * np.sqrt(2.0 * np.log(np.maximum(ratio, 1.0)))
+    edge = np.where(ratio > 1.0, np.maximum(r - across**2 / (2.0 * r) - margin, 0.0), 0.0)
+    s = np.maximum(np.sqrt(0.5 * (along**2 + across**2)), 1e-9)
+    missed = np.exp(-0.5 * np.minimum(r / s, 30.0) ** 2)
+    left = r * missed + s * np.sqrt(0.5 * np.pi) * erfc(r / (s * np.sqrt(2.0)))
+    retreats = left - LEFT_OVER * s > (1.0 - missed) * price
+    return np.asarray(np.where(retreats & (np.asarray(radius) > 0.0), RETREAT * s, edge))
+
+
+def _updated(
+    state: Array, covariance: Array, row: Array, seen: Array, noise: Array, moved: NDArray[np.bool_]
+) -> tuple[Array, Array]:
+    """Take in one measurement, ``seen = row · state + noise``, of the trials that moved.
+
+    Parameters
+    ----------
+    state, covariance, row : array, shapes (k, n), (k, k, n), (k, n)
+    seen, noise, moved : array, shape (n,)
+        `noise` is a variance.
+    """
+    spread = np.einsum("ijn,jn->in", covariance, row)
+    variance = np.einsum("in,in->n", row, spread) + noise
+    told = moved & (variance > 0.0)
+    gain = np.where(told, spread / np.where(told, variance, 1.0), 0.0)
+    surprise = seen - np.einsum("in,in->n", row, state)
+    return state + gain * surprise, covariance - gain[:, None] * spread[None]

@@ -1,0 +1,265 @@
+"""The legs of a transit, for a block of trials at once: the inner loop, written for speed.
+
+Positions are relative to the goal. Arrays are updated in place, parts that a mission does not have cost nothing, and
+trials that have arrived are dropped from the arrays once they are half of them.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.phases.state import TrialState, per_trial
+from missionplan.phases.transit.compensation import LegAhead, LegBehind, Memory
+from missionplan.phases.transit.ground_velocity import Drift, drawn
+from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.plan import (
+    Normals,
+    Surroundings,
+    TransitNormals,
+    TransitPlan,
+    VelocityError,
+    column,
+)
+
+_FEW = 256  # trials below which dropping the arrived ones costs more than it saves
+
+
+class Outcome(NamedTuple):
+    """What the legs came to, positions relative to the goal; shapes (n,) and (2, n)."""
+
+    distance: Array
+    surfacings: Array
+    position: Array
+    fix: Array
+    under_way: NDArray[np.bool_]
+
+
+class Legs:
+    """Trials under way: `run` takes them through one leg after the other, `finish` gives what it came to."""
+
+    def __init__(
+        self, plan: TransitPlan, state: TrialState, normals: TransitNormals, surroundings: Surroundings, tracked: int
+    ) -> None:
+        self._plan, self._normals, self._way = plan, normals, surroundings.compensation
+        self._drift = Drift(plan, surroundings, normals)
+        self._fix_sd = self._drift.fix_sd()
+        self._fixes_err = bool(np.any(self._fix_sd))
+        self._is_still = surroundings.is_still
+        self._keeps_all = bool(surroundings.effects) or tracked > 0
+        self._goal, self._clock = column(plan.goal), state.clock
+        self._trials: NDArray[np.intp] | int = state.trials  # all of the block, or which of it
+        self._x = state.position - self._goal
+        # while fixes do not err, the fix is the true position: the same array
+        exact = not self._fixes_err and np.array_equal(state.position, state.fix)
+        self._fix = self._x if exact else state.fix - self._goal
+        self._left = _norm(self._fix)
+        self._distance, self._surfacings = np.zeros(state.trials), np.zeros(state.trials)
+        self._done: Outcome | None = None
+        self._memory: Memory = self._way.begin(state.trials) if self._way else ()
+        self._started = 0.0 * self._distance if plan.length_lost is not None else None  # legs begun
+        self._moving: Array | None = None  # 1 for a trial under way, 0 for one that is not; None while all are
+        self._count = state.trials  # trials under way
+        self._set_moving(state.alive & (self._left >= plan.arrival_radius))
+        self._tracked = tracked
+        self._track: list[Array] = []
+        self._mark(self._moving)
+        self._allocate()
+
+    @property
+    def all_arrived(self) -> bool:
+        """Whether no trial is under way."""
+        return self._count == 0
+
+    def run(self, number: int) -> None:
+        """Run leg `number`, from 0, to the fix on diving after it."""
+        moving = self._moving
+        length, course = self._nominal()
+        nominal_end = aim = dived = started = None
+        if self._way is not None:
+            nominal_end = self._fix + course
+            dived, started = self._fix + self._goal, self._now()
+            length = self._aim_off(length, course)
+            aim = self._fix + course
+        self._move(number, length, course)
+        self._distance += length
+        if self._started is not None:
+            self._started += 1.0 if moving is None else moving
+        self._mark(moving)
+        surfaced = self._surface(number)
+        self._surfacings += 1.0 if moving is None else moving
+        self._mark(moving)
+        if self._way is not None and nominal_end is not None:
+            assert aim is not None
+            assert dived is not None
+            assert started is not None
+            duration = self._duration(length, moving)
+            error = (surfaced - aim) / np.where(duration > 0.0, duration, 1.0)
+            drift, miss = self._fix - surfaced, self._fix - nominal_end
+            behind = LegBehind(error, duration, drift, miss, started, dived, course)
+            self._memory = self._way.learn(self._memory, behind)
+        self._judge()
+
+    def finish(self) -> Outcome:
+        """Give what the legs came to, for all trials of the block."""
+        now = Outcome(self._distance, self._surfacings, self._x, self._fix, self._far)
+        if isinstance(self._trials, int):
+            return now
+        assert self._done is not None
+        for whole, part in zip(self._done, now, strict=True):
+            whole[..., self._trials] = part
+        return self._done
+
+    def track(self) -> Array | None:
+        """Give the tracks asked for."""
+        return np.stack(self._track, axis=1) if self._track else None
+
+    def _allocate(self) -> None:
+        trials = self._left.size
+        self._length, self._ratio = np.empty(trials), np.empty(trials)
+        self._course, self._error = np.empty((2, trials)), np.empty((2, trials))
+
+    def _nominal(self) -> tuple[Array, Array]:
+        """Nominal leg ℓ′ and its length (Eqs. 18–20), zero for a trial that is not under way."""
+        d_max, length, ratio, course = self._plan.d_max, self._length, self._ratio, self._course
+        if isinstance(d_max, LegTable):
+            length[...] = d_max(self._left)
+        else:
+            np.minimum(self._left, d_max, out=length)
+        if self._moving is not None:
+            length *= self._moving
+            np.maximum(self._left, 1e-300, out=self._left)  # one that has arrived may stand on the goal
+        np.divide(length, self._left, out=ratio)
+        np.multiply(self._fix, ratio, out=course)
+        np.negative(course, out=course)
+        return length, course
+
+    def _aim_off(self, length: Array, course: Array) -> Array:
+        """Adjust the nominal course in place (Eq. 22) and give its length."""
+        assert self._way is not None
+        duration, radius = self._duration(length, self._moving), self._plan.arrival_radius
+        ahead = LegAhead(self._now(), self._fix + self._goal, course, duration, self._goal, radius)
+        offset = self._way.offset(self._memory, ahead)
+        course -= offset if self._moving is None else offset * self._moving
+        return _norm(course)
+
+    def _move(self, number: int, length: Array, course: Array) -> None:
+        """Move along `course` through the water and with what carries the vehicle meanwhile."""
+        error, speed = self._plan.velocity_error, self._plan.speed
+        normals = drawn(self._normals.velocity, number, self._trials)
+        if self._is_still and error.is_plain and self._started is None:
+            np.multiply(length, error.root[0, 0] / speed, out=self._ratio)
+            np.multiply(normals, self._ratio, out=self._error)
+        else:
+            duration = self._duration(length, self._moving)
+            velocity = self._drift.of_leg(number, normals, self._now(), duration, self._x + self._goal, course)
+            np.multiply(velocity, duration, out=self._error)
+        self._error += course
+        self._x += self._error
+
+    def _surface(self, number: int) -> Array:
+        """Surface, drift and take both fixes; give the fix on surfacing relative to the goal."""
+        surfaced = self._x
+        if self._fixes_err:
+            surfaced = self._x + self._fix_sd * self._fix_noise(self._normals.fix_on_surfacing, number)
+        elif not self._is_still and self._way is not None:
+            surfaced = self._x.copy()
+        if not self._is_still:
+            velocity = self._drift.at_surface(self._now(), self._x + self._goal)
+            carried = velocity * self._plan.surfacing_time
+            self._x += carried if self._moving is None else carried * self._moving
+        if self._fix is self._x:
+            return surfaced
+        fix = self._x
+        if self._fixes_err:
+            fix = self._x + self._fix_sd * self._fix_noise(self._normals.fix_on_diving, number)
+        if self._moving is None:
+            self._fix = fix if self._fixes_err else fix.copy()
+        else:
+            np.copyto(self._fix, fix, where=self._moving > 0.0)
+        return surfaced
+
+    def _fix_noise(self, source: Normals | None, number: int) -> Array:
+        if source is None:
+            raise ValueError("fixes err: TransitNormals needs fix_on_surfacing and fix_on_diving")
+        return drawn(source, number, self._trials)
+
+    def _judge(self) -> None:
+        """See who has arrived by the fix on diving, and drop those from the arrays once they are many."""
+        np.multiply(self._fix, self._fix, out=self._error)
+        np.add(self._error[0], self._error[1], out=self._left)
+        np.sqrt(self._left, out=self._left)
+        far = self._left >= self._plan.arrival_radius
+        if self._moving is not None:
+            far &= self._moving > 0.0
+        self._set_moving(far)
+        if not self._keeps_all and 2 * self._count <= far.size and far.size > _FEW:
+            self._drop_all_but(np.flatnonzero(far))
+
+    def _set_moving(self, moving: NDArray[np.bool_]) -> None:
+        self._far = moving
+        count = int(np.count_nonzero(moving))
+        if count != self._count:
+            self._count, self._moving = count, moving.astype(float)
+
+    def _drop_all_but(self, kept: NDArray[np.intp]) -> None:
+        self._done = self.finish()
+        shared = self._fix is self._x
+        self._trials = kept if isinstance(self._trials, int) else self._trials[kept]
+        self._x = self._x[:, kept]
+        self._fix = self._x if shared else self._fix[:, kept]
+        self._left, self._clock = self._left[kept], self._clock[kept]
+        self._goal = per_trial(self._goal, kept)
+        self._distance, self._surfacings = self._distance[kept], self._surfacings[kept]
+        self._started = None if self._started is None else self._started[kept]
+        self._memory = tuple(array[..., kept] for array in self._memory)
+        self._plan = _plan_of(self._plan, kept)
+        self._drift = self._drift.take(self._plan, kept)
+        self._fix_sd = per_trial(self._fix_sd, kept)
+        self._moving, self._far = None, np.ones(kept.size, dtype=bool)
+        self._allocate()
+
+    def _duration(self, length: Array, moving: Array | None) -> Array:
+        """Time that a leg takes, gathering way included [s]."""
+        lost = self._plan.length_lost
+        if lost is None:
+            return length / self._plan.speed
+        return (length + (lost if moving is None else lost * moving)) / self._plan.speed
+
+    def _now(self) -> Array:
+        """Time since the mission's start [s]."""
+        legs = self._started if self._started is not None else self._surfacings
+        under_way = self._plan.time_under_way(self._distance, legs)
+        return self._clock + under_way + self._surfacings * self._plan.surfacing_time
+
+    def _mark(self, moving: Array | None) -> None:
+        """Note where the tracked trials are, nan for those that have arrived."""
+        if not self._tracked:
+            return
+        place = self._x[:, : self._tracked] + self._goal[:, : self._tracked]
+        if self._track and moving is not None:
+            place[:, moving[: self._tracked] == 0.0] = np.nan
+        self._track.append(place)
+
+
+def _norm(vectors: Array) -> Array:
+    """Lengths of vectors, shape (2, n); faster than hypot, whose care for overflow is not needed here."""
+    length: Array = np.sqrt(vectors[0] * vectors[0] + vectors[1] * vectors[1])
+    return length
+
+
+def _plan_of(plan: TransitPlan, trials: NDArray[np.intp]) -> TransitPlan:
+    """Select trials of a plan whose numbers may be arrays over trials."""
+    error = plan.velocity_error
+    return replace(
+        plan,
+        speed=per_trial(plan.speed, trials),
+        arrival_radius=per_trial(plan.arrival_radius, trials),
+        d_max=plan.d_max if isinstance(plan.d_max, LegTable) else per_trial(plan.d_max, trials),
+        surfacing_time=per_trial(plan.surfacing_time, trials),
+        velocity_error=VelocityError(per_trial(error.mean, trials), per_trial(error.root, trials)),
+        depth=per_trial(plan.depth, trials),
+        length_lost=None if plan.length_lost is None else per_trial(plan.length_lost, trials),
+    )

@@ -1,0 +1,39 @@
+"""How long a leg may be: one length, or a table of lengths against the distance left."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.arrays import Array
+
+
+@dataclass(frozen=True)
+class LegTable:
+    """Leg length against distance left: linear between the knots, held at the ends, never beyond the target (Eq. 19).
+
+    Attributes
+    ----------
+    left : array, shape (k,)
+        Distance left, increasing [m].
+    leg : array, shape (k,)
+        Leg length, positive [m].
+    """
+
+    left: Array
+    leg: Array
+
+    def __call__(self, left: Array) -> Array:
+        """Give the leg length for each distance left [m]."""
+        return np.minimum(left, np.interp(left, self.left, self.leg))
+
+    @property
+    def kinks(self) -> Array:
+        """Distances left at which the leg length changes its slope, ascending [m]."""
+        knots = np.concatenate((self.left, [max(self.left[-1], self.leg[-1]) + 1.0]))
+        excess = knots - np.interp(knots, self.left, self.leg)
+        before, after = excess[:-1], excess[1:]
+        crossed = before * after < 0.0
+        share = before[crossed] / (before[crossed] - after[crossed])
+        crossings = knots[:-1][crossed] + share * np.diff(knots)[crossed]
+        below = [self.leg[0]] if 0.0 < self.leg[0] < self.left[0] else []
+        return np.unique(np.concatenate((self.left, crossings, below)))

@@ -1,0 +1,200 @@
+"""What a transit is told, what acts on it, and what it records."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.currents import Current
+from missionplan.phases.hooks import TransitEffect
+from missionplan.phases.transit.compensation import Compensation
+from missionplan.phases.transit.leg_table import LegTable
+
+
+class Normals(Protocol):
+    """Standard normals of a quantity that is drawn anew each leg."""
+
+    def leg(self, number: int) -> Array:
+        """Normals of a leg, from 0, shape (2, at least n)."""
+        ...
+
+
+@dataclass(frozen=True)
+class VelocityError:
+    """Velocity error of a leg, N(v̄, Σ_v) (Eq. 24).
+
+    Attributes
+    ----------
+    mean : array, shape (2, 1) or (2, n)
+        v̄, east and north [m/s].
+    root : array, shape (2, 2, 1) or (2, 2, n)
+        Lower triangular R with R Rᵀ = Σ_v [m/s].
+    """
+
+    mean: Array
+    root: Array
+
+    @classmethod
+    def isotropic(cls, sigma: Scalars, mean: Array | None = None) -> "VelocityError":
+        """Build Σ_v = σ_v² I (Eq. 26); `sigma` a float or an array over trials, `mean` of shape (2,) or (2, n)."""
+        root = np.eye(2)[:, :, None] * np.atleast_1d(np.asarray(sigma, dtype=float))
+        return cls(column(mean), root)
+
+    @classmethod
+    def general(cls, covariance: Array, mean: Array | None = None) -> "VelocityError":
+        """Build from Σ_v of shape (2, 2), without negative eigenvalues; `mean` of shape (2,) or (2, n)."""
+        (east, both), (_, north) = np.asarray(covariance, dtype=float)
+        first = np.sqrt(east)
+        across = both / first if first > 0.0 else 0.0
+        root = np.array([[first, 0.0], [across, np.sqrt(max(north - across**2, 0.0))]])
+        return cls(column(mean), root[:, :, None])
+
+    @cached_property
+    def is_isotropic(self) -> bool:
+        """Whether Σ_v is a multiple of the identity."""
+        return bool(np.all(self.root[1, 0] == 0.0) and np.all(self.root[0, 0] == self.root[1, 1]))
+
+    @cached_property
+    def is_plain(self) -> bool:
+        """Whether it is isotropic about zero."""
+        return self.is_isotropic and not np.any(self.mean)
+
+
+def column(vector: Array | None) -> Array:
+    """Give a vector trials as the last axis: (2,) becomes (2, 1); None is zero."""
+    array = np.zeros(2) if vector is None else np.asarray(vector, dtype=float)
+    return array[:, None] if array.ndim == 1 else array
+
+
+@dataclass(frozen=True)
+class TransitPlan:
+    """What a transit is told. Each number may be an array over trials.
+
+    Attributes
+    ----------
+    goal : array, shape (2,) or (2, n)
+        x_f, east and north of the coordinates' origin [m].
+    speed : float
+        U, through the water [m/s].
+    arrival_radius : float
+        r_x [m].
+    d_max : float or LegTable
+        Maximum leg length, or leg length against distance left [m].
+    surfacing_time : float
+        t_s, at the surface after each leg [s].
+    velocity_error : VelocityError
+    fix_error : float
+        Standard deviation of a fix, each axis [m].
+    depth : float
+        Run depth [m].
+    max_legs : int
+        After which a trial counts as not arrived.
+    power_under_way, power_at_surface : float
+        All that is drawn then [W].
+    surfacing_energy : float
+        For each surfacing [J].
+    latitude : float
+        Of the coordinates' origin, for effects [rad]; nan when not known.
+    length_lost : float or None
+        By which a leg from rest falls short of U all along: its time is (length + length lost)/U [m]; None: at once
+        at speed. Legs are taken to be much longer.
+    """
+
+    goal: Array
+    speed: Scalars
+    arrival_radius: Scalars
+    d_max: Scalars | LegTable
+    surfacing_time: Scalars
+    velocity_error: VelocityError
+    fix_error: Scalars = 0.0
+    depth: Scalars = 0.0
+    max_legs: int = 400
+    power_under_way: Scalars = 0.0
+    power_at_surface: Scalars = 0.0
+    surfacing_energy: Scalars = 0.0
+    latitude: float = float("nan")
+    length_lost: Scalars | None = None
+
+    def time_under_way(self, distance: Array, legs: Array) -> Array:
+        """Time that legs of a total `distance` through the water take, gathering way included [s]."""
+        time: Array = distance / self.speed
+        return time if self.length_lost is None else time + legs * (self.length_lost / self.speed)
+
+
+@dataclass(frozen=True)
+class TransitNormals:
+    """Standard normals that a transit uses, leg by leg.
+
+    Attributes
+    ----------
+    velocity : Normals
+        Of the velocity error.
+    fix_on_surfacing, fix_on_diving : Normals, optional
+        Needed when fixes err.
+    effects : sequence of Normals or None
+        One an effect; needed where the effect is random.
+    """
+
+    velocity: Normals
+    fix_on_surfacing: Normals | None = None
+    fix_on_diving: Normals | None = None
+    effects: Sequence[Normals | None] = ()
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What acts on the vehicle and what it does about it.
+
+    Attributes
+    ----------
+    current : Current or None
+        The site's; None for still water.
+    compensation : Compensation or None
+        None aims straight at the target.
+    effects : tuple of TransitEffect
+        What the base model leaves out.
+    """
+
+    current: Current | None = None
+    compensation: Compensation | None = None
+    effects: tuple[TransitEffect, ...] = ()
+
+    @property
+    def is_still(self) -> bool:
+        """Whether nothing but the velocity error moves the vehicle off its course."""
+        return self.current is None and not self.effects
+
+
+@dataclass(frozen=True)
+class TransitRecord:
+    """What a transit came to, an array of shape (n,) each; of trials that never arrived, up to their last leg.
+
+    Attributes
+    ----------
+    duration : array
+        From the start to the fix on arrival, its surfacing included [s].
+    surfacings : array
+        The arrival's included.
+    distance : array
+        Through the water [m].
+    arrival_error : array
+        True distance from the goal at the end [m].
+    energy : array
+        [J]
+    arrived : array of bool
+    track : array, shape (2, m, k), or None
+        True positions of the first k trials: the start, then for each leg where it surfaced and where it dived again;
+        nan after arrival [m].
+    """
+
+    duration: Array
+    surfacings: Array
+    distance: Array
+    arrival_error: Array
+    energy: Array
+    arrived: NDArray[np.bool_]
+    track: Array | None = field(default=None, repr=False)

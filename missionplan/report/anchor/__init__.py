@@ -1,0 +1,1 @@
+"""Report of `size-anchor`: the page and its figures."""

@@ -1,0 +1,1 @@
+"""Reports of `sweep-dmax` and `plan-legs`."""

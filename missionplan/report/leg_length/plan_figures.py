@@ -1,0 +1,119 @@
+"""Figures of a plan of legs: the policy, tracks of both plans, the saving when errors are not as planned."""
+
+import numpy as np
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.arrays import Array
+from missionplan.phases.transit.leg_table import LegTable
+from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.results.legs import JOULES_PER_WATT_HOUR, LegPlan
+
+
+def policy_figure(plan: LegPlan) -> Figure:
+    """Draw leg length, and where legs aim, against distance left."""
+    figure = MatplotlibFigure(figsize=(6.0, 5.4))
+    legs, aims = figure.subplots(2, 1)
+    table = LegTable(plan.left, plan.leg)
+    knots = plan.left[(plan.left > plan.arrival_radius) & (plan.left <= plan.distance)]
+    linear = np.union1d(np.linspace(plan.arrival_radius, plan.distance, 400), knots)
+    fine = np.union1d(np.geomspace(plan.arrival_radius, plan.distance, 400), knots)
+    colour, width = (GREY, 1.0) if plan.adapts else (BLUE, None)
+    legs.plot(linear / 1000.0, np.minimum(linear, plan.fixed_d_max) / 1000.0, color=colour, linewidth=width)
+    aims.plot(fine, _short(fine, np.minimum(fine, plan.fixed_d_max)), color=colour, linewidth=width)
+    if plan.adapts:
+        legs.plot(linear / 1000.0, table(linear) / 1000.0, color=BLUE)
+        legs.plot(knots / 1000.0, table(knots) / 1000.0, ".", color=BLUE, markersize=5)
+        aims.plot(fine, _short(fine, table(fine)), color=BLUE)
+    legs.set(xlabel="Distance left (km)", ylabel="Leg length (km)", xlim=(0.0, None), ylim=(0.0, None))
+    legs.annotate("best fixed d_max", (0.03, 0.9), xycoords="axes fraction", color=colour)
+    aims.axhline(plan.arrival_radius, color=ORANGE, linewidth=1.0, linestyle=(0, (4, 3)))
+    aims.annotate(
+        "arrival radius", (fine[-1], plan.arrival_radius), xytext=(0, 3), textcoords="offset points", ha="right",
+        color=ORANGE,
+    )  # fmt: skip
+    aims.set(xlabel="Distance left (m)", ylabel="Leg stops short of\nthe target by (m)", xscale="log", yscale="log")
+    for axis in (aims.xaxis, aims.yaxis):
+        low, high = axis.get_view_interval()
+        shown = "25" if high > 10.0 * low else "2468"
+        axis.set_major_formatter(lambda value, _: f"{value:g}")
+        axis.set_minor_formatter(lambda value, _, shown=shown: f"{value:g}" if f"{value:g}"[0] in shown else "")
+    plans = "Blue: the table, dots its knots; grey: the best fixed d_max" if plan.adapts else "The best fixed d_max"
+    return to_figure(
+        figure,
+        "policy",
+        alt=(
+            f"Leg length against distance left: far out legs stop short of the target, near it they end "
+            f"{'just inside the arrival circle of' if plan.adapts else 'at its middle, the arrival circle being'} "
+            f"{plan.arrival_radius:.0f} m"
+        ),
+        caption=(
+            f"{plans}, which aims at the target itself when it can. "
+            "Above, leg length; below, how far short of the target a leg is aimed."
+        ),
+    )
+
+
+def _short(left: Array, leg: Array) -> Array:
+    """How far short of the target legs are aimed, nan where they are not [m]."""
+    return np.where(leg < left, left - leg, np.nan)
+
+
+def tracks_figure(plan: LegPlan) -> Figure:
+    """Draw tracks of the same trials by both plans, or by the one there is, along and across the course."""
+    plans = [(f"Best fixed d_max, {plan.fixed_d_max:.0f} m", plan.fixed_tracks)]
+    plans += [("Table", plan.adaptive_tracks)] if plan.adapts else []
+    figure = MatplotlibFigure(figsize=(6.0, 0.2 + 2.4 * len(plans)))
+    rows = figure.subplots(len(plans), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    goal = np.array(plan.goal)
+    course = goal - plan.fixed_tracks[:, 0, 0]
+    along = course / np.hypot(*course)
+    across = np.array([-along[1], along[0]])
+    rim = np.linspace(0.0, 2.0 * np.pi, 73)
+    length = np.hypot(*course)
+    for axes, (title, tracks) in zip(rows, plans, strict=True):
+        circle = (length + plan.arrival_radius * np.cos(rim), plan.arrival_radius * np.sin(rim))
+        axes.plot(circle[0] / 1000.0, circle[1], color=ORANGE, linewidth=1.0)
+        for number in range(tracks.shape[2]):
+            points = tracks[:, :, number] - plan.fixed_tracks[:, 0, :1]
+            points = points[:, ~np.isnan(points[0])]
+            axes.plot(along @ points / 1000.0, across @ points, ".-", linewidth=0.9, markersize=5)
+        axes.set(title=title, ylabel="Across (m, to port)")
+    rows[-1].set(xlabel="Along the course (km)")
+    number, both = plan.fixed_tracks.shape[2], ", with the same errors, by both plans" if plan.adapts else ""
+    return to_figure(
+        figure,
+        "tracks",
+        alt=f"Tracks of {number} trials{' by both plans' if plan.adapts else ''}, with dots where they surface",
+        caption=(
+            f"{'The same ' if plan.adapts else ''}{number} trials{both}; across the course the scale is larger. "
+            "Dots: at the surface; ellipse: the arrival circle."
+        ),
+    )
+
+
+def cases_figure(plan: LegPlan) -> Figure:
+    """Draw the time or energy saved when the errors are as planned and when they are not, with 95 % intervals."""
+    figure = MatplotlibFigure(figsize=(6.0, 0.8 + 0.42 * len(plan.cases)))
+    axes = figure.subplots()
+    place = np.arange(len(plan.cases))[::-1]
+    what, unit, scale = ("Energy", "W\u202fh", JOULES_PER_WATT_HOUR) if plan.aim == "energy" else ("Time", "s", 1.0)
+    saved, error = np.array([case.aimed_saving(plan.aim) for case in plan.cases]).T / scale
+    axes.errorbar(saved, place, xerr=1.96 * np.nan_to_num(error), fmt="o", color=BLUE, markersize=5)
+    axes.axvline(0.0, color=GREY, linewidth=1.0)
+    axes.set_yticks(place, [_wrapped(case.name or "as the mission") for case in plan.cases])
+    axes.set(xlabel=f"{what} that the table saves ({unit})", ylim=(-0.6, len(plan.cases) - 0.4))
+    axes.grid(visible=False, axis="y")
+    return to_figure(
+        figure,
+        "robustness",
+        alt=f"{what} that the table saves against the best fixed d_max, when the errors are as planned and when not",
+        caption="With 95 % intervals, paired trial by trial. Right of the line the table is better.",
+    )
+
+
+def _wrapped(words: str) -> str:
+    """Break long words of a label in two lines."""
+    if len(words) < 28:
+        return words
+    middle = words.rfind(" ", 0, 28)
+    return f"{words[:middle]}\n{words[middle + 1 :]}"

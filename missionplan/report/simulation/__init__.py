@@ -1,0 +1,1 @@
+"""Report of `simulate`: the page, its figures and its maps."""

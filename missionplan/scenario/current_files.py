@@ -1,0 +1,166 @@
+"""Currents from files: a CSV series against time and depth, or a CF NetCDF field. Arrays out, in SI."""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from missionplan.arrays import Array
+from missionplan.errors import InputError, Problem
+
+CSV_COLUMNS = ("t_s", "depth_m", "east_m_s", "north_m_s")
+
+
+@dataclass(frozen=True)
+class CurrentSeries:
+    """A current against time and depth.
+
+    Attributes
+    ----------
+    time, depth : array
+        Increasing [s since the mission's start, m].
+    east, north : array, shape (time, depth)
+        [m/s].
+    """
+
+    time: Array
+    depth: Array
+    east: Array
+    north: Array
+
+
+@dataclass(frozen=True)
+class CurrentField:
+    """A current against time, depth and position; nan where the file has none (land, below the bottom).
+
+    Attributes
+    ----------
+    time, depth, latitude, longitude : array
+        Increasing [s since the mission's start, m, rad, rad].
+    east, north : array, shape (time, depth, latitude, longitude)
+        [m/s].
+    """
+
+    time: Array
+    depth: Array
+    latitude: Array
+    longitude: Array
+    east: Array
+    north: Array
+
+
+def read_current_csv(path: Path) -> CurrentSeries:
+    """Read columns ``t_s, depth_m, east_m_s, north_m_s``: every depth at every time.
+
+    Raises
+    ------
+    InputError
+        With every problem of the file.
+    """
+    shown = str(path)
+    try:
+        frame = pd.read_csv(path)
+    except (OSError, ValueError) as error:
+        raise InputError([Problem(f"cannot be read as CSV: {error}", shown)]) from None
+    missing = [name for name in CSV_COLUMNS if name not in frame]
+    if missing:
+        message = f"lacks the column {', '.join(missing)}; a current has {', '.join(CSV_COLUMNS)}"
+        raise InputError([Problem(message, shown, 1)])
+    values = frame[list(CSV_COLUMNS)].apply(pd.to_numeric, errors="coerce")
+    bad = np.flatnonzero(~np.isfinite(values.to_numpy(dtype=float)).all(axis=1))
+    problems = [Problem("expected four numbers", shown, int(row) + 2) for row in bad[:20]]
+    if problems:
+        raise InputError(problems)
+    table = values.pivot_table(index="t_s", columns="depth_m", values=["east_m_s", "north_m_s"], aggfunc="mean")
+    if values.duplicated(["t_s", "depth_m"]).any():
+        row = int(np.flatnonzero(values.duplicated(["t_s", "depth_m"]))[0])
+        raise InputError([Problem("the time and depth of this row stand twice", shown, row + 2)])
+    if table.isna().to_numpy().any():
+        raise InputError([Problem("every depth must be given at every time", shown)])
+    return CurrentSeries(
+        table.index.to_numpy(dtype=float),
+        table["east_m_s"].columns.to_numpy(dtype=float),
+        table["east_m_s"].to_numpy(dtype=float),
+        table["north_m_s"].to_numpy(dtype=float),
+    )
+
+
+_NAMES = {
+    "time": ("time", "ocean_time", "Times"),
+    "depth": ("depth", "Depth", "lev", "z"),
+    "latitude": ("latitude", "lat", "Latitude"),
+    "longitude": ("longitude", "lon", "Longitude"),
+    "east": ("u", "water_u", "u_eastward", "uo"),
+    "north": ("v", "water_v", "v_northward", "vo"),
+}
+_STANDARD_NAMES = {
+    "east": ("eastward_sea_water_velocity", "surface_eastward_sea_water_velocity"),
+    "north": ("northward_sea_water_velocity", "surface_northward_sea_water_velocity"),
+}
+
+
+def read_current_netcdf(path: Path, start: datetime | None) -> CurrentField:
+    """Read a CF NetCDF field on a regular latitude-longitude grid (the layout of operational forecasts).
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    start : datetime
+        The mission's start, UTC; required.
+
+    Raises
+    ------
+    InputError
+        When xarray is not installed, a variable is missing, or the grid is not regular.
+    """
+    shown = str(path)
+    if start is None:
+        raise InputError([Problem("a NetCDF current needs the mission's `start` (UTC)", shown)])
+    try:
+        import xarray
+    except ImportError:
+        hint = "pip install 'missionplan[netcdf]'"
+        raise InputError([Problem("reading NetCDF needs xarray and netCDF4", shown, hint=hint)]) from None
+    try:
+        with xarray.open_dataset(path) as dataset:
+            return _field(dataset.load(), start, shown)
+    except (OSError, ValueError) as error:
+        raise InputError([Problem(f"cannot be read as NetCDF: {error}", shown)]) from None
+
+
+def _field(dataset: Any, start: datetime, shown: str) -> CurrentField:
+    found = {key: _variable(dataset, key, shown) for key in _NAMES}
+    axes = [found["time"], found["depth"], found["latitude"], found["longitude"]]
+    if any(axis.ndim != 1 for axis in axes):
+        raise InputError([Problem("expected one-dimensional time, depth, latitude and longitude", shown)])
+    order = [axis.dims[0] for axis in axes]
+    moment = np.datetime64(start.astimezone(UTC).replace(tzinfo=None) if start.tzinfo else start, "ns")
+    time = (found["time"].to_numpy() - moment) / np.timedelta64(1, "s")
+    longitude = (found["longitude"].to_numpy().astype(float) + 180.0) % 360.0 - 180.0
+    coordinates = [
+        np.asarray(time, dtype=float),
+        np.abs(found["depth"].to_numpy().astype(float)),
+        np.radians(found["latitude"].to_numpy().astype(float)),
+        np.radians(longitude),
+    ]
+    values = [found[key].transpose(*order).to_numpy().astype(float) for key in ("east", "north")]
+    for number, axis in enumerate(coordinates):
+        index = np.argsort(axis)
+        coordinates[number] = axis[index]
+        values = [np.take(value, index, axis=number) for value in values]
+    return CurrentField(*coordinates, *values)
+
+
+def _variable(dataset: Any, key: str, shown: str) -> Any:
+    for name in _NAMES[key]:
+        if name in dataset.variables:
+            return dataset[name]
+    for name in dataset.variables:
+        if dataset[name].attrs.get("standard_name") in _STANDARD_NAMES.get(key, ()):
+            return dataset[name]
+    message = f"has no variable for {key}; looked for {', '.join(_NAMES[key])}"
+    raise InputError([Problem(message, shown)])

@@ -1,0 +1,155 @@
+"""Many dives with one anchor, on common random numbers whatever the anchor."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.mission import Mission
+from missionplan.mission.schema.phases import MoorPhase, TransitPhase
+from missionplan.montecarlo.parallel_blocks import Backend, run_blocks
+from missionplan.montecarlo.statistics import Count, RunningStatistic
+from missionplan.montecarlo.streams import block_count, block_size, stream
+from missionplan.phases.currents import Current
+from missionplan.phases.mooring.descent import descend
+from missionplan.phases.mooring.forces import Dive
+from missionplan.results.anchor import DiveOdds
+from missionplan.scenario.anchor_weight import anchor_flooded_mass
+from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.scenario import STILL_WATER, Setting
+
+STEP = 0.2
+"""Of the integration [s]: odds need no more than the tenth of a millisecond that it gives."""
+
+
+@dataclass(frozen=True)
+class FanOut:
+    """How blocks are spread; see `run_blocks`."""
+
+    jobs: int = 1
+    backend: Backend = "loky"
+    scheduler: str | None = None
+
+
+@dataclass(frozen=True)
+class _Totals:
+    good: Count
+    within: Count
+    struck: Count
+    offset: RunningStatistic
+    lowest: RunningStatistic
+
+    def merge(self, other: "_Totals") -> "_Totals":
+        return _Totals(
+            self.good.merge(other.good),
+            self.within.merge(other.within),
+            self.struck.merge(other.struck),
+            self.offset.merge(other.offset),
+            self.lowest.merge(other.lowest),
+        )
+
+
+@dataclass(frozen=True)
+class AnchorTrials:
+    """Dives of a mission's mooring, each trial with the same draws for every anchor.
+
+    Attributes
+    ----------
+    mission : Mission
+    phase : MoorPhase
+    recorded : Current or None
+        The site's current where the mission reads it from a file.
+    trials, seed : int
+    fan_out : FanOut
+    """
+
+    mission: Mission
+    phase: MoorPhase
+    recorded: Current | None
+    trials: int
+    seed: int
+    fan_out: FanOut = FanOut()
+
+    def odds(self, weight: float, line_length: float | None = None) -> DiveOdds:
+        """Estimate the odds of an anchor of a wet weight [N], with another line [m] if one is given."""
+        task = partial(_block, self, weight, line_length)
+        out = self.fan_out
+        blocks = range(block_count(self.trials))
+        totals: _Totals | None = None
+        for block in run_blocks(task, blocks, jobs=out.jobs, backend=out.backend, scheduler=out.scheduler):
+            totals = block if totals is None else totals.merge(block)
+        assert totals is not None
+        return DiveOdds(
+            good=totals.good.probability(),
+            within=totals.within.probability(),
+            struck=totals.struck.probability(),
+            offset=totals.offset.statistic(),
+            lowest_altitude=totals.lowest.statistic(),
+        )
+
+
+def _block(study: AnchorTrials, weight: float, line_length: float | None, block: int) -> _Totals:
+    size = block_size(study.trials, block)
+    setting = Setting.drawn(study.mission, study.recorded, seed=study.seed, block=block, size=size)
+    dive = dive_with(setting, study.phase, weight)
+    if line_length is not None:
+        dive = replace(dive, line_length=line_length)
+    release = np.broadcast_to(np.asarray(setting[f"{study.phase.name}.release_time"], dtype=float), (size,))
+    place, t_start = start_of(setting, study.phase)
+    position = np.broadcast_to(place.reshape(2, -1), (2, size))
+    start = np.full(size, t_start)
+    record = descend(
+        dive,
+        effects=setting.descent_effects,
+        release_time=release,
+        current=setting.current or STILL_WATER,
+        position=position,
+        t_start=start,
+        surface_velocity=surface_velocity(setting, start, release, position),
+        step=STEP,
+    )
+    fix_error = setting.fix_error * stream(study.seed, f"{study.phase.name}.fix", block).standard_normal((2, size))
+    offset = np.where(record.touched_down, np.hypot(*(record.offset - fix_error)), np.nan)
+    within = offset <= setting[f"{study.phase.name}.radius"]
+    struck = record.struck & record.touched_down
+    return _Totals(
+        Count.of(within & ~struck),
+        Count.of(within),
+        Count.of(struck),
+        RunningStatistic.of(offset),
+        RunningStatistic.of(record.lowest_altitude),
+    )
+
+
+def dive_with(setting: Setting, phase: MoorPhase, weight: float) -> Dive:
+    """Bodies of a mooring's descent with an anchor of a wet weight [N]."""
+    dive = dive_of(setting, phase)
+    flooded = setting.get("vehicle.anchor.flooded_mass", np.nan)
+    if np.isnan(flooded).all():
+        flooded = anchor_flooded_mass(setting.means, weight)
+    return replace(dive, wet_weight=weight, anchor_mass=flooded)
+
+
+def start_of(setting: Setting, phase: MoorPhase) -> tuple[Array, float]:
+    """Place [m] and time [s] of a mooring's last fix in the plan: the goal of the transits before, at their speeds."""
+    place, time = np.zeros(2), 0.0
+    means = setting.means
+    for earlier in setting.mission.phases:
+        if earlier is phase:
+            break
+        if isinstance(earlier, TransitPhase):
+            if earlier.start is not None:
+                place = means.position(earlier.start, f"{earlier.name}.from").reshape(2)
+            goal = means.position(earlier.to, f"{earlier.name}.to").reshape(2)
+            time += float(np.hypot(*(goal - place))) / float(means[f"{earlier.name}.speed"])
+            place = goal
+    return place, time
+
+
+def surface_velocity(setting: Setting, t: Array, duration: Array, position: Array) -> Array:
+    """Drift at the surface beyond the current, shape (2, n) [m/s]."""
+    velocity = np.zeros((2, t.size))
+    for effect in setting.transit_effects:
+        velocity = velocity + effect.surface_velocity(t, duration, position)
+    return velocity

@@ -1,0 +1,145 @@
+"""A propeller's constants from a transient: quasi-steady, and with axial-flow dynamics (Blanke et al.)."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.datasets.tank import PropellerGeometry, PropellerSettings, TankData
+from missionplan.errors import InputError, Problem
+from missionplan.physics.propeller import Propeller, disc_area, thrust
+from missionplan.physics.propulsion import respond
+from missionplan.results.identification import Curve, Findings, Fit, Panel
+from missionplan.studies.identification.least_squares import Parameter, adds_something, derived, fit
+
+TURN = 2.0 * math.pi
+_TORQUE_REMARK = "A vehicle file also needs `torque_coefficient`, which thrust alone does not tell: add it."
+
+
+def identify_propeller(data: TankData) -> Findings:
+    """Fit T_nn and T_nu with the flow in the disc settled, then T_nn, T° and m_f with the flow on its own.
+
+    The damping of the flow is given (2ρA_p, or the data set's): at rest, thrust alone leaves one combination of
+    T°, m_f and d_f open.
+
+    Raises
+    ------
+    InputError
+        When the shaft rate was not measured and the data set lacks what it follows from.
+    """
+    settings = data.settings
+    assert isinstance(settings, PropellerSettings)
+    run = TransientRun(data, settings.geometry)
+    measured = data.columns["thrust_n"]
+    noise = settings.noise.thrust
+    thrust_sd = None if noise is None else np.full_like(measured, noise)
+    unit = run.density * settings.geometry.diameter**4 / TURN**2
+    constants = [
+        Parameter("thrust_nn", "T_nn", "N*s^2", 0.4 * unit, low=0.0),
+        Parameter("thrust_nu", "T°_nu", "kg", -0.8 * unit * TURN / settings.geometry.diameter, high=0.0),
+    ]
+    water = run.density * disc_area(settings.geometry.diameter) * settings.geometry.diameter
+    flow_mass = Parameter("flow_mass", "m_f", "kg", water, low=0.01 * water, high=100.0 * water)
+    steady = fit("quasi-steady thrust", run.quasi_steady, constants, measured, thrust_sd, in_sequence=True)
+    dynamic = fit("axial-flow dynamics", run.axial_flow, [*constants, flow_mass], measured, thrust_sd, in_sequence=True)
+    wins = adds_something(steady, dynamic) and dynamic.residual_sd < steady.residual_sd
+    fits = (dynamic, steady) if wins else (steady, dynamic)
+    scale = TURN**2 / (run.density * settings.geometry.diameter**4)
+    slope = TURN * (1.0 + settings.geometry.axial_flow_factor) / (run.density * settings.geometry.diameter**3)
+    found = (
+        derived("thrust_coefficient", "α₀", "", fits[0]["thrust_nn"], scale),
+        derived("thrust_coefficient_slope", "α₁", "", fits[0]["thrust_nu"], slope),
+    )
+    return Findings(
+        answer=f"Thrust follows {fits[0].name}: K_T = {found[0].value:.3f} - {-found[1].value:.3f} J.",
+        fits=fits,
+        panels=(run.panel(measured, thrust_sd, fits),),
+        remarks=(
+            f"Residuals: {dynamic.residual_sd:.3g} N with axial-flow dynamics, {steady.residual_sd:.3g} N without.",
+            f"The flow's damping is taken as {run.damping:.4g} kg/m.",
+            *(() if settings.geometry.torque_coefficient else (_TORQUE_REMARK,)),
+        ),
+        fragment={"propulsion": _fragment(settings.geometry, fits, found[0].value, found[1].value)},
+        derived=found,
+    )
+
+
+def _fragment(geometry: PropellerGeometry, fits: tuple[Fit, ...], level: float, slope: float) -> dict[str, Any]:
+    fragment: dict[str, Any] = {
+        "diameter": f"{geometry.diameter:.6g} m",
+        "thrust_coefficient": [round(level, 5), round(slope, 5)],
+        "wake_fraction": geometry.wake_fraction,
+        "axial_flow_factor": geometry.axial_flow_factor,
+    }
+    if geometry.torque_coefficient is not None:
+        fragment["torque_coefficient"] = list(geometry.torque_coefficient)
+    if "flow_mass" in fits[0]:
+        fragment["flow_mass"] = f"{fits[0]['flow_mass'].value:.4g} kg"
+    return fragment
+
+
+class TransientRun:
+    """The measured run, and the thrust that a propeller would make in it."""
+
+    def __init__(self, data: TankData, geometry: PropellerGeometry) -> None:
+        self.time, self.speed = data.columns["t_s"], data.columns["speed_m_s"]
+        self.density, self.geometry = data.density, geometry
+        momentum = 2.0 * self.density * float(disc_area(geometry.diameter))
+        self.damping = momentum if geometry.flow_damping is None else geometry.flow_damping
+        self.torque = data.columns.get("shaft_torque_n_m")
+        self.shaft_rate = data.columns["rpm"] * TURN / 60.0 if "rpm" in data.columns else None
+        needed = ("torque_coefficient", "shaft_inertia")
+        missing = [key for key in needed if self.shaft_rate is None and getattr(geometry, key) is None]
+        if missing:
+            words = "needed to find the shaft rate from the torque, as there is no column rpm"
+            raise InputError([Problem(f"missing; {words}", "dataset.yaml", key=f"geometry.{key}") for key in missing])
+
+    def propeller(self, values: Array) -> Propeller:
+        """Build a propeller of T_nn, T° and m_f."""
+        level, slope = self.geometry.torque_coefficient or (0.0, 0.0)
+        diameter, a = self.geometry.diameter, self.geometry.axial_flow_factor
+        return Propeller(
+            diameter=diameter,
+            thrust_nn=float(values[0]),
+            thrust_nu=float(values[1]),
+            torque_nn=self.density * diameter**5 * level / TURN**2,
+            torque_nu=self.density * diameter**4 * slope / TURN / (1.0 + a),
+            axial_flow_factor=a,
+            wake_fraction=self.geometry.wake_fraction,
+            thrust_deduction=0.0,
+            shaft_inertia=self.geometry.shaft_inertia or math.inf,
+            flow_mass=float(values[2]) if len(values) > 2 else 1.0,
+            flow_damping_linear=0.0,
+            flow_damping_quadratic=self.damping,
+        )
+
+    def axial_flow(self, values: Array) -> Array:
+        """Thrust with the flow in the disc on its own."""
+        propeller = self.propeller(values)
+        rate, flow = respond(propeller, self.time, self.speed, shaft_rate=self.shaft_rate, motor_torque=self.torque)
+        return np.asarray(thrust(propeller, rate, flow))
+
+    def quasi_steady(self, values: Array) -> Array:
+        """Thrust with the flow in the disc at (1 + a)(1 - w)u."""
+        propeller = self.propeller(values)
+        if self.shaft_rate is None:
+            unloaded = self.propeller(np.array([*values, 1.0]))
+            rate, _ = respond(unloaded, self.time, self.speed, motor_torque=self.torque)
+        else:
+            rate = self.shaft_rate
+        return np.asarray(thrust(propeller, rate, propeller.flow_ratio * self.speed))
+
+    def panel(self, measured: Array, thrust_sd: Array | None, fits: tuple[Fit, ...]) -> Panel:
+        """Thrust against time, and both fits."""
+        return Panel(
+            "thrust",
+            "time [s]",
+            "thrust [N]",
+            self.time,
+            measured,
+            np.full_like(measured, np.nan) if thrust_sd is None else thrust_sd,
+            fits[0].fitted,
+            tuple(Curve(fitted.name, self.time, fitted.fitted) for fitted in fits),
+            "Thrust against time with the fits of both models.",
+        )

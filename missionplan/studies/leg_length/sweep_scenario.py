@@ -1,0 +1,202 @@
+"""What a mission asks of a sweep: the transit, its grid of d_max, its velocity errors."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.effects import CATALOGUE
+from missionplan.errors import InputError, Problem
+from missionplan.mission import Mission
+from missionplan.mission.schema.mission import Navigation
+from missionplan.mission.schema.phases import LegTable as WrittenLegTable
+from missionplan.mission.schema.phases import TransitPhase
+from missionplan.mission.schema.site import Position
+from missionplan.montecarlo.distributions import Distribution, mean_of
+from missionplan.montecarlo.streams import LegNormals
+from missionplan.phases.state import TrialState
+from missionplan.phases.transit.analytic.expectation import MAX_RATIO, TransitExpectation, expected_transit
+from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.plan import Surroundings, TransitNormals, TransitPlan, VelocityError
+from missionplan.scenario.scenario import Setting, leg_table
+from missionplan.scenario.site_current import recorded_current
+
+
+@dataclass(frozen=True)
+class SweepSetting:
+    """A sweep, ready to run.
+
+    Attributes
+    ----------
+    means : Setting
+        The mission at its means.
+    phase : TransitPhase
+    start : tuple
+        Where the transit begins, and the key path of that position.
+    distance : float
+        L, at the means [m].
+    d_max : array, shape (k + 1,)
+        The mission's grid, and the whole distance after it: one leg [m].
+    sigmas : tuple of (float or None)
+        σ_v of each curve [m/s]; None is the mission's own velocity error.
+    """
+
+    means: Setting
+    phase: TransitPhase
+    start: tuple[Position, str]
+    distance: float
+    d_max: Array
+    sigmas: tuple[float | None, ...]
+
+    @classmethod
+    def of(cls, mission: Mission) -> "SweepSetting":
+        """Read a mission.
+
+        Raises
+        ------
+        InputError
+            When it has no transit or navigation, or the transit no length, or the mean drift is as fast as the
+            vehicle.
+        """
+        if mission.navigation is None:
+            raise InputError([Problem("missing; a transit needs it", mission.file, key="navigation")])
+        phase, start = _phase_and_start(mission)
+        means = Setting.at_means(mission, recorded_current(mission))
+        origin, goal = means.position(*start), means.position(phase.to, f"{phase.name}.to")
+        distance = float(np.hypot(*(goal - origin)))
+        if distance == 0.0:
+            raise InputError([Problem("ends where it starts; a sweep needs a distance", mission.file, key=phase.name)])
+        drift, speed = float(np.hypot(*_mean_drift(means, phase, origin))), float(means[f"{phase.name}.speed"])
+        if drift >= speed:
+            message = f"the mean drift, {drift:.3g} m/s, is as fast as the vehicle, {speed:.3g} m/s: it cannot arrive"
+            raise InputError([Problem(message, mission.file, key=f"{phase.name}.speed")])
+        grid = np.asarray(mission.sweep.d_max_values(distance), dtype=float)
+        sigmas = tuple(mission.sweep.sigma) if mission.sweep.sigma else (None,)
+        return cls(means, phase, start, distance, np.append(grid, distance), sigmas)
+
+    @property
+    def mission(self) -> Mission:
+        """The mission."""
+        return self.means.mission
+
+    @property
+    def navigation(self) -> Navigation:
+        """Its section `navigation`."""
+        assert self.mission.navigation is not None
+        return self.mission.navigation
+
+    @property
+    def mean_drift(self) -> Array:
+        """Mean velocity that carries the vehicle under way at the start, shape (2,) [m/s]."""
+        return _mean_drift(self.means, self.phase, self.means.position(*self.start))
+
+    @property
+    def table(self) -> LegTable | None:
+        """Legs that adapt to the distance left, where the transit has them instead of a d_max."""
+        return leg_table(self.phase.d_max) if isinstance(self.phase.d_max, WrittenLegTable) else None
+
+    @property
+    def speed(self) -> float:
+        """U at its mean [m/s]."""
+        return float(self.means[f"{self.phase.name}.speed"])
+
+    @property
+    def surfacing_time(self) -> float:
+        """t_s at its mean [s]."""
+        return mean_of(self.navigation.surfacing_time)
+
+    @property
+    def arrival_radius(self) -> float:
+        """r_x at its mean [m]."""
+        return mean_of(self.phase.arrival_radius)
+
+    def sigma(self, index: int) -> float:
+        """σ_v that labels a curve; of an anisotropic Σ_v the root mean of its variances [m/s]."""
+        own = self.navigation.velocity_error.covariance
+        given = self.sigmas[index]
+        return float(np.sqrt(0.5 * np.trace(own))) if given is None else given
+
+    def plan(self, index: int, drawn: Setting) -> TransitPlan:
+        """Build the plan of a curve from the draws of a block."""
+        plan, sigma = drawn.transit_plan(self.phase), self.sigmas[index]
+        if sigma is None:
+            return plan
+        return replace(plan, velocity_error=VelocityError.isotropic(sigma, plan.velocity_error.mean))
+
+    def surroundings(self, drawn: Setting) -> Surroundings:
+        """Build current, compensation and effects from the draws of a block."""
+        return Surroundings(drawn.current, drawn.compensation(self.phase), drawn.effects_under_way(self.phase))
+
+    def normals(self, seed: int, block: int) -> TransitNormals:
+        """Open the streams of the legs: named by the phase, so that every σ_v and every d_max has the same ones."""
+        name = self.phase.name
+        effects = [entry.effect for entry in self.mission.effects if CATALOGUE[entry.effect].phase == "transit"]
+        return TransitNormals(
+            velocity=LegNormals(seed, f"{name}.velocity_error", block),
+            fix_on_surfacing=LegNormals(seed, f"{name}.fix_on_surfacing", block),
+            fix_on_diving=LegNormals(seed, f"{name}.fix_on_diving", block),
+            effects=[LegNormals(seed, f"{name}.effects.{effect}", block) for effect in effects],
+        )
+
+    def state(self, drawn: Setting, seed: int, block: int, trials: int) -> TrialState:
+        """Place a block of trials at the start, with the fix that each takes before its first dive."""
+        noise = drawn.fix_sd * LegNormals(seed, f"{self.phase.name}.fix_at_start", block).leg(0)[:, :trials]
+        return TrialState.at(drawn.position(*self.start), trials, noise)
+
+    def analytic_obstacle(self) -> str:
+        """Say what keeps the analytic cost from being known; empty when nothing does."""
+        mission, navigation, phase = self.mission, self.navigation, self.phase
+        error = navigation.velocity_error
+        start = self.start[0] if isinstance(self.start[0], tuple) else ()
+        goal = phase.to if isinstance(phase.to, tuple) else ()
+        course = (phase.speed, phase.shaft_rate, phase.arrival_radius, *start, *goal)
+        uncertain = (*course, navigation.surfacing_time, *error.mean)
+        own_error = () if mission.sweep.sigma else (error.sigma,)
+        obstacles = {
+            "a current": bool(mission.site and mission.site.current),
+            "drift compensation": navigation.drift_compensation != "none",
+            "a fix error": navigation.fix_error != 0.0,
+            "effects": bool(self.means.transit_effects),
+            "a propeller, which takes time to gather way": self.plan(0, self.means).length_lost is not None,
+            "uncertain speed, error, surfacing time or place": any(
+                isinstance(quantity, Distribution) for quantity in (*uncertain, *own_error)
+            ),
+            "a velocity error that is not isotropic": not mission.sweep.sigma and error.isotropic_sigma is None,
+            "a velocity error whose mean is not zero": any(mean_of(component) != 0.0 for component in error.mean),
+            f"a velocity error over {MAX_RATIO:g} of the speed": any(
+                self.sigma(index) > MAX_RATIO * self.speed for index in range(len(self.sigmas))
+            ),
+        }
+        return next((words for words, applies in obstacles.items() if applies), "")
+
+    def analytic(self, index: int) -> tuple[TransitExpectation, ...]:
+        """Solve for the expected transit of every d_max of a curve, and of the table after them."""
+        sigma = self.sigma(index)
+        lengths: list[float | LegTable] = [float(d_max) for d_max in self.d_max]
+        return tuple(
+            expected_transit(self.distance, d_max, self.speed, self.arrival_radius, sigma, self.surfacing_time)
+            for d_max in [*lengths, *([self.table] if self.table is not None else [])]
+        )
+
+
+def _phase_and_start(mission: Mission) -> tuple[TransitPhase, tuple[Position, str]]:
+    """Find the transit that is swept, and where it begins: its own `from`, else where the transit before it went."""
+    if not mission.transits:
+        raise InputError([Problem("has no transit; sweep-dmax needs one", mission.file, key="phases")])
+    names = [phase.name for phase in mission.transits]
+    number = names.index(mission.sweep.phase) if mission.sweep.phase else 0
+    phase = mission.transits[number]
+    if phase.start is not None:
+        return phase, (phase.start, f"{phase.name}.from")
+    if number == 0:
+        raise InputError([Problem("missing; the first transit says where it starts", mission.file, key="from")])
+    before = mission.transits[number - 1]
+    return phase, (before.to, f"{before.name}.to")
+
+
+def _mean_drift(means: Setting, phase: TransitPhase, start: Array) -> Array:
+    """Mean velocity that carries the vehicle under way at the start: v̄ and the current, shape (2,) [m/s]."""
+    error = means.transit_plan(phase).velocity_error.mean[:, 0]
+    if means.current is None:
+        return error
+    return error + means.current.velocity(0.0, mean_of(phase.depth), start[:, None])[:, 0]

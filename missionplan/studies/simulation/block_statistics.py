@@ -1,0 +1,161 @@
+"""What is kept of a block of missions: statistics and counts that merge block by block, and the first trials whole."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.mission import Mission
+from missionplan.mission.checks.requirements import EVENTS, QUANTITIES
+from missionplan.montecarlo.quantile_sketch import QuantileSketch
+from missionplan.montecarlo.running_statistics import RunningStatistics
+from missionplan.montecarlo.statistics import Count, Moments
+from missionplan.studies.simulation.mission_trials import Flags, MissionTrials
+
+SAMPLED_BLOCKS = 4
+"""Blocks of which inputs and key figures are kept trial by trial, for sensitivities and circles of error."""
+SUFFIXES = {"s": "_s", "m": "_m", "m/s": "_m_s", "J": "_wh", "rad": "_rad", "": ""}
+"""How the name of a quantity ends in results, by the SI unit in which the mission file bounds it."""
+SCALES = {"J": 1.0 / 3600.0}
+"""From that SI unit to the results' where they differ."""
+KEY_FIGURES = {
+    "transit": ("duration_s", "arrival_error_m", "energy_wh", "arrived"),
+    "moor": ("offset_m", "target_offset_m", "lowest_altitude_m", "terminal_velocity_m_s", "within_radius"),
+    "transition": ("depth_excursion_m", "energy_wh", "hovering"),
+    "total": ("duration_s", "energy_wh", "success"),
+}
+"""What sensitivities are given for, by kind of phase."""
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Reduced blocks.
+
+    Attributes
+    ----------
+    statistics : RunningStatistics
+        Of ``phase.quantity``, and of ``phase.end`` but for the last phase, which ends with the mission.
+    counts : mapping of str to Count
+        Of ``phase.event``, of ``phase: failure`` (those still good until then), and of each requirement met.
+    sample : mapping of str to array, shape (..., m)
+        Of the first trials: ``input:…``, ``output:…`` and ``miss:phase``.
+    """
+
+    statistics: RunningStatistics
+    counts: Mapping[str, Count]
+    sample: Mapping[str, Array]
+
+    @property
+    def trials(self) -> int:
+        """Trials in it."""
+        return self.counts["total.success"].trials
+
+    def merge(self, other: "Tally") -> "Tally":
+        """Add the next block."""
+        sample = dict(self.sample)
+        for name, values in other.sample.items():
+            sample[name] = np.concatenate((sample[name], values), axis=-1) if name in sample else values
+        counts = {name: count.merge(other.counts[name]) for name, count in self.counts.items()}
+        return Tally(self.statistics.merge(other.statistics), counts, sample)
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Flatten into named arrays, for a file."""
+        flat: dict[str, NDArray[np.generic]] = {f"sample/{name}": values for name, values in self.sample.items()}
+        flat["count/names"] = np.array(list(self.counts))
+        flat["count/numbers"] = np.array([(count.successes, count.trials) for count in self.counts.values()])
+        found = self.statistics
+        flat["statistic/names"] = np.array(found.names)
+        for field in fields(Moments):
+            flat[f"moments/{field.name}"] = getattr(found.moments, field.name)
+        used = [sketch.used() for sketch in found.sketches]
+        flat["sketch/sizes"] = np.array([len(counts) for _, counts in used])
+        flat["sketch/bins"] = np.concatenate([bins for bins, _ in used])
+        flat["sketch/counts"] = np.concatenate([counts for _, counts in used])
+        return flat
+
+    @classmethod
+    def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "Tally":
+        """Read what `to_arrays` wrote."""
+        numbers = zip(flat["count/names"].tolist(), flat["count/numbers"].tolist(), strict=True)
+        counts = {name: Count(successes, trials) for name, (successes, trials) in numbers}
+        moments: Any = {field.name: flat[f"moments/{field.name}"] for field in fields(Moments)}
+        ends = np.cumsum(flat["sketch/sizes"])[:-1]
+        bins, held = (np.split(flat[f"sketch/{name}"], ends) for name in ("bins", "counts"))
+        sketches = tuple(map(QuantileSketch.of_used, bins, held))
+        statistics = RunningStatistics(tuple(flat["statistic/names"].tolist()), Moments(**moments), sketches)
+        sample: Any = {name.removeprefix("sample/"): flat[name] for name in flat if name.startswith("sample/")}
+        return cls(statistics, counts, sample)
+
+
+def tally(mission: Mission, trials: MissionTrials, *, sampled: bool) -> Tally:
+    """Reduce one block.
+
+    Parameters
+    ----------
+    mission : Mission
+    trials : MissionTrials
+    sampled : bool
+        Whether to keep inputs and key figures trial by trial.
+    """
+    columns = trials.columns()
+    quantities = {f"total.{name}": values for name, values in trials.total.items()}
+    counts = {"total.success": Count.of(trials.success)}
+    for phase in trials.phases:
+        quantities |= {f"{phase.name}.{name}": values for name, values in phase.quantities.items()}
+        counts |= {f"{phase.name}.{name}": Count.of(happened) for name, happened in phase.events.items()}
+    quantities |= {f"{phase.name}.end": phase.end for phase in trials.phases[:-1]}
+    counts |= {step: Count.of(lost) for step, lost in _first_losses(trials).items()}
+    for index, requirement in enumerate(mission.requirements):
+        key, bounds = requirement_key(mission, requirement.quantity)
+        limits = {side: getattr(requirement, side) for side in ("at_most", "at_least")}
+        counts[f"requirement {index}"] = Count.of(_meets(columns[key], limits, bounds))
+    return Tally(RunningStatistics.of(quantities), counts, _sample(trials, columns) if sampled else {})
+
+
+def requirement_key(mission: Mission, quantity: str) -> tuple[str, str | None]:
+    """Column of a requirement's quantity, such as ``moor.offset_m``, and the unit of its bound; None for an event."""
+    kinds = {phase.name: phase.kind for phase in mission.phases} | {"total": "total"}
+    phase, _, name = quantity.rpartition(".")
+    if name in EVENTS[kinds[phase]]:
+        return quantity, None
+    unit = QUANTITIES[kinds[phase]][name]
+    return f"{quantity}{SUFFIXES[unit]}", unit
+
+
+def _meets(values: Array | Flags, limits: Mapping[str, float | None], unit: str | None) -> Flags:
+    """Whether each trial meets a requirement; one that never reached the quantity does not."""
+    if unit is None:
+        return np.asarray(values, dtype=bool)
+    scale = SCALES.get(unit, 1.0)
+    at_most, at_least = limits["at_most"], limits["at_least"]
+    if at_most is not None:
+        return np.asarray(values <= at_most * scale)
+    assert at_least is not None
+    return np.asarray(values >= at_least * scale)
+
+
+def _first_losses(trials: MissionTrials) -> dict[str, Flags]:
+    """By step of the mission, the trials that were good until it and are lost at it."""
+    good = np.ones(trials.success.size, dtype=bool)
+    steps = {}
+    for phase in trials.phases:
+        for failure, failed in phase.failures.items():
+            steps[f"{phase.name}: {failure}"] = good & failed
+            good = good & ~failed
+    return steps
+
+
+def _sample(trials: MissionTrials, columns: Mapping[str, Array | Flags]) -> dict[str, Array]:
+    inputs = dict(trials.draws)
+    for phase in trials.phases:
+        inputs |= {f"{phase.name}.{name}": values for name, values in phase.inputs.items()}
+    kinds = [(phase.name, phase.kind) for phase in trials.phases] + [("total", "total")]
+    figures = [f"{phase}.{name}" for phase, kind in kinds for name in KEY_FIGURES[kind]]
+    return (
+        {f"input:{name}": values for name, values in inputs.items()}
+        | {f"output:{name}": np.asarray(columns[name], dtype=float) for name in figures}
+        | {f"miss:{phase.name}": phase.miss for phase in trials.phases}
+    )

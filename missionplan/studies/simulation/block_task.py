@@ -1,0 +1,57 @@
+"""What a worker does with one block; the module that worker processes import, and so kept light."""
+
+from dataclasses import dataclass
+
+from missionplan.errors import MissionplanError
+from missionplan.montecarlo.streams import BLOCK
+from missionplan.scenario.scenario import Setting
+from missionplan.studies.simulation.block_sequence import DoneBlock, Item
+from missionplan.studies.simulation.block_statistics import SAMPLED_BLOCKS, tally
+from missionplan.studies.simulation.mission_trials import MissionTrials, ShownTrials
+from missionplan.studies.simulation.trial_block import run_block
+
+TRACKED = 300
+"""Trials whose tracks are shown, the first of the run."""
+
+
+@dataclass(frozen=True, eq=False)  # hashed by identity: Dask hashes what it runs, and arrays have no hash
+class BlockTask:
+    """Runs a block, in this process or another; everything that it needs is in it.
+
+    Attributes
+    ----------
+    means : Setting
+        The mission at its means, with the site's current where it is read from a file, which workers need not reach.
+    seed : int
+    keep_trials : bool
+        Whether a row a trial comes back too.
+    """
+
+    means: Setting
+    seed: int
+    keep_trials: bool = False
+
+    def trials(self, block: int, size: int, *, tracked: int = 0, inputs: bool = True) -> MissionTrials:
+        """Run one block."""
+        setting = self.means.sampled(seed=self.seed, block=block, size=size)
+        return run_block(setting, self.seed, block, size, tracked, inputs)
+
+    def shown(self, block: int, size: int) -> ShownTrials:
+        """Run one block for what maps show of it."""
+        return ShownTrials.of(self.trials(block, size, tracked=TRACKED, inputs=False))
+
+    def __call__(self, item: Item) -> DoneBlock:
+        """Run one block and reduce it; a failure of its numbers is told, not raised, so that others go on."""
+        (block, size), sampled = item, item[0] < SAMPLED_BLOCKS
+        tracked = TRACKED if block == 0 else 0
+        try:
+            trials = self.trials(block, size, tracked=tracked, inputs=sampled or self.keep_trials)
+            reduced = tally(self.means.mission, trials, sampled=sampled)
+        except MissionplanError:
+            raise
+        except Exception as error:
+            first = block * BLOCK
+            place = f"block {block} (trials {first} to {first + size - 1}, seed {self.seed})"
+            return DoneBlock(None, failure=f"{place}: {type(error).__name__}: {error}")
+        rows = trials.columns() if self.keep_trials else {}
+        return DoneBlock(reduced, rows, ShownTrials.of(trials) if tracked else None)

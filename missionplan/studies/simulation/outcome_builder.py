@@ -1,0 +1,191 @@
+"""From the reduced blocks of a simulation to its `Outcome`."""
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.mission import Mission
+from missionplan.montecarlo.sensitivity import Influence, sensitivities
+from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic, Statistic
+from missionplan.results.base import Provenance
+from missionplan.results.simulation import (
+    Attrition,
+    Histogram,
+    Outcome,
+    PhaseOutcome,
+    RequirementOutcome,
+    Sensitivity,
+    Tracks,
+)
+from missionplan.studies.simulation.block_statistics import Tally, requirement_key
+from missionplan.studies.simulation.mission_trials import ShownTrials
+
+Value = TypeVar("Value")
+WHOLE = ("surfacings",)
+"""Quantities that are whole numbers."""
+BINS = 40
+"""Bins of a histogram, between the 0.1 % and 99.9 % quantiles."""
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a simulation came to.
+
+    Attributes
+    ----------
+    mission : Mission
+    tally : Tally
+        Of all blocks that succeeded.
+    shown : ShownTrials
+        Some trials with their tracks.
+    failed_blocks : tuple of str
+    trials_table : bytes or None
+    """
+
+    mission: Mission
+    tally: Tally
+    shown: ShownTrials
+    failed_blocks: tuple[str, ...] = ()
+    trials_table: bytes | None = None
+
+    def outcome(self, provenance: Provenance) -> Outcome:
+        """Put the result together."""
+        clocks = tuple(self._clocks())
+        phases, spans = self.mission.phases, itertools.pairwise(clocks)
+        return Outcome(
+            provenance=provenance,
+            phases=tuple(self._phase(phase.name, phase.kind, *span) for phase, span in zip(phases, spans, strict=True)),
+            total=self._phase("total", "total", clocks[0], clocks[-1]),
+            requirements=self._requirements(),
+            attrition=self._attrition(),
+            sensitivities=self._sensitivities(),
+            tracks=tracks(self.mission, self.shown),
+            arrivals=self._sampled("miss:"),
+            failed_blocks=self.failed_blocks,
+            trials_table=self.trials_table,
+        )
+
+    def _clocks(self) -> Iterator[Statistic]:
+        """Mission time at the start, and of the trials that came through it at the end of each phase."""
+        yield Statistic.of_constant(0.0, self.tally.trials)
+        for phase in self.mission.phases[:-1]:
+            yield self.tally.statistics[f"{phase.name}.end"].statistic()
+        yield self.tally.statistics["total.duration_s"].statistic()
+
+    def _phase(self, name: str, kind: str, start: Statistic, end: Statistic) -> PhaseOutcome:
+        own = _under(self.tally.statistics, name)
+        own.pop("end", None)
+        return PhaseOutcome(
+            name=name,
+            kind=kind,
+            quantities={quantity: _statistic(quantity, running) for quantity, running in own.items()},
+            events={event: count.probability() for event, count in _under(self.tally.counts, name).items()},
+            histograms={quantity: histogram(running) for quantity, running in own.items()},
+            start=start,
+            end=end,
+        )
+
+    def _requirements(self) -> tuple[RequirementOutcome, ...]:
+        found = []
+        for index, requirement in enumerate(self.mission.requirements):
+            probability = self.tally.counts[f"requirement {index}"].probability()
+            required, (_, unit) = requirement.probability, requirement_key(self.mission, requirement.quantity)
+            limit = requirement.at_most if requirement.at_most is not None else requirement.at_least
+            found.append(
+                RequirementOutcome(
+                    quantity=requirement.quantity,
+                    bound=None if limit is None else "at_most" if requirement.at_most is not None else "at_least",
+                    limit=limit,
+                    unit=unit or "",
+                    required=required,
+                    probability=probability,
+                    met=probability.value >= required,
+                    undecided=probability.low <= required <= probability.high,
+                )
+            )
+        return tuple(found)
+
+    def _attrition(self) -> tuple[Attrition, ...]:
+        steps, left, trials = [], self.tally.trials, self.tally.trials
+        for step, count in self.tally.counts.items():
+            if ": " in step:
+                left -= count.successes
+                steps.append(Attrition(step, count.probability(), Count(left, trials).probability()))
+        return tuple(steps)
+
+    def _sensitivities(self) -> tuple[Sensitivity, ...]:
+        """Of each phase's key figures to what was drawn until its end, and of the whole mission's to everything."""
+        inputs, outputs = self._sampled("input:"), self._sampled("output:")
+        names = [phase.name for phase in self.mission.phases]
+        found: list[Influence] = []
+        for index, name in enumerate([*names, "total"]):
+            later = tuple(f"{other}." for other in names[index + 1 :])
+            drawn = {source: values for source, values in inputs.items() if not source.startswith(later)}
+            figures = {output: values for output, values in outputs.items() if output.startswith(f"{name}.")}
+            found += sensitivities(drawn, figures)
+        return tuple(Sensitivity(**vars(influence)) for influence in found)
+
+    def _sampled(self, group: str) -> dict[str, Array]:
+        return {
+            name.removeprefix(group): values for name, values in self.tally.sample.items() if name.startswith(group)
+        }
+
+
+def _under(found: Mapping[str, Value], phase: str) -> dict[str, Value]:
+    return {name.removeprefix(f"{phase}."): found[name] for name in found if name.startswith(f"{phase}.")}
+
+
+def _statistic(quantity: str, running: RunningStatistic) -> Statistic:
+    """What is reported of a quantity; the sketch's quantiles of whole numbers are made whole again."""
+    found = running.statistic()
+    if quantity not in WHOLE or not found.count:
+        return found
+    return replace(found, p05=round(found.p05), p50=round(found.p50), p95=round(found.p95))
+
+
+def histogram(running: RunningStatistic) -> Histogram:
+    """Bin a quantity from its sketch; whole numbers get a bin each where these are few.
+
+    A bin of the sketch that lies across an edge is shared out as if it were evenly filled: counts may be fractions.
+    """
+    low, high = running.quantiles((0.001, 0.999))
+    if not math.isfinite(low):
+        return Histogram(np.array([0.0, 1.0]), np.zeros(1))
+    if high - low <= BINS and (whole := _whole_numbers(running)):
+        values, counts = whole
+        edges = np.arange(round(low) - 0.5, round(high) + 1.0)
+        place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+        return Histogram(edges, np.bincount(place, counts, minlength=len(edges) - 1).astype(float))
+    margin = max(high - low, 1e-6 * max(abs(low), 1.0)) * 1e-3
+    edges = np.linspace(low - margin, high + margin, BINS + 1)
+    below = np.empty(BINS + 1)
+    below[0], below[1:-1], below[-1] = 0.0, running.below(edges[1:-1]), running.moments.count
+    return Histogram(edges, below[1:] - below[:-1])
+
+
+def _whole_numbers(running: RunningStatistic) -> tuple[Array, Integers] | None:
+    """Values and counts of a quantity, None where not all are whole numbers."""
+    starts, ends = running.sketch.bounds()
+    values = 0.5 * (starts + ends)
+    whole = np.round(values)
+    return (whole, running.sketch.used()[1]) if np.all(np.abs(values - whole) <= 1e-3 * np.abs(whole)) else None
+
+
+def tracks(mission: Mission, shown: ShownTrials) -> Tracks:
+    """Say which mission the tracks are of."""
+    origin = mission.site.origin if mission.site else None
+    return Tracks(
+        position=shown.position,
+        phase=np.repeat(np.arange(len(shown.points)), shown.points),
+        targets={
+            phase.name: ((float(east), float(north)), float(radius))
+            for phase, (east, north, radius) in zip(mission.phases, shown.goals, strict=True)
+        },
+        anchors=shown.anchors,
+        origin=(origin.latitude, origin.longitude) if origin else None,
+    )

@@ -1,0 +1,139 @@
+"""Will the mission work? With what probability, how long, how much energy, and what spoils it when it fails."""
+
+import hashlib
+import time
+from collections.abc import Generator, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from missionplan.mission import Mission
+from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.streams import BLOCK, block_count, block_size
+from missionplan.results.base import Provenance, to_yaml
+from missionplan.results.simulation import Outcome
+from missionplan.scenario.scenario import Setting
+from missionplan.scenario.site_current import current_file, recorded_current
+from missionplan.store.checkpoints import Checkpoints, Identity
+from missionplan.studies.simulation.block_sequence import BlockSequence, DoneBlock, Item
+from missionplan.studies.simulation.block_task import BlockTask
+from missionplan.studies.simulation.checks import check_complete, check_current, failure_notices, late_notices, notices
+from missionplan.studies.simulation.mission_trials import MissionTrials
+from missionplan.studies.simulation.outcome_builder import Findings
+from missionplan.studies.simulation.precision import Precision
+from missionplan.studies.simulation.trials_table import TrialsTable
+
+MOST_TRIALS = 10_000_000
+"""Where a run to a given precision ends unless it says otherwise."""
+
+
+def simulate(
+    mission: Mission,
+    *,
+    trials: int | None = None,
+    seed: int | None = None,
+    jobs: int = 1,
+    backend: Backend = "loky",
+    scheduler: str | None = None,
+    precision: str | None = None,
+    checkpoint: Path | None = None,
+    resume: bool = False,
+    keep_trials: bool = False,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Run the whole mission many times.
+
+    Parameters
+    ----------
+    mission : Mission
+    trials, seed : int, optional
+        Default: the mission's. With `precision`, `trials` is the most that are run (default `MOST_TRIALS`).
+    jobs, backend, scheduler
+        See `run_blocks`. The result does not depend on them, to the last bit.
+    precision : str, optional
+        Stop after the first block at which a standard error is below it: ``0.5%`` (of P(success)),
+        ``success=0.002``, ``total.duration=0.5%``, ``moor.offset=0.1 m``. The run then equals one of that many trials.
+    checkpoint : Path, optional
+        Folder in which finished blocks are kept.
+    resume : bool
+        Go on with the blocks in that folder.
+    keep_trials : bool
+        Keep a table with one row a trial.
+    progress : callable, optional
+        Called with the trials done and their total.
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what its phases need, an option is wrong, or the checkpoint is of another run.
+    RunError
+        When every block fails, a worker dies, or the checkpoint cannot be written.
+    """
+    started = time.perf_counter()
+    check_complete(mission)
+    seed = mission.monte_carlo.seed if seed is None else seed
+    goal = Precision.parse(precision, mission) if precision else None
+    count = trials or (MOST_TRIALS if goal else mission.monte_carlo.trials)
+    means = Setting.at_means(mission, recorded_current(mission))
+    check_current(mission, means)
+    said = notices(mission, means)
+    task = BlockTask(means, seed, keep_trials)
+    store = Checkpoints(checkpoint, _identity(task), resume=resume) if checkpoint else None
+    items = [(block, block_size(count, block)) for block in range(block_count(count))]
+    run = BlockSequence(items, store, goal, TrialsTable() if keep_trials else None)
+
+    def fan_out(todo: Sequence[Item]) -> Generator[DoneBlock, None, None]:
+        if todo:
+            yield from run_blocks(task, todo, jobs=jobs, backend=backend, scheduler=scheduler)
+
+    found, failed = run.run(fan_out, progress)
+    shown = run.shown or task.shown(*run.first_good)  # block 0 brings it, unless it failed
+    if goal is not None and not goal.is_reached(found):
+        said += (f"The precision asked for, {precision}, was not reached in {found.trials} trials.",)
+    options: dict[str, Any] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
+    provenance = Provenance(
+        command="simulate",
+        mission=mission.name,
+        file=mission.file,
+        seed=seed,
+        trials=found.trials,
+        options=options,
+        elapsed_s=time.perf_counter() - started,
+        data=mission.raw,
+        notices=(*said, *late_notices(means, found), *failure_notices(failed)),
+    )
+    table = run.table.parquet() if run.table else None
+    return Findings(mission, found, shown, failed, table).outcome(provenance)
+
+
+def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLOCK) -> MissionTrials:
+    """Run one block of trials alone, as `simulate` does, and keep every trial.
+
+    Parameters
+    ----------
+    mission : Mission
+    seed, block : int
+        As a failed block is reported.
+    trials : int
+        First trials of the block that are used.
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what its phases need.
+    Exception
+        Whatever the block fails with.
+    """
+    check_complete(mission)
+    return BlockTask(Setting.at_means(mission, recorded_current(mission)), seed).trials(block, trials)
+
+
+def _identity(task: BlockTask) -> Identity:
+    """What a finished block depends on; not how many blocks there are."""
+    data = {key: value for key, value in task.means.mission.raw.items() if key != "monte_carlo"}
+    text, source = to_yaml(data), current_file(task.means.mission)
+    if source is not None:
+        digest = hashlib.sha256(source.read_bytes()).hexdigest()
+        text = text.replace(str(source), f"{source.name} (SHA-256 {digest})")
+    options = f"seed: {task.seed}\nkeep_trials: {task.keep_trials}\n"
+    return Identity(text, options, version("missionplan"))

@@ -1,0 +1,1 @@
+"""Slowing down to hover over a grid of manoeuvres (Palmer, Hearn & Stevenson)."""

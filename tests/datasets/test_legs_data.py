@@ -1,0 +1,130 @@
+"""Navigation logs: units, order, outliers, and every problem of a file at once."""
+
+import numpy as np
+import pytest
+
+from missionplan.datasets.legs import read_transit
+from missionplan.errors import InputError
+
+KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
+
+
+def problems(excinfo):
+    return "\n".join(str(problem) for problem in excinfo.value.problems)
+
+
+def test_reads_legs(folder, transit_mission, legs):
+    data = read_transit(folder(KIND, legs()), transit_mission)
+    assert data.n == 48
+    assert data.fix_sd == 3.0
+    assert data.latitude == pytest.approx(np.radians(37.0))
+    assert np.sqrt(np.mean(data.velocity_error**2)) == pytest.approx(0.03, rel=0.2)
+    assert not data.has_surface_time
+
+
+def test_latitude_and_longitude_become_the_same_metres(folder, transit_mission, legs):
+    from missionplan.mission.geodesy import to_geographic
+
+    table = legs()
+    origin = transit_mission.site.origin
+    geographic = table[["leg", "t_start_s", "t_end_s"]].copy()
+    for name, ending in (("start", "start"), ("dr", "dr_end"), ("end", "end")):
+        latitude, longitude = to_geographic(table[f"x_{name}_m"].to_numpy(), table[f"y_{name}_m"].to_numpy(), origin)
+        geographic[f"lat_{ending}"], geographic[f"lon_{ending}"] = np.degrees(latitude), np.degrees(longitude)
+    plane = read_transit(folder(KIND, table), transit_mission)
+    sphere = read_transit(folder(KIND, geographic), transit_mission)
+    np.testing.assert_allclose(sphere.end, plane.end, atol=1e-3)
+
+
+def test_bad_cells_are_all_named(folder, transit_mission, legs):
+    table = legs().astype(object)
+    table.loc[3, "t_end_s"], table.loc[8, "x_dr_m"] = "late", "12,5"
+    table.loc[12, "t_start_s"] = table.loc[11, "t_start_s"]
+    with pytest.raises(InputError) as excinfo:
+        read_transit(folder(KIND, table), transit_mission)
+    assert "rows.csv:5: t_end_s: given 'late'" in problems(excinfo)
+    assert "rows.csv:10: x_dr_m: given '12,5'" in problems(excinfo)
+    assert "rows.csv:14: t_start_s: two legs start at the same time" in problems(excinfo)
+
+
+def test_missing_column_comes_with_its_nearest(folder, transit_mission, legs):
+    with pytest.raises(InputError, match="t_start_s: column is missing") as excinfo:
+        read_transit(folder(KIND, legs().rename(columns={"t_start_s": "t_strt_s"})), transit_mission)
+    assert len(excinfo.value.problems) == 1
+
+
+def test_legs_that_end_before_they_begin_overlap_or_repeat(folder, transit_mission, legs):
+    table = legs()
+    table.loc[4, "t_end_s"] = table.loc[4, "t_start_s"] - 5.0
+    table.loc[9, "t_start_s"] = table.loc[8, "t_start_s"]
+    with pytest.raises(InputError) as excinfo:
+        read_transit(folder(KIND, table), transit_mission)
+    assert "ends before it has begun" in problems(excinfo)
+    assert "two legs start at the same time" in problems(excinfo)
+
+
+def test_too_few_legs_says_how_many_are_needed_for_what(folder, transit_mission, legs):
+    with pytest.raises(InputError, match="8 legs are needed to tell a constant error from chance"):
+        read_transit(folder(KIND, legs(5)), transit_mission)
+
+
+def test_blank_and_marked_rows_are_left_out_with_a_notice(folder, transit_mission, legs):
+    table = legs().assign(ok=1)
+    table.loc[:2, "ok"] = 0
+    table.loc[10, "x_end_m"] = np.nan
+    data = read_transit(folder(KIND, table), transit_mission)
+    assert data.n == 44
+    assert any("3 rows left out as marked" in notice for notice in data.notices)
+    assert any("1 legs without all of their times" in notice for notice in data.notices)
+
+
+def test_legs_out_of_order_are_sorted_aloud(folder, transit_mission, legs):
+    data = read_transit(folder(KIND, legs().sample(frac=1.0, random_state=1)), transit_mission)
+    assert np.all(np.diff(data.t_start) > 0.0)
+    assert any("sorted" in notice for notice in data.notices)
+
+
+def test_a_wrong_fix_is_left_out_by_name(folder, transit_mission, legs):
+    table = legs()
+    table.loc[20, "x_end_m"] += 40_000.0
+    data = read_transit(folder(KIND, table), transit_mission)
+    assert "21" not in data.labels
+    assert any("wrong fixes" in notice and "21" in notice for notice in data.notices)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"kind": "drag"}, "cannot be diagnosed"),
+        ({"kind": "tides"}, "expected one of descent, transit"),
+        ({"kind": "transit", "nois": {}}, "did you mean noise"),
+        ({"kind": "transit", "noise": {"fix": 3}}, "expected a unit too"),
+        ({"kind": "transit", "noise": {"fix": "-3 m"}}, "expected more than 0"),
+        ({"kind": "transit", "file": "../rows.csv"}, "inside this folder"),
+        ({"kind": "transit", "file": "other.csv"}, "no such file"),
+    ],
+)
+def test_bad_dataset_yaml(folder, transit_mission, legs, keys, words):
+    with pytest.raises(InputError, match=words):
+        read_transit(folder(keys, legs()), transit_mission)
+
+
+@pytest.mark.parametrize(("text", "words"), [("", "is empty"), ("leg,t_start_s\n1,2,3,4\n5,6,7\n", "missing|table")])
+def test_a_file_that_is_no_table(folder, transit_mission, text, words):
+    with pytest.raises(InputError, match=words):
+        read_transit(folder(KIND, text), transit_mission)
+
+
+def test_a_file_that_is_no_text(folder, transit_mission, legs):
+    place = folder(KIND, legs())
+    (place / "rows.csv").write_bytes(b"leg,t_start_s\n\xff\xfe1,2\n")
+    with pytest.raises(InputError, match="not UTF-8"):
+        read_transit(place, transit_mission)
+
+
+def test_seconds_since_1970_count_from_the_first_fix(folder, transit_mission, legs):
+    table = legs()
+    table[["t_start_s", "t_end_s"]] += 1.6e9
+    data = read_transit(folder(KIND, table), transit_mission)
+    assert data.t_start[0] == 0.0
+    assert data.epoch == 1.6e9

@@ -1,0 +1,158 @@
+"""Dive logs end to end, against readings of the phase itself with noise and dive-to-dive scatter."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from missionplan.diagnosis.coordinates import Coordinate
+from missionplan.diagnosis.dives.gauss_newton import Lane, climb
+from missionplan.diagnosis.dives.noise import NOMINAL, caricature, scattered_covariance, still_covariance, wandering
+from missionplan.diagnosis.pipeline import examine
+
+
+def test_readings_of_many_settings_are_those_of_each(measured):
+    model = measured()
+    values = np.stack([model.centre, model.centre + 0.1], axis=1)
+    both = model.forward.readings(model.coordinates, values)
+    for column in (0, 1):
+        one = model.forward.readings(model.coordinates, values[:, column : column + 1])
+        np.testing.assert_allclose(both[:, column], one[:, 0], atol=1e-9)
+
+
+class Cliff:
+    """Readings that follow the coordinate up to 1 and do not exist beyond; no reader may ask for what is not a number."""
+
+    def readings(self, coordinates, values):
+        assert np.all(np.isfinite(values))
+        return np.where(values[0] <= 1.0, values[0], np.nan) * np.ones((3, 1))
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.0, 0.5), (1.0, np.inf), (2.0, np.inf)])
+def test_a_start_beside_a_cliff_is_given_up(start, end):
+    coordinate = Coordinate("drag-bias", "fraction", "strength", 0.0, 1.0, 0.01)
+    lane = Lane(np.array([0]), np.array([start]), 0)
+    (found,) = climb(Cliff(), [coordinate], np.full(3, 0.5), 1e-4 * np.eye(3), [lane])
+    if np.isfinite(end):
+        assert found.at[0] == pytest.approx(end, abs=1e-3)
+    else:
+        assert found.objective == end
+
+
+def test_covariance_of_a_dive():
+    t = np.array([0.0, 1.0, 2.0])
+    sensitivities = np.array([[0.0, 1.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0]])
+    still = still_covariance(t, np.full(3, 0.1), [NOMINAL])
+    found = (still + scattered_covariance(sensitivities, np.zeros(3), [NOMINAL]))[0]
+    expected = 0.01 * np.eye(3) + 0.01 * np.outer(t, t) + 0.0025 + NOMINAL.walk * wandering(t, NOMINAL.eddy)
+    np.testing.assert_allclose(found, expected)
+    np.testing.assert_allclose(np.diag(caricature(t, np.full(3, 2.0))), (0.02 * 2.0) ** 2)
+
+
+def test_wandering_is_the_integral_of_a_velocity_that_lasts():
+    """By quadrature of the velocity's covariance, e^(−|s − s′|/τ)/(2τ); a random walk when it lasts no time."""
+    t, eddy = np.array([0.5, 2.0, 7.0]), 1.5
+    s = np.linspace(0.0, 7.0, 2801)
+    velocity = np.exp(-np.abs(s[:, None] - s[None, :]) / eddy) / (2.0 * eddy)
+    until = (s[:, None] <= t[None, :]) * np.gradient(s)[:, None]
+    np.testing.assert_allclose(wandering(t, eddy), until.T @ velocity @ until, rtol=0.01)
+    np.testing.assert_allclose(wandering(t, 1e-6), np.minimum.outer(t, t), rtol=1e-5)
+
+
+def test_innovations_of_effect_free_dives_are_standard_normals(measured):
+    model = measured()
+    (fit,) = model.fit_all([((), ())])
+    z = model.innovations(fit)
+    assert np.allclose(z, model.residuals(fit).innovations())
+    assert 0.7 < z.std() < 1.3
+    assert abs(np.corrcoef(z[1:], z[:-1])[0, 1]) < 0.2
+
+
+def test_effect_free_dives_are_adequate(measured):
+    assert examine(measured()).verdict == "adequate"
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("drag-bias", {"fraction": 0.35}),
+        pytest.param("line-payout", {"delay_per_length": 0.25}, marks=pytest.mark.slow),
+        pytest.param("slow-flooding", {"fraction": 0.4, "time": 4.0}, marks=pytest.mark.slow),
+        pytest.param("trapped-gas", {"lift": 2.5}, marks=pytest.mark.slow),
+        pytest.param("stratification", {"lift": 2.0, "depth": 6.0, "thickness": 1.5}, marks=pytest.mark.slow),
+        pytest.param("broadside-start", {"extra_drag": 6.0, "time": 2.0}, marks=pytest.mark.slow),
+        pytest.param("added-mass", {"fraction": 0.6}, marks=pytest.mark.slow),
+        pytest.param("clock-offset", {"time": 0.6}, marks=pytest.mark.slow),
+        pytest.param("vertical-current", {"speed": 0.2}, marks=pytest.mark.slow),
+    ],
+)
+def test_a_hidden_cause_is_found_and_measured(measured, name, parameters):
+    found = examine(measured(name, **parameters))
+    assert found.claimed is not None
+    assert found.claimed.candidate.causes == (name,)
+    for estimate in found.best.estimates:
+        assert abs(estimate.value - parameters[estimate.name]) < 4.0 * estimate.sd
+    gain = found.gains[(name,)]
+    assert gain.log_score_gain > 0.0
+    assert gain.rmse_extended < 0.6 * gain.rmse_base
+
+
+def test_sets_fitted_apart_are_as_sets_fitted_together(measured):
+    """Which is why they may be shared among processes."""
+    model = measured("drag-bias", fraction=0.1)
+    wanted = [((name,), ()) for name in ("drag-bias", "sensor-lag", "drag-crisis", "stratification", "added-mass")]
+    together = model.fit_all(wanted)
+    parts = [model.fit_all(wanted[part::2]) for part in (0, 1)]
+    for index, fit in enumerate(together):
+        apart = parts[index % 2][index // 2]
+        assert apart.causes == fit.causes
+        assert apart.log_evidence == fit.log_evidence
+        assert apart.estimates == fit.estimates
+
+
+def test_each_dive_is_linearised_about_its_own_lateness(measured):
+    late = np.array([0.2, -0.15, 0.1, -0.05])
+    model = measured(late=late)
+    (found,) = model.most_likely_late(model.forward.histories(model.coordinates, model.centre[:, None]))
+    np.testing.assert_allclose(found, late, atol=0.05)
+    linear = model.base
+    np.testing.assert_allclose(linear.late, found)
+    shifted = model.forward.readings(model.coordinates, model.centre[:, None], late=found)[:, 0]
+    np.testing.assert_allclose(linear.readings, shifted)
+
+
+def test_a_moving_average_is_a_lag_and_no_late_clock(measured):
+    found = examine(measured(averaged=1.6))
+    assert found.claimed is not None
+    assert found.claimed.candidate.causes == ("sensor-lag",)
+    (estimate,) = found.best.estimates
+    assert abs(estimate.value - 0.8) < 4.0 * estimate.sd
+
+
+def test_drag_that_grows_from_dive_to_dive_is_left_over(measured):
+    fouled = np.array([0.0, 0.16, 0.32, 0.48])
+    found = examine(measured("drag-bias", weights=np.array([16.0, 9.0, 20.0, 12.0]), fraction=fouled))
+    assert found.verdict in ("unexplained", "partly-explained")
+    assert found.remainder.axis == "run"
+
+
+@pytest.mark.slow
+def test_a_depth_scale_is_hardly_told_from_drag(measured):
+    found = examine(measured("depth-scale", fraction=0.12))
+    assert found.verdict == "ambiguous"
+    assert set(found.credible_set) == {("depth-scale",), ("drag-bias",)}
+
+
+def test_payout_and_clock_are_tied_when_the_line_never_varies(measured):
+    found = examine(measured("clock-offset", lines=np.full(4, 5.0), time=0.5))
+    assert found.verdict == "ambiguous"
+    assert {("clock-offset",), ("line-payout",)} <= set(found.credible_set)
+
+
+@pytest.mark.slow
+def test_a_mislabelled_dive_is_named(measured):
+    model = measured()
+    logs = model.forward.logs
+    wrong = replace(logs[1], wet_weight=2.0 * logs[1].wet_weight)
+    shuffled = replace(model, forward=replace(model.forward, logs=(logs[0], wrong, *logs[2:])))
+    assert "dive-1" in [name for name, _ in examine(shuffled).outlying_groups]

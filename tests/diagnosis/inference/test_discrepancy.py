@@ -1,0 +1,146 @@
+"""The remainder speaks when something smooth is left, and seldom otherwise."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from missionplan.diagnosis.inference.axes import Axis, Measure, pointwise
+from missionplan.diagnosis.inference.discrepancy import remainder
+from missionplan.diagnosis.inference.residual_tests import Products, Residuals, outlying_groups
+
+N = 80
+
+
+def residuals(values, axis=None, **others):
+    axis = axis or pointwise("time", "values against time", np.linspace(0.0, 1.0, N)[:, None])
+    groups = np.repeat([f"dive-{k + 1}" for k in range(4)], N // 4)
+    return Residuals(values, np.eye(N), np.zeros(N, dtype=int), [axis], groups, **others)
+
+
+def test_white_residuals_leave_nothing():
+    rng = np.random.default_rng(2)
+    alarms = [remainder(residuals(rng.normal(size=N))).speaks for _ in range(60)]
+    assert np.mean(alarms) <= 0.07
+
+
+def test_a_smooth_remainder_is_found_on_its_axis():
+    rng = np.random.default_rng(3)
+    found = remainder(residuals(rng.normal(size=N) + 2.0 * np.sin(np.linspace(0.0, 9.0, N))))
+    assert found.speaks
+    assert found.axis == "time"
+    assert found.log_bayes_factor > 10.0
+
+
+def test_changing_spread_fails_a_residual_test():
+    rng = np.random.default_rng(4)
+    spread = np.exp(np.repeat([-2.0, 1.0, -2.0, 1.0], N // 4))
+    tests = remainder(residuals(rng.normal(size=N) * spread)).tests
+    assert min(test.p_value for test in tests if test.name.startswith("changing")) < 0.01
+
+
+@pytest.mark.parametrize("period", [2, 4, 5])
+def test_the_beat_of_a_coarse_sensor_with_its_sampling_is_no_remainder(period):
+    rng = np.random.default_rng(8)
+    values = rng.normal(size=N) + 2.0 * np.cos(2.0 * np.pi * np.arange(N) / period)
+    assert remainder(residuals(values)).speaks
+    assert not remainder(residuals(values, quantised=True)).speaks
+
+
+def test_errors_that_last_show_on_a_coarse_sensor_too():
+    rng = np.random.default_rng(9)
+    values = lfilter([1.0], [1.0, -0.95], rng.normal(size=N))
+    tests = remainder(residuals(values / values.std(), quantised=True)).tests
+    assert min(test.p_value for test in tests if test.name.startswith("autocorrelation")) < 0.001
+
+
+def test_a_shifted_group_is_outlying():
+    rng = np.random.default_rng(6)
+    values = rng.normal(size=N)
+    values[20:40] += 3.0
+    found = outlying_groups(residuals(values))
+    assert [name for name, _ in found] == ["dive-2"]
+    assert found[0][1] < 0.01
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_group_is_outlying_among_equals(seed):
+    assert outlying_groups(residuals(np.random.default_rng(seed).normal(size=N))) == ()
+
+
+def test_a_response_that_builds_up_is_found_better_than_by_its_place():
+    """A rate that changes at some place shows in all that follows."""
+    rng = np.random.default_rng(7)
+    places = np.linspace(0.0, 1.0, 11)[:, None]
+    rate = np.sin(2.0 * np.pi * places[:, 0])
+    builds_up = np.cumsum(np.repeat(np.eye(11), N // 10, axis=0)[:N], axis=0) / 10.0
+    found = residuals(rng.normal(size=N) + 2.0 * builds_up @ rate, axis=Axis("time", "rate", places, builds_up))
+    elsewhere = residuals(found.values, axis=Axis("time", "rate", places, builds_up[rng.permutation(N)]))
+    assert remainder(found).log_bayes_factor > 3.0
+    assert remainder(elsewhere).log_bayes_factor < remainder(found).log_bayes_factor - 3.0
+
+
+def test_the_shape_of_a_remainder_is_the_function_that_is_left():
+    rng = np.random.default_rng(12)
+    left = np.sin(np.linspace(0.0, 9.0, N))
+    plain = pointwise("time", "values against time", np.linspace(0.0, 1.0, N)[:, None])
+    axis = Axis("time", "values", plain.places, plain.response, Measure(0.0, 9.0, "Time (s)", "Error (cm)", 100.0))
+    shape = remainder(residuals(2.0 * left + rng.normal(size=N), axis=axis)).shape
+    assert shape is not None
+    assert (shape.place, shape.value) == ("Time (s)", "Error (cm)")
+    off = (shape.mean - 200.0 * np.sin(shape.at)) / shape.sd
+    assert np.abs(off).max() < 3.0
+    assert 20.0 < shape.sd.mean() < 60.0  # of single values with a standard deviation of 100
+    assert remainder(residuals(rng.normal(size=N), axis=axis)).shape is None
+
+
+def test_what_nothing_feels_is_no_remainder():
+    axis = Axis("run", "drag", np.zeros((1, 1)), np.zeros((N, 1)))
+    found = remainder(residuals(np.random.default_rng(13).normal(size=N), axis=axis))
+    assert found.log_bayes_factor == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_remainder_is_told_against_noise_that_is_not_known():
+    """A noise that may be greater hides less than the greater noise alone: both sides are averaged over it."""
+    rng = np.random.default_rng(8)
+    values = rng.normal(size=N) + 1.5 * np.sin(np.linspace(0.0, 9.0, N))
+
+    def at(scales):
+        def averaged(columns):
+            both = np.column_stack([columns, values])
+            return [Products(0.0, 2.0 * N * np.log(scale), both.T @ both / scale**2) for scale in scales]
+
+        return remainder(residuals(values, averaged=averaged)).log_bayes_factor
+
+    assert at([1.0]) == pytest.approx(remainder(residuals(values)).log_bayes_factor, abs=1e-9)
+    assert at([1.0, 2.0]) > at([2.0]) + 3.0
+
+
+def test_smooth_functions_have_the_squared_exponential_covariance():
+    """Of places that repeat, too, and along a direction of each value's own."""
+    places = np.array([[0.0], [0.2], [0.2], [0.7], [1.0]])
+    directions = np.array([[1.0], [2.0], [-1.0], [0.5], [1.0]])
+    axis = pointwise("time", "values against time", places, directions)
+    basis = axis.response @ axis.smooth(0.4)
+    covariance = np.exp(-0.5 * ((places - places.T) / 0.4) ** 2) * (directions @ directions.T)
+    np.testing.assert_allclose(basis @ basis.T, covariance, atol=1e-6)
+
+
+@pytest.mark.parametrize("length", [0.06, 0.25, 1.0])
+def test_nodes_stand_for_the_places_between_them(length):
+    inputs = np.sort(np.random.default_rng(9).uniform(size=200))[:, None]
+    axis = pointwise("depth", "values against depth", inputs)
+    basis = axis.response @ axis.smooth(length)
+    covariance = np.exp(-0.5 * ((inputs - inputs.T) / length) ** 2)
+    np.testing.assert_allclose(basis @ basis.T, covariance, atol=0.005 * (0.25 / length) ** 2 + 0.001)
+
+
+def test_functions_in_two_dimensions_are_given_at_every_place():
+    inputs = np.random.default_rng(10).normal(size=(40, 2))
+    axis = pointwise("place", "values against place", inputs, np.ones((40, 2)))
+    assert axis.response.shape == (40, 80)
+    smooth = axis.smooth(0.5)
+    np.testing.assert_allclose(
+        smooth @ smooth.T,
+        np.exp(-2.0 * ((inputs[:, None] - inputs) ** 2).sum(2))[np.ix_(*2 * [np.lexsort(inputs.T[::-1])])],
+        atol=2e-4,
+    )

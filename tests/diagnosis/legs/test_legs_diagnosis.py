@@ -1,0 +1,222 @@
+"""Navigation logs end to end: what is hidden is found, what is not there is not."""
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from missionplan import diagnose
+from missionplan.datasets.legs import read_transit
+from missionplan.diagnosis.model_factory import transit_model
+from missionplan.diagnosis.pipeline import examine
+from missionplan.diagnosis.plan_gain import load_data
+from missionplan.effects import CATALOGUE
+from missionplan.report.render import render
+
+KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
+
+
+def model(folder, mission, table):
+    return transit_model(read_transit(folder(KIND, table), mission), mission, seed=1)
+
+
+def test_columns_are_the_effects_own_hooks(folder, transit_mission, legs):
+    bound = model(folder, transit_mission, legs())
+    columns = bound.columns(np.zeros(len(bound.coordinates)))
+    at = [coordinate.effect for coordinate in bound.coordinates].index("speed-scale")
+    expected = CATALOGUE["speed-scale"].make({"fraction": 1.0}).velocity(bound.leg)
+    np.testing.assert_allclose(columns[:, :, at], expected, rtol=1e-9)
+
+
+def test_noise_of_independent_legs_is_the_contracts(folder, transit_mission, legs):
+    bound = model(folder, transit_mission, legs())
+    noise = bound.noise({("", "sigma_v"): 0.03, ("", "fix_sd"): 5.0})
+    np.testing.assert_allclose(noise[0], np.diag(0.03**2 + 2.0 * 25.0 / bound.data.under_way**2))
+
+
+def test_legs_that_share_a_fix_share_its_error(folder, transit_mission, legs):
+    table = legs()
+    table.loc[1:, ["x_start_m", "y_start_m"]] = table[["x_end_m", "y_end_m"]].to_numpy()[:-1]
+    bound = model(folder, transit_mission, table)
+    noise = bound.noise({("", "sigma_v"): 0.03, ("", "fix_sd"): 5.0})
+    duration = bound.data.under_way
+    assert noise.shape == (2, 48, 48)
+    np.testing.assert_allclose(noise[0, 0, 1], -25.0 / (duration[0] * duration[1]))
+
+
+def test_persistence_is_the_effects_own_covariance(folder, transit_mission, legs):
+    bound = model(folder, transit_mission, legs())
+    values = {("", "sigma_v"): 0.03, ("", "fix_sd"): 5.0}
+    with_it = bound.noise({**values, ("persistent-error", "sigma"): 0.1, ("persistent-error", "time"): 3000.0})
+    apart = bound.data.middle[5] - bound.data.middle[2]
+    assert with_it[0, 2, 5] == pytest.approx(0.01 * np.exp(-apart / 3000.0))
+
+
+@pytest.mark.parametrize("rows", [slice(None), np.array([0, 1, 2, 9, 10, 11, 30, 47])], ids=["all legs", "some legs"])
+@pytest.mark.parametrize("causes", [(), ("persistent-error",), ("inertial-current", "random-walk")])
+def test_marginal_is_the_density_of_the_total_covariance(folder, transit_mission, legs, causes, rows):
+    """What the chain of legs gives is the density under the covariance that predictions use."""
+    table = legs()
+    table.loc[1:, ["x_start_m", "y_start_m"]] = table[["x_end_m", "y_end_m"]].to_numpy()[:-1]
+    bound = model(folder, transit_mission, table)
+    fit = bound.fit(causes)
+    order = np.concatenate([np.arange(bound.data.n)[rows], bound.data.n + np.arange(bound.data.n)[rows]])
+    linear = fit.state.linear
+    total = bound._total_covariance(fit, linear)[np.ix_(order, order)]
+    expected = multivariate_normal(np.zeros(len(order)), total).logpdf(linear.y.ravel()[order])
+    found = bound.marginal(causes, fit.state.posterior.mode, linear, rows)
+    assert found.log_density == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_cause_is_as_unsure_as_the_spike_says(folder, transit_mission, legs):
+    """However long the record: a compass that is off by 5° today was never known better than its spike."""
+    turned = 1.2 * np.radians(5.0)
+    table = legs(200, error=lambda t, heading: turned * np.stack([np.cos(heading), -np.sin(heading)]))
+    found = model(folder, transit_mission, table).fit(("compass-bias",)).estimates[0]
+    spike = CATALOGUE["compass-bias"].parameters["angle"].spike
+    assert spike < found.sd < 2.0 * spike
+
+
+def test_a_shear_is_no_stronger_than_currents_are(folder, transit_mission, legs):
+    """Over an area a hundred times as large the same gradient would be a hundred times the current."""
+    near, table = legs(), legs()
+    places = ["x_start_m", "y_start_m", "x_dr_m", "y_dr_m", "x_end_m", "y_end_m"]
+    table[places] *= 100.0
+    slabs = [
+        [c.slab for c in model(folder, transit_mission, each).coordinates if c.effect == "current-shear"]
+        for each in (near, table)
+    ]
+    np.testing.assert_allclose(np.array(slabs[1]) * 100.0, slabs[0])
+
+
+def test_an_inertial_current_need_not_keep_its_phase(folder, transit_mission, legs):
+    """Two per cent above the inertial frequency for ten days: nothing else is needed to explain it."""
+    slower = 8.0
+    omega = slower * 1.02 * 2.0 * 7.2921e-5 * np.sin(np.radians(37.0))
+
+    def swirl(t, heading):
+        return 0.08 * np.stack([np.cos(omega * t), -np.sin(omega * t)])
+
+    table = legs(120, error=swirl)
+    times_and_places = ["t_start_s", "t_end_s", "x_start_m", "y_start_m", "x_dr_m", "y_dr_m", "x_end_m", "y_end_m"]
+    table[times_and_places] *= slower
+    bound = model(folder, transit_mission, table)
+    alone = bound.fit(("inertial-current",))
+    with_more = bound.fit(("inertial-current", "persistent-error"), (alone,))
+    assert alone.log_evidence > bound.fit(()).log_evidence + 50.0
+    assert with_more.log_evidence < alone.log_evidence
+
+
+def test_metres_lost_on_every_leg_are_no_speed_scale(folder, transit_mission, legs):
+    """A vehicle that gathers way slowly loses most, of a leg's length, on short legs."""
+    table = legs(96, sigma=0.02)
+    through = table[["x_dr_m", "y_dr_m"]].to_numpy() - table[["x_start_m", "y_start_m"]].to_numpy()
+    table[["x_end_m", "y_end_m"]] -= 70.0 * through / np.linalg.norm(through, axis=1)[:, None]
+    found = examine(model(folder, transit_mission, table))
+    assert found.best.causes == ("speed-scale",)
+    assert found.verdict == "partly-explained"
+    assert found.remainder.axis == "duration"
+
+
+def test_what_a_record_cannot_show_is_said(folder, mission, transit_mission, legs):
+    nowhere = mission({key: value for key, value in transit_mission.raw.items() if key != "site"})
+    bound = model(folder, nowhere, legs(20))
+    assert set(bound.untestable) == {"inertial-current", "surface-drift", "tidal-current"}
+
+
+@pytest.fixture
+def quick(folder, transit_mission):
+    return lambda table: diagnose(transit_mission, folder(KIND, table), plan=False)
+
+
+def test_effect_free_legs_are_adequate(quick, legs):
+    found = quick(legs())
+    assert found.verdict == "adequate"
+    assert found.causes == ()
+    assert () in found.credible_set
+
+
+@pytest.mark.slow
+def test_calibration_is_no_cause(quick, legs):
+    found = quick(legs(sigma=0.045))
+    assert found.verdict == "adequate"
+    assert found.calibration["sigma_v_m_s"] == pytest.approx(0.045, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    ("cause", "error"),
+    [
+        ("mean-current", lambda t, heading: np.array([[0.08], [-0.05]]) + 0.0 * t),
+        ("speed-scale", lambda t, heading: 0.07 * 1.2 * np.stack([np.sin(heading), np.cos(heading)])),
+        pytest.param(
+            "compass-bias",
+            lambda t, heading: 1.2 * np.radians(5.0) * np.stack([np.cos(heading), -np.sin(heading)]),
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "tidal-current",
+            lambda t, heading: np.stack([0.1 * np.cos(t * 1.405e-4), 0.08 * np.sin(t * 1.405e-4)]),
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_a_hidden_cause_is_found(quick, legs, cause, error):
+    found = quick(legs(error=error))
+    assert found.causes == (cause,)
+    assert found.best.held_out.log_score_gain > 0.0
+    assert found.best.share_explained > 0.3
+
+
+def test_parameters_and_extended_mission(quick, legs):
+    found = quick(legs(error=lambda t, heading: np.array([[0.08], [-0.05]]) + 0.0 * t))
+    east, north = found.best.parameters
+    assert (east.name, north.name, east.unit) == ("east", "north", "m/s")
+    assert abs(east.value - 0.08) < 3.0 * east.sd
+    extended = load_data(found.extended)
+    assert [entry.effect for entry in extended.effects] == ["mean-current"]
+    assert extended.effects[0].parameters["east"].mean == pytest.approx(east.value, rel=1e-3)
+    assert extended.effects[0].parameters["east"].sd == pytest.approx(east.sd, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_a_diagnosis_of_the_extended_mission_finds_nothing_more(folder, transit_mission, legs):
+    place = folder(KIND, legs(error=lambda t, heading: np.array([[0.08], [-0.05]]) + 0.0 * t))
+    first = diagnose(transit_mission, place, plan=False)
+    second = diagnose(load_data(first.extended), place, plan=False)
+    assert second.verdict == "adequate"
+
+
+def test_the_result_is_deterministic(quick, legs):
+    table = legs(30)
+    assert quick(table).diagnosis() == quick(table).diagnosis()
+
+
+def test_diagnosis_json_has_the_contracts_keys(quick, legs):
+    found = quick(legs(error=lambda t, heading: np.array([[0.08], [-0.05]]) + 0.0 * t))
+    content = found.diagnosis()
+    assert {
+        "verdict",
+        "causes",
+        "credible_set",
+        "ranking",
+        "remainder",
+        "outlying_groups",
+        "indistinguishable",
+        "next_measurements",
+        "decision",
+        "extended_mission",
+    } <= set(content)
+    first = content["ranking"][0]
+    assert {"causes", "log_bayes_factor", "posterior", "parameters", "held_out", "share_explained"} <= set(first)
+    assert set(first["parameters"][0]) == {"effect", "name", "value", "sd", "low", "high", "unit"}
+    assert set(first["held_out"]) == {
+        "log_score_gain",
+        "paired_se",
+        "groups_improved",
+        "groups",
+        "rmse_base",
+        "rmse_extended",
+        "coverage_90_base",
+        "coverage_90_extended",
+    }
+    assert set(found.files()) == {"diagnosis.json", "residuals.csv", "ranking.csv", "mission.yaml"}
+    assert {"data", "ranking", "residuals", "places", "autocorrelation", "held-out"} <= set(render(found).figures)

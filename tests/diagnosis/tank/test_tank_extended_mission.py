@@ -1,0 +1,83 @@
+"""What the extended mission of tank data carries, and where."""
+
+import numpy as np
+import pytest
+import yaml
+
+from missionplan.diagnosis.diagnose import diagnose
+from missionplan.diagnosis.plan_gain import load_data
+from missionplan.errors import InputError
+from missionplan.mission import load
+from missionplan.report.render import render
+
+PHASE = {"from": ["0 m", "0 m"], "to": ["1 km", "0 m"], "speed": "1 m/s", "d_max": "1 km", "arrival_radius": "50 m"}
+MISSION = {
+    "navigation": {"velocity_error": {"sigma": "0.03 m/s"}, "surfacing_time": "60 s"},
+    "phases": [{"transit": PHASE}],
+}
+HULL = {"length": "1.2 m", "diameter": "0.4 m"}
+
+
+def mission(tmp_path, **vehicle):
+    path = tmp_path / "mission.yaml"
+    path.write_text(yaml.safe_dump(MISSION | ({"vehicle": {"hull": HULL, **vehicle}} if vehicle else {})))
+    return load(path)
+
+
+def towed(folder, bias, exponent, scale=2.0):
+    """A dozen runs of ½ρAC_D U² with C_D = 0.8 at the middle Reynolds number, 1 % of noise."""
+    folder.mkdir()
+    speed = np.geomspace(0.2, 1.2, 16)
+    middle = float(np.exp(np.mean(np.log(speed))))
+    force = 500.0 * 0.1 * 0.8 * (1.0 + bias) * speed**2 * (speed / middle) ** exponent
+    sd = 0.01 * force
+    rows = np.stack([speed, force + sd * np.random.default_rng(3).standard_normal(16), sd], axis=1)
+    np.savetxt(folder / "drag.csv", rows, delimiter=",", header="speed_m_s,force_n,force_sd_n", comments="")
+    settings = {"kind": "drag", "file": "drag.csv", "reference_area": "0.1 m^2", "reference_length": "0.3 m"}
+    (folder / "dataset.yaml").write_text(yaml.safe_dump(settings | {"scale": scale}))
+    return folder
+
+
+def test_drag_goes_into_the_vehicle_at_full_size(tmp_path):
+    base = mission(tmp_path, drag={"coefficient": 0.8, "area": "0.4 m^2"})
+    found = diagnose(base, towed(tmp_path / "data", 0.4, 0.0))
+    assert found.causes == ("drag-bias",)
+    drag = load_data(found.extended).vehicle.drag
+    assert drag.coefficient.mean == pytest.approx(0.8 * 1.4, rel=0.01)
+    assert drag.area == 0.4
+    assert "effects" not in found.extended
+
+
+def test_reynolds_number_goes_with_it(tmp_path):
+    base = mission(tmp_path, drag={"coefficient": 0.8, "area": "0.4 m^2"})
+    found = diagnose(base, towed(tmp_path / "data", 0.0, -0.2))
+    assert found.causes == ("reynolds-drag",)
+    drag = load_data(found.extended).vehicle.drag
+    assert drag.exponent.mean == pytest.approx(-0.2, abs=0.02)
+    assert drag.length == pytest.approx(0.6)
+    rendered = render(found)
+    assert {"data", "residuals", "ranking"} <= {figure.removesuffix(".svg") for figure in rendered.figures}
+
+
+def test_a_drag_within_its_doubt_is_no_bias(tmp_path):
+    """4 % of drag are two of a tank's standard deviations."""
+    base = mission(tmp_path, drag={"coefficient": 0.8, "area": "0.4 m^2"})
+    found = diagnose(base, towed(tmp_path / "data", 0.04, 0.0), plan=False)
+    assert found.verdict == "adequate"
+
+
+def test_without_a_drag_to_compare_with_there_is_no_bias(tmp_path):
+    found = diagnose(mission(tmp_path), towed(tmp_path / "data", 0.4, 0.0))
+    assert found.verdict == "adequate"
+    assert "drag-bias" in found.untestable
+    assert found.calibration["drag_coefficient"] == pytest.approx(0.8 * 1.4, rel=0.01)
+
+
+def test_frequencies_alone_are_refused(tmp_path):
+    folder = tmp_path / "data"
+    folder.mkdir()
+    (folder / "modes.csv").write_text("mode,frequency_hz\nsurge,1.77\n")
+    settings = {"kind": "free-oscillation", "file": "modes.csv", "stiffness": "4000 N/m", "mass": "24 kg"}
+    (folder / "dataset.yaml").write_text(yaml.safe_dump(settings))
+    with pytest.raises(InputError, match="nothing is left to test"):
+        diagnose(mission(tmp_path), folder)

@@ -1,0 +1,52 @@
+"""What the planner would choose before and after a diagnosis, and how the choice of before fares."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from missionplan.diagnosis.plan_gain import decide
+from missionplan.mission import Mission, load
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+LIFT = {"lift": "2 N", "depth": "8 m", "thickness": "2 m"}
+
+
+@pytest.fixture(scope="module")
+def mission() -> Mission:
+    """The prototype's mooring, whose vehicle floats with 0.89 N."""
+    return load(MISSIONS / "anchor-design.yaml")
+
+
+def planned(mission: Mission, *effects: dict[str, Any]) -> dict[str, Any]:
+    """Plans with the mission and with its effects added."""
+    return decide("descent", mission, {**mission.raw, "effects": list(effects)}, seed=1, jobs=1)
+
+
+def test_the_anchor_chosen_carries_the_vehicle_down(mission: Mission) -> None:
+    """Eq. 15 leaves out the net buoyancy: an anchor sized without sinks slower than was asked, or not at all."""
+    plan = planned(mission, {"stratification": LIFT})
+    assert plan["before"]["within_radius"] > 0.9
+    assert plan["after"]["within_radius"] > 0.9
+    assert plan["after"]["success"] == plan["after"]["within_radius"]  # nothing else can fail here
+
+
+def test_a_lift_asks_for_a_heavier_anchor_and_the_old_one_drifts_too_far(mission: Mission) -> None:
+    plan = planned(mission, {"stratification": LIFT})
+    heavier = plan["after"]["anchor_wet_weight_n"] - plan["before"]["anchor_wet_weight_n"]
+    assert 1.0 < heavier < 2.0  # the lift acts below 8 m of 30
+    kept = plan["base_choice_under_extended"]
+    assert kept["anchor_wet_weight_n"] == plan["before"]["anchor_wet_weight_n"]
+    assert kept["within_radius"] < plan["after"]["within_radius"] - 0.05
+
+
+def test_what_changes_no_descent_changes_no_plan(mission: Mission) -> None:
+    plan = planned(mission, {"clock-offset": {"time": "0.7 s"}})
+    assert plan["after"] == plan["base_choice_under_extended"] == plan["before"]
+
+
+def test_a_mission_without_a_mooring_says_why_there_is_no_plan() -> None:
+    fig8 = load(MISSIONS / "fig8.yaml")
+    plan = decide("descent", fig8, fig8.raw, seed=1, jobs=1)
+    assert plan["before"] == plan["after"] == {}
+    assert "mooring" in plan["reason"]

@@ -1,0 +1,188 @@
+import functools
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from missionplan.errors import InputError, RunError
+from missionplan.montecarlo.distributions import LogNormal, Normal
+from missionplan.montecarlo.draws import Correlation, JointDistribution
+from missionplan.montecarlo.parallel_blocks import run_blocks
+from missionplan.montecarlo.pool import end_workers, worker_processes
+from missionplan.montecarlo.statistics import RunningStatistic
+from missionplan.montecarlo.streams import LegNormals
+
+JOINT = JointDistribution.of({"a": Normal(0.0, 1.0), "b": LogNormal(2.0, 1.3)}, [Correlation(("a", "b"), 0.5)])
+
+
+def block_of_trials(block):
+    drawn = JOINT.draw(seed=9, block=block, size=1000)
+    return drawn["a"] + drawn["b"] * LegNormals(9, "legs", block).leg(1)[0, :1000]
+
+
+def slow_block(block):
+    time.sleep(0.02 * (3 - block % 3))
+    return block
+
+
+@functools.cache
+def reference():
+    return [block_of_trials(block) for block in range(6)]
+
+
+@pytest.mark.parametrize(
+    ("jobs", "backend"), [(1, "loky"), (2, "loky"), (4, "loky"), (2, "threading"), (4, "threading")]
+)
+def test_bits_do_not_depend_on_jobs_or_backend(jobs, backend):
+    blocks = list(run_blocks(block_of_trials, range(6), jobs=jobs, backend=backend))
+    assert all(np.array_equal(found, expected) for found, expected in zip(blocks, reference(), strict=True))
+    merged = functools.reduce(RunningStatistic.merge, map(RunningStatistic.of, blocks)).statistic()
+    assert merged == functools.reduce(RunningStatistic.merge, map(RunningStatistic.of, reference())).statistic()
+
+
+def test_bits_do_not_depend_on_the_order_of_blocks():
+    order = [4, 0, 5, 2, 1, 3]
+    for block, found in zip(order, run_blocks(block_of_trials, order), strict=True):
+        assert np.array_equal(found, reference()[block])
+
+
+@pytest.mark.parametrize("jobs", [1, 3])
+def test_results_come_in_order_with_progress(jobs):
+    calls = []
+    done = list(
+        run_blocks(slow_block, range(7), jobs=jobs, backend="threading", progress=lambda *call: calls.append(call))
+    )
+    assert done == list(range(7))
+    assert calls == [(count, 7) for count in range(8)]
+
+
+def test_nothing_waits_for_the_workers_to_start():
+    end_workers()
+    assert set(run_blocks(worker_after, range(3), jobs=2)) == {os.getpid()}
+
+
+@pytest.fixture
+def warm_worker():
+    worker_processes(1).submit(worker_after, 0).result()
+
+
+@pytest.mark.usefixtures("warm_worker")
+def test_a_part_is_done_here():
+    processes = list(run_blocks(worker_after, range(20), jobs=2))
+    assert processes[0] == os.getpid()
+    assert len(set(processes)) > 1
+
+
+def die_elsewhere(here, block):
+    if os.getpid() != here:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return slow_block(block)
+
+
+@pytest.mark.usefixtures("warm_worker")
+def test_a_worker_that_dies_is_told_and_replaced():
+    with pytest.raises(RunError, match="worker process died"):
+        list(run_blocks(functools.partial(die_elsewhere, os.getpid()), range(20), jobs=2))
+    assert list(run_blocks(slow_block, range(4), jobs=2)) == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(("jobs", "backend"), [(1, "loky"), (2, "loky"), (2, "threading")])
+def test_a_reader_may_stop_early(jobs, backend):
+    results = run_blocks(slow_block, range(50), jobs=jobs, backend=backend)
+    assert next(results) == 0
+    results.close()
+    assert list(run_blocks(slow_block, range(3), jobs=jobs, backend=backend)) == [0, 1, 2]
+
+
+def worker_after(block):
+    time.sleep(0.02)
+    return os.getpid()
+
+
+@pytest.mark.usefixtures("warm_worker")
+def test_workers_outlive_a_reader_who_stops_early():
+    before = set(run_blocks(worker_after, range(12), jobs=2))
+    assert len(before) > 1
+    results = run_blocks(worker_after, range(50), jobs=2)
+    next(results)
+    results.close()
+    assert set(run_blocks(worker_after, range(12), jobs=2)) <= before
+
+
+def test_an_error_in_a_block_reaches_the_caller():
+    with pytest.raises(ZeroDivisionError):
+        list(run_blocks(functools.partial(divmod, 1), [1, 0], jobs=2))
+
+
+@pytest.mark.parametrize("options", [{"backend": "carrier-pigeon"}, {"jobs": 0}, {"jobs": -2}])
+def test_bad_options_are_refused(options):
+    with pytest.raises(InputError, match="expected"):
+        list(run_blocks(slow_block, range(2), **options))
+
+
+def test_dask_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"missionplan\[dask\]"):
+        list(run_blocks(slow_block, range(2), backend="dask"))
+
+
+INTERRUPTED = """
+import sys, time
+from missionplan.montecarlo.parallel_blocks import run_blocks
+from missionplan.montecarlo.pool import end_workers
+try:
+    for _ in run_blocks(time.sleep, [0.0] + [60.0] * int(sys.argv[1]), jobs=2):
+        print("block", flush=True)
+        time.sleep(float(sys.argv[2]))
+except KeyboardInterrupt:
+    end_workers()  # as the command does
+    sys.exit(130)
+"""
+
+
+def descendants(process):
+    children = {}
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
+        except (OSError, IndexError):
+            continue
+        children.setdefault(parent, []).append(int(folder.name))
+    found, waiting = [], [process]
+    while waiting:
+        found += (below := children.get(waiting.pop(), []))
+        waiting += below
+    return found
+
+
+def running(process):
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads the process table of Linux")
+@pytest.mark.parametrize(
+    ("more", "busy", "send"),
+    [("1", "0", os.killpg), ("1", "0", os.kill), ("5", "0", os.killpg), ("5", "0", os.kill), ("5", "60", os.killpg)],
+    ids=["waiting", "waiting, sent to it alone", "in a block", "in a block, sent to it alone", "in the loop's body"],
+)
+def test_ctrl_c_ends_at_once_and_leaves_no_process(more, busy, send):
+    command = [sys.executable, "-c", INTERRUPTED, more, busy]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as run:
+        assert run.stdout is not None
+        run.stdout.readline()
+        while len(workers := descendants(run.pid)) < 2:  # one worker, and loky's tracker
+            time.sleep(0.05)
+        send(run.pid, signal.SIGINT)
+        assert run.wait(timeout=20) == 130
+    deadline = time.monotonic() + 10.0
+    while any(map(running, workers)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not any(map(running, workers))

@@ -1,0 +1,65 @@
+import functools
+import os
+import signal
+import threading
+
+import pytest
+
+from missionplan.errors import RunError
+from missionplan.montecarlo.parallel_map import shared
+from missionplan.montecarlo.pool import started_workers
+
+
+def squares(items):
+    return [item**2 for item in items]
+
+
+def processes(items):
+    return [os.getpid()] * len(items)
+
+
+class Remembering:
+    """A task that keeps what it finds, as a model its cached properties, while others are still being sent it."""
+
+    def __getstate__(self):
+        return {"thread": threading.current_thread().name}
+
+    def __call__(self, items):
+        for item in items:
+            setattr(self, f"found{item}", item)
+        return [self.__dict__.get("thread")] * len(items)
+
+
+def die_elsewhere(here, items):
+    if os.getpid() != here:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return list(items)
+
+
+@pytest.mark.parametrize("jobs", [1, 2, 3])
+@pytest.mark.parametrize("count", [0, 1, 2, 7])
+def test_results_come_in_the_items_order(jobs, count):
+    assert shared(squares, range(count), jobs=jobs) == [item**2 for item in range(count)]
+
+
+def test_a_part_is_done_here():
+    with started_workers(1, "json"):
+        found = shared(processes, range(4), jobs=2)
+    assert found[0] == found[2] == os.getpid()
+    assert found[1] == found[3] != os.getpid()
+
+
+def test_an_error_in_a_part_is_raised():
+    with pytest.raises(TypeError):
+        shared(squares, [1, "a"], jobs=2)
+
+
+def test_a_worker_that_dies_is_told():
+    with pytest.raises(RunError, match="worker process died"):
+        shared(functools.partial(die_elsewhere, os.getpid()), range(4), jobs=2)
+    assert shared(squares, range(4), jobs=2) == [0, 1, 4, 9]
+
+
+def test_a_task_is_sent_as_it_was_when_it_was_shared():
+    found = shared(Remembering(), range(4), jobs=2)
+    assert found[1] == found[3] == threading.main_thread().name  # no other thread reads it while it changes

@@ -1,0 +1,73 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from missionplan.effects.clock_offset import ClockOffset
+from missionplan.effects.depth_scale import DepthScale
+from missionplan.effects.sensor_lag import SensorLag
+from missionplan.phases.mooring.depth_sensor import simulate_readings
+from missionplan.phases.mooring.forces import Dive
+from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, VehicleDrag
+from missionplan.physics.water import Water
+
+DIVE = Dive(
+    wet_weight=11.7,
+    anchor_mass=2.8,
+    anchor_added_mass=0.54,
+    anchor_drag=QuadraticDrag(1.17),
+    vehicle_mass=10.2,
+    vehicle_added_mass=0.24,
+    net_buoyancy=0.89,
+    vehicle_drag=VehicleDrag(Hull(1.1176, 0.12065), None, 1.25, Water(1026.0, 1.19e-6)),
+    line_length=5.0,
+    site_depth=24.0,
+)
+TIMES = np.linspace(0.0, 40.0, 161)[:, None]
+
+
+def test_a_dive_from_the_surface_to_the_mooring():
+    depth = simulate_readings(DIVE, TIMES)[:, 0]
+    assert (depth[TIMES[:, 0] < 2.0] == 0.0).all()
+    assert depth.max() < 24.0
+    assert depth[-1] == pytest.approx(19.0)
+    assert np.argmax(depth) < len(depth) - 20
+
+
+def test_the_step_is_fine_enough_for_a_millimetre():
+    coarse, fine = (simulate_readings(DIVE, TIMES, step=step) for step in (0.1, 0.01))
+    assert coarse == pytest.approx(fine, abs=1.5e-3)
+
+
+def test_each_trial_has_its_own_dive_and_times():
+    dive = replace(
+        DIVE, wet_weight=np.array([9.0, 15.0]), line_length=np.array([4.0, 6.0]), site_depth=np.array([20, 30.0])
+    )
+    times = np.stack((np.linspace(0, 12, 30), np.linspace(1, 8, 30)), axis=1)
+    times[20:, 1] = np.nan
+    both = simulate_readings(dive, times)
+    assert np.isnan(both[20:, 1]).all()
+    for trial, rows in ((0, 30), (1, 20)):
+        own = replace(
+            dive, **{name: float(getattr(dive, name)[trial]) for name in ("wet_weight", "line_length", "site_depth")}
+        )
+        alone = simulate_readings(own, times[:rows, trial : trial + 1])
+        assert both[:rows, trial] == pytest.approx(alone[:, 0], abs=1e-9)
+
+
+def test_times_that_end_early_give_the_same_depths():
+    whole = simulate_readings(DIVE, TIMES)
+    assert simulate_readings(DIVE, TIMES[:40]) == pytest.approx(whole[:40], abs=1e-9)
+
+
+def test_a_clock_shifts_and_a_scale_stretches():
+    plain = simulate_readings(DIVE, TIMES)
+    late = simulate_readings(DIVE, TIMES + 0.5, effects=(ClockOffset(0.5),))
+    assert late == pytest.approx(plain, abs=1e-9)
+    assert simulate_readings(DIVE, TIMES, effects=(DepthScale(0.05),)) == pytest.approx(1.05 * plain)
+
+
+def test_a_lag_is_late_by_its_time_constant_at_a_steady_speed():
+    steady = np.array([[8.0], [9.0], [10.0], [11.0]])
+    lagged = simulate_readings(DIVE, steady, effects=(SensorLag(0.4),))
+    assert lagged == pytest.approx(simulate_readings(DIVE, steady - 0.4), abs=5e-3)
