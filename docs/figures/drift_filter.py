@@ -16,7 +16,7 @@ from missionplan import load
 from missionplan.phases.transit.analytic.policy import best_legs
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.aims import with_first_leg
-from missionplan.studies.leg_length.sweep_scenario import SweepSetting
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.leg_length.trials import LegsAtSpeed, run_plans
 
 FOLDER = Path(__file__).parent
@@ -72,14 +72,14 @@ def cell(current: float, time: float, trials: int = TRIALS, *, fixed: bool = Fal
     )
 
 
-def family(setting: SweepSetting, fixed: bool) -> list[LegsAtSpeed]:
+def family(scenario: SweepScenario, fixed: bool) -> list[LegsAtSpeed]:
     """Fixed d_max; unless these are all, legs that adapt, for several errors and with first legs of several lengths."""
-    lengths = [float(share * setting.distance) for share in SHARES]
+    lengths = [float(share * scenario.distance) for share in SHARES]
     plans: list[float | LegTable] = [*lengths]
     if fixed:
         return [LegsAtSpeed(plan) for plan in plans]
-    for table in tables(setting.distance, setting.speed, setting.arrival_radius, setting.surfacing_time):
-        plans += [table, *(with_first_leg(table, setting.distance, length) for length in lengths)]
+    for table in tables(scenario.distance, scenario.speed, scenario.arrival_radius, scenario.surfacing_time):
+        plans += [table, *(with_first_leg(table, scenario.distance, length) for length in lengths)]
     return [LegsAtSpeed(plan) for plan in plans]
 
 
@@ -98,8 +98,8 @@ def _best(way: str, current: float, time: float, trials: int, fixed: bool) -> np
     with TemporaryDirectory() as folder:
         path = Path(folder) / "mission.yaml"
         path.write_text(MISSION.format(component=component, way=way, time=time), encoding="utf-8")
-        setting = replace(SweepSetting.of(load(path)), sigmas=(None,))
-    runs = run_plans(setting, family(setting, fixed), seed=1, block=0, size=trials)
+        scenario = replace(SweepScenario.of(load(path)), sigmas=(None,))
+    runs = run_plans(scenario, family(scenario, fixed), seed=1, block=0, size=trials)
     costs = [100.0 * run.cost for run in runs if run.arrived.all()]
     return min(costs, key=lambda values: float(values.mean()))
 

@@ -17,14 +17,14 @@ from missionplan.datasets.summaries import read_summary
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.inference.cross_validation import HeldOut
-from missionplan.diagnosis.inference.discrepancy import Remainder
-from missionplan.diagnosis.inference.experiment_design import Separation, rivalries
+from missionplan.diagnosis.inference.discrepancy import Discrepancy
+from missionplan.diagnosis.inference.experiment_design import Separation, discriminations
 from missionplan.diagnosis.inference.model import Fit
 from missionplan.diagnosis.inference.selection import Candidate
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.legs.one_step import one_step
 from missionplan.diagnosis.model_factory import descent_model, summary_model, transit_model
-from missionplan.diagnosis.pipeline import Examination, examine
+from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.plan_gain import decide
 from missionplan.diagnosis.summaries.model import SummaryModel
 from missionplan.diagnosis.summaries.tables import summary_misfit, summary_residuals
@@ -47,12 +47,12 @@ from missionplan.mission.reading.documents import load_document
 from missionplan.results.base import Provenance
 from missionplan.results.diagnosis import (
     Diagnosis,
+    DiscrepancyFound,
     GroupScore,
     HeldOutGain,
     NextMeasurement,
     ParameterEstimate,
     RankedSet,
-    RemainderFound,
     Verdict,
 )
 
@@ -107,12 +107,12 @@ def _diagnosis(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: b
     started = time.perf_counter()
     model, data, kind = _bind(dataset, mission, seed)
     stage("data read")
-    found = examine(model, lambda what, done, of: stage(what), jobs)
+    found = run_pipeline(model, lambda what, done, of: stage(what), jobs)
     described = _Described(model, found)
     extended = _extended(mission, found.best, data)
     stage("next measurements")
     first, rivals = found.best, [rival.fit for rival in found.claimed.rivals[:SEPARATED]] if found.claimed else []
-    next_to = rivalries(model, first, rivals, jobs)
+    next_to = discriminations(model, first, rivals, jobs)
     stage("plans")
     decision = decide(kind, mission, extended, seed=seed, jobs=jobs) if plan else {"before": {}, "after": {}}
     provenance = Provenance(
@@ -137,8 +137,8 @@ def _diagnosis(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: b
         credible_set=found.credible_set,
         ranking=described.ranking(),
         rivals=tuple(rival.causes for rival in found.claimed.rivals) if found.claimed else (),
-        remainder=_remainder(found.remainder),
-        base_remainder=_remainder(found.base_remainder),
+        discrepancy=_discrepancy(found.discrepancy),
+        base_discrepancy=_discrepancy(found.base_discrepancy),
         scores=described.scores(),
         outlying_groups=found.outlying_groups,
         indistinguishable=tuple((rival.separation.first, rival.separation.second) for rival in next_to if rival.alike),
@@ -194,7 +194,7 @@ def _bind(folder: Path, mission: Mission, seed: int) -> tuple[TransitModel | Des
 class _Described:
     """An examination in the words and tables of the result."""
 
-    def __init__(self, model: TransitModel | DescentModel | TankModel, found: Examination) -> None:
+    def __init__(self, model: TransitModel | DescentModel | TankModel, found: PipelineResult) -> None:
         self._model, self._found = model, found
         base, best = found.selection.base, found.best
         self.residuals: pd.DataFrame
@@ -285,9 +285,9 @@ def _next(found: Separation) -> NextMeasurement:
     return NextMeasurement((found.first, found.second), found.measurement, found.expected_log_bayes_factor)
 
 
-def _remainder(found: Remainder) -> RemainderFound:
+def _discrepancy(found: Discrepancy) -> DiscrepancyFound:
     tests = tuple((test.name, test.p_value) for test in found.tests)
-    told = RemainderFound(found.log_bayes_factor, found.axis, found.resembles, found.by_axis, tests)
+    told = DiscrepancyFound(found.log_bayes_factor, found.axis, found.resembles, found.by_axis, tests)
     if found.shape is None:
         return told
     table = pd.DataFrame({"at": found.shape.at, "mean": found.shape.mean, "sd": found.shape.sd})

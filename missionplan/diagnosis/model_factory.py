@@ -20,7 +20,7 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.hooks import DescentEffect, TransitEffect
 from missionplan.phases.mooring.forces import Dive
 from missionplan.scenario.mooring import dive_of
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 
 DRAWS = 512
@@ -44,8 +44,8 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
         raise InputError(problems)
     assert mission.navigation is not None
     recorded = recorded_current(mission)
-    means = Setting.at_means(mission, recorded)
-    drawn = Setting.drawn(mission, recorded, seed=seed, block=0, size=DRAWS)
+    means = Scenario.at_means(mission, recorded)
+    drawn = Scenario.drawn(mission, recorded, seed=seed, block=0, size=DRAWS)
     name = mission.transits[0].name
     base, spread = _expected_velocity(data, means, drawn, name)
     error = mission.navigation.velocity_error
@@ -56,7 +56,7 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     return _with_given_effects(model, mission)
 
 
-def _expected_velocity(data: TransitData, means: Setting, drawn: Setting, name: str) -> tuple[Array, Array]:
+def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario, name: str) -> tuple[Array, Array]:
     """Velocity error that the site's current gives each leg, shape (2, n), and how unsure it is, shape (2,) [m/s]."""
     if means.current is None or drawn.current is None:
         return np.zeros((2, data.n)), np.zeros(2)
@@ -117,11 +117,11 @@ def summary_model(data: SummaryData, mission: Mission) -> SummaryModel:
 def _builder(mission: Mission) -> tuple[Callable[[Array, Array], Dive], tuple[DescentEffect, ...]]:
     """The mission's descent from weights and lines, and the effects that it carries."""
     moor = mooring(mission)
-    setting = Setting.at_means(mission)
+    scenario = Scenario.at_means(mission)
 
     def build(weights: Array, lines: Array) -> Dive:
         own = {f"{moor.name}.anchor_wet_weight": weights, f"{moor.name}.line_length": lines}
-        here = Setting(mission, None, {**setting.draws, "site.depth": 0.0, **own})
+        here = Scenario(mission, None, {**scenario.draws, "site.depth": 0.0, **own})
         return dive_of(here, moor.model_copy(update={"anchor_wet_weight": float(weights[0])}))
 
     return build, tuple(effect for effect in _given(mission) if isinstance(effect, DescentEffect))

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from missionplan.diagnosis.inference.cross_validation import HeldOut, compare
-from missionplan.diagnosis.inference.discrepancy import Remainder, remainder
+from missionplan.diagnosis.inference.discrepancy import Discrepancy, discrepancy
 from missionplan.diagnosis.inference.model import Causes, Fit, Model
 from missionplan.diagnosis.inference.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, credible_set, posteriors, select
@@ -23,7 +23,7 @@ def silent(what: str, done: int, of: int) -> None:
 
 
 @dataclass(frozen=True)
-class Examination:
+class PipelineResult:
     """Everything that was found.
 
     Attributes
@@ -44,7 +44,7 @@ class Examination:
         Held-out gain of the best sets.
     checks : mapping
         Their ln Bayes factors by importance sampling.
-    remainder, base_remainder : Remainder
+    discrepancy, base_discrepancy : Discrepancy
         What the claimed model leaves, and the base model.
     outlying_groups : tuple
         Groups that the best model cannot explain, with p-values.
@@ -58,12 +58,12 @@ class Examination:
     credible_set: tuple[Causes, ...]
     gains: Mapping[Causes, HeldOut]
     checks: Mapping[Causes, float]
-    remainder: Remainder
-    base_remainder: Remainder
+    discrepancy: Discrepancy
+    base_discrepancy: Discrepancy
     outlying_groups: tuple[tuple[str, float], ...]
 
 
-def examine(model: Model, progress: Progress = silent, jobs: int = 1) -> Examination:
+def run_pipeline(model: Model, progress: Progress = silent, jobs: int = 1) -> PipelineResult:
     """Diagnose a model of a data set.
 
     Parameters
@@ -84,9 +84,9 @@ def examine(model: Model, progress: Progress = silent, jobs: int = 1) -> Examina
     chosen = claimed.candidate.fit if claimed is not None else selection.base
     fits = [selection.base] if claimed is None else [selection.base, chosen]
     looked_at = shared(partial(_looked_at, model), fits, jobs=jobs)
-    (base_remainder, _), (left, outlying) = looked_at[0], looked_at[-1]
+    (base_discrepancy, _), (left, outlying) = looked_at[0], looked_at[-1]
     posterior = posteriors(selection, claimed.candidate.causes if claimed else None)
-    return Examination(
+    return PipelineResult(
         verdict(claimed, left),
         claimed,
         chosen,
@@ -96,7 +96,7 @@ def examine(model: Model, progress: Progress = silent, jobs: int = 1) -> Examina
         gains,
         checks,
         left,
-        base_remainder,
+        base_discrepancy,
         outlying,
     )
 
@@ -122,10 +122,10 @@ def _checks(model: Model, selection: Selection, scored: tuple[Causes, ...], jobs
     return {causes: log_evidence - base for causes, log_evidence in zip(scored, found, strict=True)}
 
 
-def _looked_at(model: Model, fits: Sequence[Fit]) -> list[tuple[Remainder, tuple[tuple[str, float], ...]]]:
+def _looked_at(model: Model, fits: Sequence[Fit]) -> list[tuple[Discrepancy, tuple[tuple[str, float], ...]]]:
     """What each fit leaves: its remainder, and its outlying groups."""
     residuals = [model.residuals(fit) for fit in fits]
-    return [(remainder(each), outlying_groups(each)) for each in residuals]
+    return [(discrepancy(each), outlying_groups(each)) for each in residuals]
 
 
 def _log_evidences(model: Model, fits: Sequence[Fit]) -> list[float]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from missionplan.diagnosis.inference.cross_validation import HeldOut
-from missionplan.diagnosis.inference.discrepancy import Remainder
+from missionplan.diagnosis.inference.discrepancy import Discrepancy
 from missionplan.diagnosis.inference.selection import PRICE, Candidate, Selection, rivals
 
 Verdict = Literal["adequate", "explained", "ambiguous", "partly-explained", "unexplained"]
@@ -31,10 +31,10 @@ def claim(selection: Selection, gain: HeldOut | None) -> Claim | None:
     return Claim(best, tuple(rivals(selection, best)))
 
 
-def verdict(claimed: Claim | None, remainder: Remainder) -> Verdict:
+def verdict(claimed: Claim | None, discrepancy: Discrepancy) -> Verdict:
     """The first that fits."""
     if claimed is None:
-        return "unexplained" if remainder.speaks else "adequate"
-    if remainder.speaks:
+        return "unexplained" if discrepancy.speaks else "adequate"
+    if discrepancy.speaks:
         return "partly-explained"
     return "ambiguous" if claimed.rivals else "explained"

@@ -18,7 +18,7 @@ from missionplan.results.base import Provenance, Result, to_csv
 
 
 @dataclass(frozen=True)
-class DiveOdds:
+class DiveProbabilities:
     """What became of many dives with one anchor.
 
     Attributes
@@ -61,7 +61,7 @@ class SizedAnchor:
         Of the nominal dive, distributions at their means.
     profile : DescentProfile
         That dive against time.
-    odds : DiveOdds
+    odds : DiveProbabilities
     """
 
     wet_weight: float
@@ -72,7 +72,7 @@ class SizedAnchor:
     buildable: tuple[float, float] | None
     dive: Dive
     profile: DescentProfile
-    odds: DiveOdds
+    odds: DiveProbabilities
 
     @property
     def problems(self) -> list[str]:

@@ -120,7 +120,7 @@ class RankedSet:
 
 
 @dataclass(frozen=True)
-class RemainderFound:
+class DiscrepancyFound:
     """What is left: ln Bayes factor of a smooth remainder, its axis, what it resembles, axes one by one, and tests.
 
     Its shape along the axis, where it has one, has columns ``at``, ``mean`` and ``sd`` and labels `place` and `value`.
@@ -173,7 +173,7 @@ class Diagnosis(Result):
         Best first.
     rivals : tuple
         Sets within 3 nats of the claimed one.
-    remainder, base_remainder : RemainderFound
+    discrepancy, base_discrepancy : DiscrepancyFound
         What the claimed model leaves, and the base model.
     scores : tuple of GroupScore
         Held-out scores of the best set, group by group; empty where there are none.
@@ -206,8 +206,8 @@ class Diagnosis(Result):
     credible_set: tuple[Causes, ...]
     ranking: tuple[RankedSet, ...]
     rivals: tuple[Causes, ...]
-    remainder: RemainderFound
-    base_remainder: RemainderFound
+    discrepancy: DiscrepancyFound
+    base_discrepancy: DiscrepancyFound
     scores: tuple[GroupScore, ...]
     outlying_groups: tuple[tuple[str, float], ...]
     indistinguishable: tuple[tuple[Causes, Causes], ...]
@@ -232,10 +232,10 @@ class Diagnosis(Result):
             "misfit": self.misfit,
             "credible_set": [list(causes) for causes in self.credible_set],
             "ranking": [entry.summary() for entry in self.ranking],
-            "remainder": {"log_bayes_factor": self.remainder.log_bayes_factor, "axis": self.remainder.axis},
+            "remainder": {"log_bayes_factor": self.discrepancy.log_bayes_factor, "axis": self.discrepancy.axis},
             "base_remainder": {
-                "log_bayes_factor": self.base_remainder.log_bayes_factor,
-                "axis": self.base_remainder.axis,
+                "log_bayes_factor": self.base_discrepancy.log_bayes_factor,
+                "axis": self.base_discrepancy.axis,
             },
             "outlying_groups": [{"group": group, "p_value": p_value} for group, p_value in self.outlying_groups],
             "indistinguishable": [["+".join(causes) for causes in pair] for pair in self.indistinguishable],

@@ -15,10 +15,10 @@ from missionplan.physics.mooring import layer_thicknesses, required_terminal_vel
 from missionplan.physics.vehicle_drag import anchor_drag
 
 if TYPE_CHECKING:
-    from missionplan.scenario.scenario import Setting
+    from missionplan.scenario.scenario import Scenario
 
 
-def design_current(means: "Setting", phase: MoorPhase) -> tuple[Array, Array]:
+def design_current(means: "Scenario", phase: MoorPhase) -> tuple[Array, Array]:
     """Worst current of each layer, and the layers' thicknesses.
 
     Returns
@@ -49,12 +49,12 @@ def design_current(means: "Setting", phase: MoorPhase) -> tuple[Array, Array]:
     return np.array(speeds, dtype=float), thicknesses
 
 
-def worst_case_weight(means: "Setting", phase: MoorPhase) -> float:
+def worst_case_weight(means: "Scenario", phase: MoorPhase) -> float:
     """Wet weight that takes the vehicle down within the radius in the worst current, all layers aligned (Eqs. 1, 15).
 
     Parameters
     ----------
-    means : Setting
+    means : Scenario
         At the means.
     phase : MoorPhase
 
@@ -75,7 +75,7 @@ def worst_case_weight(means: "Setting", phase: MoorPhase) -> float:
     return weight
 
 
-def anchor_problem(means: "Setting") -> AnchorProblem:
+def anchor_problem(means: "Scenario") -> AnchorProblem:
     """Geometry and materials of the mission's anchor, at their means; its construction must be given."""
     vehicle = means.mission.vehicle
     assert vehicle is not None
@@ -101,6 +101,6 @@ def anchor_problem(means: "Setting") -> AnchorProblem:
     )
 
 
-def anchor_flooded_mass(means: "Setting", weight: Scalars) -> Scalars:
+def anchor_flooded_mass(means: "Scenario", weight: Scalars) -> Scalars:
     """Mass with the water inside of the anchor built for a wet weight [N], without added mass [kg]."""
     return flooded_mass(dry_mass(anchor_problem(means), weight), weight)

@@ -16,10 +16,10 @@ from missionplan.phases.transit.compensation import Forecast
 from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE, WAVES, DriftModel
 
 if TYPE_CHECKING:
-    from missionplan.scenario.scenario import Setting
+    from missionplan.scenario.scenario import Scenario
 
 
-def drift_model(means: "Setting", drawn: "Setting", phase: TransitPhase, forecast: Forecast) -> DriftModel:
+def drift_model(means: "Scenario", drawn: "Scenario", phase: TransitPhase, forecast: Forecast) -> DriftModel:
     """Build the model; its prior has the mean and the covariance of the mission's own draws.
 
     Effects that the model has no state for (of the compass, the log, the gradient of the current, heavy tails) are
@@ -27,9 +27,9 @@ def drift_model(means: "Setting", drawn: "Setting", phase: TransitPhase, forecas
 
     Parameters
     ----------
-    means : Setting
+    means : Scenario
         The mission at its means.
-    drawn : Setting
+    drawn : Scenario
         A block of draws, to take the prior from.
     phase : TransitPhase
     forecast : Forecast
@@ -67,11 +67,11 @@ def drift_model(means: "Setting", drawn: "Setting", phase: TransitPhase, forecas
     )
 
 
-def _trials(drawn: "Setting") -> int:
+def _trials(drawn: "Scenario") -> int:
     return max((np.size(value) for value in drawn.draws.values()), default=1)
 
 
-def _steady(drawn: "Setting", phase: TransitPhase, forecast: Forecast) -> tuple[Array, Array]:
+def _steady(drawn: "Scenario", phase: TransitPhase, forecast: Forecast) -> tuple[Array, Array]:
     """Velocity under way and displacement at the surface beyond the forecast, at the mission's start, (2, n) each."""
     depth, time, still = drawn[f"{phase.name}.depth"], drawn.surfacing_time, np.zeros((2, 1))
     velocity = drawn.transit_plan(phase).velocity_error.mean

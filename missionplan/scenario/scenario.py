@@ -39,7 +39,7 @@ PRIOR = 1 << 41
 
 
 @dataclass(frozen=True)
-class Setting:
+class Scenario:
     """A mission and one draw a trial of everything uncertain in it.
 
     Attributes
@@ -49,17 +49,17 @@ class Setting:
         The site's current where the mission reads it from a file (`site_current.recorded_current`).
     draws : mapping of str to float or array, shape (n,)
         Every quantity of the mission by its key path.
-    expected : Setting or None
+    expected : Scenario or None
         The mission at its means, where it is at hand: see `means`.
     """
 
     mission: Mission
     recorded: Current | None
     draws: Mapping[str, Scalars]
-    expected: "Setting | None" = None
+    expected: "Scenario | None" = None
 
     @classmethod
-    def at_means(cls, mission: Mission, recorded: Current | None = None) -> "Setting":
+    def at_means(cls, mission: Mission, recorded: Current | None = None) -> "Scenario":
         """Give the mission with every distribution at its mean."""
         means = {path: mean_of(value) for path, value in mission.quantities().items()}
         return cls(mission, recorded, means)._with_shaft_speeds()
@@ -67,11 +67,11 @@ class Setting:
     @classmethod
     def drawn(
         cls, mission: Mission, recorded: Current | None = None, *, seed: int, block: int, size: int = BLOCK
-    ) -> "Setting":
+    ) -> "Scenario":
         """Draw a block of trials."""
         return cls.at_means(mission, recorded).sampled(seed=seed, block=block, size=size)
 
-    def sampled(self, *, seed: int, block: int, size: int = BLOCK) -> "Setting":
+    def sampled(self, *, seed: int, block: int, size: int = BLOCK) -> "Scenario":
         """Draw a block of trials about this setting at the means; what blocks have in common is made once, in it."""
         draws = {**self.draws, **self._joint.draw(seed, block, size)}
         return replace(self, draws=draws, expected=self)._with_shaft_speeds()
@@ -81,16 +81,16 @@ class Setting:
         ties = [Correlation(correlation.between, correlation.rho) for correlation in self.mission.correlations]
         return JointDistribution.of(self.mission.quantities(), ties)
 
-    def _with_shaft_speeds(self) -> "Setting":
+    def _with_shaft_speeds(self) -> "Scenario":
         """Add the speeds that shaft rates give."""
         if all(phase.shaft_rate is None for phase in self.mission.transits):
             return self
         return replace(self, draws={**self.draws, **shaft_speeds(self)})
 
     @cached_property
-    def means(self) -> "Setting":
+    def means(self) -> "Scenario":
         """The same mission at its means: what the vehicle is told beforehand."""
-        return self.expected or Setting.at_means(self.mission, self.recorded)
+        return self.expected or Scenario.at_means(self.mission, self.recorded)
 
     @property
     def uncertain(self) -> Sequence[str]:

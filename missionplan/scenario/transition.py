@@ -6,7 +6,7 @@ from missionplan.mission.schema.transition import Manoeuvring, TransitionPhase, 
 from missionplan.phases.transition.plan import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
 from missionplan.physics.tunnel_thruster import TunnelThruster
 from missionplan.physics.vehicle_dynamics import Body, Derivatives
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 
 
 def check_transition(mission: Mission) -> list[tuple[str, str]]:
@@ -40,18 +40,18 @@ def transition_phase(mission: Mission, name: str | None = None) -> TransitionPha
     return found[0]
 
 
-def transition_vehicle(setting: Setting, phase: TransitionPhase) -> TransitionVehicle:
+def transition_vehicle(scenario: Scenario, phase: TransitionPhase) -> TransitionVehicle:
     """Vehicle, thrusters and controls of a transition, with the block's draws."""
-    vehicle = setting.mission.vehicle
+    vehicle = scenario.mission.vehicle
     assert vehicle is not None
     assert vehicle.manoeuvring is not None
     written = vehicle.manoeuvring
     return TransitionVehicle(
-        body=_body(setting, written),
+        body=_body(scenario, written),
         propeller=written.propeller,
         speed_gain=written.speed_gain,
         thrusters=tuple(
-            _tunnel_thruster(setting, thruster, f"vehicle.thrusters[{index}]")
+            _tunnel_thruster(scenario, thruster, f"vehicle.thrusters[{index}]")
             for index, thruster in enumerate(vehicle.thrusters)
             if isinstance(thruster, WrittenTunnelThruster)
         ),
@@ -61,38 +61,38 @@ def transition_vehicle(setting: Setting, phase: TransitionPhase) -> TransitionVe
     )
 
 
-def _tunnel_thruster(setting: Setting, written: WrittenTunnelThruster, path: str) -> TunnelThruster:
+def _tunnel_thruster(scenario: Scenario, written: WrittenTunnelThruster, path: str) -> TunnelThruster:
     return TunnelThruster(
         diameter=written.diameter,
-        thrust_constant=setting[f"{path}.thrust_constant"],
-        decay=setting[f"{path}.decay"],
+        thrust_constant=scenario[f"{path}.thrust_constant"],
+        decay=scenario[f"{path}.decay"],
         position=written.position,
         suction_gradient=written.suction_gradient,
         suction_offset=written.suction_offset,
     )
 
 
-def _body(setting: Setting, written: Manoeuvring) -> Body:
+def _body(scenario: Scenario, written: Manoeuvring) -> Body:
     """Body of the vehicle file; length and mass at their means, as the derivatives are made dimensionless by them."""
-    means = setting.means
+    means = scenario.means
     return Body(
         length=float(means["vehicle.hull.length"]),
         mass=float(means["vehicle.mass"]),
         inertia=written.inertia,
-        excess_buoyancy=setting["vehicle.net_buoyancy"],
-        x_g=setting["vehicle.manoeuvring.centre_of_gravity.ahead"],
+        excess_buoyancy=scenario["vehicle.net_buoyancy"],
+        x_g=scenario["vehicle.manoeuvring.centre_of_gravity.ahead"],
         z_g=written.centre_of_gravity.below,
         density=float(means.water.density),
         derivatives=Derivatives(**written.derivatives.model_dump()),
     )
 
 
-def manoeuvre(setting: Setting, phase: TransitionPhase) -> Manoeuvre:
+def manoeuvre(scenario: Scenario, phase: TransitionPhase) -> Manoeuvre:
     """What the phase asks of the vehicle, with the block's draws."""
     return Manoeuvre(
         start_speed=phase.start_speed,
-        deceleration=setting[f"{phase.name}.deceleration"],
-        mid_speed=setting[f"{phase.name}.mid_speed"],
-        steepness=setting[f"{phase.name}.steepness"],
+        deceleration=scenario[f"{phase.name}.deceleration"],
+        mid_speed=scenario[f"{phase.name}.mid_speed"],
+        steepness=scenario[f"{phase.name}.steepness"],
         after=phase.settle,
     )

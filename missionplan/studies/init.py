@@ -15,7 +15,7 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.streams import stream
 from missionplan.phases.hooks import Leg
 from missionplan.results.base import to_csv
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.store.folder import write_atomically
 
 COMPASS_BIAS = math.radians(3.0)
@@ -110,7 +110,7 @@ def sea_trial(mission: Mission, *, legs: int = LEGS, compass_bias: float = COMPA
 
 def _mean_current(mission: Mission, depth: float) -> Array:
     """Current at the origin at the start, every distribution at its mean, shape (2,) [m/s]."""
-    current = Setting.at_means(mission).current
+    current = Scenario.at_means(mission).current
     if current is None:
         return np.zeros(2)
     return np.broadcast_to(current.velocity(0.0, depth, np.zeros((2, 1))), (2, 1))[:, 0]

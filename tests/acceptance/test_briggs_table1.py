@@ -17,7 +17,7 @@ from missionplan.mission import load
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import descend
 from missionplan.scenario.anchor_weight import worst_case_weight
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.studies.anchor.trials import dive_with
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -34,7 +34,7 @@ def table():
 @pytest.fixture(scope="module")
 def prototype():
     """The example's anchor and vehicle, the vehicle's own buoyancy left out as in Eqs. 14–15."""
-    means = Setting.at_means(load(MISSIONS / "anchor-design.yaml"))
+    means = Scenario.at_means(load(MISSIONS / "anchor-design.yaml"))
     phase = means.mission.moors[0]
     return replace(dive_with(means, phase, worst_case_weight(means, phase)), net_buoyancy=0.0)
 

@@ -5,7 +5,7 @@ import itertools
 import pytest
 
 from missionplan.diagnosis.inference.cross_validation import compare
-from missionplan.diagnosis.inference.discrepancy import Remainder
+from missionplan.diagnosis.inference.discrepancy import Discrepancy
 from missionplan.diagnosis.inference.model import Fit, Score
 from missionplan.diagnosis.inference.selection import Candidate, Selection, credible_set, posteriors, rivals
 from missionplan.diagnosis.verdict import claim, verdict
@@ -24,7 +24,7 @@ def selection(*entries):
 
 
 def left(speaks):
-    return Remainder(5.0 if speaks else 0.0, "time" if speaks else None, (), (), speaks, None, None)
+    return Discrepancy(5.0 if speaks else 0.0, "time" if speaks else None, (), (), speaks, None, None)
 
 
 def test_score_charges_each_further_cause():

@@ -15,7 +15,7 @@ Parameters = dict[str, float]
 
 
 @dataclass(frozen=True)
-class Setting:
+class Scenario:
     """What a builder may know of the dives it acts on."""
 
     lightest: float
@@ -31,7 +31,7 @@ class Setting:
     """Length of the line by the dive's number [m]."""
 
 
-Builder = Callable[[float, np.random.Generator, Setting], tuple[Twist, Parameters]]
+Builder = Callable[[float, np.random.Generator, Scenario], tuple[Twist, Parameters]]
 
 
 @dataclass(frozen=True)
@@ -48,11 +48,11 @@ def sign(rng: np.random.Generator, positive: float = 0.5) -> float:
     return 1.0 if rng.random() < positive else -1.0
 
 
-def _drag_bias(size, rng, setting):
+def _drag_bias(size, rng, scenario):
     """Rough or fouled skin: a factor that leans a little on speed."""
     fraction = size if rng.random() < 0.7 else -0.6 * size
     lean = rng.uniform(-0.08, 0.08)
-    middle = 0.5 * (setting.slowest + setting.fastest)
+    middle = 0.5 * (scenario.slowest + scenario.fastest)
 
     def factor(t, u, z, number):
         return 1.0 + fraction * max(abs(u) / middle, 0.1) ** lean
@@ -60,7 +60,7 @@ def _drag_bias(size, rng, setting):
     return Twist(lone_drag=1.0 + fraction, drag=factor), {"fraction": fraction}
 
 
-def _line_payout(size, rng, setting):
+def _line_payout(size, rng, scenario):
     """Wraps that hang: one short stop a wrap, so the delay is a sum over the line's length."""
     wraps_per_metre = rng.uniform(20.0, 60.0)
     seed = int(rng.integers(2**32))
@@ -73,10 +73,10 @@ def _line_payout(size, rng, setting):
     return Twist(delay=delay), {"delay_per_length": size}
 
 
-def _slow_flooding(size, rng, setting):
+def _slow_flooding(size, rng, scenario):
     """Air that leaves at a constant rate, or through an orifice under its own falling head."""
     power = float(rng.choice([1.0, 2.0]))
-    full = rng.uniform(0.35, 0.8) * setting.longest_time
+    full = rng.uniform(0.35, 0.8) * scenario.longest_time
 
     def weight(t, z):
         return 1.0 - size * max(0.0, 1.0 - t / full) ** power
@@ -84,9 +84,9 @@ def _slow_flooding(size, rng, setting):
     return Twist(weight=weight), {}
 
 
-def _trapped_gas(size, rng, setting):
+def _trapped_gas(size, rng, scenario):
     """A few pockets along the hull, each under Boyle's law at its own height above the nose."""
-    lift = size * setting.lightest
+    lift = size * scenario.lightest
     shares = rng.dirichlet([3.0, 3.0, 2.0])
     heights = rng.uniform(0.0, 1.0, 3)
     head = 10.13
@@ -97,11 +97,11 @@ def _trapped_gas(size, rng, setting):
     return Twist(lift=up), {"lift": lift}
 
 
-def _stratification(size, rng, setting):
+def _stratification(size, rng, scenario):
     """Denser water below a pycnocline: linear between two depths, or two close steps."""
-    lift = size * setting.lightest
-    top = rng.uniform(0.2, 0.5) * setting.shallowest
-    thick = rng.uniform(0.05, 0.3) * setting.shallowest
+    lift = size * scenario.lightest
+    top = rng.uniform(0.2, 0.5) * scenario.shallowest
+    thick = rng.uniform(0.05, 0.3) * scenario.shallowest
     corner = rng.uniform(0.3, 0.7) if rng.random() < 0.5 else 0.5
 
     def up(z):
@@ -110,7 +110,7 @@ def _stratification(size, rng, setting):
     return Twist(lift=up), {}
 
 
-def _broadside_start(size, rng, setting):
+def _broadside_start(size, rng, scenario):
     """The hull lies level when the line comes taut and pitches down as a damped second-order motion."""
     relax = rng.uniform(1.2, 3.0)
 
@@ -123,12 +123,12 @@ def _broadside_start(size, rng, setting):
     return Twist(drag=factor, pitch=slope), {}
 
 
-def _added_mass(size, rng, setting):
+def _added_mass(size, rng, scenario):
     """Water carried in the fairing: it joins the momentum from the snatch on."""
     return Twist(mass=1.0 + size), {"fraction": size}
 
 
-def _sensor_lag(size, rng, setting):
+def _sensor_lag(size, rng, scenario):
     """Two poles in a row, or a moving average over the last seconds; the same mean lateness."""
     if rng.random() < 0.5:
         second = rng.uniform(0.15, 0.4) * size
@@ -156,7 +156,7 @@ def _sensor_lag(size, rng, setting):
     return Twist(reading=reading), {"time": size}
 
 
-def _clock_offset(size, rng, setting):
+def _clock_offset(size, rng, scenario):
     """The log's zero is not the separation; a trifle more or less from dive to dive."""
     offset = sign(rng, 0.6) * size
     seed = int(rng.integers(2**32))
@@ -167,24 +167,24 @@ def _clock_offset(size, rng, setting):
     return Twist(delay=delay), {"time": offset}
 
 
-def _depth_scale(size, rng, setting):
+def _depth_scale(size, rng, scenario):
     """Wrong gain of the pressure sensor, with a slight curvature."""
     fraction = sign(rng) * size
     bend = rng.uniform(-1e-4, 1e-4)
     return Twist(reading=lambda t, depth, number: depth * (1.0 + fraction + bend * depth)), {"fraction": fraction}
 
 
-def _vertical_current(size, rng, setting):
+def _vertical_current(size, rng, scenario):
     """Up- or downwelling that vanishes towards the surface within about a metre."""
     speed = sign(rng) * size
     skin = rng.uniform(0.2, 1.0)
     return Twist(water=lambda t, z: speed * (1.0 - np.exp(-max(z, 0.0) / skin))), {"speed": speed}
 
 
-def _drag_crisis(size, rng, setting):
+def _drag_crisis(size, rng, scenario):
     """Drag falls linearly to its lower value over a band of speeds that some of the dives cross."""
-    span = setting.fastest - setting.slowest
-    critical = rng.uniform(max(0.6 * setting.slowest, setting.slowest - span), setting.slowest + 0.6 * span)
+    span = scenario.fastest - scenario.slowest
+    critical = rng.uniform(max(0.6 * scenario.slowest, scenario.slowest - span), scenario.slowest + 0.6 * span)
     band = rng.uniform(0.06, 0.25) * critical
 
     def factor(t, u, z, number):

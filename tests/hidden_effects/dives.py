@@ -9,7 +9,7 @@ import numpy as np
 
 from .case import Case
 from .dive import Array, Dive, Track, Twist, sink
-from .dive_effects import CATALOGUE, Setting
+from .dive_effects import CATALOGUE, Scenario
 from .dive_outside import OUTSIDE, STUDIED
 from .drag import GRAVITY, Craft
 
@@ -107,13 +107,13 @@ def draw_nuisances(rng: np.random.Generator, scenario: str) -> Nuisances:
     return Nuisances(scale, sensor, resolution, scale * rng.uniform(0.002, 0.012), rng.uniform(2.0, 5.0))
 
 
-def setting_of(plan: Plan) -> Setting:
+def scenario_of(plan: Plan) -> Scenario:
     """What the effects' builders may know."""
     weights = [dive.wet_weight for dive in plan.dives]
     slow, fast = plan.craft.terminal_speed(min(weights)), plan.craft.terminal_speed(max(weights))
     ways = [dive.site_depth - dive.line for dive in plan.dives]
     lines = tuple(dive.line for dive in plan.dives)
-    return Setting(min(weights), slow, fast, min(ways), max(ways) / slow + 6.0, lines)
+    return Scenario(min(weights), slow, fast, min(ways), max(ways) / slow + 6.0, lines)
 
 
 def turbulence(rng: np.random.Generator, sd: float, time: float) -> Twist:
@@ -166,10 +166,10 @@ def strength(plan: Plan, noise: Nuisances, twists: Sequence[Twist]) -> tuple[flo
     return float(np.linalg.norm(whitened)), whitened
 
 
-def _build(name: str, severity: float, scale: float, shape: int, setting: Setting):
+def _build(name: str, severity: float, scale: float, shape: int, scenario: Scenario):
     cause = (CATALOGUE | OUTSIDE)[name]
     size = scale * cause.low * (cause.high / cause.low) ** severity
-    twist, parameters = cause.build(size, np.random.default_rng(shape), setting)
+    twist, parameters = cause.build(size, np.random.default_rng(shape), scenario)
     return twist, {f"{name}.{key}": float(value) for key, value in parameters.items()}, float(size)
 
 
@@ -190,16 +190,16 @@ def hide(
 
     None if the largest is not, or if ``late`` and a clock's offset is of the sign that no pay-out can have.
     """
-    setting = setting_of(plan)
+    scenario = scenario_of(plan)
     severity = {name: rng.uniform(0.0, 0.9 if len(names) == 1 else 0.6) for name in names}
     shape = {name: int(rng.integers(2**32)) for name in names}
     if late and any(
-        _build(name, 0.5, 1.0, shape[name], setting)[1].get("clock-offset.time", 1.0) < 0 for name in names
+        _build(name, 0.5, 1.0, shape[name], scenario)[1].get("clock-offset.time", 1.0) < 0 for name in names
     ):
         return None
     enlarged = False
     while names:
-        built = {name: _build(name, severity[name], 1.0, shape[name], setting) for name in names}
+        built = {name: _build(name, severity[name], 1.0, shape[name], scenario) for name in names}
         twists = {name: built[name][0] for name in names}
         total, far = strength(plan, noise, tuple(twists.values()))
         weak = [name for name in names if not _stands_out(plan, noise, names, twists, name, far, total)]
@@ -212,7 +212,7 @@ def hide(
             return None
         severity |= {name: min(1.0, severity[name] + 0.34) for name in weak}
         enlarged = True  # and not made smaller again: what is unlike the catalogue may have to be loud
-    built = {name: _build(name, severity[name], scale, shape[name], setting) for name in names}
+    built = {name: _build(name, severity[name], scale, shape[name], scenario) for name in names}
     twists = tuple(item[0] for item in built.values())
     reached = 0.0
     if names:
@@ -244,7 +244,7 @@ def unlike_catalogue(plan: Plan, noise: Nuisances, twist: Twist) -> float:
 @lru_cache(maxsize=4)
 def _rivals(plan: Plan, noise: Nuisances) -> tuple[Array, ...]:
     """Whitened displacements by each cause of the catalogue at a middling size."""
-    twists = [_build(name, 0.5, 1.0, 0, setting_of(plan))[0] for name in CATALOGUE]
+    twists = [_build(name, 0.5, 1.0, 0, scenario_of(plan))[0] for name in CATALOGUE]
     return tuple(strength(plan, noise, (twist,))[1] for twist in twists)
 
 

@@ -199,15 +199,15 @@ def test_tidal_race_is_a_tide_and_only_near_one_place():
 
 
 def test_line_drag_follows_the_line_of_the_dive():
-    setting = dives.Setting(10.0, 1.2, 1.8, 15.0, 30.0, lines=(4.0, 12.0))
-    twist, _ = DIVE_OUTSIDE["line-drag"].build(0.02, np.random.default_rng(0), setting)
+    scenario = dives.Scenario(10.0, 1.2, 1.8, 15.0, 30.0, lines=(4.0, 12.0))
+    twist, _ = DIVE_OUTSIDE["line-drag"].build(0.02, np.random.default_rng(0), scenario)
     assert [twist.drag(3.0, 1.0, 2.0, number) for number in (0, 1)] == pytest.approx([1.08, 1.24])
 
 
 def test_motor_drives_down_until_it_is_stopped():
     """Deeper than the plain dive, and at the plain dive's speed long after."""
-    setting = dives.Setting(11.7, 1.6, 1.6, 35.0, 30.0, lines=(5.0,))
-    twist, _ = DIVE_OUTSIDE["motor-runs-on"].build(0.5, np.random.default_rng(0), setting)
+    scenario = dives.Scenario(11.7, 1.6, 1.6, 35.0, 30.0, lines=(5.0,))
+    twist, _ = DIVE_OUTSIDE["motor-runs-on"].build(0.5, np.random.default_rng(0), scenario)
     plain, other = (sink(PAPER, Dive(11.7, 5.0, 60.0), twists, 45.0) for twists in ((), (twist,)))
     stopped = int((plain.t_taut + 10.0) / 0.02)
     assert twist.resist(2.0, 0.0) == pytest.approx(-0.5 * 11.7)
@@ -218,8 +218,8 @@ def test_motor_drives_down_until_it_is_stopped():
 
 
 def _outside_dive(name: str, size: float, seed: int = 0):
-    setting = dives.Setting(11.7, 1.6, 2.0, 35.0, 30.0, lines=(5.0, 5.0, 8.0))
-    return DIVE_OUTSIDE[name].build(size, np.random.default_rng(seed), setting)[0]
+    scenario = dives.Scenario(11.7, 1.6, 2.0, 35.0, 30.0, lines=(5.0, 5.0, 8.0))
+    return DIVE_OUTSIDE[name].build(size, np.random.default_rng(seed), scenario)[0]
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -26,7 +26,7 @@ def test_modena_has_persistence_and_an_inertial_current(diagnosed):
     found = diagnosed("modena")
     assert {"persistent-error", "inertial-current"} <= set(found.causes)
     assert not {"tidal-current", "compass-bias", "compass-deviation", "speed-scale"} & set(found.causes)
-    assert found.base_remainder.log_bayes_factor > 3.0
+    assert found.base_discrepancy.log_bayes_factor > 3.0
     # yardsticks: unweighted mean of past velocity errors 1.53 km, last leg's error 0.451 km
     assert found.calibration["next_leg_mean_so_far_rms_m"] == pytest.approx(1530.0, rel=0.01)
     assert found.calibration["next_leg_last_leg_rms_m"] == pytest.approx(451.0, rel=0.01)

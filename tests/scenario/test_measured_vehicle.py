@@ -11,7 +11,7 @@ from missionplan.errors import InputError
 from missionplan.montecarlo.distributions import Normal
 from missionplan.physics import propeller as p
 from missionplan.scenario.mooring import dive_of
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.simulation.simulate import simulate_block
 
@@ -43,17 +43,17 @@ def test_a_fragment_loads_as_it_stands(tmp_path, name):
 
 def test_measured_drag_takes_the_place_of_the_build_up(tmp_path):
     mission = mission_with(tmp_path, drag={"coefficient": 0.3, "area": "0.0114 m^2"})
-    setting = Setting.at_means(mission)
-    density = float(setting.water.density)
-    assert setting.vehicle_drag(1.5) == pytest.approx(0.5 * density * 0.0114 * 0.3 * 1.5**2)
-    assert setting.vehicle_drag(-1.5) == pytest.approx(-setting.vehicle_drag(1.5))
-    dive = dive_of(setting, mission.moors[0])
+    scenario = Scenario.at_means(mission)
+    density = float(scenario.water.density)
+    assert scenario.vehicle_drag(1.5) == pytest.approx(0.5 * density * 0.0114 * 0.3 * 1.5**2)
+    assert scenario.vehicle_drag(-1.5) == pytest.approx(-scenario.vehicle_drag(1.5))
+    dive = dive_of(scenario, mission.moors[0])
     assert dive.vehicle_drag(1.0) == pytest.approx(0.5 * density * 0.0114 * 0.3)
 
 
 def test_drag_against_reynolds_number(tmp_path):
     drag = {"coefficient": 0.3, "area": "0.0114 m^2", "exponent": -0.2, "at_reynolds": 1e6, "length": "1.1 m"}
-    law = Setting.at_means(mission_with(tmp_path, drag=drag)).vehicle_drag
+    law = Scenario.at_means(mission_with(tmp_path, drag=drag)).vehicle_drag
     assert law(2.0) / law(1.0) == pytest.approx(2.0**1.8, rel=1e-6)
     assert np.isfinite(law(0.0))
 
@@ -65,8 +65,8 @@ def test_an_exponent_needs_its_reynolds_number(tmp_path):
 
 def test_measured_added_mass_slows_the_dive(tmp_path):
     mission = mission_with(tmp_path, added_mass={"surge": "3 kg"})
-    light = dive_of(Setting.at_means(mission_with(tmp_path)), mission.moors[0])
-    heavy = dive_of(Setting.at_means(mission), mission.moors[0])
+    light = dive_of(Scenario.at_means(mission_with(tmp_path)), mission.moors[0])
+    heavy = dive_of(Scenario.at_means(mission), mission.moors[0])
     assert heavy.vehicle_added_mass == pytest.approx(3.0)
     assert light.vehicle_added_mass < 1.0
 
@@ -100,9 +100,9 @@ def test_fragments_of_thrusters_load(tmp_path):
 
 def test_propulsion_gives_the_power_of_a_transit(tmp_path):
     mission = mission_with(tmp_path, propulsion=PROPULSION)
-    setting = Setting.at_means(mission)
-    power = setting.transit_plan(mission.transits[0]).power_under_way - setting.energy("hotel")
-    work = float(setting.vehicle_drag(1.5)) * 1.5
-    unit = p.from_open_water(0.1, (0.4243, -0.9435), (0.0626, -0.1212), density=float(setting.water.density))
+    scenario = Scenario.at_means(mission)
+    power = scenario.transit_plan(mission.transits[0]).power_under_way - scenario.energy("hotel")
+    work = float(scenario.vehicle_drag(1.5)) * 1.5
+    unit = p.from_open_water(0.1, (0.4243, -0.9435), (0.0626, -0.1212), density=float(scenario.water.density))
     assert power > work / 0.8
     assert work / power < float(np.max(p.open_water_efficiency(unit, np.linspace(0.01, 0.44, 99), 1010.0)))

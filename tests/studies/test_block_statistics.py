@@ -7,7 +7,7 @@ from simulate_missions import chesapeake
 
 from missionplan.montecarlo.running_statistics import RunningStatistics
 from missionplan.montecarlo.statistics import Count, RunningStatistic
-from missionplan.studies.simulation.block_statistics import Tally, requirement_key, tally
+from missionplan.studies.simulation.block_statistics import BlockStatistics, requirement_key, statistics_of_block
 from missionplan.studies.simulation.outcome_builder import histogram
 from missionplan.studies.simulation.simulate import simulate_block
 
@@ -16,7 +16,7 @@ VALUES = arrays(np.float64, st.integers(1, 60), elements=st.floats(-1e6, 1e6) | 
 
 def tally_of(values):
     counts = {"total.success": Count.of(values > 0.0), "a: lost": Count.of(values < 0.0)}
-    return Tally(RunningStatistics.of({"a.x_m": values}), counts, {"input:x": values})
+    return BlockStatistics(RunningStatistics.of({"a.x_m": values}), counts, {"input:x": values})
 
 
 def same(one, other):
@@ -28,7 +28,7 @@ def same(one, other):
 @given(VALUES)
 def test_a_tally_comes_back_from_its_arrays(values):
     found = tally_of(values)
-    again = Tally.from_arrays(found.to_arrays())
+    again = BlockStatistics.from_arrays(found.to_arrays())
     assert same(found, again)
     assert again.counts == found.counts
     assert again.trials == values.size
@@ -39,7 +39,9 @@ def test_merging_what_came_back_gives_the_same_bits(blocks):
     direct = stored = tally_of(blocks[0])
     for values in blocks[1:]:
         direct = direct.merge(tally_of(values))
-        stored = Tally.from_arrays(stored.to_arrays()).merge(Tally.from_arrays(tally_of(values).to_arrays()))
+        stored = BlockStatistics.from_arrays(stored.to_arrays()).merge(
+            BlockStatistics.from_arrays(tally_of(values).to_arrays())
+        )
     assert same(direct, stored)
     assert np.array_equal(direct.sample["input:x"], np.concatenate(blocks), equal_nan=True)
     assert direct.trials == sum(values.size for values in blocks)
@@ -67,7 +69,7 @@ def test_steps_lose_each_trial_once(tmp_path):
     changes = {"navigation.max_legs": 5, "phases.1.moor.radius": "5 m", "vehicle.energy.capacity": "26 W*h"}
     mission = chesapeake(tmp_path, changes)
     trials = simulate_block(mission, seed=1, block=0, trials=1000)
-    found = tally(mission, trials, sampled=False)
+    found = statistics_of_block(mission, trials, sampled=False)
     lost = sum(count.successes for step, count in found.counts.items() if ": " in step)
     assert lost == 1000 - found.counts["total.success"].successes
     assert found.sample == {}

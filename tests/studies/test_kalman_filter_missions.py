@@ -8,7 +8,7 @@ import pytest
 
 from missionplan.mission import load
 from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE, WAVES
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.simulate import simulate
 
 MISSION = """
@@ -44,7 +44,7 @@ def mission(tmp_path):
 
 
 def test_the_prior_is_the_mission_s_own_uncertainty(mission):
-    model = Setting.at_means(mission).compensation(mission.transits[0]).model
+    model = Scenario.at_means(mission).compensation(mission.transits[0]).model
     sd = np.sqrt(np.diag(model.prior))
     few = 4.0 / np.sqrt(4096)
     assert sd[STEADY] == pytest.approx(np.hypot(0.03, 0.01), rel=few)

@@ -13,7 +13,7 @@ from missionplan.studies.leg_length import trials as leg_trials
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.spread import measured_spread
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
-from missionplan.studies.leg_length.sweep_scenario import SweepSetting
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.leg_length.trials import LegsAtSpeed, best_plan
 
 MISSION = """
@@ -128,16 +128,16 @@ def test_missions_that_cannot_be_planned(old, new, message, tmp_path):
 
 
 def test_screening_on_few_trials_finds_the_plan_of_least_cost(mission, monkeypatch):
-    monkeypatch.setattr(leg_trials, "HEATS", ((256, 12), (1024, 4)))
-    setting = replace(SweepSetting.of(mission), sigmas=(None,))
+    monkeypatch.setattr(leg_trials, "RUNGS", ((256, 12), (1024, 4)))
+    scenario = replace(SweepScenario.of(mission), sigmas=(None,))
     plans = [LegsAtSpeed(float(length)) for length in np.linspace(300.0, 3100.0, 40)]
 
     def cost(run):
         return float(run.cost.mean())
 
-    screened = best_plan(setting, plans, cost, seed=7)
-    monkeypatch.setattr(leg_trials, "HEATS", ())
-    assert screened == best_plan(setting, plans, cost, seed=7)
+    screened = best_plan(scenario, plans, cost, seed=7)
+    monkeypatch.setattr(leg_trials, "RUNGS", ())
+    assert screened == best_plan(scenario, plans, cost, seed=7)
 
 
 LEARNING = """
@@ -219,8 +219,8 @@ def test_energy_without_a_vehicle_says_what_is_missing(mission):
 
 
 def test_the_spread_of_legs_is_found_in_a_pilot(mission):
-    setting = replace(SweepSetting.of(mission), sigmas=(None,))
-    spread = measured_spread(setting, 1)
+    scenario = replace(SweepScenario.of(mission), sigmas=(None,))
+    spread = measured_spread(scenario, 1)
     assert spread.sigma == pytest.approx(0.05, rel=0.03)
     assert spread.base < 5.0
 

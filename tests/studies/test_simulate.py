@@ -12,7 +12,7 @@ from missionplan.mission import load
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.mooring import mooring as moored
 from missionplan.scenario.mooring import dive_of, wet_weight_of
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation import simulate as module
 from missionplan.studies.simulation import trial_block
 from missionplan.studies.simulation.simulate import simulate, simulate_block
@@ -52,7 +52,7 @@ def test_without_current_or_error_the_durations_are_closed_form(tmp_path):
 def test_energy_is_hotel_propulsion_and_surfacings(tmp_path):
     mission = chesapeake(tmp_path, {**EXACT, "vehicle.energy.surfacing": "100 J"})
     found = simulate(mission, trials=20)
-    propulsion = float(Setting.at_means(mission).vehicle_drag(1.5)) * 1.5 / 0.45
+    propulsion = float(Scenario.at_means(mission).vehicle_drag(1.5)) * 1.5 / 0.45
     for name in ("ingress", "egress"):
         phase = means(found, name)
         joules = 8.0 * phase["duration_s"] + propulsion * phase["distance_m"] / 1.5 + 100.0 * phase["surfacings"]
@@ -342,14 +342,14 @@ def test_every_number_may_be_uncertain(tmp_path):
 
 def test_a_sized_anchor_has_the_worst_case_weight(tmp_path):
     mission = chesapeake(tmp_path, {"phases.1.moor.anchor_wet_weight": "sized"})
-    setting = Setting.at_means(mission)
+    scenario = Scenario.at_means(mission)
     speed = (0.6 * 6.096 + 0.4 * 6.096) * 0.514444 / 22.86
-    dive = dive_of(setting, mission.moors[0])
+    dive = dive_of(scenario, mission.moors[0])
     assert dive.wet_weight == pytest.approx(float(dive.vehicle_drag(speed)) + float(dive.anchor_drag(speed)), rel=1e-5)
     carried = chesapeake(
         tmp_path, {"phases.1.moor.anchor_wet_weight": "sized", "phases.1.moor.carry_net_buoyancy": True}
     )
-    heavier = wet_weight_of(Setting.at_means(carried), carried.moors[0])
+    heavier = wet_weight_of(Scenario.at_means(carried), carried.moors[0])
     assert heavier == pytest.approx(dive.wet_weight + 0.2 * 4.4482216, rel=1e-6)
 
 

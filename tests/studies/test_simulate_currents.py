@@ -8,7 +8,7 @@ from simulate_missions import EXACT, chesapeake
 
 from missionplan.errors import InputError
 from missionplan.scenario.mooring import dive_of
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.simulation.trial_block import run_block
@@ -118,7 +118,7 @@ def test_a_tide_turns_during_the_mission(tmp_path):
 
     times = range(0, 28801, 60)
     mission = chesapeake(tmp_path, STEADY | csv(tmp_path, tide, times=times))
-    block = run_block(Setting.drawn(mission, recorded_current(mission), seed=1, block=0, size=1), 1, 0, 1, tracked=1)
+    block = run_block(Scenario.drawn(mission, recorded_current(mission), seed=1, block=0, size=1), 1, 0, 1, tracked=1)
     ingress, moor = block.phases[:2]
     egress = block.phases[2]
 
@@ -177,7 +177,7 @@ def test_a_record_that_ends_early_is_said(tmp_path):
 def test_without_layers_the_anchor_is_sized_for_one_design_current(tmp_path):
     changes = {"phases.1.moor.anchor_wet_weight": "sized", "phases.1.moor.design_current": "0.5 kn"}
     sized = chesapeake(tmp_path, STEADY | csv(tmp_path, steady) | changes)
-    setting = Setting.at_means(sized, recorded_current(sized))
+    scenario = Scenario.at_means(sized, recorded_current(sized))
     speed = 0.5 * 0.514444 * 12.192 / 22.86
-    dive = dive_of(setting, sized.moors[0])
+    dive = dive_of(scenario, sized.moors[0])
     assert dive.wet_weight == pytest.approx(float(dive.vehicle_drag(speed)) + float(dive.anchor_drag(speed)), rel=1e-5)

@@ -12,7 +12,7 @@ from simulate_missions import chesapeake, chesapeake_data
 
 from missionplan.errors import InputError, RunError
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation import block_task
 from missionplan.studies.simulation import simulate as module
 from missionplan.studies.simulation.precision import Precision
@@ -117,9 +117,9 @@ def test_finished_blocks_are_not_run_again(mission, reference, tmp_path, monkeyp
     ran = []
     honest = block_task.run_block
 
-    def spying(setting, seed, block, *rest):
+    def spying(scenario, seed, block, *rest):
         ran.append(block)
-        return honest(setting, seed, block, *rest)
+        return honest(scenario, seed, block, *rest)
 
     monkeypatch.setattr(block_task, "run_block", spying)
     found = simulate(mission, trials=TRIALS, checkpoint=folder, resume=True)  # the trials have been raised
@@ -149,10 +149,10 @@ def failing_at(failed):
     """`run_block`, failing at one block."""
     honest = block_task.run_block
 
-    def run(setting, seed, block, *rest):
+    def run(scenario, seed, block, *rest):
         if block == failed:
             raise FloatingPointError("on purpose")
-        return honest(setting, seed, block, *rest)
+        return honest(scenario, seed, block, *rest)
 
     return run
 
@@ -169,7 +169,7 @@ def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch)
 def test_the_tracks_are_those_of_the_first_block_that_did_not_fail(mission, monkeypatch):
     monkeypatch.setattr(block_task, "run_block", failing_at(0))
     found = simulate(mission, trials=BLOCK + 200)
-    shown = block_task.BlockTask(Setting.at_means(mission), mission.monte_carlo.seed).shown(1, 200)
+    shown = block_task.BlockTask(Scenario.at_means(mission), mission.monte_carlo.seed).shown(1, 200)
     assert found.tracks.position.shape[2] == 200
     assert np.array_equal(found.tracks.position, shown.position, equal_nan=True)
 
@@ -229,7 +229,7 @@ RUN = """
 import sys
 from pathlib import Path
 from missionplan.mission import load
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.simulate import simulate
 if __name__ == "__main__":
     simulate(load(sys.argv[1]), trials=int(sys.argv[2]), checkpoint=Path(sys.argv[3]), resume=True)

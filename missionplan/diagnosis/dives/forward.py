@@ -15,7 +15,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import SensorHistory, sensor_history
 from missionplan.phases.mooring.forces import Dive
-from missionplan.phases.mooring.subset_effect import Among
+from missionplan.phases.mooring.subset_effect import SubsetEffect
 
 STEP = 0.16
 """Step of the integration [s]; readings are within 5 mm of those with steps of 0.02 s, 1 mm as a rule."""
@@ -111,7 +111,7 @@ class DescentForward:
             held = {key: np.clip(value, *_limits(name, key)) for key, value in parameters.items()}
             effect = CATALOGUE[name].make(held)
             assert isinstance(effect, DescentEffect)
-            yield effect if len(trials) == values.shape[1] else Among(effect, trials, values.shape[1])
+            yield effect if len(trials) == values.shape[1] else SubsetEffect(effect, trials, values.shape[1])
 
     def _tiled(self, settings: int, factor: Array) -> Dive:
         def tiled(value: Scalars) -> Scalars:

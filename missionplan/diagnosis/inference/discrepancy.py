@@ -1,4 +1,4 @@
-"""Remainder: is anything smooth left? A Gaussian process, as a test and not as a repair (Kennedy & O'Hagan 2001)."""
+"""Discrepancy: is anything smooth left? A Gaussian process, as a test and not as a repair (Kennedy & O'Hagan 2001)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ class Shape:
 
 
 @dataclass(frozen=True)
-class Remainder:
+class Discrepancy:
     """What is left after the causes.
 
     Attributes
@@ -75,7 +75,7 @@ class Remainder:
     shape: Shape | None
 
 
-def remainder(residuals: Residuals) -> Remainder:
+def discrepancy(residuals: Residuals) -> Discrepancy:
     """Test what a model leaves, along every axis and by residual tests."""
     innovations = residuals.innovations()
     found = _by_axis(residuals)
@@ -87,7 +87,7 @@ def remainder(residuals: Residuals) -> Remainder:
     axis = (likeliest.name if likeliest else "time") if speaks else None
     by_axis = tuple((axis.words, value) for axis, value in found)
     words, shape = (likeliest.words, _shape(likeliest, residuals)) if likeliest else (None, None)
-    return Remainder(together, axis, by_axis, tests, speaks, words, shape)
+    return Discrepancy(together, axis, by_axis, tests, speaks, words, shape)
 
 
 def _by_axis(residuals: Residuals) -> list[tuple[Axis, float]]:

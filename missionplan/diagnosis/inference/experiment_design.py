@@ -56,14 +56,14 @@ class Separation:
 
 
 @dataclass(frozen=True)
-class Rivalry:
+class Discrimination:
     """A rival of the first set: what would separate it, and whether data like those in hand cannot."""
 
     separation: Separation
     alike: bool
 
 
-def rivalries(model: Model, first: Fit, others: Sequence[Fit], jobs: int = 1) -> tuple[Rivalry, ...]:
+def discriminations(model: Model, first: Fit, others: Sequence[Fit], jobs: int = 1) -> tuple[Discrimination, ...]:
     """For each rival, the cheapest measurement that separates it from the first set, else the best there is.
 
     Alike are sets that data like those in hand would not tell apart: expected ln Bayes factor below 1 nat.
@@ -71,7 +71,7 @@ def rivalries(model: Model, first: Fit, others: Sequence[Fit], jobs: int = 1) ->
     asked = [(other, alike) for other in others for alike in (False, True)]
     found = shared(partial(_answers, model, first), asked, jobs=jobs)
     return tuple(
-        Rivalry(cheapest, in_hand.expected_log_bayes_factor < HARDLY)
+        Discrimination(cheapest, in_hand.expected_log_bayes_factor < HARDLY)
         for cheapest, in_hand in zip(found[::2], found[1::2], strict=True)
     )
 

@@ -11,7 +11,7 @@ from missionplan.phases.hooks import DescentEffect
 
 
 @dataclass(frozen=True)
-class Among(DescentEffect):
+class SubsetEffect(DescentEffect):
     """An effect that some of the trials feel; to the others it is neutral, and they cost nothing.
 
     Attributes

@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import Leg
-from missionplan.phases.transit.plan import Normals, Surroundings, TransitNormals, TransitPlan, VelocityError
+from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, VelocityError
 
 
 class Drift:
     """Velocities over the ground that a leg and a surfacing add, with the memory of effects that persist."""
 
-    def __init__(self, plan: TransitPlan, surroundings: Surroundings, normals: TransitNormals) -> None:
+    def __init__(self, plan: TransitPlan, surroundings: Environment, normals: TransitNormals) -> None:
         self._plan, self._surroundings, self._normals = plan, surroundings, normals
         self._memory: list[Any] = [None] * len(surroundings.effects)
         self._mid_leg: Array | None = None
@@ -78,7 +78,7 @@ class Drift:
     def take(self, plan: TransitPlan, trials: NDArray[np.intp]) -> "Drift":
         """Go on with some of the trials; for surroundings without effects."""
         current = self._surroundings.current
-        fewer = Surroundings(current.take(trials) if current else None, self._surroundings.compensation)
+        fewer = Environment(current.take(trials) if current else None, self._surroundings.compensation)
         return Drift(plan, fewer, self._normals)
 
 

@@ -16,8 +16,8 @@ from missionplan.phases.transit.compensation import LegAhead, LegBehind, Memory
 from missionplan.phases.transit.ground_velocity import Drift, drawn
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import (
+    Environment,
     Normals,
-    Surroundings,
     TransitNormals,
     TransitPlan,
     VelocityError,
@@ -41,7 +41,7 @@ class Legs:
     """Trials under way: `run` takes them through one leg after the other, `finish` gives what it came to."""
 
     def __init__(
-        self, plan: TransitPlan, state: TrialState, normals: TransitNormals, surroundings: Surroundings, tracked: int
+        self, plan: TransitPlan, state: TrialState, normals: TransitNormals, surroundings: Environment, tracked: int
     ) -> None:
         self._plan, self._normals, self._way = plan, normals, surroundings.compensation
         self._drift = Drift(plan, surroundings, normals)

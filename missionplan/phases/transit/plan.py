@@ -146,7 +146,7 @@ class TransitNormals:
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class Environment:
     """What acts on the vehicle and what it does about it.
 
     Attributes

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.report.diagnosis.tank_figures import TANK_UNITS, tank_figure
 from missionplan.report.numbers import plain, split_key
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
-from missionplan.results.diagnosis import Diagnosis, RemainderFound
+from missionplan.results.diagnosis import Diagnosis, DiscrepancyFound
 
 _MOST_PANELS = 9
 _LISTED = 8
@@ -118,7 +118,7 @@ def ranking_figure(diagnosis: Diagnosis) -> Figure:
     return to_figure(figure, "ranking", alt=alt, caption="Evidence for each set of causes over the mission's model.")
 
 
-def remainder_figure(found: RemainderFound) -> Figure:
+def discrepancy_figure(found: DiscrepancyFound) -> Figure:
     """Draw what is left along its axis, with a 90 % band."""
     assert found.shape is not None
     at, mean, sd = (found.shape[name].to_numpy() for name in ("at", "mean", "sd"))

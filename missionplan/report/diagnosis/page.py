@@ -7,16 +7,16 @@ from collections.abc import Sequence
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.causes import causes_section, names
 from missionplan.report.diagnosis.figures import (
+    discrepancy_figure,
     held_out_figure,
     main_figure,
     ranking_figure,
-    remainder_figure,
 )
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.diagnosis.residual_figures import residual_figures
 from missionplan.report.diagnosis.tank_figures import TANK_UNITS
 from missionplan.report.page import Block, Page, Section, Table, Terminal
-from missionplan.results.diagnosis import Diagnosis, ParameterEstimate, RankedSet, RemainderFound
+from missionplan.results.diagnosis import Diagnosis, DiscrepancyFound, ParameterEstimate, RankedSet
 
 _PHRASES = {
     "adequate": "The mission's model is adequate for these data: nothing in them asks for a cause.",
@@ -34,7 +34,7 @@ def page(diagnosis: Diagnosis) -> Page:
         *causes_section(diagnosis),
         *_residual_section(diagnosis),
         *_held_out_section(diagnosis),
-        Section(_remainder_heading(diagnosis), _remainder_words(diagnosis)),
+        Section(_discrepancy_heading(diagnosis), _discrepancy_words(diagnosis)),
         Section(_apart_heading(diagnosis), _apart_blocks(diagnosis)),
         *plan_section(diagnosis),
         Section("How the data were treated", _treatment(diagnosis)),
@@ -70,10 +70,10 @@ def answer(diagnosis: Diagnosis) -> str:
 
 def _verdict_words(diagnosis: Diagnosis) -> str:
     if not diagnosis.causes:
-        return _PHRASES[diagnosis.verdict].format(left=_left(diagnosis.remainder))
+        return _PHRASES[diagnosis.verdict].format(left=_left(diagnosis.discrepancy))
     named = names(diagnosis.causes)
     if diagnosis.verdict == "partly-explained":
-        left = _left(diagnosis.remainder)
+        left = _left(diagnosis.discrepancy)
         words = f"The largest share of the misfit resembles {named}, but not all of it: what is left {left}."
     elif diagnosis.verdict == "ambiguous":
         others = [names(causes) for causes in diagnosis.rivals[:3]]
@@ -222,29 +222,29 @@ def _held_out_section(diagnosis: Diagnosis) -> list[Section]:
     return [Section(heading, blocks)]
 
 
-def _remainder_heading(diagnosis: Diagnosis) -> str:
-    if not diagnosis.remainder.by_axis:
+def _discrepancy_heading(diagnosis: Diagnosis) -> str:
+    if not diagnosis.discrepancy.by_axis:
         return "Too few data to look for what is left"
-    if diagnosis.remainder.axis is None:
+    if diagnosis.discrepancy.axis is None:
         return "Nothing structured is left"
-    return f"What is left {_left(diagnosis.remainder)}"
+    return f"What is left {_left(diagnosis.discrepancy)}"
 
 
-def _left(remainder: RemainderFound) -> str:
+def _left(discrepancy: DiscrepancyFound) -> str:
     """Say what a remainder looks like, or along what it is structured."""
-    if remainder.resembles is None:
-        return f"is structured along {remainder.axis}"
-    return f"looks like {remainder.resembles}"
+    if discrepancy.resembles is None:
+        return f"is structured along {discrepancy.axis}"
+    return f"looks like {discrepancy.resembles}"
 
 
-def _remainder_words(diagnosis: Diagnosis) -> list[Block]:
-    found = diagnosis.remainder
+def _discrepancy_words(diagnosis: Diagnosis) -> list[Block]:
+    found = diagnosis.discrepancy
     if not found.by_axis:
         return ["A handful of numbers has no structure that could be tested."]
-    blocks: list[Block] = [remainder_figure(found)] if found.shape is not None else []
+    blocks: list[Block] = [discrepancy_figure(found)] if found.shape is not None else []
     words = (
         f"A smooth remainder along any axis: ln BF = {found.log_bayes_factor:.1f} (above 3 it counts). It is a "
-        f"test and no repair. Before, with the mission's model alone: {diagnosis.base_remainder.log_bayes_factor:.1f}."
+        f"test, not a repair. With the mission's model alone: {diagnosis.base_discrepancy.log_bayes_factor:.1f}."
     )
     blocks.append(words)
     rows = [[axis, f"{value:.1f}"] for axis, value in found.by_axis]

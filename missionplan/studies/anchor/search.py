@@ -4,14 +4,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from missionplan.results.anchor import DiveOdds
+from missionplan.results.anchor import DiveProbabilities
 
 _HEAVIEST = 10.0
 """Times the worst-case anchor, which sinks three times as fast: what drifts too far then drifted before."""
 _LONGEST = 20.0
 """Times the given line."""
 
-Odds = Callable[[float, float | None], DiveOdds]
+Odds = Callable[[float, float | None], DiveProbabilities]
 """Odds of a wet weight [N] with a line [m], None for the mission's own."""
 
 

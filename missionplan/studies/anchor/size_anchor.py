@@ -18,7 +18,7 @@ from missionplan.physics.vehicle_drag import DragBuildUp, QuadraticDrag, anchor_
 from missionplan.results.anchor import AnchorSizing, DesignLayer, ProbableAnchor, SizedAnchor
 from missionplan.results.base import Provenance
 from missionplan.scenario.anchor_weight import anchor_problem, design_current, worst_case_weight
-from missionplan.scenario.scenario import STILL_WATER, Setting
+from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.search import lightest_anchor
 from missionplan.studies.anchor.trials import AnchorTrials, FanOut, dive_with, start_of
@@ -62,7 +62,7 @@ def size_anchor(
     recorded = recorded_current(mission)
     fan_out = FanOut(jobs, backend, scheduler)
     study = _Study(
-        moor, Setting.at_means(mission, recorded), AnchorTrials(mission, moor, recorded, count, seed, fan_out)
+        moor, Scenario.at_means(mission, recorded), AnchorTrials(mission, moor, recorded, count, seed, fan_out)
     )
     try:
         weight = worst_case_weight(study.means, moor)
@@ -106,7 +106,7 @@ def worst_case_anchor(mission: Mission) -> float:
         When the mission lacks what a descent needs.
     """
     moor = _mooring(mission, None)
-    means = Setting.at_means(mission, recorded_current(mission))
+    means = Scenario.at_means(mission, recorded_current(mission))
     try:
         return float(worst_case_weight(means, moor))
     except ValueError as error:
@@ -147,7 +147,7 @@ class _Study:
     """A mooring at the mission's means, and its trials."""
 
     moor: MoorPhase
-    means: Setting
+    means: Scenario
     trials: AnchorTrials
 
     @property

@@ -14,10 +14,10 @@ from missionplan.montecarlo.streams import block_count, block_size, stream
 from missionplan.phases.currents import Current
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import Dive
-from missionplan.results.anchor import DiveOdds
+from missionplan.results.anchor import DiveProbabilities
 from missionplan.scenario.anchor_weight import anchor_flooded_mass
 from missionplan.scenario.mooring import dive_of
-from missionplan.scenario.scenario import STILL_WATER, Setting
+from missionplan.scenario.scenario import STILL_WATER, Scenario
 
 STEP = 0.2
 """Of the integration [s]: odds need no more than the tenth of a millisecond that it gives."""
@@ -71,7 +71,7 @@ class AnchorTrials:
     seed: int
     fan_out: FanOut = FanOut()
 
-    def odds(self, weight: float, line_length: float | None = None) -> DiveOdds:
+    def odds(self, weight: float, line_length: float | None = None) -> DiveProbabilities:
         """Estimate the odds of an anchor of a wet weight [N], with another line [m] if one is given."""
         task = partial(_block, self, weight, line_length)
         out = self.fan_out
@@ -80,7 +80,7 @@ class AnchorTrials:
         for block in run_blocks(task, blocks, jobs=out.jobs, backend=out.backend, scheduler=out.scheduler):
             totals = block if totals is None else totals.merge(block)
         assert totals is not None
-        return DiveOdds(
+        return DiveProbabilities(
             good=totals.good.probability(),
             within=totals.within.probability(),
             struck=totals.struck.probability(),
@@ -91,27 +91,27 @@ class AnchorTrials:
 
 def _block(study: AnchorTrials, weight: float, line_length: float | None, block: int) -> _Totals:
     size = block_size(study.trials, block)
-    setting = Setting.drawn(study.mission, study.recorded, seed=study.seed, block=block, size=size)
-    dive = dive_with(setting, study.phase, weight)
+    scenario = Scenario.drawn(study.mission, study.recorded, seed=study.seed, block=block, size=size)
+    dive = dive_with(scenario, study.phase, weight)
     if line_length is not None:
         dive = replace(dive, line_length=line_length)
-    release = np.broadcast_to(np.asarray(setting[f"{study.phase.name}.release_time"], dtype=float), (size,))
-    place, t_start = start_of(setting, study.phase)
+    release = np.broadcast_to(np.asarray(scenario[f"{study.phase.name}.release_time"], dtype=float), (size,))
+    place, t_start = start_of(scenario, study.phase)
     position = np.broadcast_to(place.reshape(2, -1), (2, size))
     start = np.full(size, t_start)
     record = descend(
         dive,
-        effects=setting.descent_effects,
+        effects=scenario.descent_effects,
         release_time=release,
-        current=setting.current or STILL_WATER,
+        current=scenario.current or STILL_WATER,
         position=position,
         t_start=start,
-        surface_velocity=surface_velocity(setting, start, release, position),
+        surface_velocity=surface_velocity(scenario, start, release, position),
         step=STEP,
     )
-    fix_error = setting.fix_error * stream(study.seed, f"{study.phase.name}.fix", block).standard_normal((2, size))
+    fix_error = scenario.fix_error * stream(study.seed, f"{study.phase.name}.fix", block).standard_normal((2, size))
     offset = np.where(record.touched_down, np.hypot(*(record.offset - fix_error)), np.nan)
-    within = offset <= setting[f"{study.phase.name}.radius"]
+    within = offset <= scenario[f"{study.phase.name}.radius"]
     struck = record.struck & record.touched_down
     return _Totals(
         Count.of(within & ~struck),
@@ -122,20 +122,20 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
     )
 
 
-def dive_with(setting: Setting, phase: MoorPhase, weight: float) -> Dive:
+def dive_with(scenario: Scenario, phase: MoorPhase, weight: float) -> Dive:
     """Bodies of a mooring's descent with an anchor of a wet weight [N]."""
-    dive = dive_of(setting, phase)
-    flooded = setting.get("vehicle.anchor.flooded_mass", np.nan)
+    dive = dive_of(scenario, phase)
+    flooded = scenario.get("vehicle.anchor.flooded_mass", np.nan)
     if np.isnan(flooded).all():
-        flooded = anchor_flooded_mass(setting.means, weight)
+        flooded = anchor_flooded_mass(scenario.means, weight)
     return replace(dive, wet_weight=weight, anchor_mass=flooded)
 
 
-def start_of(setting: Setting, phase: MoorPhase) -> tuple[Array, float]:
+def start_of(scenario: Scenario, phase: MoorPhase) -> tuple[Array, float]:
     """Place [m] and time [s] of a mooring's last fix in the plan: the goal of the transits before, at their speeds."""
     place, time = np.zeros(2), 0.0
-    means = setting.means
-    for earlier in setting.mission.phases:
+    means = scenario.means
+    for earlier in scenario.mission.phases:
         if earlier is phase:
             break
         if isinstance(earlier, TransitPhase):
@@ -147,9 +147,9 @@ def start_of(setting: Setting, phase: MoorPhase) -> tuple[Array, float]:
     return place, time
 
 
-def surface_velocity(setting: Setting, t: Array, duration: Array, position: Array) -> Array:
+def surface_velocity(scenario: Scenario, t: Array, duration: Array, position: Array) -> Array:
     """Drift at the surface beyond the current, shape (2, n) [m/s]."""
     velocity = np.zeros((2, t.size))
-    for effect in setting.transit_effects:
+    for effect in scenario.transit_effects:
         velocity = velocity + effect.surface_velocity(t, duration, position)
     return velocity

@@ -22,7 +22,7 @@ from missionplan.phases.transit.analytic.expectation import TransitExpectation, 
 from missionplan.phases.transit.analytic.policy import best_d_max, best_legs
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.spread import Spread, measured_spread
-from missionplan.studies.leg_length.sweep_scenario import SweepSetting
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.leg_length.trials import LegsAtSpeed, Run, Score, best_plan
 
 Aim = Literal["mean", "p95", "energy"]
@@ -77,7 +77,7 @@ class Choice:
 class _Problem:
     """A transit in the terms of the integral equation, at some speed, with a price of a surfacing in seconds."""
 
-    setting: SweepSetting
+    scenario: SweepScenario
     spread: Spread
     speed: float
     surfacing_time: float
@@ -101,9 +101,9 @@ class _Problem:
 
     def _arguments(self, spread: float, price: float) -> tuple[float, float, float, float, float, float]:
         return (
-            self.setting.distance,
+            self.scenario.distance,
             self.speed,
-            self.setting.arrival_radius,
+            self.scenario.arrival_radius,
             self.spread.sigma * spread,
             self.surfacing_time * price,
             self.spread.base * spread,
@@ -114,12 +114,12 @@ _policy = lru_cache(maxsize=64)(best_legs)
 """Best legs, kept: the same are asked for by the aim, by its rivals and by their costs."""
 
 
-def choose(setting: SweepSetting, aim: Aim, deadline: float, seed: int, spread: Spread | None = None) -> Choice:
+def choose(scenario: SweepScenario, aim: Aim, deadline: float, seed: int, spread: Spread | None = None) -> Choice:
     """Choose legs for an aim.
 
     Parameters
     ----------
-    setting : SweepSetting
+    scenario : SweepScenario
         With one σ_v, the mission's own.
     aim : {'mean', 'p95', 'energy'}
     deadline : float
@@ -134,13 +134,13 @@ def choose(setting: SweepSetting, aim: Aim, deadline: float, seed: int, spread: 
     InputError
         When no legs can be planned.
     """
-    obstacle = setting.analytic_obstacle()
+    obstacle = scenario.analytic_obstacle()
     try:
-        stated = Spread(setting.sigma(0), 0.0)
-        problem = _Problem(setting, stated, setting.speed, setting.surfacing_time)
-        problem.expected(setting.distance)  # refuses errors that no legs can cope with
+        stated = Spread(scenario.sigma(0), 0.0)
+        problem = _Problem(scenario, stated, scenario.speed, scenario.surfacing_time)
+        problem.expected(scenario.distance)  # refuses errors that no legs can cope with
         if obstacle:
-            problem = replace(problem, spread=spread or measured_spread(setting, seed))
+            problem = replace(problem, spread=spread or measured_spread(scenario, seed))
         if aim == "energy":
             return _for_energy(problem, seed, on_trials=bool(obstacle))
         if aim == "p95":
@@ -154,7 +154,7 @@ def choose(setting: SweepSetting, aim: Aim, deadline: float, seed: int, spread: 
         how = "Dynamic programming over the distance left: exact for isotropic errors drawn anew for each leg."
         return _choice(problem, problem.best_fixed(), problem.best(), how)
     except ValueError as error:
-        raise InputError([Problem(str(error), setting.mission.file, key=setting.phase.name)]) from error
+        raise InputError([Problem(str(error), scenario.mission.file, key=scenario.phase.name)]) from error
 
 
 def _for_deadline(problem: _Problem, deadline: float, seed: int) -> Choice:
@@ -177,18 +177,18 @@ def _for_deadline(problem: _Problem, deadline: float, seed: int) -> Choice:
 
 def _for_energy(problem: _Problem, seed: int, *, on_trials: bool) -> Choice:
     """Least expected energy: a surfacing costs joules, a metre costs joules, and the speed is chosen too."""
-    setting = problem.setting
+    scenario = problem.scenario
 
     def at(speed: float) -> tuple[_Problem, float]:
-        per_second, per_surfacing = _prices(setting, speed)
+        per_second, per_surfacing = _prices(scenario, speed)
         return replace(problem, speed=speed, surfacing_time=per_surfacing / per_second), per_second
 
     def energy(speed: float) -> float:
         priced, per_second = at(speed)
         return priced.expected(priced.best()).duration * per_second
 
-    low = max(SLOWEST * setting.speed, 1.5 * problem.spread.sigma)
-    bounds = (low, FASTEST * setting.speed)
+    low = max(SLOWEST * scenario.speed, 1.5 * problem.spread.sigma)
+    bounds = (low, FASTEST * scenario.speed)
     found = minimize_scalar(energy, bounds=bounds, method="bounded", options={"xatol": 0.02 * low, "maxiter": 12})
     priced, _ = at(float(found.x))
     how = (
@@ -200,18 +200,18 @@ def _for_energy(problem: _Problem, seed: int, *, on_trials: bool) -> Choice:
     return _choice(priced, priced.best_fixed(), priced.best(), how)
 
 
-def _prices(setting: SweepSetting, speed: float) -> tuple[float, float]:
+def _prices(scenario: SweepScenario, speed: float) -> tuple[float, float]:
     """Energy of a second under way and of a surfacing, at a speed [W, J]."""
-    path = f"{setting.phase.name}.speed"
-    plan = replace(setting.means, draws={**setting.means.draws, path: speed}).transit_plan(setting.phase)
+    path = f"{scenario.phase.name}.speed"
+    plan = replace(scenario.means, draws={**scenario.means.draws, path: speed}).transit_plan(scenario.phase)
     under_way = float(np.mean(plan.power_under_way))
-    surfacing = float(np.mean(plan.power_at_surface)) * setting.surfacing_time + float(np.mean(plan.surfacing_energy))
+    surfacing = float(np.mean(plan.power_at_surface)) * scenario.surfacing_time + float(np.mean(plan.surfacing_energy))
     if not np.isfinite(under_way + surfacing):
         words = "the aim energy needs a vehicle with hull and energy, and the site's water"
-        raise InputError([Problem(words, setting.mission.file, key="vehicle")])
+        raise InputError([Problem(words, scenario.mission.file, key="vehicle")])
     if surfacing <= 0.0:
         words = "a surfacing costs no energy, so that legs would be endlessly short: give energy.hotel or .surfacing"
-        raise InputError([Problem(words, setting.mission.file, key="energy")])
+        raise InputError([Problem(words, scenario.mission.file, key="energy")])
     return under_way, surfacing
 
 
@@ -223,11 +223,11 @@ def _on_trials(
     Spreads are tried at the true price, then prices at the best spread. Each table is tried with first legs of every
     length too: on the first leg nothing has been learnt of the drift. The fixed lengths are members themselves.
     """
-    distance, radius = problem.setting.distance, problem.setting.arrival_radius
-    lengths, factor = [round(float(share * distance), 1) for share in FIXED], problem.speed / problem.setting.speed
+    distance, radius = problem.scenario.distance, problem.scenario.arrival_radius
+    lengths, factor = [round(float(share * distance), 1) for share in FIXED], problem.speed / problem.scenario.speed
 
     def tried_best(tables: Sequence[LegTable]) -> tuple[int, float]:
-        return best_plan(problem.setting, [LegsAtSpeed(table, factor) for table in tables], score, seed)
+        return best_plan(problem.scenario, [LegsAtSpeed(table, factor) for table in tables], score, seed)
 
     def best_of(members: Sequence[Member]) -> tuple[float, Member]:
         tried = [
@@ -269,16 +269,16 @@ def _tables(problem: _Problem, family: Sequence[tuple[float, float]]) -> list[Me
 
 
 def _choice(problem: _Problem, d_max: float, table: LegTable, machinery: str) -> Choice:
-    timed = replace(problem, surfacing_time=problem.setting.surfacing_time)
+    timed = replace(problem, surfacing_time=problem.scenario.surfacing_time)
     transit = timed.expected(table)
-    factor = problem.speed / problem.setting.speed
+    factor = problem.speed / problem.scenario.speed
     return Choice(
         fixed=LegsAtSpeed(d_max, factor),
         adaptive=LegsAtSpeed(table, factor),
         spread=problem.spread,
         fixed_cost=timed.expected(d_max).cost,
         adaptive_cost=transit.cost,
-        one_leg_cost=timed.expected(problem.setting.distance).cost,
+        one_leg_cost=timed.expected(problem.scenario.distance).cost,
         least_cost=timed.least_cost(),
         surfacings=transit.surfacings,
         machinery=machinery,

@@ -13,8 +13,8 @@ from missionplan.phases.transit.leg_table import LegTable
 from missionplan.results.base import Provenance
 from missionplan.results.legs import Contender, LegCase, LegPlan, SampledCost
 from missionplan.studies.leg_length.aims import SHARE, Aim, Choice, choose
-from missionplan.studies.leg_length.sweep_scenario import SweepSetting
-from missionplan.studies.leg_length.trials import AS_PLANNED, ContestTask, Misjudged, PairTask, PlanTotals
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario
+from missionplan.studies.leg_length.trials import AS_PLANNED, ContestTask, ErrorScenario, PairTask, PlanTotals
 
 SKETCH = 5e-4
 """Relative error of a quantile's sketch."""
@@ -52,23 +52,23 @@ def plan_legs(
         When the mission has no transit, or no legs can be planned for it.
     """
     started = time.perf_counter()
-    setting = replace(SweepSetting.of(mission), sigmas=(None,))
+    scenario = replace(SweepScenario.of(mission), sigmas=(None,))
     trials = trials or mission.monte_carlo.trials
     seed = mission.monte_carlo.seed if seed is None else seed
-    deadline = _deadline(setting) if aim == "p95" else float("inf")
-    choice = choose(setting, aim, deadline, seed)
+    deadline = _deadline(scenario) if aim == "p95" else float("inf")
+    choice = choose(scenario, aim, deadline, seed)
     table = choice.adaptive.d_max
     assert isinstance(table, LegTable)
     assert isinstance(choice.fixed.d_max, float)
-    cases = _cases(setting)
-    task = PairTask(setting, cases, choice.fixed, choice.adaptive, trials, seed)
+    cases = _cases(scenario)
+    task = PairTask(scenario, cases, choice.fixed, choice.adaptive, trials, seed)
     items = [(number, block) for block in range(block_count(trials)) for number in range(len(cases))]
     totals: dict[int, Moments] = {}
     results = run_blocks(task, items, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
     for (number, _), moments in zip(items, results, strict=True):
         totals[number] = totals[number].merge(moments) if number in totals else moments
     tracks = task.tracks()
-    contenders = _contest(setting, aim, choice, deadline, trials, seed) if aim != "mean" else ()
+    contenders = _contest(scenario, aim, choice, deadline, trials, seed) if aim != "mean" else ()
     provenance = Provenance(
         command="plan-legs",
         mission=mission.name,
@@ -78,22 +78,22 @@ def plan_legs(
         options={"aim": aim, "jobs": jobs, "backend": backend, "scheduler": scheduler},
         elapsed_s=time.perf_counter() - started,
         data=mission.raw,
-        notices=(*mission.notices(), *_notices(setting)),
+        notices=(*mission.notices(), *_notices(scenario)),
     )
-    goal = setting.means.position(setting.phase.to, f"{setting.phase.name}.to")
+    goal = scenario.means.position(scenario.phase.to, f"{scenario.phase.name}.to")
     return LegPlan(
         provenance=provenance,
-        phase=setting.phase.name,
-        phase_index=mission.phases.index(setting.phase),
+        phase=scenario.phase.name,
+        phase_index=mission.phases.index(scenario.phase),
         aim=aim,
         machinery=choice.machinery,
         deadline=deadline,
-        distance=setting.distance,
-        speed=setting.speed * choice.adaptive.speed,
-        mission_speed=setting.speed,
-        arrival_radius=setting.arrival_radius,
-        surfacing_time=setting.surfacing_time,
-        sigma=setting.sigma(0),
+        distance=scenario.distance,
+        speed=scenario.speed * choice.adaptive.speed,
+        mission_speed=scenario.speed,
+        arrival_radius=scenario.arrival_radius,
+        surfacing_time=scenario.surfacing_time,
+        sigma=scenario.sigma(0),
         planned_sigma=choice.spread.sigma,
         base_spread=choice.spread.base,
         goal=(float(goal[0]), float(goal[1])),
@@ -105,27 +105,27 @@ def plan_legs(
         fixed_d_max=choice.fixed.d_max,
         fixed_cost=choice.fixed_cost,
         one_leg_cost=choice.one_leg_cost,
-        cases=tuple(_case(setting, case, totals[number]) for number, case in enumerate(cases)),
+        cases=tuple(_case(scenario, case, totals[number]) for number, case in enumerate(cases)),
         contenders=contenders,
         fixed_tracks=tracks[0],
         adaptive_tracks=tracks[1],
     )
 
 
-def _deadline(setting: SweepSetting) -> float:
+def _deadline(scenario: SweepScenario) -> float:
     """The longest that the mission allows the transit; infinite where it does not say [s]."""
-    wanted = f"{setting.phase.name}.duration"
-    bounds = [requirement.at_most for requirement in setting.mission.requirements if requirement.quantity == wanted]
+    wanted = f"{scenario.phase.name}.duration"
+    bounds = [requirement.at_most for requirement in scenario.mission.requirements if requirement.quantity == wanted]
     return min((float(bound) for bound in bounds if bound is not None), default=float("inf"))
 
 
 def _contest(
-    setting: SweepSetting, aim: Aim, choice: Choice, deadline: float, trials: int, seed: int
+    scenario: SweepScenario, aim: Aim, choice: Choice, deadline: float, trials: int, seed: int
 ) -> tuple[Contender, ...]:
     """The best fixed d_max, the best legs for the mean time at the mission's own speed, and the table."""
-    mean = choose(setting, "mean", deadline, seed, choice.spread)
+    mean = choose(scenario, "mean", deadline, seed, choice.spread)
     plans = (mean.fixed, choice.fixed, mean.adaptive, choice.adaptive)
-    task = ContestTask(setting, plans, deadline, trials, seed)
+    task = ContestTask(scenario, plans, deadline, trials, seed)
     totals: list[PlanTotals] = []
     for block in range(block_count(trials)):
         more = task(block)
@@ -137,7 +137,9 @@ def _contest(
         f"table for the aim {aim}",
     )
     order = (1, 0, 2, 3)
-    return tuple(_contender(names[i], plans[i].speed * setting.speed, totals[i], aim, deadline=deadline) for i in order)
+    return tuple(
+        _contender(names[i], plans[i].speed * scenario.speed, totals[i], aim, deadline=deadline) for i in order
+    )
 
 
 def _contender(name: str, speed: float, totals: PlanTotals, aim: Aim, deadline: float) -> Contender:
@@ -161,15 +163,15 @@ def _quantile(running: RunningStatistic, share: float, trials: int) -> tuple[flo
     return value, float(np.hypot(0.5 * (high - low), SKETCH * value)) if np.isfinite(high) else float("inf")
 
 
-def _cases(setting: SweepSetting) -> tuple[Misjudged, ...]:
+def _cases(scenario: SweepScenario) -> tuple[ErrorScenario, ...]:
     """The mission itself; σ_v half and double; the mean drift half and double, or one that was not expected."""
-    drift = setting.mean_drift
-    sigma = setting.sigma(0)
+    drift = scenario.mean_drift
+    sigma = scenario.sigma(0)
     if np.any(drift):
         means = [("mean drift half as large", -0.5 * drift), ("mean drift twice as large", drift)]
     else:
-        course = setting.means.position(setting.phase.to, f"{setting.phase.name}.to")
-        course = course - setting.means.position(*setting.start)
+        course = scenario.means.position(scenario.phase.to, f"{scenario.phase.name}.to")
+        course = course - scenario.means.position(*scenario.start)
         across = np.array([-course[1], course[0]]) / np.hypot(*course)
         means = [
             ("unexpected mean error of σ_v/2 across the course", 0.5 * sigma * across),
@@ -177,13 +179,13 @@ def _cases(setting: SweepSetting) -> tuple[Misjudged, ...]:
         ]
     return (
         AS_PLANNED,
-        Misjudged("σ_v half as large", 0.5),
-        Misjudged("σ_v twice as large", 2.0),
-        *(Misjudged(name, mean=(float(shift[0]), float(shift[1]))) for name, shift in means),
+        ErrorScenario("σ_v half as large", 0.5),
+        ErrorScenario("σ_v twice as large", 2.0),
+        *(ErrorScenario(name, mean=(float(shift[0]), float(shift[1]))) for name, shift in means),
     )
 
 
-def _case(setting: SweepSetting, case: Misjudged, totals: Moments) -> LegCase:
+def _case(scenario: SweepScenario, case: ErrorScenario, totals: Moments) -> LegCase:
     mean, error = totals.mean, totals.standard_error
     reached = bool(totals.count[0])
 
@@ -197,12 +199,12 @@ def _case(setting: SweepSetting, case: Misjudged, totals: Moments) -> LegCase:
         return (float(mean[row]), float(error[row])) if totals.count[row] else (float("nan"), float("nan"))
 
     return LegCase(
-        case.name, setting.sigma(0) * case.sigma_factor, case.mean, sampled(0), sampled(1), *saved(2), *saved(5)
+        case.name, scenario.sigma(0) * case.sigma_factor, case.mean, sampled(0), sampled(1), *saved(2), *saved(5)
     )
 
 
-def _notices(setting: SweepSetting) -> tuple[str, ...]:
-    obstacle = setting.analytic_obstacle()
+def _notices(scenario: SweepScenario) -> tuple[str, ...]:
+    obstacle = scenario.analytic_obstacle()
     if not obstacle:
         return ()
     return (

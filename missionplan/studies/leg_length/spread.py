@@ -14,7 +14,7 @@ from typing_extensions import override
 from missionplan.arrays import Array
 from missionplan.phases.transit.analytic.expectation import MAX_RATIO
 from missionplan.phases.transit.compensation import Compensation, LegAhead, LegBehind, Memory
-from missionplan.studies.leg_length.sweep_scenario import SweepSetting
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.leg_length.trials import PILOT, LegsAtSpeed, run_plans
 
 LEARNING = ("last-leg", "mean", "filter")
@@ -72,7 +72,7 @@ class _Listening(Compensation):
         return (duration, short, *(self.way.learn(tuple(own), leg) if self.way else ()))
 
 
-def measured_spread(setting: SweepSetting, seed: int) -> Spread:
+def measured_spread(scenario: SweepScenario, seed: int) -> Spread:
     """Fit the spread of legs to a pilot of the mission, run with maximum leg lengths from short to the distance.
 
     Medians in classes of duration, so that a few wild legs do not decide; for an isotropic normal miss the median of
@@ -85,9 +85,9 @@ def measured_spread(setting: SweepSetting, seed: int) -> Spread:
         ears.append(_Listening(way))
         return ears[-1]
 
-    plans = [LegsAtSpeed(share * setting.distance) for share in SHARES]
-    run_plans(setting, plans, seed, PILOT, listening=listening)
-    first = 1 if setting.navigation.drift_compensation in LEARNING else 0
+    plans = [LegsAtSpeed(share * scenario.distance) for share in SHARES]
+    run_plans(scenario, plans, seed, PILOT, listening=listening)
+    first = 1 if scenario.navigation.drift_compensation in LEARNING else 0
     duration = np.concatenate([part for ear in ears for part in ear.durations[first:]])
     squared = np.concatenate([part for ear in ears for part in ear.misses[first:]])
     classes = [part for part in np.array_split(np.argsort(duration, kind="stable"), BINS) if part.size]
@@ -96,4 +96,4 @@ def measured_spread(setting: SweepSetting, seed: int) -> Spread:
     weight = 1.0 / np.maximum(variance, 1e-12)
     terms = np.stack([seconds**2, np.ones_like(seconds)], axis=1)
     (rate, base), _ = nnls(terms * weight[:, None], variance * weight)
-    return Spread(min(float(np.sqrt(rate)), 0.9 * MAX_RATIO * setting.speed), float(np.sqrt(base)))
+    return Spread(min(float(np.sqrt(rate)), 0.9 * MAX_RATIO * scenario.speed), float(np.sqrt(base)))

@@ -15,7 +15,7 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Moments
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.phases.transit.plan import Surroundings, TransitNormals, TransitPlan
+from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan
 from missionplan.phases.transit.transit import transit
 
 GROUP = 16
@@ -101,7 +101,7 @@ def run_cells(
     plan: TransitPlan,
     state: TrialState,
     normals: TransitNormals,
-    surroundings: Surroundings,
+    surroundings: Environment,
     d_max: Array,
     table: LegTable | None = None,
 ) -> CellTotals:

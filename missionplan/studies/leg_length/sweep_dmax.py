@@ -16,7 +16,7 @@ from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.base import Provenance
 from missionplan.results.sweep import Sweep, SweepCurve, SweepPoint
 from missionplan.studies.leg_length.sweep_cells import CellTotals, run_cells
-from missionplan.studies.leg_length.sweep_scenario import SweepSetting
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 Method = Literal["both", "analytic", "monte-carlo"]
 Analytic = Sequence[TransitExpectation]
@@ -52,17 +52,17 @@ def sweep_dmax(
         where it does not apply.
     """
     started = time.perf_counter()
-    setting = SweepSetting.of(mission)
-    chosen = _method(setting, method)
+    scenario = SweepScenario.of(mission)
+    chosen = _method(scenario, method)
     trials = 0 if chosen == "analytic" else trials or mission.monte_carlo.trials
     seed = mission.monte_carlo.seed if seed is None else seed
-    curves = range(len(setting.sigmas))
-    analytic = {index: setting.analytic(index) for index in curves} if chosen != "monte-carlo" else {}
+    curves = range(len(scenario.sigmas))
+    analytic = {index: scenario.analytic(index) for index in curves} if chosen != "monte-carlo" else {}
     sampled: dict[int, CellTotals] = {}
     # the largest sigma, as a rule the last, takes longest: short items come last, for workers wait for the last one
     items = [(index, block) for block in range(block_count(trials)) for index in reversed(curves)]
     results = run_blocks(
-        SweepTask(setting, trials, seed), items, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress
+        SweepTask(scenario, trials, seed), items, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress
     )
     for (index, _), totals in zip(items, results, strict=True):
         sampled[index] = sampled[index].merge(totals) if index in sampled else totals
@@ -79,18 +79,18 @@ def sweep_dmax(
     )
     return Sweep(
         provenance=provenance,
-        phase=setting.phase.name,
+        phase=scenario.phase.name,
         method=chosen,
-        distance=setting.distance,
-        speed=setting.speed,
-        surfacing_time=setting.surfacing_time,
-        arrival_radius=setting.arrival_radius,
-        curves=tuple(_curve(setting, index, sampled.get(index), analytic.get(index)) for index in curves),
+        distance=scenario.distance,
+        speed=scenario.speed,
+        surfacing_time=scenario.surfacing_time,
+        arrival_radius=scenario.arrival_radius,
+        curves=tuple(_curve(scenario, index, sampled.get(index), analytic.get(index)) for index in curves),
     )
 
 
-def _method(setting: SweepSetting, asked: Method | None) -> Method:
-    obstacle = setting.analytic_obstacle()
+def _method(scenario: SweepScenario, asked: Method | None) -> Method:
+    obstacle = scenario.analytic_obstacle()
     if obstacle and asked in ("both", "analytic"):
         hint = "use --method monte-carlo"
         raise InputError([Problem(f"the analytic cost is not known with {obstacle}", key="--method", hint=hint)])
@@ -101,24 +101,24 @@ def _method(setting: SweepSetting, asked: Method | None) -> Method:
 class SweepTask:
     """One block of trials of one curve: a function of the curve's index and the block, and of nothing else."""
 
-    setting: SweepSetting
+    scenario: SweepScenario
     trials: int
     seed: int
 
     def __call__(self, item: tuple[int, int]) -> CellTotals:
         """Run every d_max of a curve on a block of trials."""
         index, block = item
-        setting, size = self.setting, block_size(self.trials, block)
-        drawn = setting.means.sampled(seed=self.seed, block=block, size=size)
-        state = setting.state(drawn, self.seed, block, size)
-        normals = setting.normals(self.seed, block)
-        plan, around = setting.plan(index, drawn), setting.surroundings(drawn)
-        return run_cells(plan, state, normals, around, setting.d_max, setting.table)
+        scenario, size = self.scenario, block_size(self.trials, block)
+        drawn = scenario.means.sampled(seed=self.seed, block=block, size=size)
+        state = scenario.state(drawn, self.seed, block, size)
+        normals = scenario.normals(self.seed, block)
+        plan, around = scenario.plan(index, drawn), scenario.surroundings(drawn)
+        return run_cells(plan, state, normals, around, scenario.d_max, scenario.table)
 
 
-def _curve(setting: SweepSetting, index: int, sampled: CellTotals | None, analytic: Analytic | None) -> SweepCurve:
+def _curve(scenario: SweepScenario, index: int, sampled: CellTotals | None, analytic: Analytic | None) -> SweepCurve:
     """Make a curve; after the grid come the whole distance in one leg, and the table where there is one."""
-    grid, cells = len(setting.d_max) - 1, len(setting.d_max) + (setting.table is not None)
+    grid, cells = len(scenario.d_max) - 1, len(scenario.d_max) + (scenario.table is not None)
     if sampled is not None:
         swept = sampled.first(grid)
         best, errors = swept.best(), sampled.difference_error(swept.best())
@@ -129,15 +129,15 @@ def _curve(setting: SweepSetting, index: int, sampled: CellTotals | None, analyt
         best = int(np.argmin(costs[:grid]))
         as_good, errors = costs <= costs[best], np.zeros(len(costs))
     points = [
-        _point(setting, number, sampled, analytic, float(errors[number]), bool(as_good[number]))
+        _point(scenario, number, sampled, analytic, float(errors[number]), bool(as_good[number]))
         for number in range(cells)
     ]
-    table = points[-1] if setting.table is not None else None
-    return SweepCurve(setting.sigma(index), tuple(points[:grid]), best, points[grid], table)
+    table = points[-1] if scenario.table is not None else None
+    return SweepCurve(scenario.sigma(index), tuple(points[:grid]), best, points[grid], table)
 
 
 def _point(
-    setting: SweepSetting,
+    scenario: SweepScenario,
     number: int,
     sampled: CellTotals | None,
     analytic: Analytic | None,
@@ -156,10 +156,10 @@ def _point(
     else:
         assert expected is not None
         numbers, visits, arrived = (expected.cost, 0.0, float("nan")), expected.surfacings, Probability(1.0, 1.0, 1.0)
-    d_max = float(setting.d_max[number]) if number < len(setting.d_max) else float("nan")
+    d_max = float(scenario.d_max[number]) if number < len(scenario.d_max) else float("nan")
     return SweepPoint(
         d_max=d_max,
-        d_max_over_distance=d_max / setting.distance,
+        d_max_over_distance=d_max / scenario.distance,
         cost=numbers[0],
         standard_error=numbers[1],
         sd=numbers[2],

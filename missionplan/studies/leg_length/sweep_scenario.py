@@ -17,18 +17,18 @@ from missionplan.montecarlo.streams import LegNormals
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.analytic.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.phases.transit.plan import Surroundings, TransitNormals, TransitPlan, VelocityError
-from missionplan.scenario.scenario import Setting, leg_table
+from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
+from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.scenario.site_current import recorded_current
 
 
 @dataclass(frozen=True)
-class SweepSetting:
+class SweepScenario:
     """A sweep, ready to run.
 
     Attributes
     ----------
-    means : Setting
+    means : Scenario
         The mission at its means.
     phase : TransitPhase
     start : tuple
@@ -41,7 +41,7 @@ class SweepSetting:
         σ_v of each curve [m/s]; None is the mission's own velocity error.
     """
 
-    means: Setting
+    means: Scenario
     phase: TransitPhase
     start: tuple[Position, str]
     distance: float
@@ -49,7 +49,7 @@ class SweepSetting:
     sigmas: tuple[float | None, ...]
 
     @classmethod
-    def of(cls, mission: Mission) -> "SweepSetting":
+    def of(cls, mission: Mission) -> "SweepScenario":
         """Read a mission.
 
         Raises
@@ -61,7 +61,7 @@ class SweepSetting:
         if mission.navigation is None:
             raise InputError([Problem("missing; a transit needs it", mission.file, key="navigation")])
         phase, start = _phase_and_start(mission)
-        means = Setting.at_means(mission, recorded_current(mission))
+        means = Scenario.at_means(mission, recorded_current(mission))
         origin, goal = means.position(*start), means.position(phase.to, f"{phase.name}.to")
         distance = float(np.hypot(*(goal - origin)))
         if distance == 0.0:
@@ -116,16 +116,16 @@ class SweepSetting:
         given = self.sigmas[index]
         return float(np.sqrt(0.5 * np.trace(own))) if given is None else given
 
-    def plan(self, index: int, drawn: Setting) -> TransitPlan:
+    def plan(self, index: int, drawn: Scenario) -> TransitPlan:
         """Build the plan of a curve from the draws of a block."""
         plan, sigma = drawn.transit_plan(self.phase), self.sigmas[index]
         if sigma is None:
             return plan
         return replace(plan, velocity_error=VelocityError.isotropic(sigma, plan.velocity_error.mean))
 
-    def surroundings(self, drawn: Setting) -> Surroundings:
+    def surroundings(self, drawn: Scenario) -> Environment:
         """Build current, compensation and effects from the draws of a block."""
-        return Surroundings(drawn.current, drawn.compensation(self.phase), drawn.effects_under_way(self.phase))
+        return Environment(drawn.current, drawn.compensation(self.phase), drawn.effects_under_way(self.phase))
 
     def normals(self, seed: int, block: int) -> TransitNormals:
         """Open the streams of the legs: named by the phase, so that every σ_v and every d_max has the same ones."""
@@ -138,7 +138,7 @@ class SweepSetting:
             effects=[LegNormals(seed, f"{name}.effects.{effect}", block) for effect in effects],
         )
 
-    def state(self, drawn: Setting, seed: int, block: int, trials: int) -> TrialState:
+    def state(self, drawn: Scenario, seed: int, block: int, trials: int) -> TrialState:
         """Place a block of trials at the start, with the fix that each takes before its first dive."""
         noise = drawn.fix_sd * LegNormals(seed, f"{self.phase.name}.fix_at_start", block).leg(0)[:, :trials]
         return TrialState.at(drawn.position(*self.start), trials, noise)
@@ -194,7 +194,7 @@ def _phase_and_start(mission: Mission) -> tuple[TransitPhase, tuple[Position, st
     return phase, (before.to, f"{before.name}.to")
 
 
-def _mean_drift(means: Setting, phase: TransitPhase, start: Array) -> Array:
+def _mean_drift(means: Scenario, phase: TransitPhase, start: Array) -> Array:
     """Mean velocity that carries the vehicle under way at the start: v̄ and the current, shape (2,) [m/s]."""
     error = means.transit_plan(phase).velocity_error.mean[:, 0]
     if means.current is None:

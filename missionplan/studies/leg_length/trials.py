@@ -13,12 +13,12 @@ from missionplan.phases.transit.compensation import Compensation
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import TransitPlan, VelocityError
 from missionplan.phases.transit.transit import transit
-from missionplan.scenario.scenario import Setting
-from missionplan.studies.leg_length.sweep_scenario import SweepSetting
+from missionplan.scenario.scenario import Scenario
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 PILOT = 1 << 40
 """Block of the trials on which plans are chosen: never one of those on which the chosen plans are judged."""
-HEATS = ((512, 96), (1024, 32))
+RUNGS = ((512, 96), (1024, 32))
 """Trials on which plans are screened, and how many of the best go on; what is left is judged on a whole block."""
 TRACKS = 6
 """Trials whose tracks are kept."""
@@ -41,7 +41,7 @@ class LegsAtSpeed:
 
 
 @dataclass(frozen=True)
-class Misjudged:
+class ErrorScenario:
     """A navigation error that is not as planned.
 
     Attributes
@@ -58,7 +58,7 @@ class Misjudged:
     mean: tuple[float, float] = (0.0, 0.0)
 
 
-AS_PLANNED = Misjudged("")
+AS_PLANNED = ErrorScenario("")
 
 
 @dataclass(frozen=True)
@@ -79,13 +79,13 @@ Score = Callable[[Run], float]
 
 
 def run_plans(
-    setting: SweepSetting,
+    scenario: SweepScenario,
     plans: Sequence[LegsAtSpeed],
     seed: int,
     block: int,
     size: int = BLOCK,
     *,
-    case: Misjudged = AS_PLANNED,
+    case: ErrorScenario = AS_PLANNED,
     tracked: int = 0,
     listening: Callable[[Compensation | None], Compensation] | None = None,
 ) -> list[Run]:
@@ -93,27 +93,27 @@ def run_plans(
 
     Parameters
     ----------
-    setting : SweepSetting
+    scenario : SweepScenario
     plans : sequence of LegsAtSpeed
     seed, block, size : int
         Of the trials.
-    case : Misjudged
+    case : ErrorScenario
         What the mission does not know of its errors.
     tracked : int
         Trials whose tracks are kept.
     listening : callable, optional
         Wraps the vehicle's compensation.
     """
-    drawn = Setting.drawn(setting.mission, setting.means.recorded, seed=seed, block=block, size=size)
-    state = setting.state(drawn, seed, block, size)
-    normals, around = setting.normals(seed, block), setting.surroundings(drawn)
+    drawn = Scenario.drawn(scenario.mission, scenario.means.recorded, seed=seed, block=block, size=size)
+    state = scenario.state(drawn, seed, block, size)
+    normals, around = scenario.normals(seed, block), scenario.surroundings(drawn)
     if listening is not None:
         around = replace(around, compensation=listening(around.compensation))
-    name, runs = f"{setting.phase.name}.speed", []
+    name, runs = f"{scenario.phase.name}.speed", []
     at_speed: dict[float, TransitPlan] = {}
     for each in plans:
         if each.speed not in at_speed:
-            plan = setting.plan(0, replace(drawn, draws={**drawn.draws, name: drawn[name] * each.speed}))
+            plan = scenario.plan(0, replace(drawn, draws={**drawn.draws, name: drawn[name] * each.speed}))
             error = plan.velocity_error
             shifted = VelocityError(error.mean + np.array(case.mean)[:, None], error.root * case.sigma_factor)
             at_speed[each.speed] = replace(plan, velocity_error=shifted)
@@ -126,16 +126,16 @@ def run_plans(
     return runs
 
 
-def best_plan(setting: SweepSetting, plans: Sequence[LegsAtSpeed], score: Score, seed: int) -> tuple[int, float]:
+def best_plan(scenario: SweepScenario, plans: Sequence[LegsAtSpeed], score: Score, seed: int) -> tuple[int, float]:
     """Find the plan of least score on a block of pilot trials; give its number and its score.
 
     All are screened on the first of the trials: as these are common to all, differences between plans show long before
     their costs do.
     """
     left, scores = list(range(len(plans))), {}
-    for trials, kept in (*HEATS, (BLOCK, 1)):
+    for trials, kept in (*RUNGS, (BLOCK, 1)):
         if len(left) > kept or trials == BLOCK:
-            runs = run_plans(setting, [plans[index] for index in left], seed, PILOT, trials)
+            runs = run_plans(scenario, [plans[index] for index in left], seed, PILOT, trials)
             scores = dict(zip(left, map(score, runs), strict=True))
             left = sorted(left, key=scores.__getitem__)[:kept]
     return left[0], scores[left[0]]
@@ -145,8 +145,8 @@ def best_plan(setting: SweepSetting, plans: Sequence[LegsAtSpeed], score: Score,
 class PairTask:
     """The best fixed d_max and the table on one block of one case: a function of the case's number and the block."""
 
-    setting: SweepSetting
-    cases: tuple[Misjudged, ...]
+    scenario: SweepScenario
+    cases: tuple[ErrorScenario, ...]
     fixed: LegsAtSpeed
     adaptive: LegsAtSpeed
     trials: int
@@ -177,7 +177,7 @@ class PairTask:
     def _run(self, number: int, block: int, size: int, tracked: int) -> tuple[Run, Run]:
         plans = (self.fixed, self.adaptive)
         fixed, adaptive = run_plans(
-            self.setting, plans, self.seed, block, size, case=self.cases[number], tracked=tracked
+            self.scenario, plans, self.seed, block, size, case=self.cases[number], tracked=tracked
         )
         return fixed, adaptive
 
@@ -201,7 +201,7 @@ class PlanTotals:
 class ContestTask:
     """Several plans on one block of trials: a function of the block alone."""
 
-    setting: SweepSetting
+    scenario: SweepScenario
     plans: tuple[LegsAtSpeed, ...]
     deadline: float
     trials: int
@@ -209,7 +209,7 @@ class ContestTask:
 
     def __call__(self, block: int) -> list[PlanTotals]:
         """Totals of every plan."""
-        runs = run_plans(self.setting, self.plans, self.seed, block, block_size(self.trials, block))
+        runs = run_plans(self.scenario, self.plans, self.seed, block, block_size(self.trials, block))
         return [
             PlanTotals(
                 RunningStatistic.of(np.where(run.arrived, run.duration, np.nan)),

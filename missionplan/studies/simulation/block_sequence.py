@@ -12,7 +12,7 @@ from missionplan.errors import RunError
 from missionplan.montecarlo.parallel_blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.store.checkpoints import Checkpoints
-from missionplan.studies.simulation.block_statistics import Tally
+from missionplan.studies.simulation.block_statistics import BlockStatistics
 from missionplan.studies.simulation.mission_trials import ShownTrials
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.trials_table import TrialsTable
@@ -25,23 +25,23 @@ Item = tuple[int, int]
 class DoneBlock:
     """A block that is done: reduced, with a row a trial and what maps show where asked for; or why it failed."""
 
-    tally: Tally | None
+    totals: BlockStatistics | None
     rows: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
     shown: ShownTrials | None = None
     failure: str = ""
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Flatten into named arrays, for a file; of a block that did not fail."""
-        assert self.tally is not None
+        assert self.totals is not None
         rows = {f"row/{name}": values for name, values in self.rows.items()}
         shown = {f"shown/{name}": values for name, values in vars(self.shown).items()} if self.shown else {}
-        return {**self.tally.to_arrays(), **rows, **shown}
+        return {**self.totals.to_arrays(), **rows, **shown}
 
     @classmethod
     def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "DoneBlock":
         """Read what `to_arrays` wrote."""
         rows, shown = (_under(flat, group) for group in ("row/", "shown/"))
-        return cls(Tally.from_arrays(flat), rows, ShownTrials(**shown) if shown else None)
+        return cls(BlockStatistics.from_arrays(flat), rows, ShownTrials(**shown) if shown else None)
 
 
 def _under(flat: Mapping[str, NDArray[np.generic]], group: str) -> dict[str, Any]:
@@ -79,7 +79,7 @@ class BlockSequence:
     first_good: Item = (0, 0)
     shown: ShownTrials | None = None
 
-    def run(self, fan_out: FanOut, progress: Progress | None = None) -> tuple[Tally, tuple[str, ...]]:
+    def run(self, fan_out: FanOut, progress: Progress | None = None) -> tuple[BlockStatistics, tuple[str, ...]]:
         """Run until all is done or precise enough; give the total, and why blocks failed.
 
         Raises
@@ -87,7 +87,7 @@ class BlockSequence:
         RunError
             When every block failed, or the checkpoint cannot be written.
         """
-        total: Tally | None = None
+        total: BlockStatistics | None = None
         failures: list[str] = []
         done, trials = 0, sum(size for _, size in self.items)
         if progress is not None:
@@ -97,12 +97,12 @@ class BlockSequence:
                 done += item[1]
                 if progress is not None:
                     progress(done, trials)
-                if block.tally is None:
+                if block.totals is None:
                     failures.append(block.failure)
                     continue
                 if total is None:
                     self.first_good, self.shown = item, block.shown
-                total = block.tally if total is None else total.merge(block.tally)
+                total = block.totals if total is None else total.merge(block.totals)
                 if self.table is not None:
                     self.table.add(item[0] * BLOCK, block.rows)
                 if self.goal is not None and self.goal.is_reached(total):
@@ -129,5 +129,5 @@ class BlockSequence:
         return None if arrays is None else DoneBlock.from_arrays(arrays)
 
     def _keep(self, item: Item, block: DoneBlock) -> None:
-        if self.store is not None and block.tally is not None:
+        if self.store is not None and block.totals is not None:
             self.store.write(*item, block.to_arrays())

@@ -31,7 +31,7 @@ KEY_FIGURES = {
 
 
 @dataclass(frozen=True)
-class Tally:
+class BlockStatistics:
     """Reduced blocks.
 
     Attributes
@@ -53,13 +53,13 @@ class Tally:
         """Trials in it."""
         return self.counts["total.success"].trials
 
-    def merge(self, other: "Tally") -> "Tally":
+    def merge(self, other: "BlockStatistics") -> "BlockStatistics":
         """Add the next block."""
         sample = dict(self.sample)
         for name, values in other.sample.items():
             sample[name] = np.concatenate((sample[name], values), axis=-1) if name in sample else values
         counts = {name: count.merge(other.counts[name]) for name, count in self.counts.items()}
-        return Tally(self.statistics.merge(other.statistics), counts, sample)
+        return BlockStatistics(self.statistics.merge(other.statistics), counts, sample)
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Flatten into named arrays, for a file."""
@@ -77,7 +77,7 @@ class Tally:
         return flat
 
     @classmethod
-    def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "Tally":
+    def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "BlockStatistics":
         """Read what `to_arrays` wrote."""
         numbers = zip(flat["count/names"].tolist(), flat["count/numbers"].tolist(), strict=True)
         counts = {name: Count(successes, trials) for name, (successes, trials) in numbers}
@@ -90,7 +90,7 @@ class Tally:
         return cls(statistics, counts, sample)
 
 
-def tally(mission: Mission, trials: MissionTrials, *, sampled: bool) -> Tally:
+def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: bool) -> BlockStatistics:
     """Reduce one block.
 
     Parameters
@@ -112,7 +112,7 @@ def tally(mission: Mission, trials: MissionTrials, *, sampled: bool) -> Tally:
         key, bounds = requirement_key(mission, requirement.quantity)
         limits = {side: getattr(requirement, side) for side in ("at_most", "at_least")}
         counts[f"requirement {index}"] = Count.of(_meets(columns[key], limits, bounds))
-    return Tally(RunningStatistics.of(quantities), counts, _sample(trials, columns) if sampled else {})
+    return BlockStatistics(RunningStatistics.of(quantities), counts, _sample(trials, columns) if sampled else {})
 
 
 def requirement_key(mission: Mission, quantity: str) -> tuple[str, str | None]:

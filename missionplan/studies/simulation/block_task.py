@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from missionplan.errors import MissionplanError
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.block_sequence import DoneBlock, Item
-from missionplan.studies.simulation.block_statistics import SAMPLED_BLOCKS, tally
+from missionplan.studies.simulation.block_statistics import SAMPLED_BLOCKS, statistics_of_block
 from missionplan.studies.simulation.mission_trials import MissionTrials, ShownTrials
 from missionplan.studies.simulation.trial_block import run_block
 
@@ -20,21 +20,21 @@ class BlockTask:
 
     Attributes
     ----------
-    means : Setting
+    means : Scenario
         The mission at its means, with the site's current where it is read from a file, which workers need not reach.
     seed : int
     keep_trials : bool
         Whether a row a trial comes back too.
     """
 
-    means: Setting
+    means: Scenario
     seed: int
     keep_trials: bool = False
 
     def trials(self, block: int, size: int, *, tracked: int = 0, inputs: bool = True) -> MissionTrials:
         """Run one block."""
-        setting = self.means.sampled(seed=self.seed, block=block, size=size)
-        return run_block(setting, self.seed, block, size, tracked, inputs)
+        scenario = self.means.sampled(seed=self.seed, block=block, size=size)
+        return run_block(scenario, self.seed, block, size, tracked, inputs)
 
     def shown(self, block: int, size: int) -> ShownTrials:
         """Run one block for what maps show of it."""
@@ -46,7 +46,7 @@ class BlockTask:
         tracked = TRACKED if block == 0 else 0
         try:
             trials = self.trials(block, size, tracked=tracked, inputs=sampled or self.keep_trials)
-            reduced = tally(self.means.mission, trials, sampled=sampled)
+            reduced = statistics_of_block(self.means.mission, trials, sampled=sampled)
         except MissionplanError:
             raise
         except Exception as error:

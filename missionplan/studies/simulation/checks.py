@@ -15,9 +15,9 @@ from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.vehicle_drag import range_notes
 from missionplan.scenario.anchor_weight import anchor_problem
 from missionplan.scenario.mooring import wet_weight_of
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.transition import check_transition
-from missionplan.studies.simulation.block_statistics import Tally
+from missionplan.studies.simulation.block_statistics import BlockStatistics
 
 
 def check_complete(mission: Mission) -> None:
@@ -48,7 +48,7 @@ def check_complete(mission: Mission) -> None:
         raise InputError([Problem(f"missing; {words}", mission.file, key=key) for key, words in missing])
 
 
-def check_current(mission: Mission, means: Setting) -> None:
+def check_current(mission: Mission, means: Scenario) -> None:
     """Refuse a field of currents that does not reach the mission, in place or in time.
 
     Raises
@@ -71,7 +71,7 @@ def check_current(mission: Mission, means: Setting) -> None:
         raise InputError(problems)
 
 
-def _places_outside(mission: Mission, means: Setting, field: FieldCurrent) -> list[Problem]:
+def _places_outside(mission: Mission, means: Scenario, field: FieldCurrent) -> list[Problem]:
     problems = []
     for name, place in _places(mission, means):
         for value, axis, way in zip(place, (field.east_axis, field.north_axis), ("east", "north"), strict=True):
@@ -81,7 +81,7 @@ def _places_outside(mission: Mission, means: Setting, field: FieldCurrent) -> li
     return problems
 
 
-def _places(mission: Mission, means: Setting) -> list[tuple[str, Array]]:
+def _places(mission: Mission, means: Scenario) -> list[tuple[str, Array]]:
     found = []
     for phase in mission.transits:
         ends = {"from": phase.start, "to": phase.to}
@@ -93,7 +93,7 @@ def _places(mission: Mission, means: Setting) -> list[tuple[str, Array]]:
     return found
 
 
-def notices(mission: Mission, means: Setting) -> tuple[str, ...]:
+def notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
     """What the reader should know of the input: cut distributions, models out of their range, what is left out."""
     found = list(mission.notices())
     if mission.vehicle is None:
@@ -113,7 +113,7 @@ def notices(mission: Mission, means: Setting) -> tuple[str, ...]:
     return (*found, *_anchor_notices(mission, means))
 
 
-def _drift_notice(means: Setting, phase: TransitPhase) -> str:
+def _drift_notice(means: Scenario, phase: TransitPhase) -> str:
     """Say where the mean drift at the start is as fast as the vehicle, so that few trials can arrive."""
     drift = np.array([float(means[f"navigation.velocity_error.mean[{axis}]"]) for axis in (0, 1)])
     if means.current is not None:
@@ -125,7 +125,7 @@ def _drift_notice(means: Setting, phase: TransitPhase) -> str:
     return f"{phase.name}: the mean drift, {carried:.3g} m/s, is as fast as the vehicle, {speed:.3g} m/s."
 
 
-def _anchor_notices(mission: Mission, means: Setting) -> list[str]:
+def _anchor_notices(mission: Mission, means: Scenario) -> list[str]:
     anchor = mission.vehicle.anchor if mission.vehicle else None
     if not mission.moors or anchor is None or anchor.construction is None or anchor.flooded_mass is not None:
         return []
@@ -150,12 +150,12 @@ def failure_notices(failed: Sequence[str]) -> tuple[str, ...]:
     return (f"{len(failed)} blocks of trials failed and are left out, see failed_blocks; {how}.",)
 
 
-def late_notices(means: Setting, tally: Tally) -> tuple[str, ...]:
+def late_notices(means: Scenario, totals: BlockStatistics) -> tuple[str, ...]:
     """What the reader should know of the run: missions that outlast the record of the current."""
     current = means.recorded
     if not isinstance(current, FieldCurrent | SeriesCurrent) or len(current.time) < 2:
         return ()
-    latest = float(tally.statistics["total.duration_s"].moments.high)
+    latest = float(totals.statistics["total.duration_s"].moments.high)
     if latest <= current.time[-1]:
         return ()
     return (

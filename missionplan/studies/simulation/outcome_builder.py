@@ -22,7 +22,7 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
-from missionplan.studies.simulation.block_statistics import Tally, requirement_key
+from missionplan.studies.simulation.block_statistics import BlockStatistics, requirement_key
 from missionplan.studies.simulation.mission_trials import ShownTrials
 
 Value = TypeVar("Value")
@@ -33,13 +33,13 @@ BINS = 40
 
 
 @dataclass(frozen=True)
-class Findings:
+class OutcomeBuilder:
     """What a simulation came to.
 
     Attributes
     ----------
     mission : Mission
-    tally : Tally
+    totals : BlockStatistics
         Of all blocks that succeeded.
     shown : ShownTrials
         Some trials with their tracks.
@@ -48,7 +48,7 @@ class Findings:
     """
 
     mission: Mission
-    tally: Tally
+    totals: BlockStatistics
     shown: ShownTrials
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
@@ -72,19 +72,19 @@ class Findings:
 
     def _clocks(self) -> Iterator[Statistic]:
         """Mission time at the start, and of the trials that came through it at the end of each phase."""
-        yield Statistic.of_constant(0.0, self.tally.trials)
+        yield Statistic.of_constant(0.0, self.totals.trials)
         for phase in self.mission.phases[:-1]:
-            yield self.tally.statistics[f"{phase.name}.end"].statistic()
-        yield self.tally.statistics["total.duration_s"].statistic()
+            yield self.totals.statistics[f"{phase.name}.end"].statistic()
+        yield self.totals.statistics["total.duration_s"].statistic()
 
     def _phase(self, name: str, kind: str, start: Statistic, end: Statistic) -> PhaseOutcome:
-        own = _under(self.tally.statistics, name)
+        own = _under(self.totals.statistics, name)
         own.pop("end", None)
         return PhaseOutcome(
             name=name,
             kind=kind,
             quantities={quantity: _statistic(quantity, running) for quantity, running in own.items()},
-            events={event: count.probability() for event, count in _under(self.tally.counts, name).items()},
+            events={event: count.probability() for event, count in _under(self.totals.counts, name).items()},
             histograms={quantity: histogram(running) for quantity, running in own.items()},
             start=start,
             end=end,
@@ -93,7 +93,7 @@ class Findings:
     def _requirements(self) -> tuple[RequirementOutcome, ...]:
         found = []
         for index, requirement in enumerate(self.mission.requirements):
-            probability = self.tally.counts[f"requirement {index}"].probability()
+            probability = self.totals.counts[f"requirement {index}"].probability()
             required, (_, unit) = requirement.probability, requirement_key(self.mission, requirement.quantity)
             limit = requirement.at_most if requirement.at_most is not None else requirement.at_least
             found.append(
@@ -111,8 +111,8 @@ class Findings:
         return tuple(found)
 
     def _attrition(self) -> tuple[Attrition, ...]:
-        steps, left, trials = [], self.tally.trials, self.tally.trials
-        for step, count in self.tally.counts.items():
+        steps, left, trials = [], self.totals.trials, self.totals.trials
+        for step, count in self.totals.counts.items():
             if ": " in step:
                 left -= count.successes
                 steps.append(Attrition(step, count.probability(), Count(left, trials).probability()))
@@ -132,7 +132,7 @@ class Findings:
 
     def _sampled(self, group: str) -> dict[str, Array]:
         return {
-            name.removeprefix(group): values for name, values in self.tally.sample.items() if name.startswith(group)
+            name.removeprefix(group): values for name, values in self.totals.sample.items() if name.startswith(group)
         }
 
 

@@ -7,7 +7,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.checks.requirements import check_requirement
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.studies.simulation.block_statistics import SCALES, Tally, requirement_key
+from missionplan.studies.simulation.block_statistics import SCALES, BlockStatistics, requirement_key
 
 _Z95 = 1.959963984540054
 SUCCESS = "success"
@@ -60,13 +60,13 @@ class Precision:
         key, _ = requirement_key(mission, quantity)
         return cls(key, error, relative=share and unit is not None, is_event=unit is None)
 
-    def is_reached(self, tally: Tally) -> bool:
+    def is_reached(self, totals: BlockStatistics) -> bool:
         """Whether the standard error is below what was asked for."""
         if self.is_event:
             # a quarter of Wilson's interval rather than √(p(1 - p)/n), which is 0 as long as p is 0 or 1
-            probability = tally.counts[self.key].probability()
+            probability = totals.counts[self.key].probability()
             return (probability.high - probability.low) / (2.0 * _Z95) < self.error
-        statistic = tally.statistics[self.key].moments
+        statistic = totals.statistics[self.key].moments
         limit = self.error * (abs(float(statistic.mean)) if self.relative else 1.0)
         return bool(float(statistic.standard_error) < limit)
 

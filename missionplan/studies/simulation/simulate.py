@@ -12,14 +12,14 @@ from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
 from missionplan.results.base import Provenance, to_yaml
 from missionplan.results.simulation import Outcome
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_file, recorded_current
 from missionplan.store.checkpoints import Checkpoints, Identity
 from missionplan.studies.simulation.block_sequence import BlockSequence, DoneBlock, Item
 from missionplan.studies.simulation.block_task import BlockTask
 from missionplan.studies.simulation.checks import check_complete, check_current, failure_notices, late_notices, notices
 from missionplan.studies.simulation.mission_trials import MissionTrials
-from missionplan.studies.simulation.outcome_builder import Findings
+from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.trials_table import TrialsTable
 
@@ -74,7 +74,7 @@ def simulate(
     seed = mission.monte_carlo.seed if seed is None else seed
     goal = Precision.parse(precision, mission) if precision else None
     count = trials or (MOST_TRIALS if goal else mission.monte_carlo.trials)
-    means = Setting.at_means(mission, recorded_current(mission))
+    means = Scenario.at_means(mission, recorded_current(mission))
     check_current(mission, means)
     said = notices(mission, means)
     task = BlockTask(means, seed, keep_trials)
@@ -103,7 +103,7 @@ def simulate(
         notices=(*said, *late_notices(means, found), *failure_notices(failed)),
     )
     table = run.table.parquet() if run.table else None
-    return Findings(mission, found, shown, failed, table).outcome(provenance)
+    return OutcomeBuilder(mission, found, shown, failed, table).outcome(provenance)
 
 
 def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLOCK) -> MissionTrials:
@@ -125,7 +125,7 @@ def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLO
         Whatever the block fails with.
     """
     check_complete(mission)
-    return BlockTask(Setting.at_means(mission, recorded_current(mission)), seed).trials(block, trials)
+    return BlockTask(Scenario.at_means(mission, recorded_current(mission)), seed).trials(block, trials)
 
 
 def _identity(task: BlockTask) -> Identity:

@@ -8,7 +8,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.phases.state import TrialState
 from missionplan.phases.transition.simulation import simulate_transition
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.transition import manoeuvre, transition_vehicle
 from missionplan.studies.simulation.mission_trials import PhaseTrials
 
@@ -16,7 +16,7 @@ JOULES_PER_WATT_HOUR = 3600.0
 
 
 def transition_trials(
-    setting: Setting, phase: TransitionPhase, state: TrialState, tracked: int
+    scenario: Scenario, phase: TransitionPhase, state: TrialState, tracked: int
 ) -> tuple[TrialState, PhaseTrials]:
     """Slow every trial of a block down to hover, where it is.
 
@@ -25,7 +25,7 @@ def transition_trials(
 
     Parameters
     ----------
-    setting : Setting
+    scenario : Scenario
         With the block's draws.
     phase : TransitionPhase
     state : TrialState
@@ -33,8 +33,8 @@ def transition_trials(
     tracked : int
         Trials whose place is kept.
     """
-    record = simulate_transition(transition_vehicle(setting, phase), manoeuvre(setting, phase))
-    hotel = setting.energy("hotel")
+    record = simulate_transition(transition_vehicle(scenario, phase), manoeuvre(scenario, phase))
+    hotel = scenario.energy("hotel")
     duration = _each(record.hover_time, state)
     spent = _each(record.energy_to_hover, state) + duration * (hotel if np.all(np.isfinite(hotel)) else 0.0)
     hovering = state.alive & np.isfinite(duration)

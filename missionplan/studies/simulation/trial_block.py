@@ -11,8 +11,8 @@ from missionplan.phases.mooring.mooring import moor
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.ground_velocity import random_part
 from missionplan.phases.transit.plan import (
+    Environment,
     Normals,
-    Surroundings,
     TransitNormals,
     TransitPlan,
     TransitRecord,
@@ -20,7 +20,7 @@ from missionplan.phases.transit.plan import (
 )
 from missionplan.phases.transit.transit import transit
 from missionplan.scenario.mooring import moor_plan
-from missionplan.scenario.scenario import STILL_WATER, Setting
+from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.studies.simulation.mission_trials import Flags, MissionTrials, PhaseTrials
 from missionplan.studies.simulation.transition_trials import transition_trials
 
@@ -33,7 +33,7 @@ class BlockRun:
 
     Attributes
     ----------
-    setting : Setting
+    scenario : Scenario
         With the block's draws.
     seed, block : int
         See `montecarlo.streams`.
@@ -43,7 +43,7 @@ class BlockRun:
         Whether to sum up what was drawn each leg.
     """
 
-    setting: Setting
+    scenario: Scenario
     seed: int
     block: int
     tracked: int
@@ -55,7 +55,7 @@ class BlockRun:
 
     def run(self, trials: int) -> MissionTrials:
         """Take `trials` trials through the mission."""
-        phases = self.setting.mission.phases
+        phases = self.scenario.mission.phases
         state = self._deployed(trials)
         goal = state.position
         done: list[PhaseTrials] = []
@@ -65,7 +65,7 @@ class BlockRun:
             elif isinstance(phase, MoorPhase):
                 state, record = self._moor(phase, state, goal)
             else:
-                after, record = transition_trials(self.setting, phase, state, self.tracked)
+                after, record = transition_trials(self.scenario, phase, state, self.tracked)
                 state, out = self._spend(after)
                 record = replace(record, failures={**record.failures, "out of energy": out})
             done.append(record)
@@ -77,23 +77,23 @@ class BlockRun:
             "duration_s": _where(state.alive, state.clock),
             "energy_wh": _where(state.alive, state.energy / JOULES_PER_WATT_HOUR),
         }
-        draws = {path: np.asarray(self.setting[path]) for path in self.setting.uncertain}
+        draws = {path: np.asarray(self.scenario[path]) for path in self.scenario.uncertain}
         return MissionTrials(tuple(done), total, good, draws)
 
     def _deployed(self, trials: int) -> TrialState:
         """Where the first phase begins, with the fix before the first dive; at the origin where none says."""
-        first = self.setting.mission.phases[0]
+        first = self.scenario.mission.phases[0]
         place = np.zeros(2)
         if isinstance(first, TransitPhase) and first.start is not None:
-            place = self.setting.position(first.start, f"{first.name}.from")
-        sd = self.setting.fix_sd
+            place = self.scenario.position(first.start, f"{first.name}.from")
+        sd = self.scenario.fix_sd
         noise = sd * self.normals(f"{first.name}.fix_at_start", trials) if np.any(sd) else 0.0
         return TrialState.at(place, trials, noise)
 
     def _transit(self, phase: TransitPhase, state: TrialState) -> tuple[TrialState, PhaseTrials, Array]:
-        setting = self.setting
-        plan, normals = setting.transit_plan(phase), self._leg_normals(phase)
-        around = Surroundings(setting.current, setting.compensation(phase), setting.effects_under_way(phase))
+        scenario = self.scenario
+        plan, normals = scenario.transit_plan(phase), self._leg_normals(phase)
+        around = Environment(scenario.current, scenario.compensation(phase), scenario.effects_under_way(phase))
         after, record = transit(plan, state, normals, around, tracked=min(self.tracked, state.trials))
         kept, out = self._spend(after)
         goal, arrived = column(plan.goal), record.arrived & ~out
@@ -122,16 +122,16 @@ class BlockRun:
         return kept, found, goal
 
     def _moor(self, phase: MoorPhase, state: TrialState, goal: Array) -> tuple[TrialState, PhaseTrials]:
-        setting, came = self.setting, state.alive
-        plan = moor_plan(setting, phase)
+        scenario, came = self.scenario, state.alive
+        plan = moor_plan(scenario, phase)
         normals = self.normals(f"{phase.name}.fix", state.trials)
         after, record = moor(
             plan,
             state,
             normals,
-            setting.current or STILL_WATER,
-            effects=setting.descent_effects,
-            surface_effects=setting.transit_effects,
+            scenario.current or STILL_WATER,
+            effects=scenario.descent_effects,
+            surface_effects=scenario.transit_effects,
         )
         kept, out = self._spend(after)
         descent, down, ended = record.descent, came & record.descent.touched_down, after.alive & ~out
@@ -179,7 +179,7 @@ class BlockRun:
         def legs(name: str) -> LegNormals:
             return LegNormals(self.seed, f"{phase.name}.{name}", self.block)
 
-        entries = self.setting.transit_effect_ids
+        entries = self.scenario.transit_effect_ids
         return TransitNormals(
             velocity=legs("velocity_error"),
             fix_on_surfacing=legs("fix_on_surfacing"),
@@ -192,7 +192,7 @@ class BlockRun:
         for known in (state.position, state.fix, state.clock):
             if not np.isfinite(known).all() and not np.isfinite(known[..., state.alive]).all():
                 raise FloatingPointError("a trial under way has lost its place or its time")
-        out = state.alive & (state.energy > self.setting.capacity)
+        out = state.alive & (state.energy > self.scenario.capacity)
         return replace(state, alive=state.alive & ~out), out
 
 
@@ -243,13 +243,13 @@ def _leg(source: Normals, number: int, state: TrialState) -> Array:
 
 
 def run_block(
-    setting: Setting, seed: int, block: int, trials: int, tracked: int = 0, inputs: bool = True
+    scenario: Scenario, seed: int, block: int, trials: int, tracked: int = 0, inputs: bool = True
 ) -> MissionTrials:
     """Take one block of trials through the mission.
 
     Parameters
     ----------
-    setting : Setting
+    scenario : Scenario
         With the draws of that block.
     seed, block, trials : int
         Of the run; trials in use in the block.
@@ -264,4 +264,4 @@ def run_block(
         When a phase divides by zero, overflows or leaves the real numbers, or a trial under way has lost its place.
     """
     with np.errstate(divide="raise", over="raise", invalid="raise"):
-        return BlockRun(setting, seed, block, tracked, inputs).run(trials)
+        return BlockRun(scenario, seed, block, tracked, inputs).run(trials)

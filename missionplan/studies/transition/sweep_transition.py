@@ -17,7 +17,7 @@ from missionplan.physics.tunnel_thruster import hover_power, revolutions_for
 from missionplan.physics.vehicle_dynamics import level_trim
 from missionplan.results.base import Provenance
 from missionplan.results.transition import FORCE, PAIR, SUCTION, Track, TransitionSweep
-from missionplan.scenario.scenario import Setting
+from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.transition import manoeuvre, transition_phase, transition_vehicle
 
 SAMPLE = 1.0
@@ -46,11 +46,11 @@ def sweep_transition(mission: Mission, *, phase: str | None = None, time_step: f
     """
     started = time.perf_counter()
     written = transition_phase(mission, phase)
-    setting = Setting.at_means(mission)
-    vehicle = replace(transition_vehicle(setting, written), suction_moment=False)
+    scenario = Scenario.at_means(mission)
+    vehicle = replace(transition_vehicle(scenario, written), suction_moment=False)
     if not vehicle.thrusters:
         raise InputError([Problem("missing; the sweep needs a tunnel thruster", mission.file, key="vehicle.thrusters")])
-    grid, asked = written.sweep, manoeuvre(setting, written)
+    grid, asked = written.sweep, manoeuvre(scenario, written)
     variants = _variants(vehicle, grid.pair_spacing)
     records = {
         name: _Runs(grid if name == FORCE else _at_shown(grid), varied, asked, time_step)

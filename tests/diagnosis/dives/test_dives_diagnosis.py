@@ -8,7 +8,7 @@ import pytest
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives.gauss_newton import Lane, climb
 from missionplan.diagnosis.dives.noise import NOMINAL, caricature, scattered_covariance, still_covariance, wandering
-from missionplan.diagnosis.pipeline import examine
+from missionplan.diagnosis.pipeline import run_pipeline
 
 
 def test_readings_of_many_settings_are_those_of_each(measured):
@@ -69,7 +69,7 @@ def test_innovations_of_effect_free_dives_are_standard_normals(measured):
 
 
 def test_effect_free_dives_are_adequate(measured):
-    assert examine(measured()).verdict == "adequate"
+    assert run_pipeline(measured()).verdict == "adequate"
 
 
 @pytest.mark.parametrize(
@@ -87,7 +87,7 @@ def test_effect_free_dives_are_adequate(measured):
     ],
 )
 def test_a_hidden_cause_is_found_and_measured(measured, name, parameters):
-    found = examine(measured(name, **parameters))
+    found = run_pipeline(measured(name, **parameters))
     assert found.claimed is not None
     assert found.claimed.candidate.causes == (name,)
     for estimate in found.best.estimates:
@@ -122,7 +122,7 @@ def test_each_dive_is_linearised_about_its_own_lateness(measured):
 
 
 def test_a_moving_average_is_a_lag_and_no_late_clock(measured):
-    found = examine(measured(averaged=1.6))
+    found = run_pipeline(measured(averaged=1.6))
     assert found.claimed is not None
     assert found.claimed.candidate.causes == ("sensor-lag",)
     (estimate,) = found.best.estimates
@@ -131,20 +131,20 @@ def test_a_moving_average_is_a_lag_and_no_late_clock(measured):
 
 def test_drag_that_grows_from_dive_to_dive_is_left_over(measured):
     fouled = np.array([0.0, 0.16, 0.32, 0.48])
-    found = examine(measured("drag-bias", weights=np.array([16.0, 9.0, 20.0, 12.0]), fraction=fouled))
+    found = run_pipeline(measured("drag-bias", weights=np.array([16.0, 9.0, 20.0, 12.0]), fraction=fouled))
     assert found.verdict in ("unexplained", "partly-explained")
-    assert found.remainder.axis == "run"
+    assert found.discrepancy.axis == "run"
 
 
 @pytest.mark.slow
 def test_a_depth_scale_is_hardly_told_from_drag(measured):
-    found = examine(measured("depth-scale", fraction=0.12))
+    found = run_pipeline(measured("depth-scale", fraction=0.12))
     assert found.verdict == "ambiguous"
     assert set(found.credible_set) == {("depth-scale",), ("drag-bias",)}
 
 
 def test_payout_and_clock_are_tied_when_the_line_never_varies(measured):
-    found = examine(measured("clock-offset", lines=np.full(4, 5.0), time=0.5))
+    found = run_pipeline(measured("clock-offset", lines=np.full(4, 5.0), time=0.5))
     assert found.verdict == "ambiguous"
     assert {("clock-offset",), ("line-payout",)} <= set(found.credible_set)
 
@@ -155,4 +155,4 @@ def test_a_mislabelled_dive_is_named(measured):
     logs = model.forward.logs
     wrong = replace(logs[1], wet_weight=2.0 * logs[1].wet_weight)
     shuffled = replace(model, forward=replace(model.forward, logs=(logs[0], wrong, *logs[2:])))
-    assert "dive-1" in [name for name, _ in examine(shuffled).outlying_groups]
+    assert "dive-1" in [name for name, _ in run_pipeline(shuffled).outlying_groups]

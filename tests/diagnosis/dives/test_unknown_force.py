@@ -7,7 +7,7 @@ import pytest
 
 from missionplan.diagnosis.dives.noise import grid
 from missionplan.diagnosis.dives.unknown_force import SHARE, force_axes
-from missionplan.diagnosis.inference.discrepancy import remainder
+from missionplan.diagnosis.inference.discrepancy import discrepancy
 from missionplan.diagnosis.inference.residual_tests import Products
 from missionplan.phases.hooks import DescentEffect
 
@@ -82,7 +82,7 @@ def test_a_remainder_is_recognised_for_what_it_is(measured, name, parameters, lo
     """A cause of the catalogue that was not fitted is an unknown force of its kind."""
     model = measured(name, **parameters)
     (base,) = model.fit_all([((), ())])
-    found = remainder(model.residuals(base))
+    found = discrepancy(model.residuals(base))
     assert found.speaks
     assert found.resembles == looks_like
 
@@ -91,7 +91,7 @@ def test_the_shape_of_a_lost_drag_is_drawn_in_its_units(measured):
     """To first order: a speed that grows as (1 − fraction)^−½ is read as twice as much less drag."""
     model = measured("drag-crisis", fraction=0.15, speed=1.3, width=0.1)
     (base,) = model.fit_all([((), ())])
-    shape = remainder(model.residuals(base)).shape
+    shape = discrepancy(model.residuals(base)).shape
     assert shape is not None
     assert (shape.place, shape.value) == ("Speed (m/s)", "Extra drag (%)")
     fast = shape.at > 1.6

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from missionplan.diagnosis.inference.axes import Axis, Measure, pointwise
-from missionplan.diagnosis.inference.discrepancy import remainder
+from missionplan.diagnosis.inference.discrepancy import discrepancy
 from missionplan.diagnosis.inference.residual_tests import Products, Residuals, outlying_groups
 
 N = 80
@@ -19,13 +19,13 @@ def residuals(values, axis=None, **others):
 
 def test_white_residuals_leave_nothing():
     rng = np.random.default_rng(2)
-    alarms = [remainder(residuals(rng.normal(size=N))).speaks for _ in range(60)]
+    alarms = [discrepancy(residuals(rng.normal(size=N))).speaks for _ in range(60)]
     assert np.mean(alarms) <= 0.07
 
 
 def test_a_smooth_remainder_is_found_on_its_axis():
     rng = np.random.default_rng(3)
-    found = remainder(residuals(rng.normal(size=N) + 2.0 * np.sin(np.linspace(0.0, 9.0, N))))
+    found = discrepancy(residuals(rng.normal(size=N) + 2.0 * np.sin(np.linspace(0.0, 9.0, N))))
     assert found.speaks
     assert found.axis == "time"
     assert found.log_bayes_factor > 10.0
@@ -34,7 +34,7 @@ def test_a_smooth_remainder_is_found_on_its_axis():
 def test_changing_spread_fails_a_residual_test():
     rng = np.random.default_rng(4)
     spread = np.exp(np.repeat([-2.0, 1.0, -2.0, 1.0], N // 4))
-    tests = remainder(residuals(rng.normal(size=N) * spread)).tests
+    tests = discrepancy(residuals(rng.normal(size=N) * spread)).tests
     assert min(test.p_value for test in tests if test.name.startswith("changing")) < 0.01
 
 
@@ -42,14 +42,14 @@ def test_changing_spread_fails_a_residual_test():
 def test_the_beat_of_a_coarse_sensor_with_its_sampling_is_no_remainder(period):
     rng = np.random.default_rng(8)
     values = rng.normal(size=N) + 2.0 * np.cos(2.0 * np.pi * np.arange(N) / period)
-    assert remainder(residuals(values)).speaks
-    assert not remainder(residuals(values, quantised=True)).speaks
+    assert discrepancy(residuals(values)).speaks
+    assert not discrepancy(residuals(values, quantised=True)).speaks
 
 
 def test_errors_that_last_show_on_a_coarse_sensor_too():
     rng = np.random.default_rng(9)
     values = lfilter([1.0], [1.0, -0.95], rng.normal(size=N))
-    tests = remainder(residuals(values / values.std(), quantised=True)).tests
+    tests = discrepancy(residuals(values / values.std(), quantised=True)).tests
     assert min(test.p_value for test in tests if test.name.startswith("autocorrelation")) < 0.001
 
 
@@ -75,8 +75,8 @@ def test_a_response_that_builds_up_is_found_better_than_by_its_place():
     builds_up = np.cumsum(np.repeat(np.eye(11), N // 10, axis=0)[:N], axis=0) / 10.0
     found = residuals(rng.normal(size=N) + 2.0 * builds_up @ rate, axis=Axis("time", "rate", places, builds_up))
     elsewhere = residuals(found.values, axis=Axis("time", "rate", places, builds_up[rng.permutation(N)]))
-    assert remainder(found).log_bayes_factor > 3.0
-    assert remainder(elsewhere).log_bayes_factor < remainder(found).log_bayes_factor - 3.0
+    assert discrepancy(found).log_bayes_factor > 3.0
+    assert discrepancy(elsewhere).log_bayes_factor < discrepancy(found).log_bayes_factor - 3.0
 
 
 def test_the_shape_of_a_remainder_is_the_function_that_is_left():
@@ -84,18 +84,18 @@ def test_the_shape_of_a_remainder_is_the_function_that_is_left():
     left = np.sin(np.linspace(0.0, 9.0, N))
     plain = pointwise("time", "values against time", np.linspace(0.0, 1.0, N)[:, None])
     axis = Axis("time", "values", plain.places, plain.response, Measure(0.0, 9.0, "Time (s)", "Error (cm)", 100.0))
-    shape = remainder(residuals(2.0 * left + rng.normal(size=N), axis=axis)).shape
+    shape = discrepancy(residuals(2.0 * left + rng.normal(size=N), axis=axis)).shape
     assert shape is not None
     assert (shape.place, shape.value) == ("Time (s)", "Error (cm)")
     off = (shape.mean - 200.0 * np.sin(shape.at)) / shape.sd
     assert np.abs(off).max() < 3.0
     assert 20.0 < shape.sd.mean() < 60.0  # of single values with a standard deviation of 100
-    assert remainder(residuals(rng.normal(size=N), axis=axis)).shape is None
+    assert discrepancy(residuals(rng.normal(size=N), axis=axis)).shape is None
 
 
 def test_what_nothing_feels_is_no_remainder():
     axis = Axis("run", "drag", np.zeros((1, 1)), np.zeros((N, 1)))
-    found = remainder(residuals(np.random.default_rng(13).normal(size=N), axis=axis))
+    found = discrepancy(residuals(np.random.default_rng(13).normal(size=N), axis=axis))
     assert found.log_bayes_factor == pytest.approx(0.0, abs=1e-9)
 
 
@@ -109,9 +109,9 @@ def test_a_remainder_is_told_against_noise_that_is_not_known():
             both = np.column_stack([columns, values])
             return [Products(0.0, 2.0 * N * np.log(scale), both.T @ both / scale**2) for scale in scales]
 
-        return remainder(residuals(values, averaged=averaged)).log_bayes_factor
+        return discrepancy(residuals(values, averaged=averaged)).log_bayes_factor
 
-    assert at([1.0]) == pytest.approx(remainder(residuals(values)).log_bayes_factor, abs=1e-9)
+    assert at([1.0]) == pytest.approx(discrepancy(residuals(values)).log_bayes_factor, abs=1e-9)
     assert at([1.0, 2.0]) > at([2.0]) + 3.0
 
 

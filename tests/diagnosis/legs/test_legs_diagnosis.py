@@ -7,7 +7,7 @@ from scipy.stats import multivariate_normal
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.model_factory import transit_model
-from missionplan.diagnosis.pipeline import examine
+from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.diagnosis.plan_gain import load_data
 from missionplan.effects import CATALOGUE
 from missionplan.report.render import render
@@ -111,10 +111,10 @@ def test_metres_lost_on_every_leg_are_no_speed_scale(folder, transit_mission, le
     table = legs(96, sigma=0.02)
     through = table[["x_dr_m", "y_dr_m"]].to_numpy() - table[["x_start_m", "y_start_m"]].to_numpy()
     table[["x_end_m", "y_end_m"]] -= 70.0 * through / np.linalg.norm(through, axis=1)[:, None]
-    found = examine(model(folder, transit_mission, table))
+    found = run_pipeline(model(folder, transit_mission, table))
     assert found.best.causes == ("speed-scale",)
     assert found.verdict == "partly-explained"
-    assert found.remainder.axis == "duration"
+    assert found.discrepancy.axis == "duration"
 
 
 def test_what_a_record_cannot_show_is_said(folder, mission, transit_mission, legs):

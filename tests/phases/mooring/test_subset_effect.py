@@ -9,7 +9,7 @@ from test_depth_sensor import DIVE
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import simulate_readings
-from missionplan.phases.mooring.subset_effect import Among
+from missionplan.phases.mooring.subset_effect import SubsetEffect
 
 TRIALS = np.array([1, 4])
 TIMES = np.tile(np.linspace(0.0, 15.0, 61)[:, None], (1, 5))
@@ -33,7 +33,7 @@ def test_among_some_trials_is_zero_strength_among_the_others(name):
     info = CATALOGUE[name]
     dive = replace(DIVE, wet_weight=np.linspace(9.0, 14.0, 5))
     everywhere = info.make(parameters(info, slice(None)))
-    among = Among(info.make(parameters(info, TRIALS)), TRIALS, 5)
+    among = SubsetEffect(info.make(parameters(info, TRIALS)), TRIALS, 5)
     found = simulate_readings(dive, TIMES, effects=(among,), step=0.1)
     np.testing.assert_allclose(found, simulate_readings(dive, TIMES, effects=(everywhere,), step=0.1), atol=1e-9)
     plain = simulate_readings(dive, TIMES, step=0.1)
@@ -42,7 +42,7 @@ def test_among_some_trials_is_zero_strength_among_the_others(name):
 
 
 def test_refines_what_its_effect_refines():
-    among = Among(CATALOGUE["added-mass"].make({"fraction": np.array([0.1])}), np.array([0]), 2)
+    among = SubsetEffect(CATALOGUE["added-mass"].make({"fraction": np.array([0.1])}), np.array([0]), 2)
     assert among.refines("mass_factor")
     assert not among.refines("lift")
     assert not DescentEffect().refines("mass_factor")

@@ -12,7 +12,7 @@ from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.analytic.expectation import expected_transit
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.phases.transit.plan import Surroundings, TransitNormals, VelocityError
+from missionplan.phases.transit.plan import Environment, TransitNormals, VelocityError
 from missionplan.phases.transit.transit import transit
 
 
@@ -244,7 +244,7 @@ def test_effects_enter_through_each_of_their_hooks():
     effect = Everything()
     draws = TransitNormals(FixedNormals(np.ones((2, 2))), effects=(FixedNormals(np.zeros((2, 2))),))
     changes = {"d_max": 500.0, "max_legs": 2, "velocity_error": VelocityError.isotropic(0.001)}
-    state, _ = transit(plan(**changes), start(2), draws, Surroundings(effects=(effect,)))
+    state, _ = transit(plan(**changes), start(2), draws, Environment(effects=(effect,)))
     first = 500.0 * (0.01 + 0.001 + 2 * 0.001) + 60.0 * 0.1
     assert effect.legs[1].start[1] == pytest.approx(first)
     assert effect.legs[1].t_start == pytest.approx(560.0)

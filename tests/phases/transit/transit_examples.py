@@ -4,7 +4,7 @@ import numpy as np
 
 from missionplan.montecarlo.streams import LegNormals
 from missionplan.phases.state import TrialState
-from missionplan.phases.transit.plan import Surroundings, TransitNormals, TransitPlan, VelocityError
+from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
 from missionplan.phases.transit.transit import transit
 
 GOAL = np.array([1000.0, 0.0])
@@ -46,6 +46,6 @@ def run(changes=None, state=None, draws=None, tracked=0, **around):
         plan(**(changes or {})),
         state if state is not None else start(),
         draws or normals(),
-        Surroundings(**around),
+        Environment(**around),
         tracked=tracked,
     )
