@@ -18,7 +18,7 @@ from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.inference.cross_validation import HeldOut
 from missionplan.diagnosis.inference.discrepancy import Discrepancy
-from missionplan.diagnosis.inference.experiment_design import Separation, discriminations
+from missionplan.diagnosis.inference.experiment_design import ProposedMeasurement, discriminations
 from missionplan.diagnosis.inference.model import Fit
 from missionplan.diagnosis.inference.selection import Candidate
 from missionplan.diagnosis.legs.model import TransitModel
@@ -141,8 +141,10 @@ def _diagnosis(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: b
         base_discrepancy=_discrepancy(found.base_discrepancy),
         scores=described.scores(),
         outlying_groups=found.outlying_groups,
-        indistinguishable=tuple((rival.separation.first, rival.separation.second) for rival in next_to if rival.alike),
-        next_measurements=tuple(_next(rival.separation) for rival in next_to),
+        indistinguishable=tuple(
+            (rival.discrimination.first, rival.discrimination.second) for rival in next_to if rival.alike
+        ),
+        next_measurements=tuple(_next(rival.discrimination) for rival in next_to),
         decision=decision,
         calibration=described.calibration(),
         untestable=model.untestable,
@@ -281,7 +283,7 @@ def _gain(gain: HeldOut) -> HeldOutGain:
     return HeldOutGain(**{name: getattr(gain, name) for name in names})
 
 
-def _next(found: Separation) -> NextMeasurement:
+def _next(found: ProposedMeasurement) -> NextMeasurement:
     return NextMeasurement((found.first, found.second), found.measurement, found.expected_log_bayes_factor)
 
 

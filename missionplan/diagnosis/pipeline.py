@@ -103,13 +103,13 @@ def run_pipeline(model: Model, progress: Progress = silent, jobs: int = 1) -> Pi
 
 def _gains(model: Model, selection: Selection, progress: Progress, jobs: int) -> dict[Causes, HeldOut]:
     """Held-out gain of the best few sets that could be claimed or rival the claim."""
-    worth = [candidate for candidate in selection.ranking[:SCORED] if _worth_scoring(candidate, selection)]
-    if not worth:
+    scored = [candidate for candidate in selection.ranking[:SCORED] if _is_contender(candidate, selection)]
+    if not scored:
         return {}
     progress("predicting held-out data", 0, 1)
-    fits = [selection.base, *(candidate.fit for candidate in worth)]
+    fits = [selection.base, *(candidate.fit for candidate in scored)]
     base, *extended = shared(model.held_out, fits, jobs=jobs)
-    return {candidate.causes: compare(base, scores) for candidate, scores in zip(worth, extended, strict=True)}
+    return {candidate.causes: compare(base, scores) for candidate, scores in zip(scored, extended, strict=True)}
 
 
 def _checks(model: Model, selection: Selection, scored: tuple[Causes, ...], jobs: int) -> dict[Causes, float]:
@@ -132,5 +132,5 @@ def _log_evidences(model: Model, fits: Sequence[Fit]) -> list[float]:
     return [model.importance(fit).log_evidence for fit in fits]
 
 
-def _worth_scoring(candidate: Candidate, selection: Selection) -> bool:
+def _is_contender(candidate: Candidate, selection: Selection) -> bool:
     return candidate.score > max(0.0, selection.ranking[0].score - 6.0) and np.isfinite(candidate.score)

@@ -5,7 +5,7 @@ from typing import Literal
 
 from missionplan.diagnosis.inference.cross_validation import HeldOut
 from missionplan.diagnosis.inference.discrepancy import Discrepancy
-from missionplan.diagnosis.inference.selection import PRICE, Candidate, Selection, rivals
+from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection, rivals
 
 Verdict = Literal["adequate", "explained", "ambiguous", "partly-explained", "unexplained"]
 
@@ -26,7 +26,7 @@ def claim(selection: Selection, gain: HeldOut | None) -> Claim | None:
     if not selection.ranking or gain is None:
         return None
     best = selection.ranking[0]
-    if best.score <= PRICE or gain.log_score_gain <= 0.0:
+    if best.score <= COMPLEXITY_PENALTY or gain.log_score_gain <= 0.0:
         return None
     return Claim(best, tuple(rivals(selection, best)))
 

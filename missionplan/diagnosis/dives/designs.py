@@ -9,7 +9,7 @@ from missionplan.datasets.dives import MARGIN, MOST_SAMPLES, DiveLog
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives.forward import DescentForward
 
-MENU = (
+DESIGNS = (
     ("two dives with 0.4 times the anchor's weight", 0.4, 1.0, 1.0),
     ("two dives with a line three times as long", 1.0, 3.0, 1.0),
     ("two dives twice as deep", 1.0, 1.0, 2.0),
@@ -26,9 +26,9 @@ def planned(forward: DescentForward, entry: int | None) -> tuple[DiveLog, ...]:
     forward : DescentForward
         The dives so far.
     entry : int or None
-        Of `MENU`; None for the same dives again.
+        Of `DESIGNS`; None for the same dives again.
     """
-    _, weight, line, depth = MENU[entry] if entry is not None else ("", 1.0, 1.0, 1.0)
+    _, weight, line, depth = DESIGNS[entry] if entry is not None else ("", 1.0, 1.0, 1.0)
     logs = []
     for log in forward.logs[:2]:
         site = log.site_depth * depth + (line - 1.0) * log.line_length

@@ -16,12 +16,12 @@ from missionplan.diagnosis.dives.noise import (
     DIVE_SD,
     NOMINAL,
     Noise,
-    caricature,
     grid,
     scattered_covariance,
+    shape_error_covariance,
     still_covariance,
 )
-from missionplan.diagnosis.inference.model import WORTH, Causes
+from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, Causes
 from missionplan.diagnosis.inference.residual_tests import Products
 from missionplan.effects import effects_of
 
@@ -31,7 +31,7 @@ SHIFT = 0.1
 """Shift of the separation at which the readings' bend is taken [s]: its scatter's standard deviation."""
 DELAYED = 0.5
 """Share of a sensor's lag that is made a pure delay to see what the order of its filter does."""
-WORTH_SHAPED = 0.05
+MINIMUM_EVIDENCE_GAIN_SHAPED = 0.05
 """Share of the evidence that a cause must add beside others with shapes of their own, which it may only mend."""
 LATE_STEPS = 2
 """Gauss–Newton steps towards each dive's most likely lateness."""
@@ -56,7 +56,7 @@ class Linear:
         Of the readings to what differs from dive to dive.
     readings : array, shape (N,)
         The model there [m].
-    bend : array, shape (N,)
+    curvature : array, shape (N,)
         What the scatter of the separation does to the readings beyond the linear: large where the line goes taut
         and the vehicle starts with a jerk [m].
     shaped : array, shape (N,)
@@ -72,14 +72,14 @@ class Linear:
     columns: Array
     sensitivities: Array
     readings: Array
-    bend: Array
+    curvature: Array
     shaped: Array
     order: Array
 
     @property
     def nuisances(self) -> Array:
         """What all dives share beside the catalogue's coordinates, bend and order of the lag, shape (N, 2) [m]."""
-        return np.stack([self.bend, self.order], axis=1)
+        return np.stack([self.curvature, self.order], axis=1)
 
     def sensitivity(self, name: str) -> Array:
         """Sensitivity of the readings to one of the things that differ from dive to dive, shape (N,)."""
@@ -97,10 +97,10 @@ class DescentLinear:
         """Effects of the catalogue on a descent."""
         return tuple(info.id for info in effects_of("descent"))
 
-    def worth(self, causes: Causes) -> float:
+    def minimum_evidence_gain(self, causes: Causes) -> float:
         """The usual, more beside causes with shapes of their own: they are caricatures."""
         shaped = any(self.coordinates[i].kind == "shape" for i in self.free(causes))
-        return WORTH_SHAPED if shaped else WORTH
+        return MINIMUM_EVIDENCE_GAIN_SHAPED if shaped else MINIMUM_EVIDENCE_GAIN
 
     @property
     def untestable(self) -> Mapping[str, str]:
@@ -226,7 +226,7 @@ class DescentLinear:
             columns=columns,
             sensitivities=np.stack([release, np.ones_like(here), drag, weight], axis=1),
             readings=here,
-            bend=0.5 * np.abs(later + earlier - 2.0 * here) * DIVE_SD["release"] / SHIFT,
+            curvature=0.5 * np.abs(later + earlier - 2.0 * here) * DIVE_SD["release"] / SHIFT,
             shaped=here - unshaped,
             order=LAG_ORDER_SD / (DELAYED * (2.0 - LAG_ORDER)) * (higher - here),
         )
@@ -245,8 +245,8 @@ class DescentLinear:
         """
         return [
             still
-            + scattered_covariance(linear.sensitivities[rows], linear.bend[rows], noises)
-            + caricature(log.t, linear.shaped[rows])
+            + scattered_covariance(linear.sensitivities[rows], linear.curvature[rows], noises)
+            + shape_error_covariance(log.t, linear.shaped[rows])
             for still, log, rows in zip(self._still(noises), self.forward.logs, self.parts, strict=True)
         ]
 

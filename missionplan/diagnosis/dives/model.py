@@ -11,7 +11,7 @@ from scipy.stats import norm
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Estimate, estimates, is_possible
-from missionplan.diagnosis.dives import designs as descent_menu
+from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.axes import descent_axes
 from missionplan.diagnosis.dives.evidence import Evidence
 from missionplan.diagnosis.dives.forward import limits
@@ -76,7 +76,7 @@ class DescentModel(DescentLinear):
         linears = self.linearise(places) if any(causes for causes, _ in places) else [self.base] * len(places)
         return [self._integrated(causes, linear) for (causes, _), linear in zip(places, linears, strict=True)]
 
-    def settled(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+    def relinearised(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
         """Fits linearised anew where the posterior lies off the place that the climb, at nominal noise, ended at.
 
         A step towards the posterior's mean is taken if the joint density there is greater; if not, a shorter one.
@@ -145,7 +145,7 @@ class DescentModel(DescentLinear):
         low, high = limits(coordinate)
         return low < (float(np.exp(at)) if coordinate.kind == "shape" else at) < high
 
-    def promise(self, causes: Causes, parent: Fit) -> float:
+    def estimated_gain(self, causes: Causes, parent: Fit) -> float:
         """What further causes add to a parent's log density in its linearisation, at the best of a few shapes."""
         wider, narrow = self.prior_sd(causes), self.prior_sd(parent.causes)
         evidences = [parent.state.evidence] if parent.causes else self._shapes
@@ -243,18 +243,20 @@ class DescentModel(DescentLinear):
         return np.ones(len(self.y))
 
     @property
-    def menu(self) -> Sequence[str]:
+    def designs(self) -> Sequence[str]:
         """Further dives, in words, cheapest first."""
-        return [what for what, *_ in descent_menu.MENU]
+        return [what for what, *_ in dive_designs.DESIGNS]
 
-    def separation(self, first: Fit, second: Fit, entry: int | None) -> float:
+    def discrimination(self, first: Fit, second: Fit, entry: int | None) -> float:
         """Fit both sets to noise-free readings of the first, with the dives of a menu entry or without."""
-        logs = self.forward.logs + (descent_menu.planned(self.forward, entry) if entry is not None else ())
+        logs = self.forward.logs + (dive_designs.planned(self.forward, entry) if entry is not None else ())
         forward = replace(self.forward.coarse, logs=logs)
         readings = forward.readings(self.coordinates, first.state.linear.at[:, None])[:, 0]
-        return DescentModel(replace(forward, logs=descent_menu.filled(logs, readings))).told_apart(first, second)
+        return DescentModel(replace(forward, logs=dive_designs.filled(logs, readings))).expected_log_bayes_factor(
+            first, second
+        )
 
-    def told_apart(self, first: Fit, second: Fit) -> float:
+    def expected_log_bayes_factor(self, first: Fit, second: Fit) -> float:
         """Ln Bayes factor of the first set, whose readings these are without noise, over the second, fitted anew."""
         start = second.state.linear.at
         (end,) = climb(

@@ -64,21 +64,21 @@ def still_covariance(t: Array, sd: Array, noises: Sequence[Noise]) -> Array:
     return np.stack([np.diag(sd**2) + noise.walk * wandered[noise.eddy] for noise in noises])
 
 
-def scattered_covariance(sensitivities: Array, bend: Array, noises: Sequence[Noise]) -> Array:
+def scattered_covariance(sensitivities: Array, curvature: Array, noises: Sequence[Noise]) -> Array:
     """κ²(J S Jᵀ + bend²) for each of g noises, shape (g, m, m) [m²].
 
     Parameters
     ----------
     sensitivities : array, shape (m, 4)
         Of the readings to release, zero, drag and weight, in the order of `DIVE_SD`.
-    bend : array, shape (m,)
+    curvature : array, shape (m,)
         What the scatter of the separation does beyond the linear, where the vehicle starts with a jerk [m].
     noises : sequence of Noise, length g
         Hyperparameters.
     """
     scaled = sensitivities * np.array(list(DIVE_SD.values()))
     scatter = np.array([noise.scatter for noise in noises])
-    return np.asarray(scatter[:, None, None] ** 2 * (scaled @ scaled.T + np.diag(bend**2)))
+    return np.asarray(scatter[:, None, None] ** 2 * (scaled @ scaled.T + np.diag(curvature**2)))
 
 
 def wandering(t: Array, eddy: float) -> Array:
@@ -105,7 +105,7 @@ SHAPE_LENGTH = 0.25
 """Its correlation length, of a dive's duration."""
 
 
-def caricature(t: Array, added: Array) -> Array:
+def shape_error_covariance(t: Array, added: Array) -> Array:
     """Covariance of what a cause adds to the readings, shape (m, m) [m²]: SHAPE_SD²·g(t)·g(t′)·exp(−½(Δt/ℓ)²).
 
     Parameters

@@ -46,7 +46,7 @@ DIRECT = {
 
 
 @dataclass(frozen=True)
-class Separation:
+class ProposedMeasurement:
     """A measurement and what it is expected to bring."""
 
     first: Causes
@@ -59,7 +59,7 @@ class Separation:
 class Discrimination:
     """A rival of the first set: what would separate it, and whether data like those in hand cannot."""
 
-    separation: Separation
+    discrimination: ProposedMeasurement
     alike: bool
 
 
@@ -76,20 +76,22 @@ def discriminations(model: Model, first: Fit, others: Sequence[Fit], jobs: int =
     )
 
 
-def _answers(model: Model, first: Fit, asked: Sequence[tuple[Fit, bool]]) -> list[Separation]:
+def _answers(model: Model, first: Fit, asked: Sequence[tuple[Fit, bool]]) -> list[ProposedMeasurement]:
     """For each other set, what separates it from the first: the data in hand, or the cheapest measurement."""
     return [_in_hand(model, first, other) if alike else _cheapest(model, first, other) for other, alike in asked]
 
 
-def _in_hand(model: Model, first: Fit, second: Fit) -> Separation:
-    return Separation(first.causes, second.causes, "data like those in hand", model.separation(first, second, None))
+def _in_hand(model: Model, first: Fit, second: Fit) -> ProposedMeasurement:
+    return ProposedMeasurement(
+        first.causes, second.causes, "data like those in hand", model.discrimination(first, second, None)
+    )
 
 
-def _cheapest(model: Model, first: Fit, second: Fit) -> Separation:
-    best = Separation(first.causes, second.causes, "none on the menu tells them apart", 0.0)
+def _cheapest(model: Model, first: Fit, second: Fit) -> ProposedMeasurement:
+    best = ProposedMeasurement(first.causes, second.causes, "none on the menu tells them apart", 0.0)
     for what, bring in itertools.chain(_with_more_data(model, first, second), _direct(first, second)):
         if bring > best.expected_log_bayes_factor:
-            best = Separation(first.causes, second.causes, what, bring)
+            best = ProposedMeasurement(first.causes, second.causes, what, bring)
         if bring >= ENOUGH:
             break
     return best
@@ -97,7 +99,7 @@ def _cheapest(model: Model, first: Fit, second: Fit) -> Separation:
 
 def _with_more_data(model: Model, first: Fit, second: Fit) -> Iterator[tuple[str, float]]:
     """Give what each entry of the menu would bring, reckoned only when it is asked for."""
-    return ((what, model.separation(first, second, index)) for index, what in enumerate(model.menu))
+    return ((what, model.discrimination(first, second, index)) for index, what in enumerate(model.designs))
 
 
 def _direct(first: Fit, second: Fit) -> list[tuple[str, float]]:

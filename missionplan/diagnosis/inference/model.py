@@ -11,7 +11,7 @@ from missionplan.diagnosis.inference.residual_tests import Residuals
 Causes = tuple[str, ...]
 Wanted = tuple[Causes, Sequence["Fit"]]
 """A set to fit, and fits of its parts to start from."""
-WORTH = 0.02
+MINIMUM_EVIDENCE_GAIN = 0.02
 """Share of the others' evidence that a further cause must add, where a model knows no better."""
 
 
@@ -89,7 +89,7 @@ class Model(Protocol):
         """Groups of effects of which a set holds at most one."""
         ...
 
-    def worth(self, causes: Causes) -> float:
+    def minimum_evidence_gain(self, causes: Causes) -> float:
         """Share of the causes' evidence that a further one must add: no shape fits a large effect to the letter."""
         ...
 
@@ -102,11 +102,11 @@ class Model(Protocol):
         """Fit several sets of causes, each started from the fits of its parts and independent of the others."""
         ...
 
-    def settled(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+    def relinearised(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
         """Improve fits where that could matter, given the greatest log evidence of those fitted together."""
         ...
 
-    def promise(self, causes: Causes, parent: Fit) -> float:
+    def estimated_gain(self, causes: Causes, parent: Fit) -> float:
         """A quick bound on what further causes would add to a parent's log evidence, prices aside; inf if unknown."""
         ...
 
@@ -123,10 +123,10 @@ class Model(Protocol):
         ...
 
     @property
-    def menu(self) -> Sequence[str]:
+    def designs(self) -> Sequence[str]:
         """Measurements that could be made next, in words, cheapest first."""
         ...
 
-    def separation(self, first: Fit, second: Fit, entry: int | None) -> float:
+    def discrimination(self, first: Fit, second: Fit, entry: int | None) -> float:
         """Expected ln Bayes factor of the first set over the second, were the first true: with an entry of the menu."""
         ...

@@ -12,16 +12,16 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import RunError
 from missionplan.montecarlo.parallel_map import shared
 
-PRICE = 3.0
+COMPLEXITY_PENALTY = 3.0
 """Nats that each cause beyond the first must earn, and that a claim must exceed."""
-HOPELESS = -4.0
+PRUNE_BELOW = -4.0
 """Nats of quick promise below which a further cause is not fitted."""
-AGAIN = 2
+RETRIES = 2
 """Pairs that are tried again when they ended where they are impossible."""
 BEAM = 3
-HIDDEN = 8
+EXTRA_PAIRS = 8
 """Pairs outside the beam that are fitted as well, by their quick promise."""
-MOST = 3
+MOST_CAUSES = 3
 CREDIBLE = 0.95
 
 Progress = Callable[[str, int, int], None]
@@ -51,7 +51,7 @@ class Candidate:
     @property
     def score(self) -> float:
         """Log Bayes factor less the price of each cause beyond the first; 0 for the base model."""
-        return self.log_bayes_factor - PRICE * (len(self.causes) - 1) if self.causes else 0.0
+        return self.log_bayes_factor - COMPLEXITY_PENALTY * (len(self.causes) - 1) if self.causes else 0.0
 
 
 @dataclass(frozen=True)
@@ -103,10 +103,12 @@ def select(model: Model, progress: Progress = lambda what, done, of: None, jobs:
     failed: list[Failure] = []
     frontier: list[Candidate] = [Candidate(base, 0.0)]
     alone: dict[str, Fit] = {}
-    for size in range(1, MOST + 1):
+    for size in range(1, MOST_CAUSES + 1):
         wanted = _extensions(frontier, model, set(tried))
         if size > 1:
-            wanted = [(causes, parent) for causes, parent in wanted if model.promise(causes, parent) > HOPELESS]
+            wanted = [
+                (causes, parent) for causes, parent in wanted if model.estimated_gain(causes, parent) > PRUNE_BELOW
+            ]
         if size == 2:
             wanted += _promising(model, base, {*tried, *(frozenset(causes) for causes, _ in wanted)})
         progress(f"fitting sets of {size}", 0, len(wanted))
@@ -118,10 +120,10 @@ def select(model: Model, progress: Progress = lambda what, done, of: None, jobs:
             if size == 1:
                 alone[fit.causes[0]] = fit
         best = sorted(tried.values(), key=lambda candidate: -candidate.score)
-        frontier = [c for c in best if len(c.causes) == size and (size == 1 or _earned(c, tried, model))][:BEAM]
-        if not frontier or frontier[0].score < best[0].score - PRICE or best[0].score <= 0.0:
+        frontier = [c for c in best if len(c.causes) == size and (size == 1 or _passes_penalty(c, tried, model))][:BEAM]
+        if not frontier or frontier[0].score < best[0].score - COMPLEXITY_PENALTY or best[0].score <= 0.0:
             break
-    possible = [candidate for candidate in best if candidate.fit.possible and _earned(candidate, tried, model)]
+    possible = [candidate for candidate in best if candidate.fit.possible and _passes_penalty(candidate, tried, model)]
     impossible = [candidate for candidate in best if not candidate.fit.possible]
     return Selection(base, tuple(possible), tuple(impossible), tuple(failed), len(model.candidates))
 
@@ -133,7 +135,7 @@ def _fitted(model: Model, wanted: Sequence[Wanted], jobs: int = 1) -> list[Fit |
         if isinstance(other, Fit) and other.possible:
             fits[index] = other
     best = max((fit.log_evidence for fit in fits if isinstance(fit, Fit)), default=0.0)
-    return shared(partial(model.settled, best=best), fits, jobs=jobs)
+    return shared(partial(model.relinearised, best=best), fits, jobs=jobs)
 
 
 def _tried_again(
@@ -145,7 +147,7 @@ def _tried_again(
         for index, fit in enumerate(fits)
         if isinstance(fit, Fit) and len(fit.causes) == 2 and not fit.possible and _has_shape(fit)
     ]
-    again = [index for _, index in sorted(lost, reverse=True)[:AGAIN]]
+    again = [index for _, index in sorted(lost, reverse=True)[:RETRIES]]
     return list(zip(again, shared(model.fit_all, [(wanted[index][0], ()) for index in again], jobs=jobs), strict=True))
 
 
@@ -160,9 +162,11 @@ def _promising(model: Model, base: Fit, known: set[frozenset[str]]) -> list[tupl
         for pair in itertools.combinations(model.candidates, 2)
         if frozenset(pair) not in known and not _exclusive(frozenset(pair), model)
     ]
-    promises = {pair: model.promise(pair, base) for pair in pairs}
-    likely = sorted((pair for pair in pairs if np.isfinite(promises[pair])), key=lambda pair: -promises[pair])
-    return [(pair, base) for pair in likely[:HIDDEN]]
+    estimated_gains = {pair: model.estimated_gain(pair, base) for pair in pairs}
+    likely = sorted(
+        (pair for pair in pairs if np.isfinite(estimated_gains[pair])), key=lambda pair: -estimated_gains[pair]
+    )
+    return [(pair, base) for pair in likely[:EXTRA_PAIRS]]
 
 
 def _exclusive(causes: frozenset[str], model: Model) -> bool:
@@ -173,11 +177,12 @@ def _parts(causes: Causes, parent: Fit, alone: dict[str, Fit]) -> tuple[Fit, ...
     return (parent, *(alone[name] for name in causes if name in alone and name not in parent.causes))
 
 
-def _earned(candidate: Candidate, tried: dict[frozenset[str], Candidate], model: Model) -> bool:
+def _passes_penalty(candidate: Candidate, tried: dict[frozenset[str], Candidate], model: Model) -> bool:
     """Whether each cause of a set adds enough to the rest of it."""
     parts = [tried.get(frozenset(candidate.causes) - {name}) for name in candidate.causes]
     asked = [
-        part.log_bayes_factor + max(PRICE, model.worth(part.causes) * part.log_bayes_factor)
+        part.log_bayes_factor
+        + max(COMPLEXITY_PENALTY, model.minimum_evidence_gain(part.causes) * part.log_bayes_factor)
         for part in parts
         if part is not None
     ]
@@ -226,5 +231,5 @@ def rivals(selection: Selection, claimed: Candidate) -> list[Candidate]:
         for candidate in selection.ranking
         if candidate.causes != claimed.causes
         and not set(claimed.causes) < set(candidate.causes)
-        and candidate.score > claimed.score - PRICE
+        and candidate.score > claimed.score - COMPLEXITY_PENALTY
     ]

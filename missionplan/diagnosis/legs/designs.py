@@ -13,7 +13,7 @@ MORE = 20
 
 def planned(data: TransitData, entry: int) -> TransitData:
     """The log with the legs of a menu entry after it; their fixes are left where dead reckoning puts them."""
-    return MENU[entry][1](data)
+    return DESIGNS[entry][1](data)
 
 
 def _append(data: TransitData, heading: Array, duration: Array, surface: Array) -> TransitData:
@@ -72,7 +72,7 @@ def _waiting(data: TransitData) -> TransitData:
     return _append(data, np.pi * _numbers(), duration, surface + np.where(np.arange(MORE) % 2, 900.0, 0.0))
 
 
-MENU: tuple[tuple[str, Callable[[TransitData], TransitData]], ...] = (
+DESIGNS: tuple[tuple[str, Callable[[TransitData], TransitData]], ...] = (
     (f"{MORE} legs back over the last ones, on the reverse headings", _back),
     (f"{MORE} legs all round the compass", _star),
     (f"{MORE} legs there and back, a quarter as long", _short),

@@ -11,8 +11,8 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.datasets.legs import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
-from missionplan.diagnosis.inference.model import WORTH, Causes
-from missionplan.diagnosis.legs.modulation import waver
+from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, Causes
+from missionplan.diagnosis.legs.modulation import modulation
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.effects.tidal_current import resolvable
 from missionplan.phases.hooks import Leg, TransitEffect
@@ -85,9 +85,9 @@ class TransitMean:
     current_sd: tuple[float, float] = (0.0, 0.0)
     only: tuple[Coordinate, ...] | None = None
 
-    def worth(self, causes: Causes) -> float:
+    def minimum_evidence_gain(self, causes: Causes) -> float:
         """The usual: what the catalogue adds is as good as linear in its strengths, and of known shape."""
-        return WORTH
+        return MINIMUM_EVIDENCE_GAIN
 
     @cached_property
     def untestable(self) -> Mapping[str, str]:
@@ -226,5 +226,5 @@ class TransitMean:
         steady = [self._error(own, values) for values in (about, later)]
         # an inertial current turns as one; the ellipses of tidal constituents differ
         parts = np.ones((1, 2)) if name == "inertial-current" else np.eye(2)
-        columns = [waver(self.data.middle, *(part[:, None] * each for each in steady)) for part in parts]
+        columns = [modulation(self.data.middle, *(part[:, None] * each for each in steady)) for part in parts]
         return np.asarray(np.einsum("ij,jnm->inm", self.axes.T, np.concatenate(columns, axis=2)))

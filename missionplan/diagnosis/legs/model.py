@@ -18,7 +18,7 @@ from missionplan.diagnosis.inference.importance_sampling import Importance, impo
 from missionplan.diagnosis.inference.likelihood import LOG_2PI, Laplace, Marginal, expected_log_ratio, laplace
 from missionplan.diagnosis.inference.model import Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnosis.inference.residual_tests import Residuals
-from missionplan.diagnosis.legs import designs as transit_menu
+from missionplan.diagnosis.legs import designs as leg_designs
 from missionplan.diagnosis.legs.axes import transit_axes
 from missionplan.diagnosis.legs.chain import Rows
 from missionplan.diagnosis.legs.mean import RANDOM, TURNING, WAVERING, Linear
@@ -101,11 +101,11 @@ class TransitModel(TransitNoise):
                 found.append(Failure(causes, str(error)))
         return found
 
-    def settled(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+    def relinearised(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
         """Fits are where they should be."""
         return list(fits)
 
-    def promise(self, causes: Causes, parent: Fit) -> float:
+    def estimated_gain(self, causes: Causes, parent: Fit) -> float:
         """What the causes beyond a parent's would add to its log density, its hyperparameters held; inf if unknown."""
         if any(name in (*RANDOM, *WAVERING) for name in causes if name not in parent.causes):
             return math.inf
@@ -203,17 +203,17 @@ class TransitModel(TransitNoise):
         return scores
 
     @property
-    def menu(self) -> Sequence[str]:
+    def designs(self) -> Sequence[str]:
         """Further legs, in words, cheapest first."""
-        names = [what for what, _ in transit_menu.MENU]
+        names = [what for what, _ in leg_designs.DESIGNS]
         return names if self.data.has_surface_time else [name for name in names if "fix 15" not in name]
 
-    def separation(self, first: Fit, second: Fit, entry: int | None) -> float:
+    def discrimination(self, first: Fit, second: Fit, entry: int | None) -> float:
         """Expected ln Bayes factor under the first set's fit; see `expected_log_ratio`."""
         model = self
         if entry is not None:
-            names = [what for what, _ in transit_menu.MENU]
-            data = transit_menu.planned(self.data, names.index(self.menu[entry]))
+            names = [what for what, _ in leg_designs.DESIGNS]
+            data = leg_designs.planned(self.data, names.index(self.designs[entry]))
             added = np.repeat(self.base.mean(axis=1, keepdims=True), data.n - self.data.n, axis=1)
             model = replace(self, data=data, base=np.concatenate([self.base, added], axis=1), only=self.coordinates)
         own = np.array([coordinate.effect in first.causes for coordinate in self.coordinates])

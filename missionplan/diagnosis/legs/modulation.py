@@ -37,7 +37,7 @@ def smooth_functions(t: Array) -> Array:
     return np.asarray(np.sqrt(density * weight) * np.cos(frequency * (t - start)[:, None]))
 
 
-def waver(t: Array, in_phase: Array, in_quadrature: Array) -> Array:
+def modulation(t: Array, in_phase: Array, in_quadrature: Array) -> Array:
     """Columns, each of prior standard deviation 1, of Re(ε·w) for an oscillation Re(w), shape (2, n, 2m) [m/s].
 
     Parameters

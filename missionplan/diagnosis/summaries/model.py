@@ -11,7 +11,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.datasets.dives import DiveLog
 from missionplan.datasets.summaries import TestSummary
 from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.dives import designs as descent_menu
+from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.forward import DescentForward, Histories
 from missionplan.diagnosis.dives.linearised import Linear
 from missionplan.diagnosis.dives.model import DescentModel
@@ -126,18 +126,20 @@ class SummaryModel(DescentModel):
         return np.concatenate([log.sd for log in self.forward.logs])
 
     @property
-    def menu(self) -> Sequence[str]:
+    def designs(self) -> Sequence[str]:
         """Logs of dives, in words."""
         same = "depth logged five times a second on two such dives"
-        return [same, *(f"{what}, depth logged" for what, *_ in descent_menu.MENU)]
+        return [same, *(f"{what}, depth logged" for what, *_ in dive_designs.DESIGNS)]
 
-    def separation(self, first: Fit, second: Fit, entry: int | None) -> float:
+    def discrimination(self, first: Fit, second: Fit, entry: int | None) -> float:
         """Fit both sets to noise-free readings of the first on the dives of a menu entry, or to the numbers in hand."""
         if entry is None:
-            return super().separation(first, second, None)
+            return super().discrimination(first, second, None)
         plain = DescentForward(self.forward.build, self.forward.logs, self.forward.given)
-        logs = descent_menu.planned(plain, None if entry == 0 else entry - 1)
+        logs = dive_designs.planned(plain, None if entry == 0 else entry - 1)
         logs = tuple(replace(log, sd=np.full(len(log.t), LOGGED_SD)) for log in logs)
         forward = replace(plain, logs=logs)
         readings = forward.readings(self.coordinates, first.state.linear.at[:, None])[:, 0]
-        return DescentModel(replace(forward, logs=descent_menu.filled(logs, readings))).told_apart(first, second)
+        return DescentModel(replace(forward, logs=dive_designs.filled(logs, readings))).expected_log_bayes_factor(
+            first, second
+        )

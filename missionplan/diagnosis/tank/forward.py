@@ -75,7 +75,7 @@ class TankForward:
         Runs, or blocks in the order of the record, for predictions of what was held out.
     guesses : mapping
         Parameter → coordinates where its fit starts.
-    menu : tuple
+    designs : tuple
         Further measurements in words, and the model of each.
     """
 
@@ -90,7 +90,7 @@ class TankForward:
     axes: Mapping[str, Array]
     groups: NDArray[np.str_]
     guesses: Mapping[tuple[str, str], tuple[float, ...]]
-    menu: tuple[tuple[str, "TankForward"], ...] = ()
+    designs: tuple[tuple[str, "TankForward"], ...] = ()
 
 
 def bind(data: TankData, mission: Mission) -> TankForward:
@@ -104,11 +104,11 @@ def bind(data: TankData, mission: Mission) -> TankForward:
     settings, vehicle = data.settings, mission.vehicle
     if isinstance(settings, DragSettings):
         plain = _drag(data, settings, vehicle, 1.0)
-        return replace(plain, menu=(("the same runs at twice the speeds", _drag(data, settings, vehicle, 2.0)),))
+        return replace(plain, designs=(("the same runs at twice the speeds", _drag(data, settings, vehicle, 2.0)),))
     if isinstance(settings, OscillationSettings):
         plain = _oscillation(data, settings, vehicle, 1.0)
         larger = _oscillation(data, settings, vehicle, 3.0)
-        return replace(plain, menu=(("a release from three times the displacement", larger),))
+        return replace(plain, designs=(("a release from three times the displacement", larger),))
     if isinstance(settings, ThrusterSettings):
         return _thruster(data, settings)
     return _propeller(data, settings)

@@ -22,7 +22,7 @@ from missionplan.diagnosis.coordinates import (
 from missionplan.diagnosis.inference.axes import pointwise, scaled
 from missionplan.diagnosis.inference.importance_sampling import Importance, importance
 from missionplan.diagnosis.inference.likelihood import LOG_2PI, Marginal
-from missionplan.diagnosis.inference.model import WORTH, Causes, Failure, Fit, Score, Wanted
+from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, Causes, Failure, Fit, Score, Wanted
 from missionplan.diagnosis.inference.residual_tests import Residuals
 from missionplan.diagnosis.tank.forward import TankForward, made
 from missionplan.diagnosis.tank.gauss_newton import Climb
@@ -62,9 +62,9 @@ class TankModel:
         """Effects that these data could show."""
         return self.forward.candidates
 
-    def worth(self, causes: Causes) -> float:
+    def minimum_evidence_gain(self, causes: Causes) -> float:
         """The usual: what the catalogue adds is as good as linear in its strengths, and of known shape."""
-        return WORTH
+        return MINIMUM_EVIDENCE_GAIN
 
     @property
     def untestable(self) -> Mapping[str, str]:
@@ -102,7 +102,7 @@ class TankModel:
         """Fit several sets, one after the other."""
         return [self._fit(causes, near) for causes, near in wanted]
 
-    def settled(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+    def relinearised(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
         """Fits are where they should be."""
         return list(fits)
 
@@ -179,7 +179,7 @@ class TankModel:
         logs = log_prior + np.array([each.log_density for each in found])
         return logs, [replace(each, mean=self.centre[active] + each.mean) for each in found]
 
-    def promise(self, causes: Causes, parent: Fit) -> float:
+    def estimated_gain(self, causes: Causes, parent: Fit) -> float:
         """Unknown: the few effects of a tank are all fitted."""
         return float("inf")
 
@@ -246,13 +246,13 @@ class TankModel:
         ]
 
     @property
-    def menu(self) -> Sequence[str]:
+    def designs(self) -> Sequence[str]:
         """Further measurements, in words."""
-        return [what for what, _ in self.forward.menu]
+        return [what for what, _ in self.forward.designs]
 
-    def separation(self, first: Fit, second: Fit, entry: int | None) -> float:
+    def discrimination(self, first: Fit, second: Fit, entry: int | None) -> float:
         """Fit both sets to noise-free data of the first, as measured or as an entry of the menu would."""
-        forward = self.forward if entry is None else self.forward.menu[entry][1]
+        forward = self.forward if entry is None else self.forward.designs[entry][1]
         expected = replace(self, forward=forward).predict(first.causes, first.state.at[:, None])[:, 0]
         told = replace(forward, y=expected, sd=first.state.factor * self.forward.sd)
         fitted = replace(self, forward=told, noise_known=True).fit_all([(f.causes, (f,)) for f in (first, second)])

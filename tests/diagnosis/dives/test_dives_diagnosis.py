@@ -7,7 +7,13 @@ import pytest
 
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives.gauss_newton import Lane, climb
-from missionplan.diagnosis.dives.noise import NOMINAL, caricature, scattered_covariance, still_covariance, wandering
+from missionplan.diagnosis.dives.noise import (
+    NOMINAL,
+    scattered_covariance,
+    shape_error_covariance,
+    still_covariance,
+    wandering,
+)
 from missionplan.diagnosis.pipeline import run_pipeline
 
 
@@ -46,7 +52,7 @@ def test_covariance_of_a_dive():
     found = (still + scattered_covariance(sensitivities, np.zeros(3), [NOMINAL]))[0]
     expected = 0.01 * np.eye(3) + 0.01 * np.outer(t, t) + 0.0025 + NOMINAL.walk * wandering(t, NOMINAL.eddy)
     np.testing.assert_allclose(found, expected)
-    np.testing.assert_allclose(np.diag(caricature(t, np.full(3, 2.0))), (0.02 * 2.0) ** 2)
+    np.testing.assert_allclose(np.diag(shape_error_covariance(t, np.full(3, 2.0))), (0.02 * 2.0) ** 2)
 
 
 def test_wandering_is_the_integral_of_a_velocity_that_lasts():

@@ -30,7 +30,7 @@ class Written:
         self.candidates = (DRAG, FLOODING, LIFT, CLOCK)
         self.asked: list[frozenset[str]] = []
 
-    def worth(self, causes: Causes) -> float:
+    def minimum_evidence_gain(self, causes: Causes) -> float:
         return self.share
 
     def value(self, causes: Causes) -> float:
@@ -52,10 +52,10 @@ class Written:
             return Fit(causes, self.impossible[frozenset(causes)], shapes, {}, False, None)
         return Fit(causes, self.value(causes), shapes, {}, True, None)
 
-    def settled(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+    def relinearised(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
         return list(fits)
 
-    def promise(self, causes: Causes, parent: Fit) -> float:
+    def estimated_gain(self, causes: Causes, parent: Fit) -> float:
         return self.value(causes) - self.value(parent.causes)
 
 

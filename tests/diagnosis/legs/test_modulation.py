@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from missionplan.diagnosis.legs.modulation import COHERENCE, SHARE, smooth_functions, waver
+from missionplan.diagnosis.legs.modulation import COHERENCE, SHARE, modulation, smooth_functions
 
 T = np.linspace(0.0, 20.0 * 86400.0, 90)
 
@@ -22,5 +22,5 @@ def test_waver_is_as_large_in_phase_as_in_quadrature():
     phase = 2.0 * np.pi * T / 45000.0
     swirl = 0.1 * np.stack([np.cos(phase), -np.sin(phase)])
     later = 0.1 * np.stack([np.sin(phase), np.cos(phase)])
-    variance = np.sum(waver(T, swirl, later) ** 2, axis=2)
+    variance = np.sum(modulation(T, swirl, later) ** 2, axis=2)
     np.testing.assert_allclose(variance, (SHARE * 0.1) ** 2, rtol=0.05)
