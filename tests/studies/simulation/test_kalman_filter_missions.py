@@ -70,7 +70,7 @@ def test_a_mission_with_everything_arrives_sooner_than_without_compensation(miss
 
 def comparison():
     """The script that makes the figure and the table of the documentation."""
-    path = Path(__file__).parents[2] / "docs" / "figures" / "drift_filter.py"
+    path = Path(__file__).parents[3] / "docs" / "figures" / "drift_filter.py"
     spec = importlib.util.spec_from_file_location("drift_filter_figure", path)
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)

@@ -7,7 +7,7 @@ import yaml
 
 from missionplan.mission import load
 
-MISSIONS = Path(__file__).parents[2] / "missions"
+MISSIONS = Path(__file__).parents[3] / "missions"
 GONE = object()
 EXACT = {  # nothing errs, nothing is uncertain, the water is still
     "site.current": GONE,

@@ -11,7 +11,7 @@ from missionplan.mission import load
 from missionplan.studies.leg_length.sweep_cells import MOST_PAIRED, CellTotals, _totals
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
-FIG8 = Path(__file__).parents[2] / "missions" / "fig8.yaml"
+FIG8 = Path(__file__).parents[3] / "missions" / "fig8.yaml"
 SMALL = """
 name: small
 navigation:

@@ -10,7 +10,7 @@ from missionplan.errors import InputError
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.transition.sweep_transition import sweep_transition
 
-MISSION = Path(__file__).parents[2] / "missions" / "autosub-transition.yaml"
+MISSION = Path(__file__).parents[3] / "missions" / "autosub-transition.yaml"
 
 
 def test_probability_of_keeping_depth():

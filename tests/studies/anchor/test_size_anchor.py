@@ -10,7 +10,7 @@ from missionplan.studies.anchor.search import lightest_anchor
 from missionplan.studies.anchor.size_anchor import size_anchor, worst_case_anchor
 from missionplan.studies.anchor.trials import AnchorTrials
 
-MISSIONS = Path(__file__).parents[2] / "missions"
+MISSIONS = Path(__file__).parents[3] / "missions"
 
 
 @pytest.fixture(scope="module")
