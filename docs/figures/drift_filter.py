@@ -15,9 +15,9 @@ import numpy as np
 from missionplan import load
 from missionplan.phases.transit.analytic.policy import best_legs
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.studies.leg_length.aims import with_first_leg
+from missionplan.studies.leg_length.optimise_legs import replace_first_leg
+from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, run_plans
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
-from missionplan.studies.leg_length.trials import LegsAtSpeed, run_plans
 
 FOLDER = Path(__file__).parent
 WAYS = ("none", "forecast", "last-leg", "mean", "filter")
@@ -79,7 +79,7 @@ def family(scenario: SweepScenario, fixed: bool) -> list[LegsAtSpeed]:
     if fixed:
         return [LegsAtSpeed(plan) for plan in plans]
     for table in tables(scenario.distance, scenario.speed, scenario.arrival_radius, scenario.surfacing_time):
-        plans += [table, *(with_first_leg(table, scenario.distance, length) for length in lengths)]
+        plans += [table, *(replace_first_leg(table, scenario.distance, length) for length in lengths)]
     return [LegsAtSpeed(plan) for plan in plans]
 
 

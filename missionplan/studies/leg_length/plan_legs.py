@@ -12,11 +12,17 @@ from missionplan.montecarlo.streams import block_count
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.results.base import Provenance
 from missionplan.results.legs import Contender, LegCase, LegPlan, SampledCost
-from missionplan.studies.leg_length.aims import SHARE, Aim, Choice, choose
+from missionplan.studies.leg_length.optimise_legs import DEADLINE_QUANTILE, Aim, OptimisedLegs, optimise_legs
+from missionplan.studies.leg_length.paired_trials import (
+    AS_PLANNED,
+    ErrorScenario,
+    PairedPlansTask,
+    PlanComparisonTask,
+    PlanTotals,
+)
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
-from missionplan.studies.leg_length.trials import AS_PLANNED, ContestTask, ErrorScenario, PairTask, PlanTotals
 
-SKETCH = 5e-4
+SKETCH_ERROR = 5e-4
 """Relative error of a quantile's sketch."""
 
 
@@ -56,12 +62,12 @@ def plan_legs(
     trials = trials or mission.monte_carlo.trials
     seed = mission.monte_carlo.seed if seed is None else seed
     deadline = _deadline(scenario) if aim == "p95" else float("inf")
-    choice = choose(scenario, aim, deadline, seed)
+    choice = optimise_legs(scenario, aim, deadline, seed)
     table = choice.adaptive.d_max
     assert isinstance(table, LegTable)
     assert isinstance(choice.fixed.d_max, float)
     cases = _cases(scenario)
-    task = PairTask(scenario, cases, choice.fixed, choice.adaptive, trials, seed)
+    task = PairedPlansTask(scenario, cases, choice.fixed, choice.adaptive, trials, seed)
     items = [(number, block) for block in range(block_count(trials)) for number in range(len(cases))]
     totals: dict[int, Moments] = {}
     results = run_blocks(task, items, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
@@ -120,12 +126,12 @@ def _deadline(scenario: SweepScenario) -> float:
 
 
 def _contest(
-    scenario: SweepScenario, aim: Aim, choice: Choice, deadline: float, trials: int, seed: int
+    scenario: SweepScenario, aim: Aim, choice: OptimisedLegs, deadline: float, trials: int, seed: int
 ) -> tuple[Contender, ...]:
     """The best fixed d_max, the best legs for the mean time at the mission's own speed, and the table."""
-    mean = choose(scenario, "mean", deadline, seed, choice.spread)
+    mean = optimise_legs(scenario, "mean", deadline, seed, choice.spread)
     plans = (mean.fixed, choice.fixed, mean.adaptive, choice.adaptive)
-    task = ContestTask(scenario, plans, deadline, trials, seed)
+    task = PlanComparisonTask(scenario, plans, deadline, trials, seed)
     totals: list[PlanTotals] = []
     for block in range(block_count(trials)):
         more = task(block)
@@ -150,7 +156,7 @@ def _contender(name: str, speed: float, totals: PlanTotals, aim: Aim, deadline: 
         value = on_time.value
         error = float(np.sqrt(value * (1.0 - value) / max(totals.on_time.trials, 1)))
     else:
-        value, error = _quantile(totals.duration, SHARE, totals.on_time.trials)
+        value, error = _quantile(totals.duration, DEADLINE_QUANTILE, totals.on_time.trials)
     return Contender(name, speed, duration, energy, on_time, value, error)
 
 
@@ -160,7 +166,7 @@ def _quantile(running: RunningStatistic, share: float, trials: int) -> tuple[flo
     spread = float(np.sqrt(share * (1.0 - share) / max(trials, 1)))
     shares = [level * trials / max(arrived, 1) for level in (share - spread, share, share + spread)]
     low, value, high = (running.quantile(level) if level <= 1.0 else float("inf") for level in shares)
-    return value, float(np.hypot(0.5 * (high - low), SKETCH * value)) if np.isfinite(high) else float("inf")
+    return value, float(np.hypot(0.5 * (high - low), SKETCH_ERROR * value)) if np.isfinite(high) else float("inf")
 
 
 def _cases(scenario: SweepScenario) -> tuple[ErrorScenario, ...]:

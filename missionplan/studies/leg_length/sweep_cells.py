@@ -105,7 +105,7 @@ def run_cells(
     d_max: Array,
     table: LegTable | None = None,
 ) -> CellTotals:
-    """Run one block of trials through the transit for every d_max, and for a table of legs after them.
+    """PlanTrials one block of trials through the transit for every d_max, and for a table of legs after them.
 
     Parameters
     ----------

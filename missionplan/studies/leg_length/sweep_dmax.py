@@ -106,7 +106,7 @@ class SweepTask:
     seed: int
 
     def __call__(self, item: tuple[int, int]) -> CellTotals:
-        """Run every d_max of a curve on a block of trials."""
+        """PlanTrials every d_max of a curve on a block of trials."""
         index, block = item
         scenario, size = self.scenario, block_size(self.trials, block)
         drawn = scenario.means.sampled(seed=self.seed, block=block, size=size)

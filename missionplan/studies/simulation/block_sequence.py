@@ -13,21 +13,21 @@ from missionplan.montecarlo.parallel_blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.studies.simulation.block_statistics import BlockStatistics
-from missionplan.studies.simulation.mission_trials import ShownTrials
+from missionplan.studies.simulation.mission_trials import MapTracks
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.trials_table import TrialsTable
 
-Item = tuple[int, int]
+BlockItem = tuple[int, int]
 """A block and how many of its trials are used."""
 
 
 @dataclass(frozen=True)
-class DoneBlock:
+class BlockResult:
     """A block that is done: reduced, with a row a trial and what maps show where asked for; or why it failed."""
 
     totals: BlockStatistics | None
     rows: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
-    shown: ShownTrials | None = None
+    shown: MapTracks | None = None
     failure: str = ""
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
@@ -38,17 +38,17 @@ class DoneBlock:
         return {**self.totals.to_arrays(), **rows, **shown}
 
     @classmethod
-    def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "DoneBlock":
+    def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "BlockResult":
         """Read what `to_arrays` wrote."""
         rows, shown = (_under(flat, group) for group in ("row/", "shown/"))
-        return cls(BlockStatistics.from_arrays(flat), rows, ShownTrials(**shown) if shown else None)
+        return cls(BlockStatistics.from_arrays(flat), rows, MapTracks(**shown) if shown else None)
 
 
 def _under(flat: Mapping[str, NDArray[np.generic]], group: str) -> dict[str, Any]:
     return {name.removeprefix(group): values for name, values in flat.items() if name.startswith(group)}
 
 
-FanOut = Callable[[Sequence[Item]], Generator[DoneBlock, None, None]]
+RunBlocks = Callable[[Sequence[BlockItem]], Generator[BlockResult, None, None]]
 """Runs blocks and yields them in the order given."""
 
 
@@ -58,7 +58,7 @@ class BlockSequence:
 
     Attributes
     ----------
-    items : sequence of Item
+    items : sequence of BlockItem
         All blocks, ascending.
     store : Checkpoints or None
         Where finished blocks are kept.
@@ -66,20 +66,20 @@ class BlockSequence:
         What ends the run early.
     table : TrialsTable or None
         Takes the rows.
-    first_good : Item
+    first_good : BlockItem
         First block that did not fail, once the run is over.
-    shown : ShownTrials or None
+    shown : MapTracks or None
         What it shows.
     """
 
-    items: Sequence[Item]
+    items: Sequence[BlockItem]
     store: Checkpoints | None = None
     goal: Precision | None = None
     table: TrialsTable | None = None
-    first_good: Item = (0, 0)
-    shown: ShownTrials | None = None
+    first_good: BlockItem = (0, 0)
+    shown: MapTracks | None = None
 
-    def run(self, fan_out: FanOut, progress: Progress | None = None) -> tuple[BlockStatistics, tuple[str, ...]]:
+    def run(self, fan_out: RunBlocks, progress: Progress | None = None) -> tuple[BlockStatistics, tuple[str, ...]]:
         """Run until all is done or precise enough; give the total, and why blocks failed.
 
         Raises
@@ -111,7 +111,7 @@ class BlockSequence:
             raise RunError("\n".join(["every block of trials failed:", *failures[:10]]))
         return total, tuple(failures)
 
-    def _blocks(self, fan_out: FanOut) -> Generator[tuple[Item, DoneBlock], None, None]:
+    def _blocks(self, fan_out: RunBlocks) -> Generator[tuple[BlockItem, BlockResult], None, None]:
         kept = {item for item in self.items if self.store is not None and self.store.holds(*item)}
         todo = [item for item in self.items if item not in kept]
         with contextlib.closing(fan_out(todo)) as fresh:
@@ -124,10 +124,10 @@ class BlockSequence:
                     self._keep(item, block)
                 yield item, block
 
-    def _stored(self, item: Item) -> DoneBlock | None:
+    def _stored(self, item: BlockItem) -> BlockResult | None:
         arrays = self.store.read(*item) if self.store is not None else None
-        return None if arrays is None else DoneBlock.from_arrays(arrays)
+        return None if arrays is None else BlockResult.from_arrays(arrays)
 
-    def _keep(self, item: Item, block: DoneBlock) -> None:
+    def _keep(self, item: BlockItem, block: BlockResult) -> None:
         if self.store is not None and block.totals is not None:
             self.store.write(*item, block.to_arrays())

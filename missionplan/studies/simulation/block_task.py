@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from missionplan.errors import MissionplanError
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.simulation.block_sequence import DoneBlock, Item
+from missionplan.studies.simulation.block_sequence import BlockItem, BlockResult
 from missionplan.studies.simulation.block_statistics import SAMPLED_BLOCKS, statistics_of_block
-from missionplan.studies.simulation.mission_trials import MissionTrials, ShownTrials
+from missionplan.studies.simulation.mission_trials import MapTracks, MissionTrials
 from missionplan.studies.simulation.trial_block import run_block
 
-TRACKED = 300
+TRACKED_TRIALS = 300
 """Trials whose tracks are shown, the first of the run."""
 
 
@@ -36,14 +36,14 @@ class BlockTask:
         scenario = self.means.sampled(seed=self.seed, block=block, size=size)
         return run_block(scenario, self.seed, block, size, tracked, inputs)
 
-    def shown(self, block: int, size: int) -> ShownTrials:
+    def shown(self, block: int, size: int) -> MapTracks:
         """Run one block for what maps show of it."""
-        return ShownTrials.of(self.trials(block, size, tracked=TRACKED, inputs=False))
+        return MapTracks.of(self.trials(block, size, tracked=TRACKED_TRIALS, inputs=False))
 
-    def __call__(self, item: Item) -> DoneBlock:
+    def __call__(self, item: BlockItem) -> BlockResult:
         """Run one block and reduce it; a failure of its numbers is told, not raised, so that others go on."""
         (block, size), sampled = item, item[0] < SAMPLED_BLOCKS
-        tracked = TRACKED if block == 0 else 0
+        tracked = TRACKED_TRIALS if block == 0 else 0
         try:
             trials = self.trials(block, size, tracked=tracked, inputs=sampled or self.keep_trials)
             reduced = statistics_of_block(self.means.mission, trials, sampled=sampled)
@@ -52,6 +52,6 @@ class BlockTask:
         except Exception as error:
             first = block * BLOCK
             place = f"block {block} (trials {first} to {first + size - 1}, seed {self.seed})"
-            return DoneBlock(None, failure=f"{place}: {type(error).__name__}: {error}")
+            return BlockResult(None, failure=f"{place}: {type(error).__name__}: {error}")
         rows = trials.columns() if self.keep_trials else {}
-        return DoneBlock(reduced, rows, ShownTrials.of(trials) if tracked else None)
+        return BlockResult(reduced, rows, MapTracks.of(trials) if tracked else None)

@@ -84,7 +84,7 @@ class MissionTrials:
 
 
 @dataclass(frozen=True)
-class ShownTrials:
+class MapTracks:
     """What maps show of some trials: plain arrays, the phases one after another.
 
     Attributes
@@ -105,7 +105,7 @@ class ShownTrials:
     goals: Array
 
     @classmethod
-    def of(cls, trials: MissionTrials) -> "ShownTrials":
+    def of(cls, trials: MissionTrials) -> "MapTracks":
         """Take what a block shows."""
         phases = trials.phases
         return cls(

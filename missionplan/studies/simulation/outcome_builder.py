@@ -23,10 +23,10 @@ from missionplan.results.simulation import (
     Tracks,
 )
 from missionplan.studies.simulation.block_statistics import BlockStatistics, requirement_key
-from missionplan.studies.simulation.mission_trials import ShownTrials
+from missionplan.studies.simulation.mission_trials import MapTracks
 
 Value = TypeVar("Value")
-WHOLE = ("surfacings",)
+INTEGER_QUANTITIES = ("surfacings",)
 """Quantities that are whole numbers."""
 BINS = 40
 """Bins of a histogram, between the 0.1 % and 99.9 % quantiles."""
@@ -41,7 +41,7 @@ class OutcomeBuilder:
     mission : Mission
     totals : BlockStatistics
         Of all blocks that succeeded.
-    shown : ShownTrials
+    shown : MapTracks
         Some trials with their tracks.
     failed_blocks : tuple of str
     trials_table : bytes or None
@@ -49,7 +49,7 @@ class OutcomeBuilder:
 
     mission: Mission
     totals: BlockStatistics
-    shown: ShownTrials
+    shown: MapTracks
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
 
@@ -64,7 +64,7 @@ class OutcomeBuilder:
             requirements=self._requirements(),
             attrition=self._attrition(),
             sensitivities=self._sensitivities(),
-            tracks=tracks(self.mission, self.shown),
+            tracks=simulation_tracks(self.mission, self.shown),
             arrivals=self._sampled("miss:"),
             failed_blocks=self.failed_blocks,
             trials_table=self.trials_table,
@@ -85,7 +85,7 @@ class OutcomeBuilder:
             kind=kind,
             quantities={quantity: _statistic(quantity, running) for quantity, running in own.items()},
             events={event: count.probability() for event, count in _under(self.totals.counts, name).items()},
-            histograms={quantity: histogram(running) for quantity, running in own.items()},
+            histograms={quantity: histogram_from_sketch(running) for quantity, running in own.items()},
             start=start,
             end=end,
         )
@@ -143,12 +143,12 @@ def _under(found: Mapping[str, Value], phase: str) -> dict[str, Value]:
 def _statistic(quantity: str, running: RunningStatistic) -> Statistic:
     """What is reported of a quantity; the sketch's quantiles of whole numbers are made whole again."""
     found = running.statistic()
-    if quantity not in WHOLE or not found.count:
+    if quantity not in INTEGER_QUANTITIES or not found.count:
         return found
     return replace(found, p05=round(found.p05), p50=round(found.p50), p95=round(found.p95))
 
 
-def histogram(running: RunningStatistic) -> Histogram:
+def histogram_from_sketch(running: RunningStatistic) -> Histogram:
     """Bin a quantity from its sketch; whole numbers get a bin each where these are few.
 
     A bin of the sketch that lies across an edge is shared out as if it were evenly filled: counts may be fractions.
@@ -176,7 +176,7 @@ def _whole_numbers(running: RunningStatistic) -> tuple[Array, Integers] | None:
     return (whole, running.sketch.used()[1]) if np.all(np.abs(values - whole) <= 1e-3 * np.abs(whole)) else None
 
 
-def tracks(mission: Mission, shown: ShownTrials) -> Tracks:
+def simulation_tracks(mission: Mission, shown: MapTracks) -> Tracks:
     """Say which mission the tracks are of."""
     origin = mission.site.origin if mission.site else None
     return Tracks(

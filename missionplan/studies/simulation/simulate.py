@@ -15,7 +15,7 @@ from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_file, recorded_current
 from missionplan.store.checkpoints import Checkpoints, Identity
-from missionplan.studies.simulation.block_sequence import BlockSequence, DoneBlock, Item
+from missionplan.studies.simulation.block_sequence import BlockItem, BlockResult, BlockSequence
 from missionplan.studies.simulation.block_task import BlockTask
 from missionplan.studies.simulation.checks import check_complete, check_current, failure_notices, late_notices, notices
 from missionplan.studies.simulation.mission_trials import MissionTrials
@@ -23,7 +23,7 @@ from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.trials_table import TrialsTable
 
-MOST_TRIALS = 10_000_000
+MAX_TRIALS = 10_000_000
 """Where a run to a given precision ends unless it says otherwise."""
 
 
@@ -47,7 +47,7 @@ def simulate(
     ----------
     mission : Mission
     trials, seed : int, optional
-        Default: the mission's. With `precision`, `trials` is the most that are run (default `MOST_TRIALS`).
+        Default: the mission's. With `precision`, `trials` is the most that are run (default `MAX_TRIALS`).
     jobs, backend, scheduler
         See `run_blocks`. The result does not depend on them, to the last bit.
     precision : str, optional
@@ -73,7 +73,7 @@ def simulate(
     check_complete(mission)
     seed = mission.monte_carlo.seed if seed is None else seed
     goal = Precision.parse(precision, mission) if precision else None
-    count = trials or (MOST_TRIALS if goal else mission.monte_carlo.trials)
+    count = trials or (MAX_TRIALS if goal else mission.monte_carlo.trials)
     means = Scenario.at_means(mission, recorded_current(mission))
     check_current(mission, means)
     said = notices(mission, means)
@@ -82,7 +82,7 @@ def simulate(
     items = [(block, block_size(count, block)) for block in range(block_count(count))]
     run = BlockSequence(items, store, goal, TrialsTable() if keep_trials else None)
 
-    def fan_out(todo: Sequence[Item]) -> Generator[DoneBlock, None, None]:
+    def fan_out(todo: Sequence[BlockItem]) -> Generator[BlockResult, None, None]:
         if todo:
             yield from run_blocks(task, todo, jobs=jobs, backend=backend, scheduler=scheduler)
 

@@ -8,13 +8,12 @@ import yaml
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.studies.leg_length import aims as leg_aims
-from missionplan.studies.leg_length import trials as leg_trials
+from missionplan.studies.leg_length import optimise_legs, paired_trials
+from missionplan.studies.leg_length.leg_spread import fit_leg_spread
+from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan
 from missionplan.studies.leg_length.plan_legs import plan_legs
-from missionplan.studies.leg_length.spread import measured_spread
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
-from missionplan.studies.leg_length.trials import LegsAtSpeed, best_plan
 
 MISSION = """
 name: Legs
@@ -105,7 +104,7 @@ def test_tables_and_summary(plan):
 
 
 def test_what_the_legs_leave_out_is_said(tmp_path, monkeypatch):
-    monkeypatch.setattr(leg_aims, "SPREADS", (1.0,))
+    monkeypatch.setattr(optimise_legs, "SPREADS", (1.0,))
     path = tmp_path / "fixes.yaml"
     path.write_text(MISSION.replace("surfacing_time: 90 s", "surfacing_time: 90 s\n  fix_error: 5 m"), encoding="utf-8")
     notices = plan_legs(load(path), trials=500).provenance.notices
@@ -128,7 +127,7 @@ def test_missions_that_cannot_be_planned(old, new, message, tmp_path):
 
 
 def test_screening_on_few_trials_finds_the_plan_of_least_cost(mission, monkeypatch):
-    monkeypatch.setattr(leg_trials, "RUNGS", ((256, 12), (1024, 4)))
+    monkeypatch.setattr(paired_trials, "HALVING_RUNGS", ((256, 12), (1024, 4)))
     scenario = replace(SweepScenario.of(mission), sigmas=(None,))
     plans = [LegsAtSpeed(float(length)) for length in np.linspace(300.0, 3100.0, 40)]
 
@@ -136,11 +135,11 @@ def test_screening_on_few_trials_finds_the_plan_of_least_cost(mission, monkeypat
         return float(run.cost.mean())
 
     screened = best_plan(scenario, plans, cost, seed=7)
-    monkeypatch.setattr(leg_trials, "RUNGS", ())
+    monkeypatch.setattr(paired_trials, "HALVING_RUNGS", ())
     assert screened == best_plan(scenario, plans, cost, seed=7)
 
 
-LEARNING = """
+MEAN_COMPENSATION = """
 name: Currents, fixes that err, a drift that is learnt
 vehicle:
   hull: {length: 1 m, diameter: 0.12 m, form_factor: hoerner}
@@ -165,7 +164,7 @@ monte_carlo: {trials: 6000, seed: 5}
 @pytest.fixture(scope="module")
 def learning(tmp_path_factory):
     path = tmp_path_factory.mktemp("legs") / "learning.yaml"
-    path.write_text(LEARNING, encoding="utf-8")
+    path.write_text(MEAN_COMPENSATION, encoding="utf-8")
     return load(path)
 
 
@@ -177,8 +176,8 @@ def test_where_drift_is_learnt_the_table_is_no_worse_than_the_best_fixed_d_max(l
 
 @pytest.mark.slow
 def test_legs_for_a_deadline_are_on_time_as_often_as_any_other_plan(learning, monkeypatch):
-    monkeypatch.setattr(leg_aims, "SPREADS", (1.0, 1.4))
-    monkeypatch.setattr(leg_aims, "PRICES", (1.0,))
+    monkeypatch.setattr(optimise_legs, "SPREADS", (1.0, 1.4))
+    monkeypatch.setattr(optimise_legs, "PRICES", (1.0,))
     plan = plan_legs(learning, aim="p95")
     *others, chosen = plan.contenders
     for other in others:
@@ -188,8 +187,8 @@ def test_legs_for_a_deadline_are_on_time_as_often_as_any_other_plan(learning, mo
 
 
 def test_a_deadline_of_the_mission_is_what_p95_is_about(tmp_path, monkeypatch):
-    monkeypatch.setattr(leg_aims, "SPREADS", (1.0,))
-    monkeypatch.setattr(leg_aims, "PRICES", (1.0,))
+    monkeypatch.setattr(optimise_legs, "SPREADS", (1.0,))
+    monkeypatch.setattr(optimise_legs, "PRICES", (1.0,))
     path = tmp_path / "deadline.yaml"
     deadline = "requirements: [{quantity: in.duration, at_most: 3450 s, probability: 0.9}]\n"
     path.write_text(MISSION + deadline, encoding="utf-8")
@@ -201,7 +200,7 @@ def test_a_deadline_of_the_mission_is_what_p95_is_about(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_energy_chooses_the_speed_and_needs_less_than_at_the_mission_s_own(tmp_path):
-    text = LEARNING.replace("  drift_compensation: mean\n", "").replace("fix_error: 3 m", "fix_error: 0 m")
+    text = MEAN_COMPENSATION.replace("  drift_compensation: mean\n", "").replace("fix_error: 3 m", "fix_error: 0 m")
     still = "\n".join(line for line in text.splitlines() if "current:" not in line)
     path = tmp_path / "energy.yaml"
     path.write_text(still, encoding="utf-8")
@@ -220,7 +219,7 @@ def test_energy_without_a_vehicle_says_what_is_missing(mission):
 
 def test_the_spread_of_legs_is_found_in_a_pilot(mission):
     scenario = replace(SweepScenario.of(mission), sigmas=(None,))
-    spread = measured_spread(scenario, 1)
+    spread = fit_leg_spread(scenario, 1)
     assert spread.sigma == pytest.approx(0.05, rel=0.03)
     assert spread.base < 5.0
 

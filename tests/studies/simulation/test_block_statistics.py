@@ -8,7 +8,7 @@ from simulate_missions import chesapeake
 from missionplan.montecarlo.running_statistics import RunningStatistics
 from missionplan.montecarlo.statistics import Count, RunningStatistic
 from missionplan.studies.simulation.block_statistics import BlockStatistics, requirement_key, statistics_of_block
-from missionplan.studies.simulation.outcome_builder import histogram
+from missionplan.studies.simulation.outcome_builder import histogram_from_sketch
 from missionplan.studies.simulation.simulate import simulate_block
 
 VALUES = arrays(np.float64, st.integers(1, 60), elements=st.floats(-1e6, 1e6) | st.just(np.nan))
@@ -49,7 +49,7 @@ def test_merging_what_came_back_gives_the_same_bits(blocks):
 
 @given(VALUES)
 def test_a_histogram_holds_every_trial_that_reached_the_quantity(values):
-    found = histogram(RunningStatistic.of(values))
+    found = histogram_from_sketch(RunningStatistic.of(values))
     assert found.counts.sum() == pytest.approx(np.count_nonzero(~np.isnan(values)))
     assert np.all(found.counts >= -1e-9)
     assert len(found.edges) == len(found.counts) + 1
@@ -59,7 +59,7 @@ def test_a_histogram_holds_every_trial_that_reached_the_quantity(values):
 @pytest.mark.parametrize("mean", [100.0, 1000.0, -30.0, 0.0])
 def test_a_histogram_follows_the_distribution(mean):
     values = np.random.default_rng(2).normal(mean, 10.0, 200_000)
-    found = histogram(RunningStatistic.of(values))
+    found = histogram_from_sketch(RunningStatistic.of(values))
     inner = slice(1, -1)
     expected, _ = np.histogram(values, found.edges)
     assert found.counts[inner] == pytest.approx(expected[inner], abs=0.03 * expected.max())

@@ -419,4 +419,4 @@ def test_a_block_that_fails_can_be_run_alone(tmp_path, monkeypatch):
         simulate_block(mission, seed=1, block=7)
     monkeypatch.setattr(trial_block, "moor", moored.moor)
     assert simulate_block(mission, seed=1, block=7).success.size == BLOCK
-    assert module.MOST_TRIALS > BLOCK
+    assert module.MAX_TRIALS > BLOCK

@@ -14,10 +14,10 @@ from typing_extensions import override
 from missionplan.arrays import Array
 from missionplan.phases.transit.analytic.expectation import MAX_RATIO
 from missionplan.phases.transit.compensation import Compensation, LegAhead, LegBehind, Memory
+from missionplan.studies.leg_length.paired_trials import PILOT_BLOCK, LegsAtSpeed, run_plans
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
-from missionplan.studies.leg_length.trials import PILOT, LegsAtSpeed, run_plans
 
-LEARNING = ("last-leg", "mean", "filter")
+LEARNING_COMPENSATIONS = ("last-leg", "mean", "filter")
 """Ways of compensating that need a leg to learn from."""
 SHARES = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
 """Maximum leg lengths of the pilot, of the distance."""
@@ -26,7 +26,7 @@ BINS = 24
 
 
 @dataclass(frozen=True)
-class Spread:
+class LegSpread:
     """Standard deviation of a leg's end on each axis, √((sigma T)² + base²).
 
     Attributes
@@ -42,7 +42,7 @@ class Spread:
 
 
 @dataclass
-class _Listening(Compensation):
+class _RecordingCompensation(Compensation):
     """Compensation that notes how long each leg was planned to last, and how far from where it was sent it ended."""
 
     way: Compensation | None
@@ -72,22 +72,22 @@ class _Listening(Compensation):
         return (duration, short, *(self.way.learn(tuple(own), leg) if self.way else ()))
 
 
-def measured_spread(scenario: SweepScenario, seed: int) -> Spread:
+def fit_leg_spread(scenario: SweepScenario, seed: int) -> LegSpread:
     """Fit the spread of legs to a pilot of the mission, run with maximum leg lengths from short to the distance.
 
     Medians in classes of duration, so that a few wild legs do not decide; for an isotropic normal miss the median of
     its square is 2 ln 2 times the variance on each axis. A vehicle that learns its drift knows nothing on the first
     leg, which is left out.
     """
-    ears: list[_Listening] = []
+    ears: list[_RecordingCompensation] = []
 
     def listening(way: Compensation | None) -> Compensation:
-        ears.append(_Listening(way))
+        ears.append(_RecordingCompensation(way))
         return ears[-1]
 
     plans = [LegsAtSpeed(share * scenario.distance) for share in SHARES]
-    run_plans(scenario, plans, seed, PILOT, listening=listening)
-    first = 1 if scenario.navigation.drift_compensation in LEARNING else 0
+    run_plans(scenario, plans, seed, PILOT_BLOCK, listening=listening)
+    first = 1 if scenario.navigation.drift_compensation in LEARNING_COMPENSATIONS else 0
     duration = np.concatenate([part for ear in ears for part in ear.durations[first:]])
     squared = np.concatenate([part for ear in ears for part in ear.misses[first:]])
     classes = [part for part in np.array_split(np.argsort(duration, kind="stable"), BINS) if part.size]
@@ -96,4 +96,4 @@ def measured_spread(scenario: SweepScenario, seed: int) -> Spread:
     weight = 1.0 / np.maximum(variance, 1e-12)
     terms = np.stack([seconds**2, np.ones_like(seconds)], axis=1)
     (rate, base), _ = nnls(terms * weight[:, None], variance * weight)
-    return Spread(min(float(np.sqrt(rate)), 0.9 * MAX_RATIO * scenario.speed), float(np.sqrt(base)))
+    return LegSpread(min(float(np.sqrt(rate)), 0.9 * MAX_RATIO * scenario.speed), float(np.sqrt(base)))

@@ -21,14 +21,14 @@ from missionplan.phases.transit.analytic.bellman import JUMP
 from missionplan.phases.transit.analytic.expectation import TransitExpectation, expected_transit
 from missionplan.phases.transit.analytic.policy import best_d_max, best_legs
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.studies.leg_length.spread import Spread, measured_spread
+from missionplan.studies.leg_length.leg_spread import LegSpread, fit_leg_spread
+from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, PlanTrials, Score, best_plan
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
-from missionplan.studies.leg_length.trials import LegsAtSpeed, Run, Score, best_plan
 
 Aim = Literal["mean", "p95", "energy"]
 AIMS: tuple[Aim, ...] = get_args(Aim)
 
-SHARE = 0.95
+DEADLINE_QUANTILE = 0.95
 """Of the trials that are to arrive by the deadline."""
 SPREADS, PRICES = (0.7, 1.0, 1.4, 2.0), (0.6, 1.7)
 """Family of policies: factors on the spread that the best legs reckon with, then on the price of a surfacing."""
@@ -39,19 +39,19 @@ FIRST = 0.97
 SLOWEST, FASTEST = 0.3, 1.5
 """Speeds searched, of the mission's own."""
 
-Member = tuple[float, LegTable]
+PolicyMember = tuple[float, LegTable]
 """Factor on the spread, and the legs that reckon with it."""
 
 
 @dataclass(frozen=True)
-class Choice:
+class OptimisedLegs:
     """Legs for an aim.
 
     Attributes
     ----------
     fixed, adaptive : LegsAtSpeed
         Best fixed d_max and the table, at the speed chosen.
-    spread : Spread
+    spread : LegSpread
         Reckoned with.
     fixed_cost, adaptive_cost, one_leg_cost, least_cost : float
         Expected c (Briggs et al., Eq. 25) at that speed with that spread, from the integral equation; the last of any
@@ -64,7 +64,7 @@ class Choice:
 
     fixed: LegsAtSpeed
     adaptive: LegsAtSpeed
-    spread: Spread
+    spread: LegSpread
     fixed_cost: float
     adaptive_cost: float
     one_leg_cost: float
@@ -78,13 +78,13 @@ class _Problem:
     """A transit in the terms of the integral equation, at some speed, with a price of a surfacing in seconds."""
 
     scenario: SweepScenario
-    spread: Spread
+    spread: LegSpread
     speed: float
     surfacing_time: float
 
     def best(self, spread: float = 1.0, price: float = 1.0) -> LegTable:
         """Best legs, reckoning with factors on spread and price."""
-        return _as_written(_policy(*self._arguments(spread, price)).legs)
+        return _rounded_table(_policy(*self._arguments(spread, price)).legs)
 
     def least_cost(self) -> float:
         """Least expected cost of any legs."""
@@ -114,7 +114,9 @@ _policy = lru_cache(maxsize=64)(best_legs)
 """Best legs, kept: the same are asked for by the aim, by its rivals and by their costs."""
 
 
-def choose(scenario: SweepScenario, aim: Aim, deadline: float, seed: int, spread: Spread | None = None) -> Choice:
+def optimise_legs(
+    scenario: SweepScenario, aim: Aim, deadline: float, seed: int, spread: LegSpread | None = None
+) -> OptimisedLegs:
     """Choose legs for an aim.
 
     Parameters
@@ -126,7 +128,7 @@ def choose(scenario: SweepScenario, aim: Aim, deadline: float, seed: int, spread
         For ``p95``: by when the transit is to be done [s]; infinite where the mission does not say.
     seed : int
         Of the pilot.
-    spread : Spread, optional
+    spread : LegSpread, optional
         To reckon with, where another choice has measured it already.
 
     Raises
@@ -136,11 +138,11 @@ def choose(scenario: SweepScenario, aim: Aim, deadline: float, seed: int, spread
     """
     obstacle = scenario.analytic_obstacle()
     try:
-        stated = Spread(scenario.sigma(0), 0.0)
+        stated = LegSpread(scenario.sigma(0), 0.0)
         problem = _Problem(scenario, stated, scenario.speed, scenario.surfacing_time)
         problem.expected(scenario.distance)  # refuses errors that no legs can cope with
         if obstacle:
-            problem = replace(problem, spread=spread or measured_spread(scenario, seed))
+            problem = replace(problem, spread=spread or fit_leg_spread(scenario, seed))
         if aim == "energy":
             return _for_energy(problem, seed, on_trials=bool(obstacle))
         if aim == "p95":
@@ -152,19 +154,19 @@ def choose(scenario: SweepScenario, aim: Aim, deadline: float, seed: int, spread
             )
             return _on_trials(problem, SPREADS[:3], (), _mean_time, seed, how)
         how = "Dynamic programming over the distance left: exact for isotropic errors drawn anew for each leg."
-        return _choice(problem, problem.best_fixed(), problem.best(), how)
+        return _optimised_legs(problem, problem.best_fixed(), problem.best(), how)
     except ValueError as error:
         raise InputError([Problem(str(error), scenario.mission.file, key=scenario.phase.name)]) from error
 
 
-def _for_deadline(problem: _Problem, deadline: float, seed: int) -> Choice:
+def _for_deadline(problem: _Problem, deadline: float, seed: int) -> OptimisedLegs:
     """Least 95 % quantile of the time, or greatest probability of meeting a deadline, in a family of policies."""
 
-    def late(run: Run) -> float:
+    def late(run: PlanTrials) -> float:
         time = np.where(run.arrived, run.duration, np.inf)
         if np.isfinite(deadline):
             return -float(np.mean(time <= deadline))
-        return float(np.quantile(time, SHARE, method="higher"))
+        return float(np.quantile(time, DEADLINE_QUANTILE, method="higher"))
 
     goal = "the probability of meeting the deadline" if np.isfinite(deadline) else "the 95 % quantile of the time"
     how = (
@@ -175,7 +177,7 @@ def _for_deadline(problem: _Problem, deadline: float, seed: int) -> Choice:
     return _on_trials(problem, SPREADS, PRICES, late, seed, how)
 
 
-def _for_energy(problem: _Problem, seed: int, *, on_trials: bool) -> Choice:
+def _for_energy(problem: _Problem, seed: int, *, on_trials: bool) -> OptimisedLegs:
     """Least expected energy: a surfacing costs joules, a metre costs joules, and the speed is chosen too."""
     scenario = problem.scenario
 
@@ -197,7 +199,7 @@ def _for_energy(problem: _Problem, seed: int, *, on_trials: bool) -> Choice:
     )
     if on_trials:
         return _on_trials(priced, SPREADS[:3], (), lambda run: _mean(run, run.energy), seed, how)
-    return _choice(priced, priced.best_fixed(), priced.best(), how)
+    return _optimised_legs(priced, priced.best_fixed(), priced.best(), how)
 
 
 def _prices(scenario: SweepScenario, speed: float) -> tuple[float, float]:
@@ -217,7 +219,7 @@ def _prices(scenario: SweepScenario, speed: float) -> tuple[float, float]:
 
 def _on_trials(
     problem: _Problem, spreads: Sequence[float], prices: Sequence[float], score: Score, seed: int, machinery: str
-) -> Choice:
+) -> OptimisedLegs:
     """Best member of a family and best fixed d_max on the same pilot trials.
 
     Spreads are tried at the true price, then prices at the best spread. Each table is tried with first legs of every
@@ -229,11 +231,11 @@ def _on_trials(
     def tried_best(tables: Sequence[LegTable]) -> tuple[int, float]:
         return best_plan(problem.scenario, [LegsAtSpeed(table, factor) for table in tables], score, seed)
 
-    def best_of(members: Sequence[Member]) -> tuple[float, Member]:
+    def best_of(members: Sequence[PolicyMember]) -> tuple[float, PolicyMember]:
         tried = [
             (spread, each)
             for spread, table in members
-            for each in (table, *(with_first_leg(table, distance, length) for length in lengths))
+            for each in (table, *(replace_first_leg(table, distance, length) for length in lengths))
         ]
         place, least = tried_best([table for _, table in tried])
         return least, tried[place]
@@ -244,10 +246,10 @@ def _on_trials(
     if prices:
         priced = _tables(problem, [(spread, price) for price in prices])
         lowest, (spread, table) = min((lowest, (spread, table)), best_of(priced), key=lambda found: found[0])
-    return _choice(problem, lengths[place], table if lowest < least else fixed[place], machinery)
+    return _optimised_legs(problem, lengths[place], table if lowest < least else fixed[place], machinery)
 
 
-def with_first_leg(table: LegTable, distance: float, length: float) -> LegTable:
+def replace_first_leg(table: LegTable, distance: float, length: float) -> LegTable:
     """Give a table another leg near the whole distance, with a jump of `JUMP` below."""
     edge = round(FIRST * distance, 1)
     nearer = table.left < edge
@@ -255,7 +257,7 @@ def with_first_leg(table: LegTable, distance: float, length: float) -> LegTable:
     return LegTable(left, np.append(table.leg[nearer], [np.round(table(np.array([edge]))[0], 1), length]))
 
 
-def _tables(problem: _Problem, family: Sequence[tuple[float, float]]) -> list[Member]:
+def _tables(problem: _Problem, family: Sequence[tuple[float, float]]) -> list[PolicyMember]:
     """Best legs of each member; those for errors that no legs can cope with are left out."""
     tables, refusal = [], ""
     for spread, price in family:
@@ -268,11 +270,11 @@ def _tables(problem: _Problem, family: Sequence[tuple[float, float]]) -> list[Me
     return tables
 
 
-def _choice(problem: _Problem, d_max: float, table: LegTable, machinery: str) -> Choice:
+def _optimised_legs(problem: _Problem, d_max: float, table: LegTable, machinery: str) -> OptimisedLegs:
     timed = replace(problem, surfacing_time=problem.scenario.surfacing_time)
     transit = timed.expected(table)
     factor = problem.speed / problem.scenario.speed
-    return Choice(
+    return OptimisedLegs(
         fixed=LegsAtSpeed(d_max, factor),
         adaptive=LegsAtSpeed(table, factor),
         spread=problem.spread,
@@ -285,17 +287,17 @@ def _choice(problem: _Problem, d_max: float, table: LegTable, machinery: str) ->
     )
 
 
-def _mean_time(run: Run) -> float:
+def _mean_time(run: PlanTrials) -> float:
     return _mean(run, run.duration)
 
 
-def _mean(run: Run, values: Array) -> float:
+def _mean(run: PlanTrials, values: Array) -> float:
     """Mean over the trials that arrive, the more the fewer do."""
     share = float(np.mean(run.arrived))
     return float(np.mean(values[run.arrived])) / share if share else float("inf")
 
 
-def _as_written(legs: LegTable) -> LegTable:
+def _rounded_table(legs: LegTable) -> LegTable:
     """Round a table as mission files write it, to 0.1 m; knots that fall together are left out."""
     left, leg = np.round(legs.left, 1), np.maximum(np.round(legs.leg, 1), 0.1)
     kept = np.append(True, np.diff(left) > 0.0)

@@ -16,9 +16,9 @@ from missionplan.phases.transit.transit import transit
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
-PILOT = 1 << 40
+PILOT_BLOCK = 1 << 40
 """Block of the trials on which plans are chosen: never one of those on which the chosen plans are judged."""
-RUNGS = ((512, 96), (1024, 32))
+HALVING_RUNGS = ((512, 96), (1024, 32))
 """Trials on which plans are screened, and how many of the best go on; what is left is judged on a whole block."""
 TRACKS = 6
 """Trials whose tracks are kept."""
@@ -62,7 +62,7 @@ AS_PLANNED = ErrorScenario("")
 
 
 @dataclass(frozen=True)
-class Run:
+class PlanTrials:
     """What one plan came to, an array over trials each; `nominal` is t_nom at the plan's speed [s]."""
 
     cost: Array
@@ -74,7 +74,7 @@ class Run:
     track: Array | None
 
 
-Score = Callable[[Run], float]
+Score = Callable[[PlanTrials], float]
 """What a plan is chosen by; the less the better."""
 
 
@@ -88,8 +88,8 @@ def run_plans(
     case: ErrorScenario = AS_PLANNED,
     tracked: int = 0,
     listening: Callable[[Compensation | None], Compensation] | None = None,
-) -> list[Run]:
-    """Run every plan on the same trials of a block.
+) -> list[PlanTrials]:
+    """PlanTrials every plan on the same trials of a block.
 
     Parameters
     ----------
@@ -122,7 +122,9 @@ def run_plans(
         nominal = np.hypot(*(np.asarray(plan.goal).reshape(2, -1) - state.position)) / plan.speed
         charged = np.maximum(record.surfacings - 1.0, 0.0) * plan.surfacing_time
         cost = (plan.time_under_way(record.distance, record.surfacings) + charged) / nominal - 1.0  # Eq. 25
-        runs.append(Run(cost, record.duration, record.energy, record.surfacings, record.arrived, nominal, record.track))
+        runs.append(
+            PlanTrials(cost, record.duration, record.energy, record.surfacings, record.arrived, nominal, record.track)
+        )
     return runs
 
 
@@ -133,16 +135,16 @@ def best_plan(scenario: SweepScenario, plans: Sequence[LegsAtSpeed], score: Scor
     their costs do.
     """
     left, scores = list(range(len(plans))), {}
-    for trials, kept in (*RUNGS, (BLOCK, 1)):
+    for trials, kept in (*HALVING_RUNGS, (BLOCK, 1)):
         if len(left) > kept or trials == BLOCK:
-            runs = run_plans(scenario, [plans[index] for index in left], seed, PILOT, trials)
+            runs = run_plans(scenario, [plans[index] for index in left], seed, PILOT_BLOCK, trials)
             scores = dict(zip(left, map(score, runs), strict=True))
             left = sorted(left, key=scores.__getitem__)[:kept]
     return left[0], scores[left[0]]
 
 
 @dataclass(frozen=True)
-class PairTask:
+class PairedPlansTask:
     """The best fixed d_max and the table on one block of one case: a function of the case's number and the block."""
 
     scenario: SweepScenario
@@ -174,7 +176,7 @@ class PairTask:
         assert adaptive.track is not None
         return fixed.track, adaptive.track
 
-    def _run(self, number: int, block: int, size: int, tracked: int) -> tuple[Run, Run]:
+    def _run(self, number: int, block: int, size: int, tracked: int) -> tuple[PlanTrials, PlanTrials]:
         plans = (self.fixed, self.adaptive)
         fixed, adaptive = run_plans(
             self.scenario, plans, self.seed, block, size, case=self.cases[number], tracked=tracked
@@ -198,7 +200,7 @@ class PlanTotals:
 
 
 @dataclass(frozen=True)
-class ContestTask:
+class PlanComparisonTask:
     """Several plans on one block of trials: a function of the block alone."""
 
     scenario: SweepScenario
