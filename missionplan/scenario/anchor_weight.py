@@ -7,6 +7,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission.schema.phases import MoorPhase
+from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.phases.mooring.forces import DescentHooks, SteadySink
 from missionplan.physics.anchor import AnchorProblem, Construction, Part, dry_mass
@@ -31,8 +32,7 @@ def design_current(means: "Scenario", phase: MoorPhase) -> tuple[Array, Array]:
     InputError
         When there is neither, as with a current from a file.
     """
-    site, given = means.mission.site, phase.design_current
-    assert site is not None
+    site, given = MooringMission.of(means.mission).site, phase.design_current
     depth = float(means["site.depth"])
     written = site.current if isinstance(site.current, tuple) else ()
     if not written:
@@ -76,11 +76,13 @@ def worst_case_weight(means: "Scenario", phase: MoorPhase) -> float:
 
 
 def anchor_problem(means: "Scenario") -> AnchorProblem:
-    """Geometry and materials of the mission's anchor, at their means; its construction must be given."""
-    vehicle = means.mission.vehicle
-    assert vehicle is not None
-    assert vehicle.anchor is not None
-    assert vehicle.anchor.construction is not None
+    """Geometry and materials of the mission's anchor, at their means.
+
+    Raises
+    ------
+    KeyError
+        Where the mission gives the anchor no construction.
+    """
     path = "vehicle.anchor.construction"
 
     def mean(key: str) -> float:

@@ -12,6 +12,7 @@ from missionplan.effects.random_walk import RandomWalk
 from missionplan.effects.surface_drift import SurfaceDrift
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.mission.schema.phases import TransitPhase
+from missionplan.mission.views import TransitMission
 from missionplan.phases.transit.compensation import Forecast
 from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE, WAVES, DriftModel
 
@@ -35,8 +36,7 @@ def drift_model(means: "Scenario", drawn: "Scenario", phase: TransitPhase, forec
     forecast : Forecast
         What is expected without any fix.
     """
-    navigation, trials = means.mission.navigation, _trials(drawn)
-    assert navigation is not None
+    navigation, trials = TransitMission.of(means.mission).navigation, _trials(drawn)
     tides = [name for name in PERIODS if any(_has(effect, name) for effect in drawn.transit_effects)]
     inertial = [effect for effect in drawn.transit_effects if isinstance(effect, InertialCurrent)]
     persistent = [effect for effect in drawn.transit_effects if isinstance(effect, PersistentError)]

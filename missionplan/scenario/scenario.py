@@ -10,10 +10,11 @@ from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, Effect
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
+from missionplan.mission.schema.mission import Navigation
 from missionplan.mission.schema.phases import LegTable as WrittenLegTable
 from missionplan.mission.schema.phases import TransitPhase
 from missionplan.mission.schema.site import Geographic, Position
-from missionplan.mission.schema.vehicle import Vehicle
+from missionplan.mission.views import TransitMission, required, required_origin
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.draws import Correlation, JointDistribution
 from missionplan.montecarlo.streams import BLOCK
@@ -107,10 +108,8 @@ class Scenario:
     def position(self, position: Position, path: str) -> Array:
         """East and north of the origin, shape (2,) or (2, n) [m]."""
         if isinstance(position, Geographic):
-            assert self.mission.site is not None
-            assert self.mission.site.origin is not None
-            place = np.array([position.latitude]), np.array([position.longitude])
-            return np.concatenate(to_plane(*place, self.mission.site.origin))
+            origin = required_origin(self.mission, "positions by latitude and longitude need it")
+            return np.concatenate(to_plane(np.array([position.latitude]), np.array([position.longitude]), origin))
         return _vector(self[f"{path}[0]"], self[f"{path}[1]"])
 
     @cached_property
@@ -140,7 +139,7 @@ class Scenario:
     @cached_property
     def vehicle_drag(self) -> VehicleDrag:
         """Drag of the egress vehicle."""
-        vehicle = self._vehicle
+        vehicle = required(self.mission.vehicle, self.mission, "vehicle", "its drag is asked for")
         form, path = vehicle.hull.form_factor, "vehicle.hull"
         constant = FORM_CONSTANTS[form] if isinstance(form, str) else self[f"{path}.form_factor"]
         hull = Hull(self[f"{path}.length"], self[f"{path}.diameter"], constant)
@@ -197,7 +196,6 @@ class Scenario:
 
         Its propulsion is reckoned with the egress vehicle's drag, with or without the anchor on its nose.
         """
-        assert self.mission.navigation is not None
         name, table = phase.name, phase.d_max
         speed, hotel = self[f"{name}.speed"], self.energy("hotel")
         return TransitPlan(
@@ -209,7 +207,7 @@ class Scenario:
             velocity_error=self._velocity_error,
             fix_error=self.fix_error,
             depth=self[f"{name}.depth"],
-            max_legs=self.mission.navigation.max_legs,
+            max_legs=self._navigation.max_legs,
             power_under_way=hotel + self._propulsion(speed),
             power_at_surface=hotel,
             surfacing_energy=self.energy("surfacing"),
@@ -233,8 +231,7 @@ class Scenario:
         return {phase.name: self._compensation(phase) for phase in self.mission.transits}
 
     def _compensation(self, phase: TransitPhase) -> Compensation | None:
-        navigation = self.mission.navigation
-        assert navigation is not None
+        navigation = self._navigation
         forecast = Forecast(
             current=self.current,
             mean_error=np.array([float(self[f"navigation.velocity_error.mean[{axis}]"]) for axis in (0, 1)]),
@@ -247,10 +244,9 @@ class Scenario:
             return DriftFilter(forecast, drift_model(self, prior, phase, forecast))
         return compensation_named(way, forecast, covariance, self.fix_error)
 
-    @property
-    def _vehicle(self) -> Vehicle:
-        assert self.mission.vehicle is not None
-        return self.mission.vehicle
+    @cached_property
+    def _navigation(self) -> Navigation:
+        return TransitMission.of(self.mission).navigation
 
     @cached_property
     def _effects(self) -> tuple[Effect, ...]:
@@ -262,12 +258,11 @@ class Scenario:
 
     @cached_property
     def _velocity_error(self) -> VelocityError:
-        navigation = self.mission.navigation
-        assert navigation is not None
+        error = self._navigation.velocity_error
         path = "navigation.velocity_error"
         mean = _vector(self[f"{path}.mean[0]"], self[f"{path}.mean[1]"])
-        if navigation.velocity_error.covariance_rows is not None:
-            return VelocityError.general(navigation.velocity_error.covariance, mean)
+        if error.covariance_rows is not None:
+            return VelocityError.general(error.covariance, mean)
         return VelocityError.isotropic(self[f"{path}.sigma"], mean)
 
     def _propulsion(self, speed: Scalars) -> Scalars:

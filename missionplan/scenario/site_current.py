@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.site import CurrentFile, Geographic
+from missionplan.mission.views import required_origin
 from missionplan.phases.currents import Current, FieldCurrent, SeriesCurrent, filled
 from missionplan.scenario.current_files import CurrentField, read_current_csv, read_current_netcdf
 
@@ -29,11 +29,8 @@ def recorded_current(mission: Mission) -> Current | None:
     if source.suffix.lower() not in NETCDF:
         series = read_current_csv(source)
         return SeriesCurrent(series.time, series.depth, series.east, series.north)
-    assert mission.site is not None
     field = read_current_netcdf(source, mission.start)
-    if mission.site.origin is None:
-        raise InputError([Problem("a NetCDF current needs site.origin to be placed by", mission.file, None, "site")])
-    return placed(field, mission.site.origin)
+    return placed(field, required_origin(mission, "a NetCDF current is placed by it"))
 
 
 def current_file(mission: Mission) -> Path | None:

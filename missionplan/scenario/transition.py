@@ -3,6 +3,7 @@
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.transition import Manoeuvring, TransitionPhase, WrittenTunnelThruster
+from missionplan.mission.views import TransitionMission
 from missionplan.phases.transition.plan import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
 from missionplan.physics.tunnel_thruster import TunnelThruster
 from missionplan.physics.vehicle_dynamics import Body, Derivatives
@@ -42,17 +43,15 @@ def transition_phase(mission: Mission, name: str | None = None) -> TransitionPha
 
 def transition_vehicle(scenario: Scenario, phase: TransitionPhase) -> TransitionVehicle:
     """Vehicle, thrusters and controls of a transition, with the block's draws."""
-    vehicle = scenario.mission.vehicle
-    assert vehicle is not None
-    assert vehicle.manoeuvring is not None
-    written = vehicle.manoeuvring
+    mission = TransitionMission.of(scenario.mission)
+    written = mission.manoeuvring
     return TransitionVehicle(
         body=_body(scenario, written),
         propeller=written.propeller,
         speed_gain=written.speed_gain,
         thrusters=tuple(
             _tunnel_thruster(scenario, thruster, f"vehicle.thrusters[{index}]")
-            for index, thruster in enumerate(vehicle.thrusters)
+            for index, thruster in enumerate(mission.vehicle.thrusters)
             if isinstance(thruster, WrittenTunnelThruster)
         ),
         suction_moment=phase.suction_moment,

@@ -22,6 +22,7 @@ from missionplan.mission.schema.effects import EffectEntry, read_effects
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
 from missionplan.mission.schema.section import Section, complain
 from missionplan.mission.schema.site import Site
+from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import Distribution, NormalTransform, Quantity, mean_of
@@ -175,6 +176,11 @@ class Mission(Section):
     def moors(self) -> tuple[MoorPhase, ...]:
         """The moorings among the phases."""
         return tuple(phase for phase in self.phases if isinstance(phase, MoorPhase))
+
+    @property
+    def transitions(self) -> tuple[TransitionPhase, ...]:
+        """The transitions among the phases."""
+        return tuple(phase for phase in self.phases if isinstance(phase, TransitionPhase))
 
     @property
     def budget(self) -> EnergyBudget | None:
