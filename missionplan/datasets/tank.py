@@ -16,8 +16,8 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission.reading.documents import Document, load_document, read_text
 from missionplan.mission.reading.load import translate
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.section import Section, complain
-from missionplan.mission.schema.site import Water
+from missionplan.mission.schema.section import FileSection, complain
+from missionplan.mission.schema.site import WaterSection
 from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.physics.water import sea_water
@@ -37,7 +37,7 @@ Fraction = Annotated[float, PlainValidator(QuantityParser("", low=0.0, high=0.99
 Slope = Annotated[float, PlainValidator(QuantityParser("", fixed=True))]
 
 
-class Compared(Section):
+class Compared(FileSection):
     """Another table of the same kind to compare with, such as a CFD calculation."""
 
     name: str
@@ -45,7 +45,7 @@ class Compared(Section):
     reference_area: Area | None = None
 
 
-class NoiseLevels(Section):
+class NoiseLevels(FileSection):
     """Standard deviations of the sensors, where they are known."""
 
     force: Noise | None = None
@@ -54,12 +54,12 @@ class NoiseLevels(Section):
     displacement: q.FixedLength | None = None
 
 
-class _Common(Section):
+class _Common(FileSection):
     name: str = ""
     file: str
     source: str = ""
     noise: NoiseLevels = NoiseLevels()
-    water: Water | None = None
+    water: WaterSection | None = None
 
 
 class DragSettings(_Common):
@@ -91,7 +91,7 @@ class OscillationSettings(_Common):
         return self
 
 
-class ThrusterGeometry(Section):
+class ThrusterGeometry(FileSection):
     """Of a tunnel thruster; `position` ahead of the pivot of the moments."""
 
     diameter: q.FixedLength
@@ -106,7 +106,7 @@ class ThrusterSettings(_Common):
     runs: dict[str, Any] = Field(default_factory=dict)
 
 
-class PropellerGeometry(Section):
+class PropellerGeometry(FileSection):
     """Of a propeller; torque constants and inertia are needed where the shaft rate was not measured.
 
     `flow_damping` is d_f of Eq. 30 [kg/m]; default 2ρA_p, momentum theory.
@@ -195,7 +195,7 @@ FRESH_WATER = (1000.0, 1.01e-6)
 """Density [kg/m³] and kinematic viscosity [m²/s] of a tank that says nothing of its water: Avila et al., 19 °C."""
 
 
-def _water(water: Water | None) -> tuple[float, float]:
+def _water(water: WaterSection | None) -> tuple[float, float]:
     if water is None:
         return FRESH_WATER
     if water.temperature is not None and water.salinity is not None:

@@ -11,8 +11,7 @@ from missionplan.effects import CATALOGUE, Effect
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.mission import Navigation
-from missionplan.mission.schema.phases import LegTable as WrittenLegTable
-from missionplan.mission.schema.phases import TransitPhase
+from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.mission.schema.site import Geographic, Position
 from missionplan.mission.views import TransitMission, required, required_origin
 from missionplan.montecarlo.distributions import mean_of
@@ -202,7 +201,7 @@ class Scenario:
             goal=self.position(phase.to, f"{name}.to"),
             speed=speed,
             arrival_radius=self[f"{name}.arrival_radius"],
-            d_max=leg_table(table) if isinstance(table, WrittenLegTable) else self[f"{name}.d_max"],
+            d_max=leg_table(table) if isinstance(table, LegTableSection) else self[f"{name}.d_max"],
             surfacing_time=self.surfacing_time,
             velocity_error=self._velocity_error,
             fix_error=self.fix_error,
@@ -283,7 +282,7 @@ def _vector(east: Scalars, north: Scalars) -> Array:
     return np.stack(np.broadcast_arrays(np.asarray(east, dtype=float), np.asarray(north, dtype=float)))
 
 
-def leg_table(table: WrittenLegTable) -> LegTable:
+def leg_table(table: LegTableSection) -> LegTable:
     """Leg length against distance left, as the transit takes it."""
     left, length = np.array(table.table, dtype=float).T
     return LegTable(left, length)

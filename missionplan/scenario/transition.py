@@ -2,7 +2,7 @@
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.schema.transition import Manoeuvring, TransitionPhase, WrittenTunnelThruster
+from missionplan.mission.schema.transition import Manoeuvring, TransitionPhase, TunnelThrusterSection
 from missionplan.mission.views import TransitionMission
 from missionplan.phases.transition.plan import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
 from missionplan.physics.tunnel_thruster import TunnelThruster
@@ -52,7 +52,7 @@ def transition_vehicle(scenario: Scenario, phase: TransitionPhase) -> Transition
         thrusters=tuple(
             _tunnel_thruster(scenario, thruster, f"vehicle.thrusters[{index}]")
             for index, thruster in enumerate(mission.vehicle.thrusters)
-            if isinstance(thruster, WrittenTunnelThruster)
+            if isinstance(thruster, TunnelThrusterSection)
         ),
         suction_moment=phase.suction_moment,
         sternplanes=SternplaneControl(**written.sternplanes.model_dump()),
@@ -60,7 +60,7 @@ def transition_vehicle(scenario: Scenario, phase: TransitionPhase) -> Transition
     )
 
 
-def _tunnel_thruster(scenario: Scenario, written: WrittenTunnelThruster, path: str) -> TunnelThruster:
+def _tunnel_thruster(scenario: Scenario, written: TunnelThrusterSection, path: str) -> TunnelThruster:
     return TunnelThruster(
         diameter=written.diameter,
         thrust_constant=scenario[f"{path}.thrust_constant"],

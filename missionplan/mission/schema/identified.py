@@ -5,8 +5,8 @@ from typing import Annotated, Any
 from pydantic import Discriminator, PlainValidator, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.section import Section, complain
-from missionplan.mission.schema.transition import WrittenTunnelThruster
+from missionplan.mission.schema.section import FileSection, complain
+from missionplan.mission.schema.transition import TunnelThrusterSection
 from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import Quantity
 
@@ -19,7 +19,7 @@ _Volts = Annotated[Quantity, PlainValidator(QuantityParser("V", low=0.0))]
 _FixedNumber = Annotated[float, PlainValidator(QuantityParser("", low=0.0, open_low=True, fixed=True))]
 
 
-class MeasuredDrag(Section):
+class MeasuredDrag(FileSection):
     """Drag of the egress vehicle from the tank, in place of Eqs. 3 to 13; against Re where an exponent is given."""
 
     coefficient: q.PositiveNumber
@@ -37,7 +37,7 @@ class MeasuredDrag(Section):
         return self
 
 
-class MeasuredAddedMass(Section):
+class MeasuredAddedMass(FileSection):
     """Added masses from free oscillation; a descent uses `surge`."""
 
     surge: q.Mass | None = None
@@ -45,7 +45,7 @@ class MeasuredAddedMass(Section):
     heave: q.Mass | None = None
 
 
-class Propulsion(Section):
+class Propulsion(FileSection):
     """A propeller by its open-water lines K_T = α₀ + α₁J and K_Q = β₀ + β₁J (Blanke et al., Eq. 19).
 
     `thrust_factor` and `drag_factor`: true thrust and drag over this file's, from which speed is inferred.
@@ -63,7 +63,7 @@ class Propulsion(Section):
     drag_factor: q.PositiveNumber = 1.0
 
 
-class StaticThruster(Section):
+class StaticThruster(FileSection):
     """A thruster by its bollard pull against voltage."""
 
     name: str = "thruster"
@@ -73,11 +73,11 @@ class StaticThruster(Section):
 
 
 def _kind(value: Any) -> str:
-    tunnel = isinstance(value, WrittenTunnelThruster) or (isinstance(value, dict) and "diameter" in value)
+    tunnel = isinstance(value, TunnelThrusterSection) or (isinstance(value, dict) and "diameter" in value)
     return "<tunnel>" if tunnel else "<static>"
 
 
 Thruster = Annotated[
-    Annotated[WrittenTunnelThruster, Tag("<tunnel>")] | Annotated[StaticThruster, Tag("<static>")],
+    Annotated[TunnelThrusterSection, Tag("<tunnel>")] | Annotated[StaticThruster, Tag("<static>")],
     Discriminator(_kind),
 ]

@@ -20,17 +20,17 @@ from pydantic import (
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.effects import EffectEntry, read_effects
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
-from missionplan.mission.schema.section import Section, complain
+from missionplan.mission.schema.section import FileSection, complain
 from missionplan.mission.schema.site import Site
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import Distribution, NormalTransform, Quantity, mean_of
 
-Compensation = Literal["none", "last-leg", "mean", "forecast", "filter", "as-printed"]
+CompensationName = Literal["none", "last-leg", "mean", "forecast", "filter", "as-printed"]
 
 
-class VelocityError(Section):
+class VelocityErrorSection(FileSection):
     """Velocity error of a leg, N(mean, Σ): east and north [m/s]."""
 
     mean: tuple[q.SignedSpeed, q.SignedSpeed] = (0.0, 0.0)
@@ -40,7 +40,7 @@ class VelocityError(Section):
     )
 
     @model_validator(mode="after")
-    def _one_spread(self) -> "VelocityError":
+    def _one_spread(self) -> "VelocityErrorSection":
         if (self.sigma is None) == (self.covariance_rows is None):
             raise complain("expected either sigma or covariance")
         if self.covariance_rows is not None:
@@ -63,17 +63,17 @@ class VelocityError(Section):
         return float(np.sqrt(matrix[0, 0])) if np.allclose(matrix, matrix[0, 0] * np.eye(2), rtol=1e-12) else None
 
 
-class Navigation(Section):
+class Navigation(FileSection):
     """What the vehicle does not know of its motion, and how it surfaces for fixes."""
 
-    velocity_error: VelocityError
+    velocity_error: VelocityErrorSection
     surfacing_time: q.Duration
     fix_error: q.Distance = 0.0
-    drift_compensation: Compensation = "none"
+    drift_compensation: CompensationName = "none"
     max_legs: Annotated[int, Field(ge=1, le=100_000)] = 400
 
 
-class SweepGrid(Section):
+class SweepGrid(FileSection):
     """Grid of d_max: `points` values from `start` to `stop`, of the distance or as lengths."""
 
     of: Literal["distance"] | None = None
@@ -100,7 +100,7 @@ SweepDMax = Annotated[
 ]
 
 
-class SweepSection(Section):
+class SweepSection(FileSection):
     """What `sweep-dmax` sweeps."""
 
     d_max: SweepDMax = SweepGrid.model_validate({"from": 0.02, "to": 1.0, "points": 99, "of": "distance"})
@@ -115,14 +115,14 @@ class SweepSection(Section):
         return np.sort(np.array(self.d_max))
 
 
-class MonteCarlo(Section):
+class MonteCarlo(FileSection):
     """How many trials, from which seed."""
 
     trials: Annotated[int, Field(ge=1, le=1_000_000_000)] = 10_000
     seed: Annotated[int, Field(ge=0, lt=2**64)] = 1
 
 
-class Requirement(Section):
+class Requirement(FileSection):
     """A probability that the mission must reach."""
 
     quantity: str
@@ -131,14 +131,14 @@ class Requirement(Section):
     at_least: Any = None
 
 
-class Correlation(Section):
+class CorrelationSection(FileSection):
     """Correlation of two quantities (of the normals that they are drawn from)."""
 
     between: tuple[str, str]
     rho: Annotated[float, Field(ge=-1.0, le=1.0)]
 
 
-class Mission(Section):
+class Mission(FileSection):
     """A mission file, validated. All in SI; quantities are floats or distributions."""
 
     name: str = ""
@@ -151,7 +151,7 @@ class Mission(Section):
     monte_carlo: MonteCarlo = MonteCarlo()
     energy: EnergyBudget | None = None
     requirements: tuple[Requirement, ...] = ()
-    correlations: tuple[Correlation, ...] = ()
+    correlations: tuple[CorrelationSection, ...] = ()
     effects: tuple[EffectEntry, ...] = ()
 
     _raw: dict[str, Any] = PrivateAttr(default_factory=dict)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.section import Section, complain
+from missionplan.mission.schema.section import FileSection, complain
 from missionplan.mission.schema.site import Position
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.units import QuantityParser
@@ -16,13 +16,13 @@ from missionplan.montecarlo.distributions import Quantity
 _FORCE = QuantityParser("N", low=0.0, open_low=True)
 
 
-class LegTable(Section):
+class LegTableSection(FileSection):
     """Leg length against distance left, piecewise linear."""
 
     table: tuple[tuple[q.FixedDistance, q.FixedLength], ...]
 
     @model_validator(mode="after")
-    def _increasing(self) -> "LegTable":
+    def _increasing(self) -> "LegTableSection":
         left = [row[0] for row in self.table]
         if not left or any(b <= a for a, b in itertools.pairwise(left)):
             raise complain("expected rows with increasing distance left", ("table",))
@@ -30,8 +30,8 @@ class LegTable(Section):
 
 
 DMax = Annotated[
-    Annotated[q.PositiveLength, Tag("<length>")] | Annotated[LegTable, Tag("<table>")],
-    Discriminator(lambda value: "<table>" if isinstance(value, LegTable) or _has_table(value) else "<length>"),
+    Annotated[q.PositiveLength, Tag("<length>")] | Annotated[LegTableSection, Tag("<table>")],
+    Discriminator(lambda value: "<table>" if isinstance(value, LegTableSection) or _has_table(value) else "<length>"),
 ]
 
 
@@ -39,7 +39,7 @@ def _has_table(value: Any) -> bool:
     return isinstance(value, dict) and "table" in value
 
 
-class TransitPhase(Section):
+class TransitPhase(FileSection):
     """A transit by dead reckoning with surfacings; `speed` is nan where `shaft_rate` is given instead."""
 
     kind: Literal["transit"] = Field(default="transit", exclude=True)
@@ -66,7 +66,7 @@ DesignCurrent = Annotated[
 ]
 
 
-class MoorPhase(Section):
+class MoorPhase(FileSection):
     """Anchor release, descent, hold, galvanic release and ascent."""
 
     kind: Literal["moor"] = Field(default="moor", exclude=True)
@@ -81,7 +81,7 @@ class MoorPhase(Section):
     carry_net_buoyancy: bool = False
 
 
-class PhaseEntry(Section):
+class PhaseEntry(FileSection):
     """One item of `phases`: a single key that says the kind."""
 
     transit: TransitPhase | None = None

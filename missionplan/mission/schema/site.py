@@ -5,14 +5,14 @@ from typing import Annotated, Any
 from pydantic import Discriminator, PlainValidator, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.section import Section, complain
+from missionplan.mission.schema.section import FileSection, complain
 from missionplan.mission.units import QuantityParser
 
 _LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
 Latitude = Annotated[float, PlainValidator(_LATITUDE)]
 
 
-class Geographic(Section):
+class Geographic(FileSection):
     """A point by latitude and longitude, WGS 84 [rad]."""
 
     latitude: Latitude
@@ -27,7 +27,7 @@ Position = Annotated[
 """East and north of the origin [m], or latitude and longitude."""
 
 
-class Water(Section):
+class WaterSection(FileSection):
     """Water, by temperature and practical salinity, or by density and viscosity."""
 
     temperature: q.Temperature | None = None
@@ -36,7 +36,7 @@ class Water(Section):
     viscosity: q.Viscosity | None = None
 
     @model_validator(mode="after")
-    def _one_pair(self) -> "Water":
+    def _one_pair(self) -> "WaterSection":
         by_state = self.temperature is not None and self.salinity is not None
         by_value = self.density is not None and self.viscosity is not None
         given = sum(value is not None for value in (self.temperature, self.salinity, self.density, self.viscosity))
@@ -45,7 +45,7 @@ class Water(Section):
         return self
 
 
-class CurrentLayer(Section):
+class CurrentLayer(FileSection):
     """A layer of the current, from the layer above down to `down_to`; `toward` is clockwise from north."""
 
     down_to: q.PositiveLength
@@ -53,7 +53,7 @@ class CurrentLayer(Section):
     toward: q.Angle
 
 
-class CurrentFile(Section):
+class CurrentFile(FileSection):
     """A current read from a CSV or CF NetCDF file."""
 
     file: str
@@ -63,16 +63,16 @@ def _current_tag(value: Any) -> str:
     return "<file>" if isinstance(value, dict | CurrentFile) else "<layers>"
 
 
-Current = Annotated[
+CurrentSource = Annotated[
     Annotated[tuple[CurrentLayer, ...], Tag("<layers>")] | Annotated[CurrentFile, Tag("<file>")],
     Discriminator(_current_tag),
 ]
 
 
-class Site(Section):
+class Site(FileSection):
     """Site of the mission."""
 
     origin: Geographic | None = None
     depth: q.PositiveLength | None = None
-    water: Water | None = None
-    current: Current = ()
+    water: WaterSection | None = None
+    current: CurrentSource = ()

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PlainValidator, model_validator
 
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.section import Section, complain
+from missionplan.mission.schema.section import FileSection, complain
 from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import Quantity
 
@@ -33,7 +33,7 @@ _Speeds = tuple[Annotated[float, _fixed("m/s", open_low=True)], ...]
 Deceleration = PlainValidator(QuantityParser("m/s^2", low=0.0, open_low=True))
 
 
-class WrittenDerivatives(Section):
+class DerivativesSection(FileSection):
     """Hydrodynamic derivatives of Palmer et al., Eqs. 4 to 6, dimensionless; what is not given is nought."""
 
     x_uu: _Plain = 0.0
@@ -60,21 +60,21 @@ class WrittenDerivatives(Section):
     m_qdot: _Plain = 0.0
 
     @model_validator(mode="after")
-    def _steers(self) -> "WrittenDerivatives":
+    def _steers(self) -> "DerivativesSection":
         for key in ("z_uud", "m_uud"):
             if getattr(self, key) >= 0.0:
                 raise complain("missing or not negative; sternplanes push the stern up and the nose down", (key,))
         return self
 
 
-class CentreOfGravity(Section):
+class CentreOfGravity(FileSection):
     """Centre of gravity from the centre of buoyancy."""
 
     ahead: q.Length = 0.0
     below: Annotated[float, _fixed("m", open_low=True)]
 
 
-class Sternplanes(Section):
+class Sternplanes(FileSection):
     """Controller of Palmer et al., Fig. 2: depth error to pitch demand, pitch error to deflection."""
 
     limit: _Deflection = 0.3490658503988659
@@ -85,7 +85,7 @@ class Sternplanes(Section):
     rate_gain: _Time
 
 
-class ThrusterController(Section):
+class ThrusterController(FileSection):
     """Controller of section 5.1: depth error to shaft rate; and the allocation to a pair of section 7.2."""
 
     depth_gain: Annotated[float, _fixed("1/s/m", open_low=True)]
@@ -97,19 +97,19 @@ class ThrusterController(Section):
     pair_lead: _Time = 0.0
 
 
-class Manoeuvring(Section):
+class Manoeuvring(FileSection):
     """Dynamics in the vertical plane, and controls."""
 
     inertia: Annotated[float, _fixed("kg*m^2", open_low=True)]
     centre_of_gravity: CentreOfGravity
-    derivatives: WrittenDerivatives
+    derivatives: DerivativesSection
     propeller: tuple[_Plain, _Plain, _Plain]
     speed_gain: _Positive
     sternplanes: Sternplanes
     thruster_control: ThrusterController
 
 
-class WrittenTunnelThruster(Section):
+class TunnelThrusterSection(FileSection):
     """A tunnel thruster; `position` ahead of the centre of buoyancy."""
 
     name: str = "tunnel thruster"
@@ -121,7 +121,7 @@ class WrittenTunnelThruster(Section):
     suction_offset: _Lever = 0.0
 
 
-class TransitionGrid(Section):
+class TransitionGrid(FileSection):
     """What `sweep-transition` runs: every combination; Table 2 of Palmer et al. unless said otherwise.
 
     Variants with suction and with a pair are run at `shown_deceleration` alone, as in the paper; histories are shown
@@ -145,7 +145,7 @@ class TransitionGrid(Section):
         return self
 
 
-class TransitionPhase(Section):
+class TransitionPhase(FileSection):
     """From survey speed to hover; `thrusters` says how many of the vehicle's are used, and whether suction pitches."""
 
     kind: Literal["transition"] = Field(default="transition", exclude=True)

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, Thruster
-from missionplan.mission.schema.section import Section
+from missionplan.mission.schema.section import FileSection
 from missionplan.mission.schema.transition import Manoeuvring
 from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import Quantity
@@ -14,7 +14,7 @@ from missionplan.montecarlo.distributions import Quantity
 _FORM_FACTOR = QuantityParser("", low=0.0, open_low=True)
 
 
-class Hull(Section):
+class HullSection(FileSection):
     """The egress vehicle's body: a cylinder with hemispherical ends."""
 
     length: q.PositiveLength
@@ -25,7 +25,7 @@ class Hull(Section):
     added_mass: q.Number | None = None
 
 
-class Sail(Section):
+class SailSection(FileSection):
     """The sail, a small airfoil."""
 
     chord: q.PositiveLength
@@ -33,7 +33,7 @@ class Sail(Section):
     thickness: q.PositiveLength
 
 
-class Front(Section):
+class Front(FileSection):
     """Machined front of the anchor; `centre` from the anchor's tip."""
 
     mass: q.Mass
@@ -41,14 +41,14 @@ class Front(Section):
     centre: q.Distance
 
 
-class Tube(Section):
+class Tube(FileSection):
     """Tube between front and back; its length is what the sizing finds."""
 
     mass_per_length: q.MassPerLength
     density: q.Density
 
 
-class Back(Section):
+class Back(FileSection):
     """Machined back of the anchor; `centre_from_back` from the end of the tube."""
 
     mass: q.Mass
@@ -56,22 +56,22 @@ class Back(Section):
     centre_from_back: q.Distance
 
 
-class Trim(Section):
+class TrimSection(FileSection):
     """Trim ring; its mass and place are what the sizing finds."""
 
     density: q.Density
 
 
-class Construction(Section):
+class ConstructionSection(FileSection):
     """What the anchor is made of."""
 
     front: Front
     tube: Tube
     back: Back
-    trim: Trim
+    trim: TrimSection
 
 
-class Anchor(Section):
+class Anchor(FileSection):
     """The false nose."""
 
     diameter: q.PositiveLength
@@ -79,10 +79,10 @@ class Anchor(Section):
     overlap_volume: q.Volume = 0.0
     flooded_mass: q.Mass | None = None
     added_mass: q.Mass | None = None
-    construction: Construction | None = None
+    construction: ConstructionSection | None = None
 
 
-class EnergyBudget(Section):
+class EnergyBudget(FileSection):
     """Hotel load over all time, propulsion under way, surfacings, and what the battery holds."""
 
     hotel: q.Power = 0.0
@@ -91,12 +91,12 @@ class EnergyBudget(Section):
     capacity: q.Energy | None = None
 
 
-class Vehicle(Section):
+class Vehicle(FileSection):
     """A vehicle file."""
 
     name: str = ""
-    hull: Hull
-    sail: Sail | None = None
+    hull: HullSection
+    sail: SailSection | None = None
     appendage_factor: q.PositiveNumber = 1.0
     mass: q.Mass | None = None
     net_buoyancy: q.SignedForce = 0.0

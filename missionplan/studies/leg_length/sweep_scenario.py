@@ -9,8 +9,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.mission import Navigation
-from missionplan.mission.schema.phases import LegTable as WrittenLegTable
-from missionplan.mission.schema.phases import TransitPhase
+from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.mission.schema.site import Position
 from missionplan.montecarlo.distributions import Distribution, mean_of
 from missionplan.montecarlo.streams import LegNormals
@@ -93,7 +92,7 @@ class SweepScenario:
     @property
     def table(self) -> LegTable | None:
         """Legs that adapt to the distance left, where the transit has them instead of a d_max."""
-        return leg_table(self.phase.d_max) if isinstance(self.phase.d_max, WrittenLegTable) else None
+        return leg_table(self.phase.d_max) if isinstance(self.phase.d_max, LegTableSection) else None
 
     @property
     def speed(self) -> float:
