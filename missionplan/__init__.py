@@ -35,7 +35,7 @@ def __getattr__(name: str) -> Any:
 
 def _render(result: Any) -> Rendered:
     """Render with `missionplan.report`, imported when the first result is saved."""
-    rendered: Rendered = import_module("missionplan.report.render").render(result)
+    rendered: Rendered = import_module("missionplan.report.render").render_report(result)
     return rendered
 
 

@@ -96,8 +96,8 @@ def main() -> None:
     with style():
         figures = [("", figure) for figure in (*blanke(), avila_step_response(), tunnel_factors())]
         for name in ("avila-drag", "avila-added-mass"):
-            findings = identify(MISSIONS / "measured" / name).findings
-            figures += [("avila-", pictures.panel_figure(panel)) for panel in findings.panels]
+            analysis = identify(MISSIONS / "measured" / name).analysis
+            figures += [("avila-", pictures.panel_figure(panel)) for panel in analysis.panels]
         sweep = sweep_transition(missionplan.load(MISSIONS / "autosub-transition.yaml"))
         figures += [("transition-", figure) for figure in transition_pictures.all_figures(sweep)]
     for prefix, figure in figures:

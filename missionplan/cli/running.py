@@ -54,9 +54,9 @@ def _tell(result: "Result", folder: Path) -> None:
     from rich.markup import escape
     from rich.table import Table
 
-    from missionplan.report.render import terminal
+    from missionplan.report.render import terminal_view
 
-    shown = terminal(result)
+    shown = terminal_view(result)
     console = Console(highlight=False)
     console.print(f"[bold]{escape(shown.sentence)}[/bold]")
     table = Table(box=None, pad_edge=False, header_style="dim")

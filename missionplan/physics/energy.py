@@ -2,6 +2,8 @@
 
 from missionplan.arrays import Scalars
 
+JOULES_PER_WATT_HOUR = 3600.0
+
 
 def propulsive_power(drag: Scalars, speed: Scalars, efficiency: Scalars) -> Scalars:
     """Electrical power of propulsion, F u/η = ½ρAC_d u³/η.

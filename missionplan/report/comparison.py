@@ -4,8 +4,8 @@ import shlex
 from collections.abc import Iterator, Mapping, Sequence
 
 from missionplan.report.numbers import Unit, number, plain, unit_for, with_error
-from missionplan.report.page import BLUE, INK, ORANGE, Figure, Page, Section, Table, Terminal, to_figure
-from missionplan.results.comparison import Change, Comparison, Difference
+from missionplan.report.page import BLUE, INK, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.results.comparison import ChangedValue, ComparedNumber, Comparison
 
 _MOST_ROWS = 60
 _MOST_DOTS = 16
@@ -29,7 +29,7 @@ def terminal(comparison: Comparison) -> Terminal:
     """Give the answer, the changes of the mission, and the numbers that changed."""
     changes = [
         (change.path, change.first or "–", change.second or "–", "")
-        for change in (*comparison.mission_changes, *comparison.option_changes, *comparison.verdicts)
+        for change in (*comparison.mission_changes, *comparison.option_changes, *comparison.requirement_changes)
     ]
     rows = [_row(comparison, difference) for difference in comparison.changed[:_MOST_ROWS]]
     columns = ("what changed", "first", "second", "change")
@@ -49,12 +49,12 @@ def _answer(comparison: Comparison) -> str:
         answer = "The results are the same."
     flips = [
         f"{plain(change.path)} was {change.first or 'not asked'} and is {change.second or 'not asked'}"
-        for change in comparison.verdicts
+        for change in comparison.requirement_changes
     ]
     return " ".join([answer, *(f"{flip[:1].upper()}{flip[1:]}." for flip in flips)])
 
 
-def _importance(difference: Difference) -> float:
+def _importance(difference: ComparedNumber) -> float:
     """Size of the change against its noise, or, without noise, against the number."""
     change = abs(difference.change or 0.0)
     if difference.standard_error:
@@ -62,7 +62,7 @@ def _importance(difference: Difference) -> float:
     return change / max(abs(difference.first or 0.0), abs(difference.second or 0.0), 1e-300)
 
 
-def _name(comparison: Comparison, difference: Difference) -> str:
+def _name(comparison: Comparison, difference: ComparedNumber) -> str:
     if difference.group == "requirement":
         return f"{_requirement(comparison, difference.key)} (requirement)"
     group = difference.group if difference.group not in ("sweep", "anchor") else ""
@@ -82,7 +82,7 @@ def _requirement(comparison: Comparison, key: str) -> str:
     return f"{plain(quantity)} {limit}".strip()
 
 
-def _unit(comparison: Comparison, difference: Difference) -> Unit:
+def _unit(comparison: Comparison, difference: ComparedNumber) -> Unit:
     if difference.kind == "probability":
         return _PERCENT
     data = comparison.provenance.data["second"] or {}
@@ -90,7 +90,7 @@ def _unit(comparison: Comparison, difference: Difference) -> Unit:
     return unit_for(difference.group, difference.key, data, typical=abs(typical or 0.0))
 
 
-def _shown_change(comparison: Comparison, difference: Difference) -> str:
+def _shown_change(comparison: Comparison, difference: ComparedNumber) -> str:
     change = difference.change
     if change is None:
         return "–"
@@ -98,7 +98,7 @@ def _shown_change(comparison: Comparison, difference: Difference) -> str:
     return words if words.startswith("−") or change == 0.0 else f"+{words}"
 
 
-def _row(comparison: Comparison, difference: Difference) -> tuple[str, str, str, str, str]:
+def _row(comparison: Comparison, difference: ComparedNumber) -> tuple[str, str, str, str, str]:
     unit, error = _unit(comparison, difference), difference.standard_error or 0.0
     first, second = (
         "–" if value is None else number(unit(value), unit(error)) + unit.suffix
@@ -151,37 +151,39 @@ def _dots(comparison: Comparison) -> Figure | None:
     )
 
 
-def _runs(comparison: Comparison) -> Iterator[Section]:
+def _runs(comparison: Comparison) -> Iterator[PageSection]:
     rows = [
         (run.folder, run.created[:16].replace("T", " "), run.version, number(run.trials), f"{run.seed}")
         for run in comparison.runs
     ]
     columns = ("folder", "made (UTC)", "missionplan", "trials", "seed")
     heading = "Both runs are of one mission" if not comparison.mission_changes else "The runs are of different missions"
-    yield Section(heading, [Table(columns, rows, words=3)])
+    yield PageSection(heading, [Table(columns, rows, words=3)])
 
 
-def _changes(comparison: Comparison) -> Iterator[Section]:
+def _changes(comparison: Comparison) -> Iterator[PageSection]:
     for noun, changes in (("mission", comparison.mission_changes), ("run", comparison.option_changes)):
         if changes:
             heading = f"{_count(changes, 'value')} of the {noun} {'is' if len(changes) == 1 else 'are'} different"
-            yield Section(heading, [Table(("key", "first", "second"), [_change(item) for item in changes], words=3)])
+            yield PageSection(
+                heading, [Table(("key", "first", "second"), [_change(item) for item in changes], words=3)]
+            )
 
 
-def _change(change: Change) -> tuple[str, str, str]:
+def _change(change: ChangedValue) -> tuple[str, str, str]:
     return change.path, change.first or "–", change.second or "–"
 
 
-def _differences(comparison: Comparison) -> Iterator[Section]:
+def _differences(comparison: Comparison) -> Iterator[PageSection]:
     changed = sorted(comparison.changed, key=_importance, reverse=True)
     rest = [item for item in comparison.differences if item.verdict != "changed"]
     if changed:
-        yield Section(f"{_count(changed, 'number')} changed", [_table(comparison, changed)])
+        yield PageSection(f"{_count(changed, 'number')} changed", [_table(comparison, changed)])
     if rest:
-        yield Section("What did not change, or cannot be told", [_table(comparison, rest)])
+        yield PageSection("What did not change, or cannot be told", [_table(comparison, rest)])
 
 
-def _table(comparison: Comparison, items: Sequence[Difference]) -> Table:
+def _table(comparison: Comparison, items: Sequence[ComparedNumber]) -> Table:
     many = f"The first {_MOST_ROWS} of {len(items)}; all are in differences.csv." if len(items) > _MOST_ROWS else ""
     columns = ("number", "verdict", "first", "second", "change ± standard error")
     return Table(columns, [_row(comparison, item) for item in items[:_MOST_ROWS]], many, words=2)

@@ -13,13 +13,13 @@ from missionplan.report.page import (
     Figure,
     Listing,
     Page,
-    Section,
+    PageSection,
     Table,
     Terminal,
     to_figure,
 )
 from missionplan.results.base import to_yaml
-from missionplan.results.identification import Estimate, Fit, Identification, Panel
+from missionplan.results.identification import FitPanel, FittedModel, Identification, IdentifiedParameter
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,18 +30,18 @@ MANY = 60
 
 def page(result: Identification) -> Page:
     """Lay out the result as a page."""
-    figures = [panel_figure(panel) for panel in result.findings.panels]
+    figures = [panel_figure(panel) for panel in result.analysis.panels]
     numbers = [(estimate.symbol, in_words(estimate)) for estimate in result.estimates[:4]]
-    sections = [Section(_fits_heading(result.fits), [parameter_table(result), *result.findings.remarks])]
+    sections = [PageSection(_fits_heading(result.fits), [parameter_table(result), *result.analysis.remarks])]
     if len(figures) > 1:
-        sections.append(Section("The fit drawn over the other readings", list[Block](figures[1:])))
+        sections.append(PageSection("The fit drawn over the other readings", list[Block](figures[1:])))
     fragment = "Paste this into the vehicle file; it is also in vehicle-fragment.yaml."
     sections.append(
-        Section("What the vehicle file takes from it", [fragment, Listing(to_yaml(result.findings.fragment))])
+        PageSection("What the vehicle file takes from it", [fragment, Listing(to_yaml(result.analysis.fragment))])
     )
     if result.source:
-        sections.append(Section("Where the data come from", [result.source]))
-    return Page(f"Identification: {result.name}", result.findings.answer, figures[0], numbers, sections)
+        sections.append(PageSection("Where the data come from", [result.source]))
+    return Page(f"Identification: {result.name}", result.analysis.answer, figures[0], numbers, sections)
 
 
 def terminal(result: Identification) -> Terminal:
@@ -49,10 +49,10 @@ def terminal(result: Identification) -> Terminal:
     rows = [
         (e.name, significant(e.value, e.sd), significant(e.sd, e.sd), _interval(e), e.unit) for e in result.estimates
     ]
-    return Terminal(result.findings.answer, ("parameter", "value", "standard error", "90 % interval", "unit"), rows)
+    return Terminal(result.analysis.answer, ("parameter", "value", "standard error", "90 % interval", "unit"), rows)
 
 
-def panel_figure(panel: Panel) -> Figure:
+def panel_figure(panel: FitPanel) -> Figure:
     """Draw data with their errors, the fits over them, and the residuals of the preferred fit below."""
     from matplotlib.figure import Figure as MatplotlibFigure
 
@@ -69,7 +69,7 @@ def panel_figure(panel: Panel) -> Figure:
     return to_figure(figure, panel.name, panel.alt)
 
 
-def _draw_data(axes: "Axes", panel: Panel) -> None:
+def _draw_data(axes: "Axes", panel: FitPanel) -> None:
     many = len(panel.x) > MANY
     if many or np.all(np.isnan(panel.y_sd)):
         axes.plot(panel.x, panel.y, ".", color=GREY, markersize=3 if many else 7, label="measured", zorder=2)
@@ -92,7 +92,7 @@ def _draw_data(axes: "Axes", panel: Panel) -> None:
     axes.set_ylabel(panel.y_label)
 
 
-def _draw_residuals(axes: "Axes", panel: Panel) -> None:
+def _draw_residuals(axes: "Axes", panel: FitPanel) -> None:
     residual = panel.y - panel.fitted
     axes.axhline(0.0, color=BLUE, linewidth=1.0)
     if len(panel.x) > MANY or np.all(np.isnan(panel.y_sd)):
@@ -104,7 +104,7 @@ def _draw_residuals(axes: "Axes", panel: Panel) -> None:
 
 def parameter_table(result: Identification) -> Table:
     """Parameters of every fit and what follows from the preferred one."""
-    groups = [(fit.name, fit.estimates) for fit in result.fits] + [("follows", result.findings.derived)]
+    groups = [(fit.name, fit.estimates) for fit in result.fits] + [("follows", result.analysis.derived)]
     rows = [
         (
             f"{e.symbol} ({e.name.replace('_', ' ')})",
@@ -121,13 +121,13 @@ def parameter_table(result: Identification) -> Table:
     return Table(columns, rows, "The first model is the preferred one.")
 
 
-def _fits_heading(fits: tuple[Fit, ...]) -> str:
+def _fits_heading(fits: tuple[FittedModel, ...]) -> str:
     if len(fits) == 1:
         return f"The data give {fits[0].name}"
     return f"The data ask for {fits[0].name}, not {fits[1].name}"
 
 
-def in_words(estimate: Estimate) -> str:
+def in_words(estimate: IdentifiedParameter) -> str:
     """Write a parameter with its error and unit, rounded to what the error supports."""
     unit = f" {estimate.unit}" if estimate.unit else ""
     if not math.isfinite(estimate.sd):
@@ -135,7 +135,7 @@ def in_words(estimate: Estimate) -> str:
     return f"{significant(estimate.value, estimate.sd)} ± {significant(estimate.sd, estimate.sd)}{unit}"
 
 
-def _interval(estimate: Estimate) -> str:
+def _interval(estimate: IdentifiedParameter) -> str:
     if not math.isfinite(estimate.sd):
         return "not known"
     return f"{significant(estimate.low, estimate.sd)} to {significant(estimate.high, estimate.sd)}"

@@ -8,6 +8,7 @@ from typing import Any
 
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 
 NARROW_SPACE = "\u202f"
 _SUFFIXES = {"_m_s": "m/s", "_wh": "W*h", "_s": "s", "_m": "m", "_n": "N", "_kg": "kg", "_rad": "rad", "_deg": "deg"}
@@ -63,6 +64,11 @@ def split_key(key: str) -> tuple[str, str]:
         if key.endswith(suffix):
             return key.removesuffix(suffix), unit
     return key, ""
+
+
+def si_per_unit(key: str) -> float:
+    """Size in SI of the unit that a key of `summary.json` ends with."""
+    return JOULES_PER_WATT_HOUR if key.endswith("_wh") else 1.0
 
 
 def plain(name: str) -> str:

@@ -69,7 +69,7 @@ Block = str | Figure | Table | Listing
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """A heading that is a finding, and what shows it."""
 
     heading: str
@@ -90,7 +90,7 @@ class Page:
         The one figure that shows it.
     numbers : sequence of (label, value)
         Two or three numbers, with their intervals and units.
-    sections : sequence of Section
+    sections : sequence of PageSection
         Everything else.
     verdict : str
         "good", "bad" or "" : how the answer is marked.
@@ -102,7 +102,7 @@ class Page:
     answer: str
     figure: Figure | None
     numbers: Sequence[tuple[str, str]]
-    sections: Sequence[Section]
+    sections: Sequence[PageSection]
     verdict: str = ""
     rerun: str = ""
 

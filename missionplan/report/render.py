@@ -9,7 +9,7 @@ from missionplan.report.page import Terminal, render_page, style
 from missionplan.results.base import Result
 
 
-def render(result: Result) -> Rendered:
+def render_report(result: Result) -> Rendered:
     """Render a result as one self-contained page, its figures, and what its module's `files` has for other programs."""
     module = _module(result)
     with style():
@@ -18,7 +18,7 @@ def render(result: Result) -> Rendered:
     return replace(rendered, files=module.files(result)) if hasattr(module, "files") else rendered
 
 
-def terminal(result: Result) -> Terminal:
+def terminal_view(result: Result) -> Terminal:
     """Render a result for a terminal."""
     table: Terminal = _module(result).terminal(result)
     return table

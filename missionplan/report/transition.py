@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, Page, Section, Table, Terminal, to_figure
-from missionplan.results.transition import FORCE, PAIR, SUCTION, Track, TransitionSweep
+from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.results.transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 
 TAIL = 260.0
 """Histories are shown until this time after the deceleration began [s]."""
@@ -30,13 +30,17 @@ def page(result: TransitionSweep) -> Page:
         unassisted_figure(result),
         numbers,
         [
-            Section("Lower mid-transition speeds cost depth", [depth_by_mid_speed(result), depth_by_steepness(result)]),
-            Section("Pitch follows, and swings on at hover", [pitch_by_mid_speed(result), pitch_by_steepness(result)]),
-            Section(
+            PageSection(
+                "Lower mid-transition speeds cost depth", [depth_by_mid_speed(result), depth_by_steepness(result)]
+            ),
+            PageSection(
+                "Pitch follows, and swings on at hover", [pitch_by_mid_speed(result), pitch_by_steepness(result)]
+            ),
+            PageSection(
                 "What energy it takes", [energy_figure(result, "a"), energy_figure(result, "b"), energy_table(result)]
             ),
-            Section("A pair of thrusters damps the pitch", [pitch_by_variant(result), variant_table(result)]),
-            Section("How far to trust it", [_trust(result)]),
+            PageSection("A pair of thrusters damps the pitch", [pitch_by_variant(result), variant_table(result)]),
+            PageSection("How far to trust it", [_trust(result)]),
         ],
     )
 
@@ -99,7 +103,7 @@ def unassisted_figure(result: TransitionSweep) -> Figure:
 
 
 def _histories(
-    tracks: Sequence[Track], name: str, alt: str, caption: str, y: Callable[[Track], np.ndarray], label: str
+    tracks: Sequence[TimeHistory], name: str, alt: str, caption: str, y: Callable[[TimeHistory], np.ndarray], label: str
 ) -> Figure:
     import matplotlib as mpl
     from matplotlib.figure import Figure as MatplotlibFigure
@@ -116,11 +120,11 @@ def _histories(
     return to_figure(figure, name, alt, caption)
 
 
-def _rise(track: Track) -> np.ndarray:
+def _rise(track: TimeHistory) -> np.ndarray:
     return -track.depth
 
 
-def _pitch(track: Track) -> np.ndarray:
+def _pitch(track: TimeHistory) -> np.ndarray:
     return np.degrees(track.pitch)
 
 

@@ -40,7 +40,7 @@ class DiveProbabilities:
 
 @dataclass(frozen=True)
 class SizedAnchor:
-    """One anchor, its construction, its nominal dive and its odds.
+    """One anchor, its construction, its nominal dive and its probabilities.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class SizedAnchor:
         Of the nominal dive, distributions at their means.
     profile : DescentProfile
         That dive against time.
-    odds : DiveProbabilities
+    probabilities : DiveProbabilities
     """
 
     wet_weight: float
@@ -72,7 +72,7 @@ class SizedAnchor:
     buildable: tuple[float, float] | None
     dive: Dive
     profile: DescentProfile
-    odds: DiveProbabilities
+    probabilities: DiveProbabilities
 
     @property
     def problems(self) -> list[str]:
@@ -134,15 +134,15 @@ class SizedAnchor:
             "struck_seafloor": bool(record.struck[0]),
         }
 
-    def odds_summary(self) -> dict[str, Any]:
-        """Give the odds for ``summary.json``."""
-        odds = self.odds
+    def probabilities_summary(self) -> dict[str, Any]:
+        """Give the probabilities for ``summary.json``."""
+        probabilities = self.probabilities
         return {
-            "within_radius_and_not_struck": odds.good.summary(),
-            "within_radius": odds.within.summary(),
-            "struck_seafloor": odds.struck.summary(),
-            "offset_m": odds.offset.summary(),
-            "lowest_altitude_m": odds.lowest_altitude.summary(),
+            "within_radius_and_not_struck": probabilities.good.summary(),
+            "within_radius": probabilities.within.summary(),
+            "struck_seafloor": probabilities.struck.summary(),
+            "offset_m": probabilities.offset.summary(),
+            "lowest_altitude_m": probabilities.lowest_altitude.summary(),
         }
 
 
@@ -196,7 +196,7 @@ class ProbableAnchor:
             "best": self.best,
             "anchor": found.summary() if found else None,
             "descent": found.descent_summary() if found else None,
-            "odds": found.odds_summary() if found else None,
+            "odds": found.probabilities_summary() if found else None,
             "line_length_m": self.line_length,
             "line_anchor_wet_weight_n": self.line_anchor_weight,
         }
@@ -260,7 +260,7 @@ class AnchorSizing(Result):
             "required_velocity_vector_m_s": self.vector_velocity,
             "anchor": self.anchor.summary(),
             "descent": self.anchor.descent_summary(),
-            "odds": self.anchor.odds_summary(),
+            "odds": self.anchor.probabilities_summary(),
             "probable": self.probable.summary() if self.probable else None,
             "notes": list(self.notes),
         }
@@ -303,7 +303,7 @@ def _numbers(anchor: SizedAnchor) -> dict[str, float]:
     drag = {f"drag_{name}_n": value for name, value in summary.pop("drag_n").items()}
     plain = {key: value for key, value in summary.items() if isinstance(value, float)}
     descent = {f"descent_{key}": value for key, value in anchor.descent_summary().items() if key != "struck_seafloor"}
-    return {**plain, **drag, **descent, "probability_good": anchor.odds.good.value}
+    return {**plain, **drag, **descent, "probability_good": anchor.probabilities.good.value}
 
 
 def _stage_names(profile: DescentProfile) -> list[str]:

@@ -7,11 +7,11 @@ import pandas as pd
 
 from missionplan.results.base import Provenance, Result, to_csv
 
-Verdict = Literal["changed", "within noise", "same", "not judged", "only first", "only second"]
+ChangeVerdict = Literal["changed", "within noise", "same", "not judged", "only first", "only second"]
 
 
 @dataclass(frozen=True)
-class Run:
+class ComparedRun:
     """One of the two runs.
 
     Attributes
@@ -30,7 +30,7 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Change:
+class ChangedValue:
     """A value of the mission file, or an option of the run, that differs; empty where one has no such value."""
 
     path: str
@@ -39,7 +39,7 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Difference:
+class ComparedNumber:
     """A number of the results, in both runs.
 
     Attributes
@@ -66,7 +66,7 @@ class Difference:
     second: float | None
     standard_error: float | None
     p_value: float | None
-    verdict: Verdict
+    verdict: ChangeVerdict
 
     @property
     def change(self) -> float | None:
@@ -94,12 +94,12 @@ class Comparison(Result):
         Its `data` holds both missions.
     compared : str
         The command that made both reports.
-    runs : (Run, Run)
-    mission_changes, option_changes : tuple of Change
+    runs : (ComparedRun, ComparedRun)
+    mission_changes, option_changes : tuple of ChangedValue
         By key path; seeds, trials, versions and options.
-    differences : tuple of Difference
+    differences : tuple of ComparedNumber
         In the order of the first summary.
-    verdicts : tuple of Change
+    requirement_changes : tuple of ChangedValue
         Requirements that one run meets and the other does not.
     """
 
@@ -107,14 +107,14 @@ class Comparison(Result):
 
     provenance: Provenance
     compared: str
-    runs: tuple[Run, Run]
-    mission_changes: tuple[Change, ...]
-    option_changes: tuple[Change, ...]
-    differences: tuple[Difference, ...]
-    verdicts: tuple[Change, ...]
+    runs: tuple[ComparedRun, ComparedRun]
+    mission_changes: tuple[ChangedValue, ...]
+    option_changes: tuple[ChangedValue, ...]
+    differences: tuple[ComparedNumber, ...]
+    requirement_changes: tuple[ChangedValue, ...]
 
     @property
-    def changed(self) -> tuple[Difference, ...]:
+    def changed(self) -> tuple[ComparedNumber, ...]:
         """Differences that are more than Monte-Carlo noise."""
         return tuple(difference for difference in self.differences if difference.verdict == "changed")
 
@@ -127,7 +127,7 @@ class Comparison(Result):
             "mission_changes": [vars(change) for change in self.mission_changes],
             "option_changes": [vars(change) for change in self.option_changes],
             "differences": [difference.row() for difference in self.differences],
-            "requirement_changes": [vars(change) for change in self.verdicts],
+            "requirement_changes": [vars(change) for change in self.requirement_changes],
         }
 
     def to_frame(self) -> pd.DataFrame:

@@ -11,7 +11,7 @@ from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 
 
 @dataclass(frozen=True)
-class Estimate:
+class IdentifiedParameter:
     """A parameter: SI `value`, standard deviation `sd`, 90 % interval from `low` to `high`, `unit` and symbol."""
 
     name: str
@@ -24,14 +24,14 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class Fit:
+class FittedModel:
     """A model fitted to data by weighted least squares.
 
     Attributes
     ----------
     name : str
         The model in words: "constant drag coefficient".
-    estimates : tuple of Estimate
+    estimates : tuple of IdentifiedParameter
         Its parameters.
     chi_squared : float
         Weighted sum of squared residuals, with the stated errors; nan where none were stated.
@@ -49,7 +49,7 @@ class Fit:
     """
 
     name: str
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[IdentifiedParameter, ...]
     chi_squared: float
     degrees_of_freedom: int
     widened: float
@@ -57,7 +57,7 @@ class Fit:
     residual_sd: float
     covariance: Array
 
-    def __getitem__(self, name: str) -> Estimate:
+    def __getitem__(self, name: str) -> IdentifiedParameter:
         """Estimate of a parameter by name."""
         return next(estimate for estimate in self.estimates if estimate.name == name)
 
@@ -67,7 +67,7 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class Curve:
+class FitCurve:
     """A line to draw: a model between the data, or another set of points (`dots`)."""
 
     label: str
@@ -77,7 +77,7 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Panel:
+class FitPanel:
     """Data and fits that share two axes; `fitted` is the preferred model at the data, `ticks` name the places on x."""
 
     name: str
@@ -87,21 +87,21 @@ class Panel:
     y: Array
     y_sd: Array
     fitted: Array
-    curves: tuple[Curve, ...]
+    curves: tuple[FitCurve, ...]
     alt: str
     ticks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Findings:
+class TankAnalysis:
     """What the fitting of one kind of data set hands to the result."""
 
     answer: str
-    fits: tuple[Fit, ...]
-    panels: tuple[Panel, ...]
+    fits: tuple[FittedModel, ...]
+    panels: tuple[FitPanel, ...]
     remarks: tuple[str, ...]
     fragment: Mapping[str, Any]
-    derived: tuple[Estimate, ...] = ()
+    derived: tuple[IdentifiedParameter, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class Identification(Result):
     ----------
     kind, name, source : str
         Of the data set.
-    findings : Findings
+    analysis : TankAnalysis
         Fits (the preferred one first), panels, remarks and fragment.
     """
 
@@ -121,19 +121,19 @@ class Identification(Result):
     kind: str
     name: str
     source: str
-    findings: Findings = field(repr=False)
+    analysis: TankAnalysis = field(repr=False)
 
     @property
-    def fits(self) -> tuple[Fit, ...]:
+    def fits(self) -> tuple[FittedModel, ...]:
         """Fits, the preferred one first."""
-        return self.findings.fits
+        return self.analysis.fits
 
     @property
-    def estimates(self) -> tuple[Estimate, ...]:
+    def estimates(self) -> tuple[IdentifiedParameter, ...]:
         """Parameters of the preferred fit, then what follows from them."""
-        return (*self.fits[0].estimates, *self.findings.derived)
+        return (*self.fits[0].estimates, *self.analysis.derived)
 
-    def __getitem__(self, name: str) -> Estimate:
+    def __getitem__(self, name: str) -> IdentifiedParameter:
         """Parameter of the preferred fit, or derived from it, by name."""
         return next(estimate for estimate in self.estimates if estimate.name == name)
 
@@ -155,14 +155,14 @@ class Identification(Result):
                 }
                 for fit in self.fits
             ],
-            "remarks": list(self.findings.remarks),
-            "vehicle_fragment": dict(self.findings.fragment),
+            "remarks": list(self.analysis.remarks),
+            "vehicle_fragment": dict(self.analysis.fragment),
         }
 
     def to_frame(self) -> pd.DataFrame:
         """Parameters of every fit, one a row."""
         rows = [{"model": fit.name, **_entry(estimate)} for fit in self.fits for estimate in fit.estimates]
-        rows += [{"model": "derived", **_entry(estimate)} for estimate in self.findings.derived]
+        rows += [{"model": "derived", **_entry(estimate)} for estimate in self.analysis.derived]
         return pd.DataFrame(rows)
 
     def residuals(self) -> pd.DataFrame:
@@ -177,7 +177,7 @@ class Identification(Result):
                     "residual": panel.y - panel.fitted,
                 }
             )
-            for panel in self.findings.panels
+            for panel in self.analysis.panels
         ]
         return pd.concat(frames, ignore_index=True)
 
@@ -186,11 +186,11 @@ class Identification(Result):
         return {
             "parameters.csv": to_csv(self.to_frame()),
             "residuals.csv": to_csv(self.residuals()),
-            "vehicle-fragment.yaml": to_yaml(self.findings.fragment),
+            "vehicle-fragment.yaml": to_yaml(self.analysis.fragment),
         }
 
 
-def _entry(estimate: Estimate) -> dict[str, Any]:
+def _entry(estimate: IdentifiedParameter) -> dict[str, Any]:
     return {
         "name": estimate.name,
         "value": estimate.value,

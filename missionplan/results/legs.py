@@ -9,9 +9,8 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
-
-JOULES_PER_WATT_HOUR = 3600.0
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ class LegCase:
     energy_saving: float
     energy_saving_error: float
 
-    def aimed_saving(self, aim: str) -> tuple[float, float]:
+    def saving_for(self, aim: str) -> tuple[float, float]:
         """Give what the table saves, with its standard error: energy for the aim ``energy`` [J], else time [s]."""
         if aim == "energy":
             return self.energy_saving, self.energy_saving_error
@@ -71,7 +70,7 @@ class LegCase:
 
 
 @dataclass(frozen=True)
-class Contender:
+class CandidatePlan:
     """A plan of legs judged by what the legs are chosen for, on trials other than those that it was chosen on.
 
     Attributes
@@ -112,7 +111,7 @@ class LegPlan(Result):
     aim : str
         What the legs are best for: ``mean``, the expected time; ``p95``, the time that 95 % of the trials keep, or a
         deadline of the mission; ``energy``.
-    machinery : str
+    how_found : str
         How the table was found, in a sentence.
     deadline : float
         By which the transit is to be done, for ``p95``; infinite without one [s].
@@ -138,7 +137,7 @@ class LegPlan(Result):
         Expected cost of that, and of a single leg.
     cases : tuple of LegCase
         The mission itself, then others for robustness.
-    contenders : tuple of Contender
+    candidates : tuple of CandidatePlan
         The best fixed d_max, the best legs for the mean time, and the table; empty for the aim ``mean``.
     fixed_tracks, adaptive_tracks : array, shape (2, m, j)
         Tracks of the same few trials by both plans: the start, where they surfaced and dived; nan after arrival [m].
@@ -150,7 +149,7 @@ class LegPlan(Result):
     phase: str
     phase_index: int
     aim: str
-    machinery: str
+    how_found: str
     deadline: float
     distance: float
     speed: float
@@ -170,7 +169,7 @@ class LegPlan(Result):
     fixed_cost: float
     one_leg_cost: float
     cases: tuple[LegCase, ...]
-    contenders: tuple[Contender, ...]
+    candidates: tuple[CandidatePlan, ...]
     fixed_tracks: Array
     adaptive_tracks: Array
 
@@ -193,10 +192,10 @@ class LegPlan(Result):
     def recommended(self) -> bool:
         """Whether the table does better in the mission's own trials, by more than two standard errors."""
         if self.aim == "p95":
-            fixed, *_, table = self.contenders
+            fixed, *_, table = self.candidates
             gain = table.value - fixed.value if np.isfinite(self.deadline) else fixed.value - table.value
             return gain > 2.0 * float(np.hypot(fixed.standard_error, table.standard_error))
-        saving, error = self.cases[0].aimed_saving(self.aim)
+        saving, error = self.cases[0].saving_for(self.aim)
         return saving > 2.0 * error
 
     @property
@@ -240,7 +239,7 @@ class LegPlan(Result):
         return {
             **self.provenance.summary(),
             "aim": self.aim,
-            "machinery": self.machinery,
+            "machinery": self.how_found,
             "deadline_s": self.deadline,
             "phase": self.phase,
             "distance_m": self.distance,
@@ -262,20 +261,20 @@ class LegPlan(Result):
             "saving_s": self.saving,
             "recommended": "adaptive" if self.recommended else "fixed",
             "cases": [_case_summary(case) for case in self.cases],
-            "contenders": [_contender_summary(contender) for contender in self.contenders],
+            "contenders": [_candidate_summary(candidate) for candidate in self.candidates],
         }
 
 
-def _contender_summary(contender: Contender) -> dict[str, Any]:
+def _candidate_summary(candidate: CandidatePlan) -> dict[str, Any]:
     return {
-        "name": contender.name,
-        "speed_m_s": contender.speed,
-        "duration_s": contender.duration.summary(),
+        "name": candidate.name,
+        "speed_m_s": candidate.speed,
+        "duration_s": candidate.duration.summary(),
         "energy_wh": {
             key: value if value is None else value / JOULES_PER_WATT_HOUR
-            for key, value in contender.energy.summary().items()
+            for key, value in candidate.energy.summary().items()
         },
-        "on_time": contender.on_time.summary(),
+        "on_time": candidate.on_time.summary(),
     }
 
 

@@ -14,7 +14,7 @@ FORCE, SUCTION, PAIR = "one thruster, force alone", "one thruster with suction",
 
 
 @dataclass(frozen=True)
-class Track:
+class TimeHistory:
     """Time history of one run, from the start of the deceleration; depth is below the target.
 
     Arrays of shape (samples,): `time` [s], `speed` [m/s], `pitch` and `sternplane` [rad], `depth` [m].
@@ -38,13 +38,13 @@ class TransitionSweep(Result):
         One run a row: `variant`, `deceleration_m_s2`, `steepness_m_s`, `mid_speed_m_s`, `depth_excursion_m`,
         `pitch_excursion_rad`, `hover_time_s`, `hover_pitch_rad`, `energy_common_wh` (option (a): until the slowest
         run of the set hovers), `energy_to_hover_wh` (option (b)), `energy_out_of_range` (share).
-    unassisted : Track
+    unassisted : TimeHistory
         Without thrusters (Fig. 3).
     saturation_speed : float
         Speed at which the sternplanes reach their limit in level flight, point A [m/s]; nan if they never do.
-    by_mid_speed, by_steepness : tuple of Track
+    by_mid_speed, by_steepness : tuple of TimeHistory
         One thruster, force alone, at the shown deceleration (Figs. 6 to 9).
-    by_variant : tuple of Track
+    by_variant : tuple of TimeHistory
         The variants at the shown deceleration, steepness and mid-transition speed (Fig. 14).
     hover : mapping
         `thrust_n`, `revolutions_per_s`, `power_w` of one thruster and `pair_power_w` at hover.
@@ -54,11 +54,11 @@ class TransitionSweep(Result):
     provenance: Provenance
     cells: pd.DataFrame
     shown_deceleration: float
-    unassisted: Track
+    unassisted: TimeHistory
     saturation_speed: float
-    by_mid_speed: tuple[Track, ...]
-    by_steepness: tuple[Track, ...]
-    by_variant: tuple[Track, ...]
+    by_mid_speed: tuple[TimeHistory, ...]
+    by_steepness: tuple[TimeHistory, ...]
+    by_variant: tuple[TimeHistory, ...]
     hover: Mapping[str, float]
 
     def shown(self, variant: str) -> pd.DataFrame:

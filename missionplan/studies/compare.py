@@ -14,7 +14,7 @@ from scipy.special import ndtr
 from missionplan.errors import InputError, Problem
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.results.base import Provenance
-from missionplan.results.comparison import Change, Comparison, Difference, Run
+from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
 from missionplan.studies.mission_changes import changes
 
 SECTIONS = {
@@ -75,7 +75,7 @@ def compare(first: str | Path, second: str | Path) -> Comparison:
         mission_changes=changes(missions[0], missions[1]),
         option_changes=changes(_options(summaries[0]), _options(summaries[1])),
         differences=_judge(list(_differences(one, two, runs))),
-        verdicts=_verdicts(*summaries),
+        requirement_changes=_requirement_changes(*summaries),
     )
 
 
@@ -102,10 +102,12 @@ def _one_command(folders: Sequence[Path], summaries: Sequence[Mapping[str, Any]]
     return str(commands[0])
 
 
-def _run(folder: Path, summary: Mapping[str, Any]) -> Run:
+def _run(folder: Path, summary: Mapping[str, Any]) -> ComparedRun:
     text = {key: str(summary.get(key, "")) for key in ("mission", "version", "created_utc")}
     whole = {key: value if isinstance(value := summary.get(key), int) else 0 for key in ("seed", "trials")}
-    return Run(str(folder), text["mission"], text["version"], text["created_utc"], whole["seed"], whole["trials"])
+    return ComparedRun(
+        str(folder), text["mission"], text["version"], text["created_utc"], whole["seed"], whole["trials"]
+    )
 
 
 def _options(summary: Mapping[str, Any]) -> dict[str, Any]:
@@ -115,7 +117,7 @@ def _options(summary: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _notices(runs: tuple[Run, Run]) -> tuple[str, ...]:
+def _notices(runs: tuple[ComparedRun, ComparedRun]) -> tuple[str, ...]:
     if runs[0].seed != runs[1].seed:
         return ()
     return ("both runs have the same seed and so share draws: a difference that is called noise here may be real",)
@@ -180,20 +182,22 @@ def _place(path: tuple[str, ...]) -> tuple[str, str]:
 
 
 def _differences(
-    first: Mapping[tuple[str, str], Reading], second: Mapping[tuple[str, str], Reading], runs: tuple[Run, Run]
-) -> Iterator[Difference]:
+    first: Mapping[tuple[str, str], Reading],
+    second: Mapping[tuple[str, str], Reading],
+    runs: tuple[ComparedRun, ComparedRun],
+) -> Iterator[ComparedNumber]:
     for place in dict.fromkeys((*first, *second)):
         one, two = first.get(place), second.get(place)
         kind: Any = (one or two or ("number",))[0]
         if one is None or two is None:
             values = (one[1] if one else None), (two[1] if two else None)
-            yield Difference(*place, kind, *values, None, None, "only first" if one else "only second")
+            yield ComparedNumber(*place, kind, *values, None, None, "only first" if one else "only second")
         else:
             error, p_value = _noise(one, two, runs)
-            yield Difference(*place, kind, one[1], two[1], error, p_value, "not judged")
+            yield ComparedNumber(*place, kind, one[1], two[1], error, p_value, "not judged")
 
 
-def _noise(first: Reading, second: Reading, runs: tuple[Run, Run]) -> tuple[float | None, float | None]:
+def _noise(first: Reading, second: Reading, runs: tuple[ComparedRun, ComparedRun]) -> tuple[float | None, float | None]:
     """Standard error of the difference, and its two-sided p-value."""
     change = second[1] - first[1]
     if first[0] == "probability":
@@ -216,14 +220,14 @@ def _two_proportions(first: float, second: float, n: int, m: int) -> tuple[float
     return own, math.sqrt(max(share * (1.0 - share), 0.0) * (1.0 / n + 1.0 / m))
 
 
-def _judge(differences: Sequence[Difference]) -> tuple[Difference, ...]:
+def _judge(differences: Sequence[ComparedNumber]) -> tuple[ComparedNumber, ...]:
     """Give the verdicts: exact where there is no noise, by Holm's correction over all numbers that have some."""
     noisy = [difference for difference in differences if difference.standard_error and difference.p_value is not None]
     adjusted = dict(zip(map(id, noisy), holm([difference.p_value or 0.0 for difference in noisy]), strict=True))
     return tuple(_with_verdict(difference, adjusted.get(id(difference))) for difference in differences)
 
 
-def _with_verdict(difference: Difference, adjusted: float | None) -> Difference:
+def _with_verdict(difference: ComparedNumber, adjusted: float | None) -> ComparedNumber:
     if difference.p_value is None:
         same = difference.verdict == "not judged" and difference.change == 0.0
         return replace(difference, verdict="same") if same else difference
@@ -243,7 +247,7 @@ def holm(p_values: Sequence[float]) -> list[float]:
     return [float(value) for value in adjusted]
 
 
-def _verdicts(first: Mapping[str, Any], second: Mapping[str, Any]) -> tuple[Change, ...]:
+def _requirement_changes(first: Mapping[str, Any], second: Mapping[str, Any]) -> tuple[ChangedValue, ...]:
     """Requirements that one run meets and the other does not."""
     judged = [
         {

@@ -6,16 +6,16 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.results.comparison import Change
+from missionplan.results.comparison import ChangedValue
 
 _TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
 
 
-def changes(first: Any, second: Any) -> tuple[Change, ...]:
+def changes(first: Any, second: Any) -> tuple[ChangedValue, ...]:
     """List the values that differ, by key path with phases by name; ``75 ft`` and ``22.86 m`` are the same."""
     one, two = dict(_leaves(first, "")), dict(_leaves(second, ""))
     return tuple(
-        Change(path, _shown(one.get(path)), _shown(two.get(path)))
+        ChangedValue(path, _shown(one.get(path)), _shown(two.get(path)))
         for path in dict.fromkeys((*one, *two))
         if not _same(one.get(path), two.get(path))
     )

@@ -69,7 +69,7 @@ def test_the_mission_meets_its_requirements(outcome):
 def test_the_anchors_radius_holds_as_the_sizing_promised():
     """Eq. 1 leaves out release, pay-out and acceleration, but takes the worst currents as aligned."""
     design = load(MISSION.with_name("anchor-design.yaml"))
-    promised = size_anchor(design, trials=16384).anchor.odds
+    promised = size_anchor(design, trials=16384).anchor.probabilities
     found = simulate(design, trials=16384, seed=7).phases[0]
     within, offset = found.events["within_radius"], found.quantities["offset_m"]
     assert 0.8 < within.value < 0.97  # not the certainty that a worst case suggests

@@ -9,7 +9,7 @@ from missionplan.mission import load
 from missionplan.montecarlo.statistics import Statistic, wilson
 from missionplan.report.leg_length.plan import page
 from missionplan.report.page import Figure, Listing, Table
-from missionplan.results.legs import Contender
+from missionplan.results.legs import CandidatePlan
 from missionplan.studies.leg_length.plan_legs import plan_legs
 
 MISSION = """
@@ -60,8 +60,8 @@ def test_two_plans_are_set_beside_each_other_only_where_there_are_two(adaptive, 
 def test_an_aim_of_energy_is_judged_by_energy(adaptive):
     case = replace(adaptive.cases[0], energy_saving=7200.0, energy_saving_error=360.0)
     energy = Statistic(36e3, 3600.0, 30e3, 36e3, 42e3, 36.0, 400)
-    rival = Contender("rival", 1.0, Statistic.of_constant(3600.0, 400), energy, wilson(400, 400), 36e3, 36.0)
-    plan = replace(adaptive, aim="energy", cases=(case,), contenders=(rival,) * 4)
+    rival = CandidatePlan("rival", 1.0, Statistic.of_constant(3600.0, 400), energy, wilson(400, 400), 36e3, 36.0)
+    plan = replace(adaptive, aim="energy", cases=(case,), candidates=(rival,) * 4)
     assert plan.recommended
     (table,) = (table for table in blocks(plan, Table) if table.columns[0] == "Errors")
     assert table.columns[-1] == "Energy saved (W\u202fh)"

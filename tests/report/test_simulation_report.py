@@ -11,7 +11,7 @@ from outcome_example import MAPPED, example
 
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.page import Figure, style
-from missionplan.report.render import render, terminal
+from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
 from missionplan.results.simulation import Attrition, Outcome
 
@@ -43,14 +43,16 @@ def test_the_verdict_comes_first_in_plain_words(page, outcome):
 def test_a_mission_that_never_failed_says_so(outcome):
     sure = with_success(outcome, 1000, 1000)
     assert (
-        "none of 4000 trials failed, so that P(success) is 100\u00a0% (at least 99.6\u00a0%)" in terminal(sure).sentence
+        "none of 4000 trials failed, so that P(success) is 100\u00a0% (at least 99.6\u00a0%)"
+        in terminal_view(sure).sentence
     )
 
 
 def test_the_commonest_of_many_failures_is_named_as_such(outcome):
     steps = [Attrition(f"leg {i}: not arrived", wilson(30 + i, 100), wilson(70, 100)) for i in range(2)]
     assert (
-        "the commonest failures are missed arrivals (leg 1)" in terminal(with_success(outcome, 10, 100, steps)).sentence
+        "the commonest failures are missed arrivals (leg 1)"
+        in terminal_view(with_success(outcome, 10, 100, steps)).sentence
     )
 
 
@@ -59,7 +61,7 @@ def test_requirements_are_judged_in_words(outcome):
     assert judged[2] == "not met"
     undecided = replace(outcome.requirements[0], undecided=True)
     assert simulation.judged(undecided) == "met, but undecided"
-    words = terminal(replace(outcome, requirements=(undecided,))).sentence
+    words = terminal_view(replace(outcome, requirements=(undecided,))).sentence
     assert "Its requirement is met; for 1 of them more trials would be needed to tell." in words
 
 
@@ -85,7 +87,7 @@ def test_a_quantity_that_does_not_vary_is_told_and_not_drawn(outcome):
     moor = outcome.phases[1]
     fixed = replace(moor.quantities["lowest_altitude_m"], mean=1.498, p50=1.498, sd=2e-13, standard_error=3e-15)
     phases = (outcome.phases[0], replace(moor, quantities={**moor.quantities, "lowest_altitude_m": fixed}))
-    rendered = render(replace(outcome, phases=phases))
+    rendered = render_report(replace(outcome, phases=phases))
     assert "Moor lowest altitude is 1.498\u00a0m in every trial" in rendered.html
     assert "moor-lowest-altitude-m" not in rendered.figures
 
@@ -95,7 +97,7 @@ def test_trials_that_went_nowhere_and_a_mission_that_asks_nothing_leave_a_page(o
     tracks = replace(outcome.tracks, position=np.where(np.arange(MAPPED) < keep, outcome.tracks.position, np.nan))
     arrivals = {name: np.full((2, 5), np.nan) for name in outcome.arrivals}
     poor = replace(outcome, tracks=tracks, arrivals=arrivals, sensitivities=(), requirements=())
-    rendered = render(poor)
+    rendered = render_report(poor)
     assert "track-map" in rendered.figures
     assert '<h1 class="">' in rendered.html
     assert not re.search("<h2>[^<]*(requirement|matters most)", rendered.html)
@@ -112,7 +114,7 @@ class Tags(HTMLParser):
 
 def test_failed_blocks_are_told_first_and_what_files_say_is_escaped():
     evil = "<script>alert(1)</script>\" onload='x' & {{ 7*7 }}"
-    rendered = render(replace(example(name=evil), failed_blocks=(f"block 3, seed 1: {evil}",)))
+    rendered = render_report(replace(example(name=evil), failed_blocks=(f"block 3, seed 1: {evil}",)))
     assert re.findall("<h2>(.*?)</h2>", rendered.html)[1] == "1 block of trials failed numerically"
     tags = Tags()
     tags.feed(rendered.html)

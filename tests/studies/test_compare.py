@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import norm
 
 from missionplan.errors import InputError
-from missionplan.report.render import render, terminal
+from missionplan.report.render import render_report, terminal_view
 from missionplan.results.base import to_yaml
 from missionplan.studies.compare import compare, holm
 
@@ -77,8 +77,8 @@ def test_a_report_is_the_same_as_itself(report):
     folder = report(simulated())
     comparison = compare(folder, folder)
     assert set(verdicts(comparison).values()) == {"same"}
-    assert comparison.mission_changes == comparison.option_changes == comparison.verdicts == ()
-    assert terminal(comparison).sentence == "The results are the same."
+    assert comparison.mission_changes == comparison.option_changes == comparison.requirement_changes == ()
+    assert terminal_view(comparison).sentence == "The results are the same."
 
 
 def test_a_difference_beyond_noise_is_told_from_noise(report):
@@ -87,7 +87,7 @@ def test_a_difference_beyond_noise_is_told_from_noise(report):
     assert found["moor", "offset_m"] == "changed"
     assert found["total", "success"] == "within noise"
     assert found["total", "energy_wh"] == "same"
-    assert "most clearly moor offset (+3.3\u00a0±\u00a00.5\u00a0ft)" in terminal(comparison).sentence
+    assert "most clearly moor offset (+3.3\u00a0±\u00a00.5\u00a0ft)" in terminal_view(comparison).sentence
     (offset,) = comparison.changed
     assert offset.standard_error == pytest.approx(0.1 * math.sqrt(2.0))
     assert offset.p_value == pytest.approx(2.0 * norm.sf(1.0 / (0.1 * math.sqrt(2.0))))
@@ -103,7 +103,7 @@ def test_two_shares_are_tested_as_pooled(report):
 
 def test_a_requirement_that_is_no_longer_met_is_told(report):
     comparison = compare(report(simulated()), report(simulated(met=False, seed=2)))
-    assert "Moor offset was met and is not met." in terminal(comparison).sentence
+    assert "Moor offset was met and is not met." in terminal_view(comparison).sentence
 
 
 def test_what_changed_in_the_mission_is_named_by_key(report):
@@ -204,7 +204,7 @@ def test_a_summary_of_odd_shape_is_read_as_far_as_it_goes(report):
 
 def test_the_page_and_its_folder(report, tmp_path):
     comparison = compare(report(simulated()), report(simulated(offset=11.0, seed=2)))
-    html = render(comparison).html
+    html = render_report(comparison).html
     assert "missionplan compare " in html
     assert "1 of 6 numbers changed" in html
     assert "requirement" in html

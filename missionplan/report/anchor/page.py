@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from missionplan.report.anchor.figures import descent_profile, drag_bars, drawing, drift
 from missionplan.report.numbers import number, percent
-from missionplan.report.page import Block, Figure, Page, Section, Table, Terminal
+from missionplan.report.page import Block, Figure, Page, PageSection, Table, Terminal
 from missionplan.results.anchor import AnchorSizing, ProbableAnchor, SizedAnchor
 
 
@@ -19,7 +19,7 @@ def page(sizing: AnchorSizing) -> Page:
         numbers=[
             ("Wet weight", f"{anchor.wet_weight:.2f} N"),
             ("Terminal velocity it is sized for", f"{anchor.terminal_velocity:.2f} m/s"),
-            (f"Dives within {sizing.radius:.1f} m and clear of the bottom", percent(anchor.odds.good)),
+            (f"Dives within {sizing.radius:.1f} m and clear of the bottom", percent(anchor.probabilities.good)),
         ],
         sections=list(_sections(sizing)),
         verdict="bad" if anchor.problems or not _is_down(anchor) or anchor.lowest_altitude <= 0.0 else "good",
@@ -76,29 +76,29 @@ def _dive_words(anchor: SizedAnchor) -> str:
     return f"{down}; the vehicle strikes the bottom, for want of {-anchor.lowest_altitude:.1f}\u00a0m of line"
 
 
-def _sections(sizing: AnchorSizing) -> Sequence[Section]:
+def _sections(sizing: AnchorSizing) -> Sequence[PageSection]:
     anchor = sizing.anchor
     sections = []
     if anchor.problems:
         blocks: list[Block] = [f"{problem[0].upper()}{problem[1:]}." for problem in anchor.problems]
         if anchor.design is not None and anchor.design.cylinder_length > 0.0:
             blocks.append(drawing(anchor.design))
-        sections.append(Section("Why it cannot be built, and what would mend it", blocks))
+        sections.append(PageSection("Why it cannot be built, and what would mend it", blocks))
     if sizing.probable is not None:
         sections.append(_probable_section(sizing, sizing.probable))
-    sections.append(Section(_odds_heading(sizing), [_odds_words(sizing)]))
+    sections.append(PageSection(_probability_heading(sizing), [_probability_words(sizing)]))
     if _is_down(anchor):
         if anchor.design is not None and anchor.design.feasible:
-            sections.append(Section(_stop_heading(anchor), [descent_profile(anchor)]))
-        sections.append(Section(_drift_heading(sizing), [drift(sizing), _layers_words(sizing)]))
+            sections.append(PageSection(_stop_heading(anchor), [descent_profile(anchor)]))
+        sections.append(PageSection(_drift_heading(sizing), [drift(sizing), _layers_words(sizing)]))
     else:
-        sections.append(Section("The anchor does not come down", [_layers_words(sizing)]))
-    sections.append(Section(_drag_heading(anchor), [drag_bars(anchor), *sizing.notes]))
-    sections.append(Section("All numbers", [Table(_columns(sizing), _rows(sizing))]))
+        sections.append(PageSection("The anchor does not come down", [_layers_words(sizing)]))
+    sections.append(PageSection(_drag_heading(anchor), [drag_bars(anchor), *sizing.notes]))
+    sections.append(PageSection("All numbers", [Table(_columns(sizing), _rows(sizing))]))
     return sections
 
 
-def _probable_section(sizing: AnchorSizing, probable: ProbableAnchor) -> Section:
+def _probable_section(sizing: AnchorSizing, probable: ProbableAnchor) -> PageSection:
     wanted = f"{100 * probable.required:g}\u00a0%"
     found, worst = probable.anchor, sizing.anchor
     if found is None:
@@ -108,35 +108,37 @@ def _probable_section(sizing: AnchorSizing, probable: ProbableAnchor) -> Section
                 f"A line of {probable.line_length:.1f}\u00a0m, instead of {sizing.line_length:.1f}\u00a0m, "
                 f"with an anchor of {probable.line_anchor_weight:.1f}\u00a0N would do."
             )
-        return Section(f"No anchor reaches {wanted}", words)
+        return PageSection(f"No anchor reaches {wanted}", words)
     difference = found.wet_weight - worst.wet_weight
     compared = f"{abs(difference):.1f}\u00a0N {'lighter' if difference < 0.0 else 'heavier'}"
     words = [
         f"The lightest anchor that stays within {sizing.radius:.1f}\u00a0m without the vehicle striking in {wanted} of "
         f"dives weighs {found.wet_weight:.1f}\u00a0N wet, {compared} "
-        f"than the worst-case anchor, which reaches {percent(worst.odds.good)}. It is {_dive_words(found)}.",
+        f"than the worst-case anchor, which reaches {percent(worst.probabilities.good)}. It is {_dive_words(found)}.",
         "The worst case takes every layer at its design speed and all as aligned, but leaves out the release, the "
         "pay-out of the line and the time to gather speed; so it may be on either side.",
     ]
     words += [f"{problem[0].upper()}{problem[1:]}." for problem in found.problems]
     heading = f"For {wanted} the anchor weighs {found.wet_weight:.1f}\u00a0N"
-    return Section(heading, words)
+    return PageSection(heading, words)
 
 
-def _odds_heading(sizing: AnchorSizing) -> str:
-    return f"{percent(sizing.anchor.odds.good)} of dives stay within {sizing.radius:.1f}\u00a0m and clear of the bottom"
+def _probability_heading(sizing: AnchorSizing) -> str:
+    good = percent(sizing.anchor.probabilities.good)
+    return f"{good} of dives stay within {sizing.radius:.1f}\u00a0m and clear of the bottom"
 
 
-def _odds_words(sizing: AnchorSizing) -> str:
-    odds, trials = sizing.anchor.odds, sizing.provenance.trials
-    if odds.offset.count == 0:
+def _probability_words(sizing: AnchorSizing) -> str:
+    dives, trials = sizing.anchor.probabilities, sizing.provenance.trials
+    offset = dives.offset
+    if offset.count == 0:
         return f"In none of {trials} dives drawn from the mission's distributions does the anchor come down."
     return (
         f"Over {trials} dives drawn from the mission's distributions the anchor comes down "
-        f"{number(odds.offset.p50, odds.offset.standard_error)}\u00a0m from the last fix in the median and "
-        f"{number(odds.offset.p95, 2.0 * odds.offset.standard_error)}\u00a0m at the 95th percentile. The vehicle "
-        f"strikes the seafloor in {percent(odds.struck)}; in one dive of twenty it stops within "
-        f"{odds.lowest_altitude.p05:.2f}\u00a0m of it."
+        f"{number(offset.p50, offset.standard_error)}\u00a0m from the last fix in the median and "
+        f"{number(offset.p95, 2.0 * offset.standard_error)}\u00a0m at the 95th percentile. The vehicle "
+        f"strikes the seafloor in {percent(dives.struck)}; in one dive of twenty it stops within "
+        f"{dives.lowest_altitude.p05:.2f}\u00a0m of it."
     )
 
 
@@ -205,7 +207,7 @@ def _rows(sizing: AnchorSizing) -> list[list[str]]:
             rows.append([label, *(_shown(value * scale, digits, unit) for value in values)])
     for key, label, digits, unit in _DIVE_LABELS:
         rows.append([label, *(_shown(anchor.descent_summary()[key], digits, unit) for anchor in anchors)])
-    rows.append(["Within the radius and not struck", *(percent(anchor.odds.good) for anchor in anchors)])
+    rows.append(["Within the radius and not struck", *(percent(anchor.probabilities.good) for anchor in anchors)])
     return rows
 
 

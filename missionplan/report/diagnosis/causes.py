@@ -1,7 +1,7 @@
 """What the causes of a diagnosis are, as the catalogue has them: what happens, its usual size, what it looks like."""
 
 from missionplan.effects import CATALOGUE
-from missionplan.report.page import Section
+from missionplan.report.page import PageSection
 from missionplan.results.diagnosis import Causes, Diagnosis
 
 _DESCRIBED = 5
@@ -13,12 +13,12 @@ def names(causes: Causes) -> str:
     return plain[0] if len(plain) == 1 else ", ".join(plain[:-1]) + f" and {plain[-1]}" if plain else "no cause"
 
 
-def causes_section(diagnosis: Diagnosis) -> list[Section]:
+def causes_section(diagnosis: Diagnosis) -> list[PageSection]:
     """Describe the causes claimed, then those that would do nearly as well."""
     claimed = [cause for causes in (diagnosis.causes, *diagnosis.rivals) for cause in causes]
     described = list(dict.fromkeys(claimed))[:_DESCRIBED]
     heading = "What such a cause is" if len(described) == 1 else "What such causes are"
-    return [Section(heading, [_described(cause) for cause in described])] if diagnosis.causes else []
+    return [PageSection(heading, [_described(cause) for cause in described])] if diagnosis.causes else []
 
 
 def _described(cause: str) -> str:

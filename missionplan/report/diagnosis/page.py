@@ -15,7 +15,7 @@ from missionplan.report.diagnosis.figures import (
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.diagnosis.residual_figures import residual_figures
 from missionplan.report.diagnosis.tank_figures import TANK_UNITS
-from missionplan.report.page import Block, Page, Section, Table, Terminal
+from missionplan.report.page import Block, Page, PageSection, Table, Terminal
 from missionplan.results.diagnosis import Diagnosis, DiscrepancyFound, ParameterEstimate, RankedSet
 
 _PHRASES = {
@@ -29,15 +29,15 @@ _UNITS = {"transit": "m/s", "descent": "m", "summary": "sd", **TANK_UNITS}
 def page(diagnosis: Diagnosis) -> Page:
     """Build the page of a diagnosis."""
     sections = [
-        Section("What to do next", _next_words(diagnosis)),
+        PageSection("What to do next", _next_words(diagnosis)),
         _ranking_section(diagnosis),
         *causes_section(diagnosis),
         *_residual_section(diagnosis),
         *_held_out_section(diagnosis),
-        Section(_discrepancy_heading(diagnosis), _discrepancy_words(diagnosis)),
-        Section(_apart_heading(diagnosis), _apart_blocks(diagnosis)),
+        PageSection(_discrepancy_heading(diagnosis), _discrepancy_words(diagnosis)),
+        PageSection(_apart_heading(diagnosis), _apart_blocks(diagnosis)),
         *plan_section(diagnosis),
-        Section("How the data were treated", _treatment(diagnosis)),
+        PageSection("How the data were treated", _treatment(diagnosis)),
     ]
     return Page(
         title=f"Diagnosis of {diagnosis.provenance.mission} with {diagnosis.data}",
@@ -137,9 +137,9 @@ def _factor(nats: float) -> str:
     return "10" + f"{nats / math.log(10.0):.0f}".translate(_RAISED)
 
 
-def _ranking_section(diagnosis: Diagnosis) -> Section:
+def _ranking_section(diagnosis: Diagnosis) -> PageSection:
     if not diagnosis.ranking:
-        return Section("No cause of the catalogue could be fitted", ["See the failures below."])
+        return PageSection("No cause of the catalogue could be fitted", ["See the failures below."])
     columns, rows = _ranking_rows(diagnosis.ranking)
     best = diagnosis.ranking[0]
     heading = f"{names(best.causes).capitalize()} {'comes' if len(best.causes) == 1 else 'come'} first"
@@ -150,7 +150,7 @@ def _ranking_section(diagnosis: Diagnosis) -> Section:
         "posterior is the probability among the sets tried, when each cause was equally likely before; supersets of "
         "the best set have none."
     )
-    return Section(
+    return PageSection(
         heading,
         [ranking_figure(diagnosis), Table(columns, rows, "Sets of causes, best first."), meaning, _parameters(best)],
     )
@@ -190,12 +190,12 @@ def _unit(parameter: ParameterEstimate) -> str:
     return {"rad": "deg", "": "1"}.get(parameter.unit, parameter.unit)
 
 
-def _residual_section(diagnosis: Diagnosis) -> list[Section]:
+def _residual_section(diagnosis: Diagnosis) -> list[PageSection]:
     figures = residual_figures(diagnosis)
-    return [Section("What was left before, and what is left now", figures)] if figures else []
+    return [PageSection("What was left before, and what is left now", figures)] if figures else []
 
 
-def _held_out_section(diagnosis: Diagnosis) -> list[Section]:
+def _held_out_section(diagnosis: Diagnosis) -> list[PageSection]:
     if not diagnosis.scores:
         return []
     better = sum(score.log_score_extended > score.log_score_base for score in diagnosis.scores)
@@ -219,7 +219,7 @@ def _held_out_section(diagnosis: Diagnosis) -> list[Section]:
             f"90 % prediction intervals hold {100 * gain.coverage_90_base:.0f} % of the values with the mission's "
             f"model and {100 * gain.coverage_90_extended:.0f} % with the extended one."
         )
-    return [Section(heading, blocks)]
+    return [PageSection(heading, blocks)]
 
 
 def _discrepancy_heading(diagnosis: Diagnosis) -> str:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from missionplan.report.page import Section, Table
+from missionplan.report.page import PageSection, Table
 from missionplan.results.diagnosis import Diagnosis
 
 _PLANS = {
@@ -33,12 +33,12 @@ _SERVES = 0.9
 """Probability of staying within the radius below which an anchor is no plan."""
 
 
-def plan_section(diagnosis: Diagnosis) -> list[Section]:
+def plan_section(diagnosis: Diagnosis) -> list[PageSection]:
     """Set the plans side by side, or say why there are none."""
     plans = {key: diagnosis.decision.get(key) for key in _PLANS}
     if not plans["after"]:
         reason = diagnosis.decision.get("reason")
-        return [Section("No plans to compare", [str(reason)])] if reason else []
+        return [PageSection("No plans to compare", [str(reason)])] if reason else []
     keys = [key for key in _COLUMNS if key in plans["after"]]
     rows = [
         [_PLANS[name], *("" if plan.get(key) is None else f"{plan[key]:.3g}" for key in keys)]
@@ -46,7 +46,7 @@ def plan_section(diagnosis: Diagnosis) -> list[Section]:
         if plan
     ]
     table = Table(["", *(_COLUMNS[key] for key in keys)], rows, _NOTES[keys[0]])
-    return [Section("What it means for the plan", [table])]
+    return [PageSection("What it means for the plan", [table])]
 
 
 def plan_words(diagnosis: Diagnosis) -> list[str]:

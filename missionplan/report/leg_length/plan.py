@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.report.leg_length.plan_figures import cases_figure, policy_figure, tracks_figure
 from missionplan.report.numbers import Unit, number, percent, with_error
-from missionplan.report.page import Block, Listing, Page, Section, Table, Terminal
-from missionplan.results.legs import JOULES_PER_WATT_HOUR, Contender, LegCase, LegPlan
+from missionplan.report.page import Block, Listing, Page, PageSection, Table, Terminal
+from missionplan.results.legs import CandidatePlan, LegCase, LegPlan
 
 _PERCENT = Unit("%", 0.01)
 _SECONDS = Unit("s", 1.0)
@@ -20,8 +21,8 @@ _BEYOND_WORDS = (
 
 def page(plan: LegPlan) -> Page:
     """Build the page of a plan of legs."""
-    costs = [] if plan.integral_applies else [Section(_BEYOND, [_BEYOND_WORDS, _trials_table(plan)])]
-    checked = [Section("Trials and integral equation", [_trials_table(plan)])] if plan.integral_applies else []
+    costs = [] if plan.integral_applies else [PageSection(_BEYOND, [_BEYOND_WORDS, _trials_table(plan)])]
+    checked = [PageSection("Trials and integral equation", [_trials_table(plan)])] if plan.integral_applies else []
     return Page(
         title=f"Legs for {plan.phase}: {plan.provenance.mission}",
         answer=answer(plan),
@@ -30,9 +31,13 @@ def page(plan: LegPlan) -> Page:
         sections=[
             *costs,
             *_aim_section(plan),
-            Section("For the mission file", [*([_how_found(plan)] if plan.adapts else []), Listing(_written(plan))]),
-            Section("What the legs do", [tracks_figure(plan)]),
-            Section(_robustness_heading(plan), [*([cases_figure(plan)] if plan.adapts else []), _cases_table(plan)]),
+            PageSection(
+                "For the mission file", [*([_how_found(plan)] if plan.adapts else []), Listing(_written(plan))]
+            ),
+            PageSection("What the legs do", [tracks_figure(plan)]),
+            PageSection(
+                _robustness_heading(plan), [*([cases_figure(plan)] if plan.adapts else []), _cases_table(plan)]
+            ),
             *checked,
         ],
         verdict="good" if plan.recommended else "",
@@ -77,7 +82,7 @@ def answer(plan: LegPlan) -> str:
         saved = with_error(own.energy_saving, own.energy_saving_error, _WATT_HOURS)
         return f"Let the legs adapt: they need {saved} less energy than {fixed}.{at_speed}"
     if plan.aim == "p95":
-        best, table = plan.contenders[0], plan.contenders[-1]
+        best, table = plan.candidates[0], plan.candidates[-1]
         if np.isfinite(plan.deadline):
             return (
                 f"Let the legs adapt: {percent(table.on_time)} of the transits keep the deadline of "
@@ -92,7 +97,7 @@ def answer(plan: LegPlan) -> str:
 
 
 def _speed_words(plan: LegPlan) -> str:
-    slow, fast = (plan.contenders[index].energy for index in (0, 1))
+    slow, fast = (plan.candidates[index].energy for index in (0, 1))
     needs, needed = (with_error(energy.mean, energy.standard_error, _WATT_HOURS) for energy in (slow, fast))
     return (
         f" Go at {plan.speed:.3g} m/s: with a fixed d_max that needs {needs}, at the mission's "
@@ -101,7 +106,7 @@ def _speed_words(plan: LegPlan) -> str:
 
 
 def _saving(plan: LegPlan) -> tuple[str, str]:
-    saved, unit = plan.cases[0].aimed_saving(plan.aim), _WATT_HOURS if plan.aim == "energy" else _SECONDS
+    saved, unit = plan.cases[0].saving_for(plan.aim), _WATT_HOURS if plan.aim == "energy" else _SECONDS
     what = "Energy saved" if plan.aim == "energy" else "Saved"
     return f"{what} against the best fixed d_max", with_error(*saved, unit)
 
@@ -111,7 +116,7 @@ def _how_found(plan: LegPlan) -> str:
     if plan.base_spread > 0.0:
         spread += f" and {number(plan.base_spread)} m that no leg escapes"
     return (
-        f"{plan.machinery} The legs reckon with {spread}. Leg length is linear between the knots, [distance left, leg "
+        f"{plan.how_found} The legs reckon with {spread}. Leg length is linear between the knots, [distance left, leg "
         "length]; it is in legs.yaml too, and in its place in mission-with-legs.yaml."
     )
 
@@ -124,33 +129,33 @@ def _written(plan: LegPlan) -> str:
     return "\n".join(lines)
 
 
-def _aim_section(plan: LegPlan) -> list[Section]:
+def _aim_section(plan: LegPlan) -> list[PageSection]:
     """Compare the plans by what the legs were chosen for; nothing for the mean time."""
-    if not plan.contenders:
+    if not plan.candidates:
         return []
     heads = ["Plan", "Speed (m/s)", "Mean time (min)", "95 % take at most (min)"]
-    energies = all(np.isfinite(contender.energy.mean) for contender in plan.contenders)
+    energies = all(np.isfinite(candidate.energy.mean) for candidate in plan.candidates)
     heads += ["Energy (W\u202fh)"] if energies else []
     heads += ["On time"] if np.isfinite(plan.deadline) else []
     words = {
         "p95": "The deadline decides, not the mean" if np.isfinite(plan.deadline) else "The slow transits decide",
         "energy": "Energy decides, and the speed with it",
     }
-    rows = [_contender_row(contender, energies, plan.deadline) for contender in plan.contenders]
+    rows = [_candidate_row(candidate, energies, plan.deadline) for candidate in plan.candidates]
     caption = "The same trials for all plans, other than those that the plans were chosen on."
-    return [Section(words[plan.aim], [plan.machinery, Table(heads, rows, caption=caption)])]
+    return [PageSection(words[plan.aim], [plan.how_found, Table(heads, rows, caption=caption)])]
 
 
-def _contender_row(contender: Contender, energies: bool, deadline: float) -> list[str]:
-    duration, energy = contender.duration, contender.energy
+def _candidate_row(candidate: CandidatePlan, energies: bool, deadline: float) -> list[str]:
+    duration, energy = candidate.duration, candidate.energy
     row = [
-        contender.name,
-        f"{contender.speed:.3g}",
+        candidate.name,
+        f"{candidate.speed:.3g}",
         with_error(duration.mean, duration.standard_error, Unit("", 60.0)),
         number(duration.p95 / 60.0, 2.1 * duration.standard_error / 60.0),
     ]
     row += [with_error(energy.mean, energy.standard_error, Unit("", JOULES_PER_WATT_HOUR))] if energies else []
-    return row + ([percent(contender.on_time)] if np.isfinite(deadline) else [])
+    return row + ([percent(candidate.on_time)] if np.isfinite(deadline) else [])
 
 
 def _trials_table(plan: LegPlan) -> Block:
@@ -179,7 +184,7 @@ def _trials_table(plan: LegPlan) -> Block:
 def _robustness_heading(plan: LegPlan) -> str:
     if not plan.adapts:
         return "What the transit costs when the errors are not as planned"
-    losing = [case.name for case in plan.cases[1:] if not case.aimed_saving(plan.aim)[0] > 0.0]
+    losing = [case.name for case in plan.cases[1:] if not case.saving_for(plan.aim)[0] > 0.0]
     if not losing:
         return "The table still saves when the errors are not as planned"
     return "The table loses its advantage with " + ", or ".join(losing)
@@ -197,7 +202,7 @@ def _case_row(plan: LegPlan, case: LegCase) -> list[str]:
     costs = [case.fixed, case.adaptive] if plan.adapts else [case.fixed]
     row = [case.name or "as the mission", *(with_error(it.cost, it.standard_error, Unit("", 0.01)) for it in costs)]
     unit = Unit("", JOULES_PER_WATT_HOUR if plan.aim == "energy" else 1.0)
-    return [*row, with_error(*case.aimed_saving(plan.aim), unit)] if plan.adapts else row
+    return [*row, with_error(*case.saving_for(plan.aim), unit)] if plan.adapts else row
 
 
 def _length(metres: float) -> str:

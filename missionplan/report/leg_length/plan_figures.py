@@ -5,8 +5,9 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.phases.transit.leg_table import LegTable
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
-from missionplan.results.legs import JOULES_PER_WATT_HOUR, LegPlan
+from missionplan.results.legs import LegPlan
 
 
 def policy_figure(plan: LegPlan) -> Figure:
@@ -97,7 +98,7 @@ def cases_figure(plan: LegPlan) -> Figure:
     axes = figure.subplots()
     place = np.arange(len(plan.cases))[::-1]
     what, unit, scale = ("Energy", "W\u202fh", JOULES_PER_WATT_HOUR) if plan.aim == "energy" else ("Time", "s", 1.0)
-    saved, error = np.array([case.aimed_saving(plan.aim) for case in plan.cases]).T / scale
+    saved, error = np.array([case.saving_for(plan.aim) for case in plan.cases]).T / scale
     axes.errorbar(saved, place, xerr=1.96 * np.nan_to_num(error), fmt="o", color=BLUE, markersize=5)
     axes.axvline(0.0, color=GREY, linewidth=1.0)
     axes.set_yticks(place, [_wrapped(case.name or "as the mission") for case in plan.cases])

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.numbers import Unit, number, with_error
-from missionplan.report.page import Figure, Page, Section, Table, Terminal, to_figure
+from missionplan.report.page import Figure, Page, PageSection, Table, Terminal, to_figure
 from missionplan.results.sweep import Sweep, SweepCurve, SweepPoint
 
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -30,14 +30,14 @@ def page(sweep: Sweep) -> Page:
         figure=cost_figure(sweep),
         numbers=numbers,
         sections=[
-            Section("What each velocity error asks for", [best_table(sweep), _as_good_words(sweep)]),
+            PageSection("What each velocity error asks for", [best_table(sweep), _as_good_words(sweep)]),
             *_table_section(sweep),
             *_arrival_section(sweep),
-            Section("Why the curve has teeth", [_TEETH, close_up_figure(sweep, main)]),
-            Section(
+            PageSection("Why the curve has teeth", [_TEETH, close_up_figure(sweep, main)]),
+            PageSection(
                 "How often the vehicle surfaces", [surfacings_figure(sweep), "The arrival's surfacing is counted."]
             ),
-            Section("The numbers behind the curves", [cost_table(sweep)]),
+            PageSection("The numbers behind the curves", [cost_table(sweep)]),
         ],
     )
 
@@ -246,7 +246,7 @@ def _as_good_words(sweep: Sweep) -> str:
     )
 
 
-def _table_section(sweep: Sweep) -> list[Section]:
+def _table_section(sweep: Sweep) -> list[PageSection]:
     """Set the mission's own table of legs beside the best fixed d_max, where it has one."""
     rows = [
         [
@@ -263,14 +263,14 @@ def _table_section(sweep: Sweep) -> list[Section]:
     if not rows:
         return []
     heads = ["σ_v (m/s)", "Table (%)", "Best fixed d_max (%)", "The table saves (min)"]
-    return [Section("The mission's own table of legs beside a fixed d_max", [Table(heads, rows)])]
+    return [PageSection("The mission's own table of legs beside a fixed d_max", [Table(heads, rows)])]
 
 
 def _table_error(sweep: Sweep, table: SweepPoint) -> float:
     return table.excess_error * sweep.nominal_time
 
 
-def _arrival_section(sweep: Sweep) -> list[Section]:
+def _arrival_section(sweep: Sweep) -> list[PageSection]:
     """Say how many never arrive, where any does not."""
     worst = min((p for c in sweep.curves for p in c.points), key=lambda point: point.arrived.value)
     if worst.arrived.value >= 1.0:
@@ -279,7 +279,7 @@ def _arrival_section(sweep: Sweep) -> list[Section]:
         f"At d_max = {_length(worst.d_max)} only {100 * worst.arrived.value:.1f} % of the trials arrive within the "
         "mission's max_legs. Costs are means over the trials that arrived: where some did not, they flatter the plan."
     )
-    return [Section("Not every trial arrives", [words])]
+    return [PageSection("Not every trial arrives", [words])]
 
 
 def cost_table(sweep: Sweep) -> Table:

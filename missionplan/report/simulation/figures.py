@@ -9,7 +9,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability
-from missionplan.report.numbers import Unit, number, percent, plain, span, unit_for
+from missionplan.report.numbers import Unit, number, percent, plain, si_per_unit, span, unit_for
 from missionplan.report.page import BLUE, INK, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
 from missionplan.results.simulation import Histogram, Outcome, PhaseOutcome, RequirementOutcome, Sensitivity
 
@@ -65,7 +65,9 @@ def _half(probability: Probability) -> float:
     return 50.0 * (probability.high - probability.low)
 
 
-def histogram(phase: PhaseOutcome, key: str, outcome: Outcome, requirement: RequirementOutcome | None = None) -> Figure:
+def histogram_figure(
+    phase: PhaseOutcome, key: str, outcome: Outcome, requirement: RequirementOutcome | None = None
+) -> Figure:
     """Show the distribution of a quantity, with the requirement on it."""
     from matplotlib.figure import Figure as MatplotlibFigure
 
@@ -103,7 +105,7 @@ def _in_use(found: Histogram) -> tuple[Array, Array]:
 def _mark_limit(axes: "Axes", requirement: RequirementOutcome, unit: Unit, key: str) -> None:
     """Mark a requirement's limit; where it lies far off, an arrow at the edge points to it."""
     assert requirement.limit is not None
-    limit = unit(requirement.limit / (3600.0 if key.endswith("_wh") else 1.0))
+    limit = unit(requirement.limit / si_per_unit(key))
     low, high = axes.get_xlim()
     words = f"{'at most' if requirement.bound == 'at_most' else 'at least'} {number(limit)}{unit.suffix}"
     if low - (high - low) <= limit <= high + (high - low):

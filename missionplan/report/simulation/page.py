@@ -8,9 +8,9 @@ from missionplan.montecarlo.statistics import Probability
 from missionplan.report.geography.geojson import track_geojson
 from missionplan.report.geography.kml import track_kml
 from missionplan.report.geography.plan_view import rings
-from missionplan.report.numbers import has_spread, number, percent, plain, span, unit_for, with_error
-from missionplan.report.page import Block, Page, Section, Table, Terminal
-from missionplan.report.simulation.figures import histogram, sensitivity_bars, timeline, waterfall
+from missionplan.report.numbers import has_spread, number, percent, plain, si_per_unit, span, unit_for, with_error
+from missionplan.report.page import Block, Page, PageSection, Table, Terminal
+from missionplan.report.simulation.figures import histogram_figure, sensitivity_bars, timeline, waterfall
 from missionplan.report.simulation.maps import close_ups, track_map
 from missionplan.results.simulation import Outcome, PhaseOutcome, RequirementOutcome, Sensitivity
 
@@ -131,21 +131,21 @@ def _range(outcome: Outcome, phase: PhaseOutcome, key: str) -> str:
     return f"{low} to {high}{unit.suffix}"
 
 
-def _failed_blocks(outcome: Outcome) -> Iterator[Section]:
+def _failed_blocks(outcome: Outcome) -> Iterator[PageSection]:
     count = len(outcome.failed_blocks)
     if count:
         words = "1 block of trials" if count == 1 else f"{count} blocks of trials"
         text = "They are left out of everything on this page. Each may be run again alone:"
-        yield Section(f"{words} failed numerically", [text, *outcome.failed_blocks])
+        yield PageSection(f"{words} failed numerically", [text, *outcome.failed_blocks])
 
 
-def _requirements(outcome: Outcome) -> Iterator[Section]:
+def _requirements(outcome: Outcome) -> Iterator[PageSection]:
     if outcome.requirements:
         rows = [
             (_in_words(outcome, item), judged(item), f"{100.0 * item.required:g}\u00a0%", percent(item.probability))
             for item in outcome.requirements
         ]
-        yield Section(
+        yield PageSection(
             _requirements_heading(outcome),
             [Table(("requirement", "verdict", "asked", "reached"), rows, words=2)],
         )
@@ -165,13 +165,8 @@ def _in_words(outcome: Outcome, requirement: RequirementOutcome) -> str:
     phase, _, quantity = requirement.quantity.partition(".")
     key = next((key for key in _keys(outcome, phase) if key.rpartition(quantity)[1]), quantity)
     unit = unit_for(phase, key, outcome.provenance.data, typical=requirement.limit)
-    limit = unit(requirement.limit / joules_per(key))
+    limit = unit(requirement.limit / si_per_unit(key))
     return f"{name} {requirement.bound.replace('_', ' ')} {number(limit)}{unit.suffix}"
-
-
-def joules_per(key: str) -> float:
-    """Size of the unit of a quantity's key in that of a requirement's limit, which is SI."""
-    return 3600.0 if key.endswith("_wh") else 1.0
 
 
 def judged(requirement: RequirementOutcome) -> str:
@@ -184,7 +179,7 @@ def _keys(outcome: Outcome, phase: str) -> Sequence[str]:
     return next((tuple(item.quantities) for item in (*outcome.phases, outcome.total) if item.name == phase), ())
 
 
-def _map(outcome: Outcome) -> Section:
+def _map(outcome: Outcome) -> PageSection:
     outer = [ring for ring in rings(outcome) if ring.kind == "CEP" and ring.share == 0.95]
     heading = "Where the trials go"
     if outer:
@@ -206,14 +201,14 @@ def _map(outcome: Outcome) -> Section:
     caption = "Circles about the goal; of an ellipse, the radius of the circle of equal area."
     close = close_ups(outcome)
     figures: list[Block] = [track_map(outcome), *([close] if close else [])]
-    return Section(heading, [*figures, Table(("phase", "line", "holds", "radius (m)"), rows, caption, words=2)])
+    return PageSection(heading, [*figures, Table(("phase", "line", "holds", "radius (m)"), rows, caption, words=2)])
 
 
-def _timeline(outcome: Outcome) -> Section:
-    return Section(f"Nine missions in ten take {_range(outcome, outcome.total, 'duration_s')}", [timeline(outcome)])
+def _timeline(outcome: Outcome) -> PageSection:
+    return PageSection(f"Nine missions in ten take {_range(outcome, outcome.total, 'duration_s')}", [timeline(outcome)])
 
 
-def _distributions(outcome: Outcome) -> Section:
+def _distributions(outcome: Outcome) -> PageSection:
     drawn: list[Block] = []
     for phase in (outcome.total, *outcome.phases):
         for key, statistic in phase.quantities.items():
@@ -221,12 +216,12 @@ def _distributions(outcome: Outcome) -> Section:
             if not math.isfinite(statistic.p50) or (found is None and key not in _SHOWN.get(phase.kind, ())):
                 continue
             if has_spread(statistic.mean, statistic.sd):
-                drawn.append(histogram(phase, key, outcome, found))
+                drawn.append(histogram_figure(phase, key, outcome, found))
             else:
                 unit = unit_for(phase.name, key, outcome.provenance.data, typical=statistic.p50)
                 value = with_error(statistic.mean, 0.0, unit)
                 drawn.append(f"{_sentence(plain(f'{phase.name}.{key}'))} is {value} in every trial that came so far.")
-    return Section(f"Half of the missions are over within {_median(outcome)}", drawn)
+    return PageSection(f"Half of the missions are over within {_median(outcome)}", drawn)
 
 
 def _is_on(requirement: RequirementOutcome, phase: PhaseOutcome, key: str) -> bool:
@@ -244,7 +239,7 @@ def _median(outcome: Outcome) -> str:
     return " and ".join(parts)
 
 
-def _sensitivities(outcome: Outcome) -> Iterator[Section]:
+def _sensitivities(outcome: Outcome) -> Iterator[PageSection]:
     groups = [
         (output, [influence for influence in found if influence.first_order > 2.0 * influence.standard_error])
         for output, found in groupby(outcome.sensitivities, key=lambda influence: influence.output)
@@ -261,7 +256,7 @@ def _sensitivities(outcome: Outcome) -> Iterator[Section]:
     ]
     output, (first, *_) = max(pictured, key=lambda group: group[1][0].first_order)
     rows = [_influence_row(influence) for _, found in groups for influence in found]
-    yield Section(
+    yield PageSection(
         f"{_sentence(plain(first.source))} matters most: it makes {100.0 * first.first_order:.0f}\u00a0% of the "
         f"variance of {plain(output)}",
         [
@@ -288,22 +283,22 @@ def _influence_row(influence: Sensitivity) -> tuple[str, str, str, str]:
     )
 
 
-def _attrition(outcome: Outcome) -> Section:
+def _attrition(outcome: Outcome) -> PageSection:
     rows = [(step.step, percent(step.lost), percent(step.surviving)) for step in outcome.attrition]
     worst = max(outcome.attrition, key=lambda step: step.lost.value, default=None)
     heading = "No trial failed"
     if worst is not None and worst.lost.value > 0.0:
         heading = f"{_sentence(_failure(worst.step))} cost {percent(worst.lost)} of the trials"
-    return Section(heading, [Table(("step", "lost here", "still good"), rows, "Shares of all trials.")])
+    return PageSection(heading, [Table(("step", "lost here", "still good"), rows, "Shares of all trials.")])
 
 
-def _quantities(outcome: Outcome) -> Section:
+def _quantities(outcome: Outcome) -> PageSection:
     rows = [
         (plain(f"{phase.name}.{key}"), *_statistic(outcome, phase, key))
         for phase in (*outcome.phases, outcome.total)
         for key in phase.quantities
     ]
-    return Section(
+    return PageSection(
         "Every quantity, phase by phase",
         [
             Table(("quantity", "mean ± standard error", "sd", "5 %", "50 %", "95 %"), rows),

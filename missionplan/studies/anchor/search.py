@@ -11,8 +11,8 @@ _HEAVIEST = 10.0
 _LONGEST = 20.0
 """Times the given line."""
 
-Odds = Callable[[float, float | None], DiveProbabilities]
-"""Odds of a wet weight [N] with a line [m], None for the mission's own."""
+ProbabilitiesOf = Callable[[float, float | None], DiveProbabilities]
+"""Probabilities of a wet weight [N] with a line [m], None for the mission's own."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Found:
     line_weight: float | None = None
 
 
-def lightest_anchor(odds: Odds, required: float, start: float, line_length: float) -> Found:
+def lightest_anchor(probabilities: ProbabilitiesOf, required: float, start: float, line_length: float) -> Found:
     """Search wet weights for the lightest that reaches a probability.
 
     On common random numbers the share of trials within the radius only rises with the weight, and so does the share
@@ -47,7 +47,7 @@ def lightest_anchor(odds: Odds, required: float, start: float, line_length: floa
 
     Parameters
     ----------
-    odds : Odds
+    probabilities : ProbabilitiesOf
     required : float
         P(within the radius and not struck).
     start : float
@@ -55,33 +55,37 @@ def lightest_anchor(odds: Odds, required: float, start: float, line_length: floa
     line_length : float
         The mission's [m].
     """
-    first = _lightest(odds, required, start, None)
+    first = _lightest(probabilities, required, start, None)
     if first.weight is not None or first.reason:
         return first
     reason = (
         f"an anchor heavy enough for the radius drives the vehicle into the seafloor: at best "
         f"{100 * first.best:.1f} % of dives stay within the radius and do not strike"
     )
-    line, weight = _shortest_line(odds, required, start, line_length)
+    line, weight = _shortest_line(probabilities, required, start, line_length)
     if line is None:
         reason += f"; no line up to {_LONGEST:g} times as long mends it"
     return Found(None, first.best, reason, line, weight)
 
 
-def _lightest(odds: Odds, required: float, start: float, line: float | None, resolution: float = 1.001) -> Found:
+def _lightest(
+    probabilities: ProbabilitiesOf, required: float, start: float, line: float | None, resolution: float = 1.001
+) -> Found:
     """Lightest weight, to a ratio, with one line; neither weight nor reason where striking is what fails."""
     heaviest = start * _HEAVIEST
-    if odds(heaviest, line).within.value < required:
-        share = odds(heaviest, line).within.value
+    if probabilities(heaviest, line).within.value < required:
+        share = probabilities(heaviest, line).within.value
         words = (
             f"even an anchor of {heaviest:.0f} N comes down within the radius in {100 * share:.1f} % of dives: "
             "the drift before the line is taut takes the rest"
         )
         return Found(None, share, words)
-    light = _bisect(lambda weight: odds(weight, line).within.value >= required, start / _HEAVIEST, heaviest, resolution)
+    light = _bisect(
+        lambda weight: probabilities(weight, line).within.value >= required, start / _HEAVIEST, heaviest, resolution
+    )
     best, weight = 0.0, light
     while weight <= heaviest:
-        found = odds(weight, line)
+        found = probabilities(weight, line)
         best = max(best, found.good.value)
         if found.good.value >= required:
             break
@@ -89,15 +93,19 @@ def _lightest(odds: Odds, required: float, start: float, line: float | None, res
             return Found(None, best)
         weight *= 1.02
     if weight > light:
-        weight = _bisect(lambda value: odds(value, line).good.value >= required, weight / 1.02, weight, resolution)
-    return Found(weight, odds(weight, line).good.value)
+        weight = _bisect(
+            lambda value: probabilities(value, line).good.value >= required, weight / 1.02, weight, resolution
+        )
+    return Found(weight, probabilities(weight, line).good.value)
 
 
-def _shortest_line(odds: Odds, required: float, start: float, given: float) -> tuple[float | None, float | None]:
+def _shortest_line(
+    probabilities: ProbabilitiesOf, required: float, start: float, given: float
+) -> tuple[float | None, float | None]:
     weights: dict[float, float] = {}
 
     def does(length: float) -> bool:
-        found = _lightest(odds, required, start, length, 1.02)
+        found = _lightest(probabilities, required, start, length, 1.02)
         if found.weight is not None:
             weights[length] = found.weight
         return found.weight is not None

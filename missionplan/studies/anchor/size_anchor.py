@@ -198,14 +198,14 @@ class _Study:
             buildable=buildable_weights(design.problem) if design is not None and wrong else None,
             dive=dive,
             profile=profile,
-            odds=self.trials.odds(weight),
+            probabilities=self.trials.probabilities(weight),
         )
 
     def probable(self, required: float, worst_case: float) -> ProbableAnchor:
         """Find the lightest anchor that reaches a probability."""
         line = float(self.means[f"{self.moor.name}.line_length"])
         start = worst_case + max(float(self.means["vehicle.net_buoyancy"]), 0.0)
-        found = lightest_anchor(self.trials.odds, required, start, line)
+        found = lightest_anchor(self.trials.probabilities, required, start, line)
         anchor = self.sized(found.weight) if found.weight is not None else None
         return ProbableAnchor(required, anchor, found.reason, found.best, found.line_length, found.line_weight)
 

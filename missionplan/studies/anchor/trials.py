@@ -20,7 +20,7 @@ from missionplan.scenario.mooring import dive_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 
 STEP = 0.2
-"""Of the integration [s]: odds need no more than the tenth of a millisecond that it gives."""
+"""Of the integration [s]: the probabilities need no more than the tenth of a millisecond that it gives."""
 
 
 @dataclass(frozen=True)
@@ -71,8 +71,8 @@ class AnchorTrials:
     seed: int
     fan_out: FanOut = FanOut()
 
-    def odds(self, weight: float, line_length: float | None = None) -> DiveProbabilities:
-        """Estimate the odds of an anchor of a wet weight [N], with another line [m] if one is given."""
+    def probabilities(self, weight: float, line_length: float | None = None) -> DiveProbabilities:
+        """Estimate the probabilities of an anchor of a wet weight [N], with another line [m] if one is given."""
         task = partial(_block, self, weight, line_length)
         out = self.fan_out
         blocks = range(block_count(self.trials))

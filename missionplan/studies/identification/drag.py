@@ -9,14 +9,14 @@ from missionplan.arrays import Array
 from missionplan.datasets.tank import DragSettings, TankData
 from missionplan.physics.drag import drag_force, reynolds_number
 from missionplan.physics.tank import drag_coefficient, reynolds_drag_coefficient
-from missionplan.results.identification import Curve, Findings, Fit, Panel
+from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import Parameter, adds_something, fit
 
 BLUFF_REYNOLDS = 1e5
 """Reynolds number above which Avila et al. call the coefficients constant."""
 
 
-def identify_drag(data: TankData) -> Findings:
+def identify_drag(data: TankData) -> TankAnalysis:
     """Fit a constant drag coefficient and a power of the Reynolds number to drag against speed.
 
     Parameters
@@ -26,7 +26,7 @@ def identify_drag(data: TankData) -> Findings:
 
     Returns
     -------
-    Findings
+    TankAnalysis
         The preferred fit first: the power only where an F test at 1 % asks for it.
     """
     settings = data.settings
@@ -59,7 +59,7 @@ def identify_drag(data: TankData) -> Findings:
         f"{best['drag_coefficient'].low:.3f} to {best['drag_coefficient'].high:.3f}",
     )
     at = f" at Re {middle:.2g}" if wins else ""
-    return Findings(
+    return TankAnalysis(
         answer=f"The drag coefficient{at} is {value.value:.3f} (90 % interval {uncertainty}).",
         fits=fits,
         panels=(
@@ -81,23 +81,28 @@ def _force_sd(data: TankData, points: int) -> Array | None:
 
 
 def _coefficient_panel(
-    data: TankData, fits: tuple[Fit, Fit], reynolds: Array, coefficients: Array, force_sd: Array | None, middle: float
-) -> Panel:
+    data: TankData,
+    fits: tuple[FittedModel, FittedModel],
+    reynolds: Array,
+    coefficients: Array,
+    force_sd: Array | None,
+    middle: float,
+) -> FitPanel:
     settings = data.settings
     assert isinstance(settings, DragSettings)
     per_force = coefficients / data.columns["force_n"]
     line = np.geomspace(reynolds.min(), reynolds.max(), 80)
 
-    def along(fitted: Fit) -> Array:
+    def along(fitted: FittedModel) -> Array:
         exponent = fitted["reynolds_exponent"].value if "reynolds_exponent" in fitted else 0.0
         return np.asarray(reynolds_drag_coefficient(line, fitted["drag_coefficient"].value, exponent, middle))
 
-    curves = [Curve(fitted.name, line, along(fitted)) for fitted in fits]
+    curves = [FitCurve(fitted.name, line, along(fitted)) for fitted in fits]
     if data.compared is not None and settings.compare is not None:
         speed, other = _compared(data, settings)
         at = np.asarray(reynolds_number(speed, settings.reference_length, data.viscosity))
-        curves.append(Curve(settings.compare.name, at, other, dots=True))
-    return Panel(
+        curves.append(FitCurve(settings.compare.name, at, other, dots=True))
+    return FitPanel(
         name="drag-coefficient",
         x_label="Reynolds number",
         y_label="drag coefficient",
@@ -110,8 +115,8 @@ def _coefficient_panel(
     )
 
 
-def _force_panel(speed: Array, force: Array, force_sd: Array | None, best: Fit) -> Panel:
-    return Panel(
+def _force_panel(speed: Array, force: Array, force_sd: Array | None, best: FittedModel) -> FitPanel:
+    return FitPanel(
         name="drag-force",
         x_label="speed [m/s]",
         y_label="drag [N]",
@@ -119,12 +124,14 @@ def _force_panel(speed: Array, force: Array, force_sd: Array | None, best: Fit) 
         y=force,
         y_sd=force_sd if force_sd is not None else np.full_like(force, np.nan),
         fitted=best.fitted,
-        curves=(Curve(best.name, speed, best.fitted),),
+        curves=(FitCurve(best.name, speed, best.fitted),),
         alt="Measured drag against speed with the preferred fit.",
     )
 
 
-def _remarks(data: TankData, simple: Fit, richer: Fit, reynolds: Array, coefficients: Array) -> tuple[str, ...]:
+def _remarks(
+    data: TankData, simple: FittedModel, richer: FittedModel, reynolds: Array, coefficients: Array
+) -> tuple[str, ...]:
     above = coefficients[reynolds > BLUFF_REYNOLDS]
     means = f"The plain mean of the {len(coefficients)} coefficients is {coefficients.mean():.3f}"
     means += f", of those above Re 1e5 {above.mean():.3f}." if 0 < len(above) < len(coefficients) else "."
@@ -177,7 +184,7 @@ def _comparison(data: TankData, settings: DragSettings, coefficients: Array) -> 
     )
 
 
-def _fragment(best: Fit, settings: DragSettings, middle: float) -> Mapping[str, Any]:
+def _fragment(best: FittedModel, settings: DragSettings, middle: float) -> Mapping[str, Any]:
     """Write the vehicle's `drag:`, at full size where the data set is of a model."""
     value = best["drag_coefficient"]
     drag: dict[str, Any] = {

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from missionplan.datasets.tank import TankData, read_tank_data
 from missionplan.results.base import Provenance
-from missionplan.results.identification import Findings, Identification
+from missionplan.results.identification import Identification, TankAnalysis
 from missionplan.studies.identification.drag import identify_drag
 from missionplan.studies.identification.oscillation import identify_oscillation
 from missionplan.studies.identification.propeller import identify_propeller
 from missionplan.studies.identification.thruster import identify_thruster
 
-_KINDS: dict[str, Callable[[TankData], Findings]] = {
+_KINDS: dict[str, Callable[[TankData], TankAnalysis]] = {
     "drag": identify_drag,
     "free-oscillation": identify_oscillation,
     "thruster": identify_thruster,
@@ -42,7 +42,7 @@ def identify(dataset: str | Path) -> Identification:
     """
     started = time.perf_counter()
     data = read_tank_data(dataset)
-    findings = _KINDS[data.settings.kind](data)
+    analysis = _KINDS[data.settings.kind](data)
     name = data.settings.name or Path(dataset).resolve().name
     provenance = Provenance(
         command="identify",
@@ -55,4 +55,4 @@ def identify(dataset: str | Path) -> Identification:
         data=data.raw,
         notices=data.notes,
     )
-    return Identification(provenance, data.settings.kind, name, data.settings.source, findings)
+    return Identification(provenance, data.settings.kind, name, data.settings.source, analysis)

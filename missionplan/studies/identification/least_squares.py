@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 
 from missionplan.arrays import Array
 from missionplan.errors import RunError
-from missionplan.results.identification import Estimate, Fit
+from missionplan.results.identification import FittedModel, IdentifiedParameter
 
 INTERVAL = 0.90
 RANK_TOLERANCE = 1e-9
@@ -36,7 +36,7 @@ def fit(
     data_sd: Array | None = None,
     *,
     in_sequence: bool = False,
-) -> Fit:
+) -> FittedModel:
     """Fit a model to data by least squares.
 
     Parameters
@@ -58,7 +58,7 @@ def fit(
 
     Returns
     -------
-    Fit
+    FittedModel
         With 90 % intervals of Student's t.
 
     Raises
@@ -96,12 +96,12 @@ def fit(
     deviations = np.sqrt(np.diag(spread))
     reach = float(stats.t.ppf(0.5 + INTERVAL / 2.0, dof))
     estimates = tuple(
-        Estimate(p.name, p.symbol, float(v), float(sd), float(v - reach * sd), float(v + reach * sd), p.unit)
+        IdentifiedParameter(p.name, p.symbol, float(v), float(sd), float(v - reach * sd), float(v + reach * sd), p.unit)
         for p, v, sd in zip(parameters, solution.x, deviations, strict=True)
     )
     residual_sd = float(np.sqrt(np.sum((data - fitted) ** 2) / dof))
     stated = chi_squared if data_sd is not None else float("nan")
-    return Fit(name, estimates, stated, dof, widened, fitted, residual_sd, spread)
+    return FittedModel(name, estimates, stated, dof, widened, fitted, residual_sd, spread)
 
 
 def _widening(chi_squared_per_dof: float, stated: bool, residuals: Array | None) -> float:
@@ -128,13 +128,17 @@ def _covariance(name: str, jacobian: Array, parameters: Sequence[Parameter]) -> 
     return covariance
 
 
-def derived(name: str, symbol: str, unit: str, source: Estimate, factor: float, offset: float = 0.0) -> Estimate:
+def derived(
+    name: str, symbol: str, unit: str, source: IdentifiedParameter, factor: float, offset: float = 0.0
+) -> IdentifiedParameter:
     """Estimate of ``factor`` × a parameter + ``offset``, errors carried along."""
     ends = sorted((factor * source.low + offset, factor * source.high + offset))
-    return Estimate(name, symbol, factor * source.value + offset, abs(factor) * source.sd, ends[0], ends[1], unit)
+    return IdentifiedParameter(
+        name, symbol, factor * source.value + offset, abs(factor) * source.sd, ends[0], ends[1], unit
+    )
 
 
-def adds_something(simple: Fit, richer: Fit, level: float = 0.01) -> bool:
+def adds_something(simple: FittedModel, richer: FittedModel, level: float = 0.01) -> bool:
     """Whether a richer, nested model is worth its parameters: an F test of the residual sums, by default at 1 %."""
     extra = simple.degrees_of_freedom - richer.degrees_of_freedom
     sum_simple = simple.residual_sd**2 * simple.degrees_of_freedom

@@ -11,11 +11,11 @@ from missionplan.arrays import Array
 from missionplan.datasets.tank import OscillationSettings, TankData
 from missionplan.physics import oscillation as osc
 from missionplan.physics.tank import full_size_mass
-from missionplan.results.identification import Curve, Estimate, Findings, Fit, Panel
+from missionplan.results.identification import FitCurve, FitPanel, FittedModel, IdentifiedParameter, TankAnalysis
 from missionplan.studies.identification.least_squares import INTERVAL, Parameter, adds_something, derived, fit
 
 
-def identify_oscillation(data: TankData) -> Findings:
+def identify_oscillation(data: TankData) -> TankAnalysis:
     """Find added mass from natural frequencies, or added mass and damping from a record of displacement."""
     return _from_frequencies(data) if "frequency_hz" in data.columns else _from_record(data)
 
@@ -29,7 +29,7 @@ def _given(data: TankData) -> tuple[float, float, float]:
     return settings.stiffness, settings.mass, settings.scale
 
 
-def _from_frequencies(data: TankData) -> Findings:
+def _from_frequencies(data: TankData) -> TankAnalysis:
     """One added mass for each mode; k and m are given, as frequencies alone hold only k/(m + m_ad)."""
     stiffness, mass, scale = _given(data)
     frequency, modes = data.columns["frequency_hz"], data.labels["mode"]
@@ -38,20 +38,22 @@ def _from_frequencies(data: TankData) -> Findings:
     added_sd = np.asarray(osc.added_mass_sd(frequency, frequency_sd, stiffness))
     reach = float(stats.norm.ppf(0.5 + INTERVAL / 2.0))
     estimates = tuple(
-        Estimate(
+        IdentifiedParameter(
             f"added_mass_{mode}", f"m_ad {mode}", float(m), float(s), float(m - reach * s), float(m + reach * s), "kg"
         )
         for mode, m, s in zip(modes, added, added_sd, strict=True)
     )
-    direct = Fit("added mass from each frequency", estimates, math.nan, 0, 1.0, added, math.nan, np.diag(added_sd**2))
+    direct = FittedModel(
+        "added mass from each frequency", estimates, math.nan, 0, 1.0, added, math.nan, np.diag(added_sd**2)
+    )
     place = np.arange(len(modes), dtype=float)
     full = tuple(derived(f"{e.name}_full_size", e.symbol, "kg", e, scale**3) for e in estimates) if scale != 1.0 else ()
     words = ", ".join(f"{mode} {value:.2f} kg" for mode, value in zip(modes, added, strict=True))
-    return Findings(
+    return TankAnalysis(
         answer=f"Added mass: {words}.",
         fits=(direct,),
         panels=(
-            Panel(
+            FitPanel(
                 "added-mass",
                 "",
                 "added mass [kg]",
@@ -73,7 +75,7 @@ def _from_frequencies(data: TankData) -> Findings:
     )
 
 
-def _fragment(modes: list[str], estimates: tuple[Estimate, ...], scale: float) -> Mapping[str, Any]:
+def _fragment(modes: list[str], estimates: tuple[IdentifiedParameter, ...], scale: float) -> Mapping[str, Any]:
     """Write the vehicle's `added_mass:`, at full size."""
     masses: dict[str, Any] = {}
     for mode, estimate in zip(modes, estimates, strict=True):
@@ -83,7 +85,7 @@ def _fragment(modes: list[str], estimates: tuple[Estimate, ...], scale: float) -
     return {"added_mass": masses}
 
 
-def _from_record(data: TankData) -> Findings:
+def _from_record(data: TankData) -> TankAnalysis:
     """Fit a decaying oscillation with linear, then linear and quadratic damping, to a record of displacement."""
     stiffness, mass, scale = _given(data)
     time, record = data.columns["t_s"], data.columns["displacement_m"]
@@ -106,7 +108,7 @@ def _from_record(data: TankData) -> Findings:
     fits = (richer, simple) if adds_something(simple, richer) else (simple, richer)
     found = _physical(fits[0], stiffness, mass)
     added = found[0]
-    return Findings(
+    return TankAnalysis(
         answer=f"The added mass is {added.value:.3g} kg (90 % interval {added.low:.3g} to {added.high:.3g} kg).",
         fits=fits,
         panels=(_record_panel(time, record, record_sd, fits),),
@@ -141,7 +143,7 @@ def starting_values(time: Array, record: Array) -> list[Parameter]:
     ]
 
 
-def _physical(best: Fit, stiffness: float, mass: float) -> tuple[Estimate, ...]:
+def _physical(best: FittedModel, stiffness: float, mass: float) -> tuple[IdentifiedParameter, ...]:
     """Added mass [kg] and damping [kg/s, kg/m] from the fitted rates, with their errors."""
     frequency = best["frequency"]
     total = stiffness / (2.0 * math.pi * frequency.value) ** 2
@@ -153,9 +155,9 @@ def _physical(best: Fit, stiffness: float, mass: float) -> tuple[Estimate, ...]:
     return tuple(found)
 
 
-def _record_panel(time: Array, record: Array, record_sd: Array | None, fits: tuple[Fit, ...]) -> Panel:
+def _record_panel(time: Array, record: Array, record_sd: Array | None, fits: tuple[FittedModel, ...]) -> FitPanel:
     sd = np.full_like(record, np.nan) if record_sd is None else record_sd
-    return Panel(
+    return FitPanel(
         "displacement",
         "time [s]",
         "displacement [m]",
@@ -163,6 +165,6 @@ def _record_panel(time: Array, record: Array, record_sd: Array | None, fits: tup
         record,
         sd,
         fits[0].fitted,
-        (Curve(fits[0].name, time, fits[0].fitted),),
+        (FitCurve(fits[0].name, time, fits[0].fitted),),
         f"Displacement against time with the fit {fits[0].name}.",
     )

@@ -10,14 +10,14 @@ from missionplan.datasets.tank import PropellerGeometry, PropellerSettings, Tank
 from missionplan.errors import InputError, Problem
 from missionplan.physics.propeller import Propeller, disc_area, thrust
 from missionplan.physics.propulsion import respond
-from missionplan.results.identification import Curve, Findings, Fit, Panel
+from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import Parameter, adds_something, derived, fit
 
 TURN = 2.0 * math.pi
 _TORQUE_REMARK = "A vehicle file also needs `torque_coefficient`, which thrust alone does not tell: add it."
 
 
-def identify_propeller(data: TankData) -> Findings:
+def identify_propeller(data: TankData) -> TankAnalysis:
     """Fit T_nn and T_nu with the flow in the disc settled, then T_nn, T° and m_f with the flow on its own.
 
     The damping of the flow is given (2ρA_p, or the data set's): at rest, thrust alone leaves one combination of
@@ -51,7 +51,7 @@ def identify_propeller(data: TankData) -> Findings:
         derived("thrust_coefficient", "α₀", "", fits[0]["thrust_nn"], scale),
         derived("thrust_coefficient_slope", "α₁", "", fits[0]["thrust_nu"], slope),
     )
-    return Findings(
+    return TankAnalysis(
         answer=f"Thrust follows {fits[0].name}: K_T = {found[0].value:.3f} - {-found[1].value:.3f} J.",
         fits=fits,
         panels=(run.panel(measured, thrust_sd, fits),),
@@ -65,7 +65,7 @@ def identify_propeller(data: TankData) -> Findings:
     )
 
 
-def _fragment(geometry: PropellerGeometry, fits: tuple[Fit, ...], level: float, slope: float) -> dict[str, Any]:
+def _fragment(geometry: PropellerGeometry, fits: tuple[FittedModel, ...], level: float, slope: float) -> dict[str, Any]:
     fragment: dict[str, Any] = {
         "diameter": f"{geometry.diameter:.6g} m",
         "thrust_coefficient": [round(level, 5), round(slope, 5)],
@@ -130,9 +130,9 @@ class TransientRun:
             rate = self.shaft_rate
         return np.asarray(thrust(propeller, rate, propeller.flow_ratio * self.speed))
 
-    def panel(self, measured: Array, thrust_sd: Array | None, fits: tuple[Fit, ...]) -> Panel:
+    def panel(self, measured: Array, thrust_sd: Array | None, fits: tuple[FittedModel, ...]) -> FitPanel:
         """Thrust against time, and both fits."""
-        return Panel(
+        return FitPanel(
             "thrust",
             "time [s]",
             "thrust [N]",
@@ -140,6 +140,6 @@ class TransientRun:
             measured,
             np.full_like(measured, np.nan) if thrust_sd is None else thrust_sd,
             fits[0].fitted,
-            tuple(Curve(fitted.name, self.time, fitted.fitted) for fitted in fits),
+            tuple(FitCurve(fitted.name, self.time, fitted.fitted) for fitted in fits),
             "Thrust against time with the fits of both models.",
         )

@@ -9,7 +9,7 @@ from missionplan.arrays import Array
 from missionplan.datasets.tank import TankData, ThrusterGeometry, ThrusterSettings
 from missionplan.physics import tunnel_thruster as tt
 from missionplan.physics.thruster import static_thrust
-from missionplan.results.identification import Curve, Findings, Fit, Panel
+from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import Parameter, adds_something, fit
 
 _RATE_REMARK = (
@@ -20,7 +20,7 @@ AT_REST = 0.01
 """Speeds below this count as bollard pull [m/s]."""
 
 
-def identify_thruster(data: TankData) -> Findings:
+def identify_thruster(data: TankData) -> TankAnalysis:
     """Fit static thrust with its deadband, or a tunnel thruster under way where speeds and a geometry are given."""
     settings = data.settings
     assert isinstance(settings, ThrusterSettings)
@@ -30,7 +30,7 @@ def identify_thruster(data: TankData) -> Findings:
     return _static(data, speed <= AT_REST)
 
 
-def _static(data: TankData, at_rest: NDArray[np.bool_]) -> Findings:
+def _static(data: TankData, at_rest: NDArray[np.bool_]) -> TankAnalysis:
     """Fit τ = c(|V| - V₀)² with a constant for each direction, without and with the deadband V₀."""
     name, unit = ("voltage_v", "V") if "voltage_v" in data.columns else ("rpm", "1/s")
     command = data.columns[name][at_rest] / (1.0 if unit == "V" else 60.0)
@@ -59,7 +59,7 @@ def _static(data: TankData, at_rest: NDArray[np.bool_]) -> Findings:
     simple = fit("quadratic thrust", without, parameters, thrust, thrust_sd)
     richer = fit("quadratic thrust with a deadband", with_band, [*parameters, deadband], thrust, thrust_sd)
     fits = (richer, simple) if adds_something(simple, richer) else (simple, richer)
-    return Findings(
+    return TankAnalysis(
         answer=_constants_in_words(fits[0]),
         fits=fits,
         panels=(_static_panel(command, thrust, thrust_sd, fits[0], unit),),
@@ -68,13 +68,13 @@ def _static(data: TankData, at_rest: NDArray[np.bool_]) -> Findings:
     )
 
 
-def _constants_in_words(best: Fit) -> str:
+def _constants_in_words(best: FittedModel) -> str:
     parts = [f"{e.value:.4g} {e.unit} {e.name}" for e in best.estimates if e.name != "deadband"]
     band = f", with a deadband of {best['deadband'].value:.2g} {best['deadband'].unit}" if "deadband" in best else ""
     return f"Thrust is {' and '.join(parts)}{band}."
 
 
-def _asymmetry(best: Fit) -> tuple[str, ...]:
+def _asymmetry(best: FittedModel) -> tuple[str, ...]:
     if "ahead" not in best or "astern" not in best:
         return ()
     ahead, astern = best["ahead"], best["astern"]
@@ -85,7 +85,7 @@ def _asymmetry(best: Fit) -> tuple[str, ...]:
     )
 
 
-def _static_fragment(best: Fit) -> dict[str, Any]:
+def _static_fragment(best: FittedModel) -> dict[str, Any]:
     fragment: dict[str, Any] = {"name": "thruster"}
     for estimate in best.estimates:
         its_unit = "N/V^2" if estimate.name != "deadband" else "V"
@@ -93,12 +93,12 @@ def _static_fragment(best: Fit) -> dict[str, Any]:
     return fragment
 
 
-def _static_panel(command: Array, thrust: Array, thrust_sd: Array | None, best: Fit, unit: str) -> Panel:
+def _static_panel(command: Array, thrust: Array, thrust_sd: Array | None, best: FittedModel, unit: str) -> FitPanel:
     line = np.linspace(command.min(), command.max(), 200)
     ahead = best["ahead"].value if "ahead" in best else 0.0
     astern = best["astern"].value if "astern" in best else 0.0
     band = best["deadband"].value if "deadband" in best else 0.0
-    return Panel(
+    return FitPanel(
         "static-thrust",
         "voltage [V]" if unit == "V" else "shaft rate [rev/s]",
         "thrust [N]",
@@ -106,12 +106,12 @@ def _static_panel(command: Array, thrust: Array, thrust_sd: Array | None, best: 
         thrust,
         np.full_like(thrust, np.nan) if thrust_sd is None else thrust_sd,
         best.fitted,
-        (Curve(best.name, line, np.asarray(static_thrust(line, ahead, astern, band))),),
+        (FitCurve(best.name, line, np.asarray(static_thrust(line, ahead, astern, band))),),
         "Static thrust against the command with the preferred fit.",
     )
 
 
-def _under_way(data: TankData, geometry: ThrusterGeometry, speed: Array) -> Findings:
+def _under_way(data: TankData, geometry: ThrusterGeometry, speed: Array) -> TankAnalysis:
     """Fit K_3 and c to forces and, where moments are given, the centre of suction: k of Eq. 6, or a constant x_S."""
     turning = data.columns["rpm"] != 0.0
     revolutions, speed = data.columns["rpm"][turning] / 60.0, speed[turning]
@@ -128,11 +128,11 @@ def _under_way(data: TankData, geometry: ThrusterGeometry, speed: Array) -> Find
         "force under way", jet.force, parameters, force, None if data.settings.noise.thrust is None else force_sd
     )
     if moments is None or np.all(np.isnan(moments)):
-        fits: tuple[Fit, ...] = (forces,)
+        fits: tuple[FittedModel, ...] = (forces,)
     else:
         fits = _with_moments(jet, parameters, forces, force, moments[turning], data.settings.noise.moment)
     best = fits[0]
-    return Findings(
+    return TankAnalysis(
         answer=f"The static constant is {best['thrust_constant'].value:.4g} N s², and speed takes thrust away with c = "
         f"{best['decay'].value:.2f} (90 % interval {best['decay'].low:.2f} to {best['decay'].high:.2f}).",
         fits=fits,
@@ -169,14 +169,14 @@ class _Jet:
         )
         return np.asarray(tt.load(thruster, self.revolutions, self.speed, self.density).moment)
 
-    def panels(self, best: Fit, force: Array, moments: Array | None) -> tuple[Panel, ...]:
+    def panels(self, best: FittedModel, force: Array, moments: Array | None) -> tuple[FitPanel, ...]:
         values = np.array([best["thrust_constant"].value, best["decay"].value])
         ratio, static = self.ratio(values), tt.static_thrust(values[0], self.revolutions)
         line = np.linspace(0.0, max(float(ratio.max()), 0.1), 100)
         factor = np.asarray(tt.force_factor(line, values[1]))
         unknown = np.full_like(force, np.nan)
         count = len(force)
-        k_f = Panel(
+        k_f = FitPanel(
             "force-factor",
             "speed ratio u/u_j",
             "K_F",
@@ -184,7 +184,7 @@ class _Jet:
             force / static,
             unknown,
             best.fitted[:count] / static,
-            (Curve("exp(-c (u/u_j)²)", line, factor),),
+            (FitCurve("exp(-c (u/u_j)²)", line, factor),),
             "Share of the static force that the vehicle feels against speed ratio, falling to little as speed rises.",
         )
         if moments is None or self.geometry.position == 0.0:
@@ -193,7 +193,7 @@ class _Jet:
         gradient = best["suction_gradient"].value if "suction_gradient" in best else 0.0
         offset = best["suction_offset"].value if "suction_offset" in best else 0.0
         centre = self.geometry.position - offset - gradient * self.geometry.diameter * line
-        k_n = Panel(
+        k_n = FitPanel(
             "moment-factor",
             "speed ratio u/u_j",
             "K_N",
@@ -201,12 +201,12 @@ class _Jet:
             moments / at_rest,
             unknown,
             best.fitted[count:] / at_rest,
-            (Curve(best.name, line, np.asarray(tt.moment_factor(factor, centre / self.geometry.position))),),
+            (FitCurve(best.name, line, np.asarray(tt.moment_factor(factor, centre / self.geometry.position))),),
             "Moment over the static moment against speed ratio.",
         )
         return (k_f, k_n)
 
-    def remarks(self, best: Fit) -> tuple[str, ...]:
+    def remarks(self, best: FittedModel) -> tuple[str, ...]:
         values = np.array([best["thrust_constant"].value, best["decay"].value])
         limit = float(np.asarray(tt.highest_ratio(values[1])))
         beyond = int(np.sum(tt.out_of_range(self.ratio(values), values[1])))
@@ -217,8 +217,8 @@ class _Jet:
 
 
 def _with_moments(
-    jet: _Jet, parameters: list[Parameter], forces: Fit, force: Array, moments: Array, moment_sd: float | None
-) -> tuple[Fit, ...]:
+    jet: _Jet, parameters: list[Parameter], forces: FittedModel, force: Array, moments: Array, moment_sd: float | None
+) -> tuple[FittedModel, ...]:
     """Fit forces and moments together, with both laws of the centre of suction; the better one first."""
     values = np.array([estimate.value for estimate in forces.estimates])
     laws = {
@@ -247,7 +247,7 @@ def _with_moments(
     return tuple(sorted(fits, key=lambda fitted: fitted.chi_squared))
 
 
-def _tunnel_fragment(best: Fit, geometry: ThrusterGeometry) -> dict[str, Any]:
+def _tunnel_fragment(best: FittedModel, geometry: ThrusterGeometry) -> dict[str, Any]:
     fragment: dict[str, Any] = {
         "name": "tunnel thruster",
         "diameter": f"{geometry.diameter:.6g} m",

@@ -1,4 +1,4 @@
-"""What legs are chosen for: the mean time, a deadline, or energy, each by the machinery that suits it.
+"""What legs are chosen for: the mean time, a deadline, or energy, each by the method that suits it.
 
 - ``mean``: dynamic programming; exact under the assumptions of `expectation`. Where a mission has more, the same
   equation with the spread that a pilot of the mission shows.
@@ -58,7 +58,7 @@ class OptimisedLegs:
         legs.
     surfacings : float
         Expected number of the table, the arrival's included.
-    machinery : str
+    how_found : str
         How the table was found, in a sentence.
     """
 
@@ -70,7 +70,7 @@ class OptimisedLegs:
     one_leg_cost: float
     least_cost: float
     surfacings: float
-    machinery: str
+    how_found: str
 
 
 @dataclass(frozen=True)
@@ -218,7 +218,7 @@ def _prices(scenario: SweepScenario, speed: float) -> tuple[float, float]:
 
 
 def _on_trials(
-    problem: _Problem, spreads: Sequence[float], prices: Sequence[float], score: Score, seed: int, machinery: str
+    problem: _Problem, spreads: Sequence[float], prices: Sequence[float], score: Score, seed: int, how_found: str
 ) -> OptimisedLegs:
     """Best member of a family and best fixed d_max on the same pilot trials.
 
@@ -246,7 +246,7 @@ def _on_trials(
     if prices:
         priced = _tables(problem, [(spread, price) for price in prices])
         lowest, (spread, table) = min((lowest, (spread, table)), best_of(priced), key=lambda found: found[0])
-    return _optimised_legs(problem, lengths[place], table if lowest < least else fixed[place], machinery)
+    return _optimised_legs(problem, lengths[place], table if lowest < least else fixed[place], how_found)
 
 
 def replace_first_leg(table: LegTable, distance: float, length: float) -> LegTable:
@@ -270,7 +270,7 @@ def _tables(problem: _Problem, family: Sequence[tuple[float, float]]) -> list[Po
     return tables
 
 
-def _optimised_legs(problem: _Problem, d_max: float, table: LegTable, machinery: str) -> OptimisedLegs:
+def _optimised_legs(problem: _Problem, d_max: float, table: LegTable, how_found: str) -> OptimisedLegs:
     timed = replace(problem, surfacing_time=problem.scenario.surfacing_time)
     transit = timed.expected(table)
     factor = problem.speed / problem.scenario.speed
@@ -283,7 +283,7 @@ def _optimised_legs(problem: _Problem, d_max: float, table: LegTable, machinery:
         one_leg_cost=timed.expected(problem.scenario.distance).cost,
         least_cost=timed.least_cost(),
         surfacings=transit.surfacings,
-        machinery=machinery,
+        how_found=how_found,
     )
 
 

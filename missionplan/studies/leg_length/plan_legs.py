@@ -11,7 +11,7 @@ from missionplan.montecarlo.statistics import Moments, RunningStatistic, wilson
 from missionplan.montecarlo.streams import block_count
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.results.base import Provenance
-from missionplan.results.legs import Contender, LegCase, LegPlan, SampledCost
+from missionplan.results.legs import CandidatePlan, LegCase, LegPlan, SampledCost
 from missionplan.studies.leg_length.optimise_legs import DEADLINE_QUANTILE, Aim, OptimisedLegs, optimise_legs
 from missionplan.studies.leg_length.paired_trials import (
     AS_PLANNED,
@@ -74,7 +74,7 @@ def plan_legs(
     for (number, _), moments in zip(items, results, strict=True):
         totals[number] = totals[number].merge(moments) if number in totals else moments
     tracks = task.tracks()
-    contenders = _contest(scenario, aim, choice, deadline, trials, seed) if aim != "mean" else ()
+    candidates = _contest(scenario, aim, choice, deadline, trials, seed) if aim != "mean" else ()
     provenance = Provenance(
         command="plan-legs",
         mission=mission.name,
@@ -92,7 +92,7 @@ def plan_legs(
         phase=scenario.phase.name,
         phase_index=mission.phases.index(scenario.phase),
         aim=aim,
-        machinery=choice.machinery,
+        how_found=choice.how_found,
         deadline=deadline,
         distance=scenario.distance,
         speed=scenario.speed * choice.adaptive.speed,
@@ -112,7 +112,7 @@ def plan_legs(
         fixed_cost=choice.fixed_cost,
         one_leg_cost=choice.one_leg_cost,
         cases=tuple(_case(scenario, case, totals[number]) for number, case in enumerate(cases)),
-        contenders=contenders,
+        candidates=candidates,
         fixed_tracks=tracks[0],
         adaptive_tracks=tracks[1],
     )
@@ -127,7 +127,7 @@ def _deadline(scenario: SweepScenario) -> float:
 
 def _contest(
     scenario: SweepScenario, aim: Aim, choice: OptimisedLegs, deadline: float, trials: int, seed: int
-) -> tuple[Contender, ...]:
+) -> tuple[CandidatePlan, ...]:
     """The best fixed d_max, the best legs for the mean time at the mission's own speed, and the table."""
     mean = optimise_legs(scenario, "mean", deadline, seed, choice.spread)
     plans = (mean.fixed, choice.fixed, mean.adaptive, choice.adaptive)
@@ -144,11 +144,11 @@ def _contest(
     )
     order = (1, 0, 2, 3)
     return tuple(
-        _contender(names[i], plans[i].speed * scenario.speed, totals[i], aim, deadline=deadline) for i in order
+        _candidate_plan(names[i], plans[i].speed * scenario.speed, totals[i], aim, deadline=deadline) for i in order
     )
 
 
-def _contender(name: str, speed: float, totals: PlanTotals, aim: Aim, deadline: float) -> Contender:
+def _candidate_plan(name: str, speed: float, totals: PlanTotals, aim: Aim, deadline: float) -> CandidatePlan:
     duration, energy, on_time = totals.duration.statistic(), totals.energy.statistic(), totals.on_time.probability()
     if aim == "energy":
         value, error = energy.mean, energy.standard_error
@@ -157,7 +157,7 @@ def _contender(name: str, speed: float, totals: PlanTotals, aim: Aim, deadline: 
         error = float(np.sqrt(value * (1.0 - value) / max(totals.on_time.trials, 1)))
     else:
         value, error = _quantile(totals.duration, DEADLINE_QUANTILE, totals.on_time.trials)
-    return Contender(name, speed, duration, energy, on_time, value, error)
+    return CandidatePlan(name, speed, duration, energy, on_time, value, error)
 
 
 def _quantile(running: RunningStatistic, share: float, trials: int) -> tuple[float, float]:

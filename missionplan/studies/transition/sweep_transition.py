@@ -16,7 +16,7 @@ from missionplan.phases.transition.simulation import simulate_transition
 from missionplan.physics.tunnel_thruster import hover_power, revolutions_for
 from missionplan.physics.vehicle_dynamics import level_trim
 from missionplan.results.base import Provenance
-from missionplan.results.transition import FORCE, PAIR, SUCTION, Track, TransitionSweep
+from missionplan.results.transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.transition import manoeuvre, transition_phase, transition_vehicle
 
@@ -169,15 +169,15 @@ class _Runs:
             }
         )
 
-    def track(self, point: tuple[float, float, float], label: str) -> Track:
+    def track(self, point: tuple[float, float, float], label: str) -> TimeHistory:
         """History of one combination."""
         index = int(np.flatnonzero(np.all(self.points == np.array(point)[:, None], axis=0))[0])
         return _track(self.record, index, label)
 
 
-def _track(record: TransitionRecord, index: int, label: str) -> Track:
+def _track(record: TransitionRecord, index: int, label: str) -> TimeHistory:
     history = record.history
     assert history is not None
     columns = (history.speed, history.pitch, history.depth, history.sternplane)
     speed, pitch, depth, sternplane = (column[:, index] for column in columns)
-    return Track(label, history.time, speed, pitch, depth, sternplane)
+    return TimeHistory(label, history.time, speed, pitch, depth, sternplane)

@@ -10,7 +10,7 @@ from missionplan.diagnosis.model_factory import transit_model
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.diagnosis.plan_gain import load_data
 from missionplan.effects import CATALOGUE
-from missionplan.report.render import render
+from missionplan.report.render import render_report
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 
@@ -219,4 +219,6 @@ def test_diagnosis_json_has_the_contracts_keys(quick, legs):
         "coverage_90_extended",
     }
     assert set(found.files()) == {"diagnosis.json", "residuals.csv", "ranking.csv", "mission.yaml"}
-    assert {"data", "ranking", "residuals", "places", "autocorrelation", "held-out"} <= set(render(found).figures)
+    assert {"data", "ranking", "residuals", "places", "autocorrelation", "held-out"} <= set(
+        render_report(found).figures
+    )

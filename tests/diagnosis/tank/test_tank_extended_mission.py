@@ -8,7 +8,7 @@ from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.plan_gain import load_data
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.report.render import render
+from missionplan.report.render import render_report
 
 PHASE = {"from": ["0 m", "0 m"], "to": ["1 km", "0 m"], "speed": "1 m/s", "d_max": "1 km", "arrival_radius": "50 m"}
 MISSION = {
@@ -55,7 +55,7 @@ def test_reynolds_number_goes_with_it(tmp_path):
     drag = load_data(found.extended).vehicle.drag
     assert drag.exponent.mean == pytest.approx(-0.2, abs=0.02)
     assert drag.length == pytest.approx(0.6)
-    rendered = render(found)
+    rendered = render_report(found)
     assert {"data", "residuals", "ranking"} <= {figure.removesuffix(".svg") for figure in rendered.figures}
 
 

@@ -93,24 +93,24 @@ def test_the_layers_own_directions_ask_for_less(mission):
 def test_a_probable_anchor_reaches_its_probability_and_a_lighter_one_does_not(mission):
     sizing = size_anchor(mission, trials=2000, probability=0.95)
     found = sizing.probable.anchor
-    assert found.odds.good.value >= 0.95
+    assert found.probabilities.good.value >= 0.95
     trials = AnchorTrials(mission, mission.moors[0], None, 2000, mission.monte_carlo.seed)
-    assert trials.odds(found.wet_weight / 1.002).good.value < 0.95
+    assert trials.probabilities(found.wet_weight / 1.002).good.value < 0.95
     assert sizing.anchor.wet_weight < found.wet_weight
 
 
-def test_odds_against_a_normal_approximation(mission):
-    """With offsets nearly normal, the odds follow from their mean and spread."""
-    odds = size_anchor(mission, trials=5000).anchor.odds
-    z = (75 * 0.3048 - odds.offset.mean) / odds.offset.sd
+def test_probabilities_against_a_normal_approximation(mission):
+    """With offsets nearly normal, the probabilities follow from their mean and spread."""
+    probabilities = size_anchor(mission, trials=5000).anchor.probabilities
+    z = (75 * 0.3048 - probabilities.offset.mean) / probabilities.offset.sd
     from scipy.stats import norm
 
-    assert odds.good.value == pytest.approx(norm.cdf(z), abs=0.01)
+    assert probabilities.good.value == pytest.approx(norm.cdf(z), abs=0.01)
 
 
-def test_odds_do_not_depend_on_the_number_of_jobs(mission):
-    one = size_anchor(mission, trials=5000).anchor.odds
-    assert size_anchor(mission, trials=5000, jobs=2, backend="threading").anchor.odds == one
+def test_probabilities_do_not_depend_on_the_number_of_jobs(mission):
+    one = size_anchor(mission, trials=5000).anchor.probabilities
+    assert size_anchor(mission, trials=5000, jobs=2, backend="threading").anchor.probabilities == one
 
 
 def test_a_short_line_asks_for_a_longer_one(tmp_path):
@@ -121,7 +121,7 @@ def test_a_short_line_asks_for_a_longer_one(tmp_path):
     assert "strike" in probable.reason
     assert probable.line_length > 3.35
     trials = AnchorTrials(mission, mission.moors[0], None, 200, mission.monte_carlo.seed)
-    assert trials.odds(probable.line_anchor_weight, probable.line_length).good.value >= 0.99
+    assert trials.probabilities(probable.line_anchor_weight, probable.line_length).good.value >= 0.99
 
 
 def test_a_release_that_drifts_too_far_is_beyond_any_anchor(tmp_path):
@@ -177,7 +177,7 @@ def test_a_probability_must_be_one(mission):
 def test_search_passes_the_shares_on():
     """A made-up mooring: within from 10 N, striking from 12 N."""
 
-    class Odds:
+    class ProbabilitiesOf:
         def __init__(self, weight, line):
             edge = 12.0 if line is None else 12.0 * line / 5.0
 
@@ -188,7 +188,7 @@ def test_search_passes_the_shares_on():
             self.struck = share(float(weight >= edge))
             self.good = share(float(10.0 <= weight < edge))
 
-    assert lightest_anchor(Odds, 0.9, 11.0, 5.0).weight == pytest.approx(10.0, rel=2e-3)
+    assert lightest_anchor(ProbabilitiesOf, 0.9, 11.0, 5.0).weight == pytest.approx(10.0, rel=2e-3)
 
 
 def test_the_worst_case_by_itself_is_the_anchor_sized(mission):

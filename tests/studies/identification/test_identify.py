@@ -7,7 +7,7 @@ import yaml
 from missionplan.errors import InputError, RunError
 from missionplan.physics import propeller as p
 from missionplan.physics import propulsion as pr
-from missionplan.report.render import render, terminal
+from missionplan.report.render import render_report, terminal_view
 from missionplan.studies.identification.identify import identify
 
 
@@ -44,7 +44,7 @@ def test_reynolds_dependence_is_found_where_it_is(tmp_path):
     result = identify(write(tmp_path / "drag", DRAG, towing(np.random.default_rng(1), exponent=-0.15)))
     assert "reynolds_exponent" in result.fits[0]
     assert result["reynolds_exponent"].low < -0.15 < result["reynolds_exponent"].high
-    assert result.findings.fragment["drag"]["exponent"]["mean"] == pytest.approx(-0.15, abs=0.03)
+    assert result.analysis.fragment["drag"]["exponent"]["mean"] == pytest.approx(-0.15, abs=0.03)
 
 
 def oscillation(rng, quadratic, noise=2e-4, seconds=8.0, rate=50.0):
@@ -216,14 +216,14 @@ def test_rows_marked_and_columns_unknown_are_told(tmp_path):
     result = identify(write(tmp_path / "drag", DRAG, data))
     assert any("1 row left out" in note for note in result.provenance.notices)
     assert any("note" in note for note in result.provenance.notices)
-    assert len(result.findings.panels[0].x) == 19
+    assert len(result.analysis.panels[0].x) == 19
 
 
 def test_report_is_one_page_with_its_files(tmp_path):
     result = identify(write(tmp_path / "drag", DRAG, towing(np.random.default_rng(9))))
-    rendered = render(result)
+    rendered = render_report(result)
     assert rendered.html.count("<svg") == len(rendered.figures) == 2
-    assert "drag coefficient" in terminal(result).sentence
+    assert "drag coefficient" in terminal_view(result).sentence
     folder = result.save(tmp_path / "report")
     for name in (
         "report.html",

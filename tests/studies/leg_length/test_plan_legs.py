@@ -179,11 +179,11 @@ def test_legs_for_a_deadline_are_on_time_as_often_as_any_other_plan(learning, mo
     monkeypatch.setattr(optimise_legs, "SPREADS", (1.0, 1.4))
     monkeypatch.setattr(optimise_legs, "PRICES", (1.0,))
     plan = plan_legs(learning, aim="p95")
-    *others, chosen = plan.contenders
+    *others, chosen = plan.candidates
     for other in others:
         assert chosen.value <= other.value + 3.0 * np.hypot(chosen.standard_error, other.standard_error)
     assert chosen.duration.mean > 0.0
-    assert "common trials" in plan.machinery
+    assert "common trials" in plan.how_found
 
 
 def test_a_deadline_of_the_mission_is_what_p95_is_about(tmp_path, monkeypatch):
@@ -194,8 +194,8 @@ def test_a_deadline_of_the_mission_is_what_p95_is_about(tmp_path, monkeypatch):
     path.write_text(MISSION + deadline, encoding="utf-8")
     plan = plan_legs(load(path), aim="p95", trials=1000)
     assert plan.deadline == 3450.0
-    assert all(contender.value == contender.on_time.value for contender in plan.contenders)
-    assert "probability of meeting the deadline" in plan.machinery
+    assert all(candidate.value == candidate.on_time.value for candidate in plan.candidates)
+    assert "probability of meeting the deadline" in plan.how_found
 
 
 @pytest.mark.slow
@@ -205,7 +205,7 @@ def test_energy_chooses_the_speed_and_needs_less_than_at_the_mission_s_own(tmp_p
     path = tmp_path / "energy.yaml"
     path.write_text(still, encoding="utf-8")
     plan = plan_legs(load(path), aim="energy", trials=3000)
-    fixed, mean_fixed, mean_table, chosen = plan.contenders
+    fixed, mean_fixed, mean_table, chosen = plan.candidates
     assert chosen.speed == plan.speed != plan.mission_speed
     assert chosen.energy.mean < mean_table.energy.mean < mean_fixed.energy.mean
     assert chosen.energy.mean <= fixed.energy.mean
