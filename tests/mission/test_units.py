@@ -119,3 +119,18 @@ def test_any_text_is_read_or_refused_in_words(text: str) -> None:
         assert math.isfinite(parse_number_with_unit(text, "m"))
     except QuantityError as error:
         assert str(error).startswith("given")
+
+
+def test_the_ends_of_a_range_belong_to_it_unless_it_is_open():
+    assert QuantityParser("m", low=0.0, high=5.0)("5 m") == 5.0
+    assert QuantityParser("m", low=0.0, high=5.0)("0 m") == 0.0
+    with pytest.raises(PydanticCustomError, match="at most 5 m"):
+        QuantityParser("m", low=0.0, high=5.0)("5.000001 m")
+    with pytest.raises(PydanticCustomError, match="more than 0 m"):
+        QuantityParser("m", low=0.0, high=5.0, open_low=True)("0 m")
+
+
+def test_bounds_that_leave_nothing_between_them_are_refused():
+    for form in ({"low": "2 m", "high": "2 m"}, {"mean": "2 m", "sd": "1 m", "low": "2 m", "high": "2 m"}):
+        with pytest.raises(PydanticCustomError, match="expected low below high"):
+            QuantityParser("m")(form)

@@ -86,3 +86,26 @@ def test_truncated_draws_stay_inside_and_rise_with_the_normal(mean, sd, low, wid
 def test_numbers_are_their_own_mean():
     assert (mean_of(3.0), sd_of(3.0)) == (3.0, 0.0)
     assert (mean_of(Normal(2.0, 1.0)), sd_of(Normal(2.0, 1.0))) == (2.0, 1.0)
+
+
+@pytest.mark.parametrize(("low", "high"), [(5.0, 9.0), (9.0, 12.0), (10.0, math.inf), (-12.0, -9.0)])
+def test_far_tails_keep_their_digits(low, high):
+    distribution = TruncatedNormal(3.0, 2.0, 3.0 + 2.0 * low, 3.0 + 2.0 * high)
+    z = np.array([-3.0, -1.0, 0.0, 1.0, 3.0])
+    theory = stats.truncnorm(low, high, 3.0, 2.0)
+    draws = distribution.from_normal(z)
+    assert draws == pytest.approx(theory.isf(stats.norm.sf(z)), rel=1e-9)
+    assert [distribution.mass_below(value) for value in draws] == pytest.approx(theory.cdf(draws), rel=1e-6)
+
+
+def test_an_upper_limit_cuts_the_upper_tail():
+    cut = Normal(0.0, 1.0).truncated(high=1.0)
+    z = np.array([-4.0, 0.0, 4.0])
+    assert cut.mass_cut == pytest.approx(stats.norm.sf(1.0))
+    assert cut.from_normal(z) == pytest.approx(stats.truncnorm(-math.inf, 1.0).ppf(stats.norm.cdf(z)), rel=1e-9)
+
+
+def test_choices_cut_twice_have_lost_both_parts():
+    twice = Choices((1.0, 2.0, 3.0, 4.0)).truncated(low=1.5).truncated(high=3.5)
+    assert twice.values == (2.0, 3.0)
+    assert twice.mass_cut == pytest.approx(0.5)

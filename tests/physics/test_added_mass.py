@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import quad
 
 from missionplan.physics.added_mass import anchor_added_mass, lamb_axial_coefficient
 
@@ -28,3 +29,22 @@ def test_oblate_bodies_are_refused():
 
 def test_anchor_of_the_prototype():
     assert anchor_added_mass(0.060325, 1026.0) == pytest.approx(2.38 * 1026.0 * 0.060325**3, rel=1e-3)
+
+
+@pytest.mark.parametrize("fineness", [1.0, 1.0005, 1.002, 1.004, 1.006, 1.3, 9.26])
+def test_lambs_integral_agrees_on_both_branches(fineness):
+    # α₀ = a b² ∫ dλ / ((a² + λ)^(3/2) (b² + λ)) with b = 1 (Lamb, art. 114), the substitution λ = tan² for its tail
+    integral, _ = quad(
+        lambda angle: (
+            2.0
+            * np.tan(angle)
+            / np.cos(angle) ** 2
+            / ((fineness**2 + np.tan(angle) ** 2) ** 1.5 * (1.0 + np.tan(angle) ** 2))
+        ),
+        0.0,
+        np.pi / 2.0,
+        epsabs=1e-13,
+        epsrel=1e-12,
+    )
+    alpha = fineness * integral
+    assert lamb_axial_coefficient(fineness) == pytest.approx(alpha / (2.0 - alpha), rel=1e-9)

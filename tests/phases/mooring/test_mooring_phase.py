@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from missionplan.phases.currents import layers
-from missionplan.phases.hooks import TransitEffect
+from missionplan.phases.hooks import DescentEffect, TransitEffect
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.mooring import MoorPlan, moor
 from missionplan.phases.state import TrialState
@@ -132,3 +132,23 @@ def test_one_that_strikes_the_seafloor_comes_up_all_the_same():
     after, record = moor(MoorPlan(**{**vars(PLAN), "dive": short}), state(), NONE, still())
     assert record.struck.all()
     assert after.alive.all()
+
+
+class TautClock(DescentEffect):
+    """Notes the times since the taut line at which the vehicle's drag is asked for."""
+
+    def __init__(self) -> None:
+        self.asked: list[np.ndarray] = []
+
+    def drag_factor(self, since_taut, speed):
+        self.asked.append(np.broadcast_to(since_taut, (N,)).copy())
+        return 1.0
+
+
+def test_the_ascent_goes_on_counting_from_the_taut_line():
+    clock = TautClock()
+    _, record = moor(PLAN, state(), NONE, still(), effects=[clock])
+    asked = np.array(clock.asked)
+    first_of_ascent = asked[asked[:, 0] > 1000.0].min(axis=0)
+    expected = record.descent.descent_time - record.descent.payout_time + 1200.0 + 600.0
+    assert first_of_ascent == pytest.approx(expected)
