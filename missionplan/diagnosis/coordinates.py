@@ -16,6 +16,7 @@ from scipy.stats import norm
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, EffectInfo
+from missionplan.results.diagnosis import Causes, ParameterEstimate
 
 LOWER, UPPER = 0.05, 0.95
 """Ends of the intervals that are reported."""
@@ -41,19 +42,6 @@ class Coordinate:
     centre: float
     slab: float
     spike: float
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A parameter of a cause as fitted, with a 90 % interval [unit]."""
-
-    effect: str
-    name: str
-    value: float
-    sd: float
-    low: float
-    high: float
-    unit: str
 
 
 def coordinates_of(info: EffectInfo, names: Iterable[str] | None = None) -> tuple[Coordinate, ...]:
@@ -110,7 +98,7 @@ def _phase_of(coordinate: Coordinate) -> str:
     return dict(CATALOGUE[coordinate.effect].polar)[coordinate.name]
 
 
-def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array) -> tuple[Estimate, ...]:
+def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array) -> tuple[ParameterEstimate, ...]:
     """Values, standard deviations and 90 % intervals of the parameters from a normal posterior of the coordinates.
 
     An amplitude and its phase by linear propagation; an interval ends where the parameter's range does.
@@ -124,7 +112,7 @@ def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array)
     covariance : array, shape (k, k)
         Posterior covariance.
     """
-    found: list[Estimate] = []
+    found: list[ParameterEstimate] = []
     for index, coordinate in enumerate(coordinates):
         value, variance = float(mean[index]), float(covariance[index, index])
         sd = math.sqrt(max(variance, 0.0))
@@ -134,7 +122,7 @@ def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array)
             low, high = (math.exp(value + norm.ppf(p) * sd) for p in (LOWER, UPPER))
             unit = CATALOGUE[coordinate.effect].parameters[coordinate.name].unit
             size = math.exp(value)
-            found.append(Estimate(coordinate.effect, coordinate.name, size, size * sd, low, high, unit))
+            found.append(ParameterEstimate(coordinate.effect, coordinate.name, size, size * sd, low, high, unit))
         elif coordinate.kind == "sine":
             found += _polar(
                 coordinate, mean[index - 1 : index + 1], covariance[index - 1 : index + 1, index - 1 : index + 1]
@@ -142,7 +130,7 @@ def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array)
     return tuple(found)
 
 
-def _polar(coordinate: Coordinate, pair: NDArray[np.float64], covariance: Array) -> list[Estimate]:
+def _polar(coordinate: Coordinate, pair: NDArray[np.float64], covariance: Array) -> list[ParameterEstimate]:
     amplitude, phase = float(np.hypot(*pair)), float(np.arctan2(pair[1], pair[0]))
     radial = pair / max(amplitude, 1e-12)
     across = np.array([-radial[1], radial[0]])
@@ -156,13 +144,18 @@ def _polar(coordinate: Coordinate, pair: NDArray[np.float64], covariance: Array)
     ]
 
 
-def _estimate(coordinate: Coordinate, name: str, value: float, sd: float) -> Estimate:
+def _estimate(coordinate: Coordinate, name: str, value: float, sd: float) -> ParameterEstimate:
     parameter = CATALOGUE[coordinate.effect].parameters[name]
     low, high = (min(max(value + norm.ppf(p) * sd, parameter.low), parameter.high) for p in (LOWER, UPPER))
-    return Estimate(coordinate.effect, name, value, sd, low, high, parameter.unit)
+    return ParameterEstimate(coordinate.effect, name, value, sd, low, high, parameter.unit)
 
 
-def is_possible(found: Iterable[Estimate]) -> bool:
+def has_shape(causes: Causes) -> bool:
+    """Whether an effect among the causes has a shape parameter (a time constant, a depth), which is not linear."""
+    return any(parameter.is_shape for cause in causes for parameter in CATALOGUE[cause].parameters.values())
+
+
+def is_possible(found: Iterable[ParameterEstimate]) -> bool:
     """Whether every parameter lies in its physical range, or its interval still reaches into it.
 
     A strength of the wrong sign is not the effect: its value must lie inside; a shape's interval must touch the range.

@@ -19,7 +19,7 @@ from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.inference.cross_validation import HeldOut
 from missionplan.diagnosis.inference.discrepancy import Discrepancy
 from missionplan.diagnosis.inference.experiment_design import ProposedMeasurement, discriminations
-from missionplan.diagnosis.inference.model import Fit
+from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Candidate
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.legs.one_step import one_step
@@ -166,7 +166,7 @@ class _Stages:
             self._progress(self._done, STAGES)
 
 
-def _extended(mission: Mission, best: Fit, data: Any) -> dict[str, Any]:
+def _extended(mission: Mission, best: CauseFit, data: Any) -> dict[str, Any]:
     if isinstance(data, TankSet):
         return extended_tank_mission(mission, best.estimates, best.calibration, data)
     legs = data if isinstance(data, TransitData) else None
@@ -236,7 +236,7 @@ class _Described:
             self._found.checks.get(candidate.causes),
         )
 
-    def _shares(self, fits: Sequence[Fit]) -> list[float]:
+    def _shares(self, fits: Sequence[CauseFit]) -> list[float]:
         if isinstance(self._model, TransitModel):
             return [transit_share(self._model, fit) for fit in fits]
         if isinstance(self._model, TankModel):

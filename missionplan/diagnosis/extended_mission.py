@@ -7,12 +7,15 @@ from datetime import UTC, datetime
 from typing import Any
 
 from missionplan.datasets.legs import TransitData
-from missionplan.diagnosis.coordinates import Estimate
 from missionplan.effects import CATALOGUE
+from missionplan.results.diagnosis import ParameterEstimate
 
 
 def extended_mission(
-    raw: Mapping[str, Any], found: Sequence[Estimate], calibration: Mapping[str, float], data: TransitData | None
+    raw: Mapping[str, Any],
+    found: Sequence[ParameterEstimate],
+    calibration: Mapping[str, float],
+    data: TransitData | None,
 ) -> dict[str, Any]:
     """Write the causes into a mission's data.
 
@@ -20,7 +23,7 @@ def extended_mission(
     ----------
     raw : mapping
         The mission file's data with includes in place.
-    found : sequence of Estimate
+    found : sequence of ParameterEstimate
         Parameters of the causes; none leaves the effects as they are.
     calibration : mapping
         Nuisances as fitted; ``sigma_v_m_s`` replaces the mission's where it has a sigma.
@@ -51,7 +54,7 @@ def _place_and_time(mission: dict[str, Any], data: TransitData) -> None:
         mission["start"] = datetime.fromtimestamp(data.epoch, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def quantity(estimate: Estimate) -> dict[str, Any]:
+def quantity(estimate: ParameterEstimate) -> dict[str, Any]:
     """Write a parameter as a distribution: normal, or log-normal for one that is positive by nature."""
     parameter = CATALOGUE[estimate.effect].parameters[estimate.name]
 

@@ -6,13 +6,14 @@ from functools import partial
 
 import numpy as np
 
-from missionplan.diagnosis.inference.cross_validation import HeldOut, compare
+from missionplan.diagnosis.inference.cross_validation import HeldOut, held_out_gain
 from missionplan.diagnosis.inference.discrepancy import Discrepancy, discrepancy
-from missionplan.diagnosis.inference.model import Causes, Fit, Model
+from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.diagnosis.inference.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, credible_set, posteriors, select
 from missionplan.diagnosis.verdict import Claim, Verdict, claim, verdict
 from missionplan.montecarlo.parallel_map import shared
+from missionplan.results.diagnosis import Causes
 
 SCORED = 3
 """Sets whose held-out gain is measured."""
@@ -32,7 +33,7 @@ class PipelineResult:
         By the rules of the contract.
     claimed : Claim or None
         The set claimed, and its rivals.
-    best : Fit
+    best : CauseFit
         The claimed set's fit, else the base model's.
     selection : Selection
         Every set that was tried.
@@ -52,7 +53,7 @@ class PipelineResult:
 
     verdict: Verdict
     claimed: Claim | None
-    best: Fit
+    best: CauseFit
     selection: Selection
     posterior: Mapping[Causes, float]
     credible_set: tuple[Causes, ...]
@@ -109,7 +110,7 @@ def _gains(model: Model, selection: Selection, progress: Progress, jobs: int) ->
     progress("predicting held-out data", 0, 1)
     fits = [selection.base, *(candidate.fit for candidate in scored)]
     base, *extended = shared(model.held_out, fits, jobs=jobs)
-    return {candidate.causes: compare(base, scores) for candidate, scores in zip(scored, extended, strict=True)}
+    return {candidate.causes: held_out_gain(base, scores) for candidate, scores in zip(scored, extended, strict=True)}
 
 
 def _checks(model: Model, selection: Selection, scored: tuple[Causes, ...], jobs: int) -> dict[Causes, float]:
@@ -122,14 +123,14 @@ def _checks(model: Model, selection: Selection, scored: tuple[Causes, ...], jobs
     return {causes: log_evidence - base for causes, log_evidence in zip(scored, found, strict=True)}
 
 
-def _looked_at(model: Model, fits: Sequence[Fit]) -> list[tuple[Discrepancy, tuple[tuple[str, float], ...]]]:
+def _looked_at(model: Model, fits: Sequence[CauseFit]) -> list[tuple[Discrepancy, tuple[tuple[str, float], ...]]]:
     """What each fit leaves: its remainder, and its outlying groups."""
     residuals = [model.residuals(fit) for fit in fits]
     return [(discrepancy(each), outlying_groups(each)) for each in residuals]
 
 
-def _log_evidences(model: Model, fits: Sequence[Fit]) -> list[float]:
-    return [model.importance(fit).log_evidence for fit in fits]
+def _log_evidences(model: Model, fits: Sequence[CauseFit]) -> list[float]:
+    return [model.sampled_evidence(fit).log_evidence for fit in fits]
 
 
 def _is_contender(candidate: Candidate, selection: Selection) -> bool:

@@ -7,13 +7,13 @@ import numpy as np
 import pandas as pd
 
 from missionplan.diagnosis.dives.model import DescentModel
-from missionplan.diagnosis.inference.model import Fit
+from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.model import TransitModel
 
 LEGS_TOGETHER = 32
 
 
-def transit_residuals(model: TransitModel, base: Fit, best: Fit) -> pd.DataFrame:
+def transit_residuals(model: TransitModel, base: CauseFit, best: CauseFit) -> pd.DataFrame:
     """One row a leg: velocity errors, what the mission expects, and the errors left with both models.
 
     `residual_base` is data less mission; `residual_extended` the error of predicting the leg from those before it.
@@ -44,7 +44,7 @@ def transit_residuals(model: TransitModel, base: Fit, best: Fit) -> pd.DataFrame
     )
 
 
-def descent_residuals(model: DescentModel, base: Fit, best: Fit) -> pd.DataFrame:
+def descent_residuals(model: DescentModel, base: CauseFit, best: CauseFit) -> pd.DataFrame:
     """One row a reading: depth, both models' depths, and what is left of each.
 
     An innovation is the error of predicting a reading from those before it, over its standard deviation.
@@ -67,13 +67,13 @@ def descent_residuals(model: DescentModel, base: Fit, best: Fit) -> pd.DataFrame
     )
 
 
-def transit_share(model: TransitModel, fit: Fit) -> float:
+def transit_share(model: TransitModel, fit: CauseFit) -> float:
     """Share of the squared velocity errors that a set predicts a leg ahead."""
     before = float(np.sum(model.y**2))
     return float(np.clip(1.0 - np.sum(model.one_step_errors(fit) ** 2) / max(before, 1e-30), 0.0, 1.0))
 
 
-def descent_shares(model: DescentModel, base: Fit, fits: Sequence[Fit]) -> list[float]:
+def descent_shares(model: DescentModel, base: CauseFit, fits: Sequence[CauseFit]) -> list[float]:
     """Share of the squared residuals that goes with each set, by one call of the phase."""
     places = np.stack([fit.state.linear.at for fit in (base, *fits)], axis=1)
     left = (model.y[:, None] - model.forward.readings(model.coordinates, places)) / model.units[:, None]

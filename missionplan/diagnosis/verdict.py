@@ -34,7 +34,7 @@ def claim(selection: Selection, gain: HeldOut | None) -> Claim | None:
 def verdict(claimed: Claim | None, discrepancy: Discrepancy) -> Verdict:
     """The first that fits."""
     if claimed is None:
-        return "unexplained" if discrepancy.speaks else "adequate"
-    if discrepancy.speaks:
+        return "unexplained" if discrepancy.significant else "adequate"
+    if discrepancy.significant:
         return "partly-explained"
     return "ambiguous" if claimed.rivals else "explained"

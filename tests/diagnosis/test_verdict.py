@@ -4,27 +4,29 @@ import itertools
 
 import pytest
 
-from missionplan.diagnosis.inference.cross_validation import compare
+from missionplan.diagnosis.inference.cross_validation import held_out_gain
 from missionplan.diagnosis.inference.discrepancy import Discrepancy
-from missionplan.diagnosis.inference.model import Fit, Score
+from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.selection import Candidate, Selection, credible_set, posteriors, rivals
 from missionplan.diagnosis.verdict import claim, verdict
 
 GOOD, BAD = (
-    compare([Score(name, 0.0, 1.0, 1, 1) for name in "abc"], [Score(name, gain, 1.0, 1, 1) for name in "abc"])
+    held_out_gain(
+        [HeldOutScore(name, 0.0, 1.0, 1, 1) for name in "abc"], [HeldOutScore(name, gain, 1.0, 1, 1) for name in "abc"]
+    )
     for gain in (1.0, -1.0)
 )
 
 
 def selection(*entries):
     ranking = tuple(
-        sorted((Candidate(Fit(c, 0.0, (), {}, True, None), b) for c, b in entries), key=lambda one: -one.score)
+        sorted((Candidate(CauseFit(c, 0.0, (), {}, True, None), b) for c, b in entries), key=lambda one: -one.score)
     )
-    return Selection(Fit((), 0.0, (), {}, True, None), ranking, (), (), 12)
+    return Selection(CauseFit((), 0.0, (), {}, True, None), ranking, (), (), 12)
 
 
-def left(speaks):
-    return Discrepancy(5.0 if speaks else 0.0, "time" if speaks else None, (), (), speaks, None, None)
+def left(significant):
+    return Discrepancy(5.0 if significant else 0.0, "time" if significant else None, (), (), significant, None, None)
 
 
 def test_score_charges_each_further_cause():
@@ -33,7 +35,7 @@ def test_score_charges_each_further_cause():
 
 
 @pytest.mark.parametrize(
-    ("entries", "gain", "speaks", "expected"),
+    ("entries", "gain", "significant", "expected"),
     [
         ([(("a",), 2.9)], GOOD, False, "adequate"),
         ([(("a",), 2.9)], GOOD, True, "unexplained"),
@@ -45,8 +47,8 @@ def test_score_charges_each_further_cause():
         ([], None, False, "adequate"),
     ],
 )
-def test_verdict_is_the_first_that_fits(entries, gain, speaks, expected):
-    assert verdict(claim(selection(*entries), gain), left(speaks)) == expected
+def test_verdict_is_the_first_that_fits(entries, gain, significant, expected):
+    assert verdict(claim(selection(*entries), gain), left(significant)) == expected
 
 
 def test_supersets_of_the_claimed_set_are_no_rivals():

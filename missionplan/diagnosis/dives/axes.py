@@ -9,7 +9,7 @@ from missionplan.arrays import Array
 from missionplan.datasets.dives import DiveLog
 from missionplan.diagnosis.dives.linearised import DescentLinear, Linear
 from missionplan.diagnosis.dives.unknown_force import PLACES, force_axes
-from missionplan.diagnosis.inference.axes import Axis, Measure, pointwise, scaled
+from missionplan.diagnosis.inference.axes import Axis, AxisScale, pointwise, scaled
 
 
 def descent_axes(model: DescentLinear, linear: Linear) -> list[Axis]:
@@ -33,7 +33,7 @@ def descent_axes(model: DescentLinear, linear: Linear) -> list[Axis]:
 def _error(name: str, values: Array) -> Axis:
     """Error of the depth read that changes with what is named, the same in all dives."""
     axis = pointwise(name, f"an error of the depth read that changes with {name}", scaled(values))
-    measure = Measure(float(values.min()), float(values.max()), PLACES[name], "Error of the depth read (m)")
+    measure = AxisScale(float(values.min()), float(values.max()), PLACES[name], "Error of the depth read (m)")
     return replace(axis, measure=measure)
 
 

@@ -8,8 +8,8 @@ from scipy.linalg import lapack, solve_triangular
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.dives.noise import grid
-from missionplan.diagnosis.inference.likelihood import Marginal, marginal_of
-from missionplan.diagnosis.inference.residual_tests import Products
+from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal
+from missionplan.diagnosis.inference.residuals import InnerProducts
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Evidence:
         """Marginalise all coordinates at one noise of the grid."""
         gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
         prior = np.append(prior_sd, [grid()[index].scatter, 1.0])
-        found = marginal_of(gram, prior, log_determinant, int(self.counts[dives].sum()))
+        found = gaussian_marginal(gram, prior, log_determinant, int(self.counts[dives].sum()))
         return Marginal(found.log_density, found.mean[:-2], found.covariance[:-2, :-2])
 
 
@@ -66,7 +66,7 @@ def inner_products(covariance: Array, columns: Array) -> tuple[Array, Array]:
     return np.swapaxes(white, 1, 2) @ white, 2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
 
 
-def integrated(grams: Array, log_determinants: Array, prior_sd: Array) -> list[Products]:
+def integrated(grams: Array, log_determinants: Array, prior_sd: Array) -> list[InnerProducts]:
     """Integrate the coordinates out of the inner products of other columns and the data, at each noise of the grid.
 
     Parameters
@@ -84,5 +84,5 @@ def integrated(grams: Array, log_determinants: Array, prior_sd: Array) -> list[P
         factor = np.linalg.cholesky(prior[:, None] * gram[:inner, :inner] * prior + np.eye(inner))
         known = solve_triangular(factor, prior[:, None] * gram[:inner, inner:], lower=True)
         total = float(log_determinant + 2.0 * np.log(np.diag(factor)).sum())
-        found.append(Products(noise.log_prior, total, gram[inner:, inner:] - known.T @ known))
+        found.append(InnerProducts(noise.log_prior, total, gram[inner:, inner:] - known.T @ known))
     return found

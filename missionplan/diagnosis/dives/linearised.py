@@ -21,9 +21,10 @@ from missionplan.diagnosis.dives.noise import (
     shape_error_covariance,
     still_covariance,
 )
-from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, Causes
-from missionplan.diagnosis.inference.residual_tests import Products
+from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
+from missionplan.diagnosis.inference.residuals import InnerProducts
 from missionplan.effects import effects_of
+from missionplan.results.diagnosis import Causes
 
 WEIGHT_STEP, DRAG_STEP, LATE_STEP = 0.01, 0.01, 0.005
 """Steps of the differences: shares of weight and drag, and of lateness [s]."""
@@ -281,7 +282,7 @@ class DescentLinear:
         counts = np.array([len(rows) for rows in self.parts])
         return Evidence(np.stack(grams, axis=1), np.stack(log_determinants, axis=1), counts)
 
-    def products(self, linear: Linear, prior_sd: Array, columns: Array) -> list[Products]:
+    def products(self, linear: Linear, prior_sd: Array, columns: Array) -> list[InnerProducts]:
         """Inner products of columns, shape (N, m), and the data, the coordinates integrated out, at every noise."""
         both = np.concatenate([linear.columns, linear.nuisances, columns, linear.y[:, None]], axis=1)
         inner = self._inner(linear, both)

@@ -10,7 +10,7 @@ from scipy.special import logsumexp
 from scipy.stats import norm
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Estimate, estimates, is_possible
+from missionplan.diagnosis.coordinates import estimates, has_shape, is_possible
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.axes import descent_axes
 from missionplan.diagnosis.dives.evidence import Evidence
@@ -20,11 +20,12 @@ from missionplan.diagnosis.dives.linearised import DescentLinear, Linear
 from missionplan.diagnosis.dives.noise import NOMINAL, grid
 from missionplan.diagnosis.dives.starts import SHIFTS, starts
 from missionplan.diagnosis.inference.axes import Axis
-from missionplan.diagnosis.inference.importance_sampling import DRAWS, Importance, importance
-from missionplan.diagnosis.inference.likelihood import LOG_2PI, Marginal
-from missionplan.diagnosis.inference.model import Causes, Failure, Fit, Score, Wanted
-from missionplan.diagnosis.inference.residual_tests import Residuals
+from missionplan.diagnosis.inference.importance_sampling import DRAWS, SampledEvidence, sampled_evidence
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
+from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.effects import CATALOGUE
+from missionplan.results.diagnosis import Causes, ParameterEstimate
 
 FAR = 0.5
 """Posterior standard deviations between the place of a linearisation and the posterior's mean that are too many."""
@@ -57,7 +58,7 @@ class DescentModel(DescentLinear):
         """Covariance for the climb, the same for all sets so that their objectives compare, shape (N, N) [m²]."""
         return self.total_covariance(self.base, NOMINAL, self.prior_sd(()))
 
-    def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
+    def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets at once: climb from all their starts together, linearise, integrate."""
         lanes = [
             (index, Lane(self.free(causes), start, index))
@@ -76,26 +77,26 @@ class DescentModel(DescentLinear):
         linears = self.linearise(places) if any(causes for causes, _ in places) else [self.base] * len(places)
         return [self._integrated(causes, linear) for (causes, _), linear in zip(places, linears, strict=True)]
 
-    def relinearised(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
         """Fits linearised anew where the posterior lies off the place that the climb, at nominal noise, ended at.
 
         A step towards the posterior's mean is taken if the joint density there is greater; if not, a shorter one.
         """
         found = list(fits)
-        shares = {i: 1.0 for i, fit in enumerate(fits) if isinstance(fit, Fit) and fit.log_evidence > best - NEAR}
+        shares = {i: 1.0 for i, fit in enumerate(fits) if isinstance(fit, CauseFit) and fit.log_evidence > best - NEAR}
         for _ in range(MOVES):
-            moving = {i: fit for i, fit in enumerate(found) if i in shares and isinstance(fit, Fit)}
+            moving = {i: fit for i, fit in enumerate(found) if i in shares and isinstance(fit, CauseFit)}
             places = {i: at for i, fit in moving.items() if (at := self._off(fit, shares[i])) is not None}
             linears = self.linearise([(moving[i].causes, at) for i, at in places.items()]) if places else []
             for i, linear in zip(places, linears, strict=True):
                 other = self._integrated(moving[i].causes, linear)
-                if isinstance(other, Fit) and self._log_joint(other) > self._log_joint(moving[i]):
+                if isinstance(other, CauseFit) and self._log_joint(other) > self._log_joint(moving[i]):
                     found[i] = other
                 else:
                     shares[i] *= SHORTER
         return found
 
-    def _off(self, fit: Fit, share: float) -> Array | None:
+    def _off(self, fit: CauseFit, share: float) -> Array | None:
         """Where else to linearise a fit, a share of the way to its posterior's mean; None if that is near enough."""
         free, state = self.free(fit.causes), fit.state
         move = np.zeros(len(self.coordinates))
@@ -106,7 +107,7 @@ class DescentModel(DescentLinear):
             return np.asarray(at)
         return None
 
-    def _log_joint(self, fit: Fit) -> float:
+    def _log_joint(self, fit: CauseFit) -> float:
         """Ln p(readings, causes' coordinates) where a fit is linearised, at its noise."""
         free, linear = self.free(fit.causes), fit.state.linear
         at, narrow = linear.at[free] - self.centre[free], self.prior_sd(fit.causes)
@@ -116,14 +117,14 @@ class DescentModel(DescentLinear):
         prior = np.asarray(norm.logpdf(at, 0.0, slab))
         return float(_log_normal((linear.y - linear.columns[:, free] @ at)[:, None], factor)[0] + prior.sum())
 
-    def _integrated(self, causes: Causes, linear: Linear) -> Fit | Failure:
+    def _integrated(self, causes: Causes, linear: Linear) -> CauseFit | FailedFit:
         if not np.all(np.isfinite(linear.y)) or not np.all(np.isfinite(linear.columns)):
-            return Failure(causes, "the descent does not go down with these parameters")
+            return FailedFit(causes, "the descent does not go down with these parameters")
         try:
             evidence = self.evidence(linear)
             found = evidence.marginals(self.prior_sd(causes))
         except np.linalg.LinAlgError as error:
-            return Failure(causes, str(error))
+            return FailedFit(causes, str(error))
         logs = _weighted(found)
         best = int(np.argmax(logs))
         free = self.free(causes)
@@ -137,7 +138,7 @@ class DescentModel(DescentLinear):
             and all(_is_told_from_zero(estimate) for estimate in parameters)
             and all(self._inside(i, linear.at[i]) for i in free)
         )
-        return Fit(causes, float(logsumexp(logs)), parameters, calibration, possible, state)
+        return CauseFit(causes, float(logsumexp(logs)), parameters, calibration, possible, state)
 
     def _inside(self, index: int, at: float) -> bool:
         """Whether a coordinate ended inside what the phase was asked: at a limit the linearisation means nothing."""
@@ -145,7 +146,11 @@ class DescentModel(DescentLinear):
         low, high = limits(coordinate)
         return low < (float(np.exp(at)) if coordinate.kind == "shape" else at) < high
 
-    def estimated_gain(self, causes: Causes, parent: Fit) -> float:
+    def may_be_multimodal(self, causes: Causes) -> bool:
+        """Whether a cause has a shape of its own."""
+        return has_shape(causes)
+
+    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         """What further causes add to a parent's log density in its linearisation, at the best of a few shapes."""
         wider, narrow = self.prior_sd(causes), self.prior_sd(parent.causes)
         evidences = [parent.state.evidence] if parent.causes else self._shapes
@@ -163,11 +168,11 @@ class DescentModel(DescentLinear):
         places = [((), self.centre + shift * first * slab) for shift in SHIFTS]
         return [self.evidence(linear) for linear in self.linearise(places)]
 
-    def importance(self, fit: Fit) -> Importance:
+    def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Integrate over the causes by the phase itself; narrow priors, noise and the dives' scatter as in the fit."""
         free, state, linear = self.free(fit.causes), fit.state, fit.state.linear
         if not len(free):
-            return Importance(fit.log_evidence, float(DRAWS))
+            return SampledEvidence(fit.log_evidence, float(DRAWS))
         slab, narrow = self.prior_sd(fit.causes)[free], self.prior_sd(fit.causes)
         narrow[free] = 0.0
         factors = [_factor(self.total_covariance(linear, noise, narrow)) for noise in grid()]
@@ -181,11 +186,11 @@ class DescentModel(DescentLinear):
             prior = np.asarray(norm.logpdf(at, self.centre[free], slab))
             return np.asarray(logsumexp(logs, axis=0) + prior.sum(axis=1))
 
-        return importance(
+        return sampled_evidence(
             log_joint, self.centre[free] + state.marginal.mean[free], state.marginal.covariance[np.ix_(free, free)]
         )
 
-    def residuals(self, fit: Fit) -> Residuals:
+    def residuals(self, fit: CauseFit) -> Residuals:
         """Readings less the model at the priors' centres of the linearisation, and their covariance."""
         state = fit.state
         logs = self.forward.logs
@@ -203,13 +208,13 @@ class DescentModel(DescentLinear):
         """Axes along which a remainder is sought."""
         return descent_axes(self, linear)
 
-    def innovations(self, fit: Fit) -> Array:
+    def innovations(self, fit: CauseFit) -> Array:
         """One-step-ahead errors of the readings over their standard deviations, dive after dive, shape (N,)."""
         linear = fit.state.linear
         factor = _factor(self.total_covariance(linear, grid()[fit.state.best], self.prior_sd(fit.causes)))
         return np.asarray(solve_triangular(factor, linear.y, lower=True, check_finite=False))
 
-    def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
+    def held_out(self, fits: Sequence[CauseFit]) -> list[list[HeldOutScore]]:
         """Predict each dive from the others under several fits: causes and noise fitted to the others alone."""
         others = [np.setdiff1d(np.arange(len(self.y)), rows) for rows in self.parts]
         folds = [(fit, dive) for fit in fits for dive in range(len(self.parts))]
@@ -222,7 +227,7 @@ class DescentModel(DescentLinear):
         scores = [self._score(fit, linear, dive) for (fit, dive), linear in zip(folds, linears, strict=True)]
         return [scores[k * len(others) : (k + 1) * len(others)] for k in range(len(fits))]
 
-    def _score(self, fit: Fit, linear: Linear, dive: int) -> Score:
+    def _score(self, fit: CauseFit, linear: Linear, dive: int) -> HeldOutScore:
         """Predict one dive: its log score over all noises, weighed by the other dives; its errors at their best one."""
         prior, evidence = self.prior_sd(fit.causes), self.evidence(linear)
         others = np.delete(np.arange(len(self.parts)), dive)
@@ -235,7 +240,7 @@ class DescentModel(DescentLinear):
         scaled = error / self.units[own]
         variance = np.diag(total[np.ix_(own, own)] - weights @ total[np.ix_(rest, own)])
         inside = int((np.abs(error) <= norm.ppf(0.95) * np.sqrt(variance)).sum())
-        return Score(self.forward.logs[dive].name, log_score, float(scaled @ scaled), inside, len(error))
+        return HeldOutScore(self.forward.logs[dive].name, log_score, float(scaled @ scaled), inside, len(error))
 
     @property
     def units(self) -> Array:
@@ -247,7 +252,7 @@ class DescentModel(DescentLinear):
         """Further dives, in words, cheapest first."""
         return [what for what, *_ in dive_designs.DESIGNS]
 
-    def discrimination(self, first: Fit, second: Fit, entry: int | None) -> float:
+    def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Fit both sets to noise-free readings of the first, with the dives of a menu entry or without."""
         logs = self.forward.logs + (dive_designs.planned(self.forward, entry) if entry is not None else ())
         forward = replace(self.forward.coarse, logs=logs)
@@ -256,7 +261,7 @@ class DescentModel(DescentLinear):
             first, second
         )
 
-    def expected_log_bayes_factor(self, first: Fit, second: Fit) -> float:
+    def expected_log_bayes_factor(self, first: CauseFit, second: CauseFit) -> float:
         """Ln Bayes factor of the first set, whose readings these are without noise, over the second, fitted anew."""
         start = second.state.linear.at
         (end,) = climb(
@@ -266,11 +271,11 @@ class DescentModel(DescentLinear):
         fitted = [
             self._integrated(causes, linear) for (causes, _), linear in zip(places, self.linearise(places), strict=True)
         ]
-        evidence = [fit.log_evidence if isinstance(fit, Fit) else -np.inf for fit in fitted]
+        evidence = [fit.log_evidence if isinstance(fit, CauseFit) else -np.inf for fit in fitted]
         return float(max(evidence[0] - evidence[1], 0.0))
 
 
-def _is_told_from_zero(estimate: Estimate) -> bool:
+def _is_told_from_zero(estimate: ParameterEstimate) -> bool:
     """Whether a strength's interval leaves out zero: evidence for what may be nil is its linearisation's error."""
     is_shape = CATALOGUE[estimate.effect].parameters[estimate.name].is_shape
     return is_shape or not estimate.low <= 0.0 <= estimate.high

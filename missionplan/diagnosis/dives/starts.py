@@ -6,7 +6,8 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.inference.model import Causes, Fit
+from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.results.diagnosis import Causes
 
 FIRST = 0.5
 """Strength of an effect with a shape at a fresh start, in prior standard deviations."""
@@ -14,7 +15,7 @@ SHIFTS = (-1.2, 0.0, 1.2)
 """Its first shape there, in prior standard deviations about its centre."""
 
 
-def starts(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[Fit]) -> list[Array]:
+def starts(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[CauseFit]) -> list[Array]:
     """Places to climb from.
 
     Causes start where fits of other sets have them. What fitted only alone is afresh besides: beside other causes it
@@ -25,7 +26,7 @@ def starts(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[Fit
     coordinates : sequence of Coordinate, length k
     causes : tuple of str
         The set.
-    near : sequence of Fit
+    near : sequence of CauseFit
         Of parts of the set: the one that it extends, then causes alone.
 
     Returns
@@ -40,7 +41,7 @@ def starts(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[Fit
     return found
 
 
-def _placed(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[Fit]) -> tuple[Array, set[str]]:
+def _placed(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[CauseFit]) -> tuple[Array, set[str]]:
     """Where fits have the causes, the first of them first; and which causes have a place so."""
     start = np.array([coordinate.centre for coordinate in coordinates])
     placed: set[str] = set()

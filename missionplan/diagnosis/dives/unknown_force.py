@@ -13,7 +13,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives.forward import DescentForward
-from missionplan.diagnosis.inference.axes import Axis, Measure
+from missionplan.diagnosis.inference.axes import Axis, AxisScale
 from missionplan.phases.hooks import DescentEffect
 
 PLACES = {"time": "Time since separation (s)", "speed": "Speed (m/s)", "depth": "Depth (m)"}
@@ -104,11 +104,11 @@ class _Kind(NamedTuple):
     steps: Array
     place: str
 
-    def measure(self, low: float, high: float) -> Measure:
+    def measure(self, low: float, high: float) -> AxisScale:
         """Give drag in per cent, lift in newtons."""
         if self.words.startswith("drag"):
-            return Measure(low, high, self.place, "Extra drag (%)", 100.0 * SHARE)
-        return Measure(low, high, self.place, "Lift (N)", float(self.steps.mean()))
+            return AxisScale(low, high, self.place, "Extra drag (%)", 100.0 * SHARE)
+        return AxisScale(low, high, self.place, "Lift (N)", float(self.steps.mean()))
 
 
 def _every(kinds: Sequence[_Kind], ends: dict[str, tuple[float, float]]) -> UnknownForce:

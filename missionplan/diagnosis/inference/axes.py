@@ -16,7 +16,7 @@ NEGLIGIBLE = 1e-4
 
 
 @dataclass(frozen=True)
-class Measure:
+class AxisScale:
     """What the numbers of an axis of one dimension mean.
 
     Attributes
@@ -50,7 +50,7 @@ class Axis:
         Where its functions are given, scaled so that the record spans about one.
     response : array, shape (N, p·m)
         What each value feels of p independent functions at the places, function by function.
-    measure : Measure, optional
+    measure : AxisScale, optional
         Of a single function that can be drawn.
     """
 
@@ -58,7 +58,7 @@ class Axis:
     words: str
     places: Array
     response: Array
-    measure: Measure | None = None
+    measure: AxisScale | None = None
 
     def smooth(self, length: float) -> Array:
         """Columns B, shape (m, r), with B Bᵀ the squared-exponential covariance of a function at the places."""

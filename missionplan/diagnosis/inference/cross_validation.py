@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missionplan.diagnosis.inference.model import Score
+from missionplan.diagnosis.inference.model import HeldOutScore
 from missionplan.results.diagnosis import HeldOutGain
 
 
@@ -14,11 +14,11 @@ from missionplan.results.diagnosis import HeldOutGain
 class HeldOut(HeldOutGain):
     """Held-out scores of an extended model beside the base model's, with those of each group."""
 
-    base: tuple[Score, ...]
-    extended: tuple[Score, ...]
+    base: tuple[HeldOutScore, ...]
+    extended: tuple[HeldOutScore, ...]
 
 
-def compare(base: Sequence[Score], extended: Sequence[Score]) -> HeldOut:
+def held_out_gain(base: Sequence[HeldOutScore], extended: Sequence[HeldOutScore]) -> HeldOut:
     """Compare two models' scores on the same groups."""
     difference = np.array([b.log_score - a.log_score for a, b in zip(base, extended, strict=True)])
     spread = float(difference.std(ddof=1)) if len(difference) > 1 else math.nan
@@ -37,7 +37,7 @@ def compare(base: Sequence[Score], extended: Sequence[Score]) -> HeldOut:
     )
 
 
-def _overall(scores: Sequence[Score]) -> tuple[float, float]:
+def _overall(scores: Sequence[HeldOutScore]) -> tuple[float, float]:
     count = sum(score.count for score in scores)
     rmse = math.sqrt(sum(score.squared_error for score in scores) / count)
     return rmse, sum(score.inside for score in scores) / count

@@ -9,7 +9,8 @@ from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.axes import Axis
-from missionplan.diagnosis.inference.residual_tests import Residuals, ResidualTest, rejects, residual_tests
+from missionplan.diagnosis.inference.residual_tests import ResidualTest, rejects, residual_tests
+from missionplan.diagnosis.inference.residuals import Residuals
 
 THRESHOLD = 3.0
 """ln Bayes factor above which a remainder is claimed."""
@@ -58,7 +59,7 @@ class Discrepancy:
         What would be smooth along each axis, in words, and its own ln Bayes factor, greatest first.
     tests : tuple of ResidualTest
         Tests of the innovations.
-    speaks : bool
+    significant : bool
         Whether there is a remainder.
     resembles : str or None
         What it looks like most, in words, when it is smooth.
@@ -70,7 +71,7 @@ class Discrepancy:
     axis: str | None
     by_axis: tuple[tuple[str, float], ...]
     tests: tuple[ResidualTest, ...]
-    speaks: bool
+    significant: bool
     resembles: str | None
     shape: Shape | None
 
@@ -82,12 +83,12 @@ def discrepancy(residuals: Residuals) -> Discrepancy:
     together = float(logsumexp([value for _, value in found]) - np.log(len(found))) if found else 0.0
     tests = residual_tests(residuals, innovations)
     failed = rejects(tests)
-    speaks = together > THRESHOLD or failed
+    significant = together > THRESHOLD or failed
     likeliest = found[0][0] if together > THRESHOLD else None
-    axis = (likeliest.name if likeliest else "time") if speaks else None
+    axis = (likeliest.name if likeliest else "time") if significant else None
     by_axis = tuple((axis.words, value) for axis, value in found)
     words, shape = (likeliest.words, _shape(likeliest, residuals)) if likeliest else (None, None)
-    return Discrepancy(together, axis, by_axis, tests, speaks, words, shape)
+    return Discrepancy(together, axis, by_axis, tests, significant, words, shape)
 
 
 def _by_axis(residuals: Residuals) -> list[tuple[Axis, float]]:

@@ -5,8 +5,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from missionplan.diagnosis.inference.model import Causes, Fit, Model
+from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.montecarlo.parallel_map import shared
+from missionplan.results.diagnosis import Causes
 
 ENOUGH = 5.0
 """Expected nats at which two sets count as told apart."""
@@ -63,7 +64,9 @@ class Discrimination:
     alike: bool
 
 
-def discriminations(model: Model, first: Fit, others: Sequence[Fit], jobs: int = 1) -> tuple[Discrimination, ...]:
+def discriminations(
+    model: Model, first: CauseFit, others: Sequence[CauseFit], jobs: int = 1
+) -> tuple[Discrimination, ...]:
     """For each rival, the cheapest measurement that separates it from the first set, else the best there is.
 
     Alike are sets that data like those in hand would not tell apart: expected ln Bayes factor below 1 nat.
@@ -76,18 +79,18 @@ def discriminations(model: Model, first: Fit, others: Sequence[Fit], jobs: int =
     )
 
 
-def _answers(model: Model, first: Fit, asked: Sequence[tuple[Fit, bool]]) -> list[ProposedMeasurement]:
+def _answers(model: Model, first: CauseFit, asked: Sequence[tuple[CauseFit, bool]]) -> list[ProposedMeasurement]:
     """For each other set, what separates it from the first: the data in hand, or the cheapest measurement."""
     return [_in_hand(model, first, other) if alike else _cheapest(model, first, other) for other, alike in asked]
 
 
-def _in_hand(model: Model, first: Fit, second: Fit) -> ProposedMeasurement:
+def _in_hand(model: Model, first: CauseFit, second: CauseFit) -> ProposedMeasurement:
     return ProposedMeasurement(
         first.causes, second.causes, "data like those in hand", model.discrimination(first, second, None)
     )
 
 
-def _cheapest(model: Model, first: Fit, second: Fit) -> ProposedMeasurement:
+def _cheapest(model: Model, first: CauseFit, second: CauseFit) -> ProposedMeasurement:
     best = ProposedMeasurement(first.causes, second.causes, "none on the menu tells them apart", 0.0)
     for what, bring in itertools.chain(_with_more_data(model, first, second), _direct(first, second)):
         if bring > best.expected_log_bayes_factor:
@@ -97,12 +100,12 @@ def _cheapest(model: Model, first: Fit, second: Fit) -> ProposedMeasurement:
     return best
 
 
-def _with_more_data(model: Model, first: Fit, second: Fit) -> Iterator[tuple[str, float]]:
+def _with_more_data(model: Model, first: CauseFit, second: CauseFit) -> Iterator[tuple[str, float]]:
     """Give what each entry of the menu would bring, reckoned only when it is asked for."""
     return ((what, model.discrimination(first, second, index)) for index, what in enumerate(model.designs))
 
 
-def _direct(first: Fit, second: Fit) -> list[tuple[str, float]]:
+def _direct(first: CauseFit, second: CauseFit) -> list[tuple[str, float]]:
     """Instruments that see an effect which only one of the sets has."""
     found = []
     for fit, other in ((first, second), (second, first)):

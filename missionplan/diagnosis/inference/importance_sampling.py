@@ -1,4 +1,4 @@
-"""Importance sampling: a check of the evidence that leans neither on linearity nor on a normal posterior."""
+"""SampledEvidence sampling: a check of the evidence that leans neither on linearity nor on a normal posterior."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ DOF, WIDENED = 5, 1.2
 
 
 @dataclass(frozen=True)
-class Importance:
+class SampledEvidence:
     """Evidence by importance sampling.
 
     Attributes
@@ -30,7 +30,7 @@ class Importance:
     effective: float
 
 
-def importance(log_joint: Callable[[Array], Array], mean: Array, covariance: Array) -> Importance:
+def sampled_evidence(log_joint: Callable[[Array], Array], mean: Array, covariance: Array) -> SampledEvidence:
     """Integrate a joint density of data and parameters with draws from about the assumed posterior.
 
     Parameters
@@ -52,7 +52,7 @@ def importance(log_joint: Callable[[Array], Array], mean: Array, covariance: Arr
     logs = log_joint(at) - np.reshape(proposal.logpdf(at), DRAWS)
     logs = np.where(np.isfinite(logs), logs, -np.inf)
     if np.all(np.isneginf(logs)):
-        return Importance(-np.inf, 0.0)
+        return SampledEvidence(-np.inf, 0.0)
     weights = np.exp(logs - logs.max())
     evidence = float(logs.max() + np.log(weights.mean()))
-    return Importance(evidence, float(weights.sum() ** 2 / np.sum(weights**2)))
+    return SampledEvidence(evidence, float(weights.sum() ** 2 / np.sum(weights**2)))

@@ -4,19 +4,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from missionplan.diagnosis.coordinates import Estimate
-from missionplan.diagnosis.inference.importance_sampling import Importance
-from missionplan.diagnosis.inference.residual_tests import Residuals
+from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
+from missionplan.diagnosis.inference.residuals import Residuals
+from missionplan.results.diagnosis import Causes, ParameterEstimate
 
-Causes = tuple[str, ...]
-Wanted = tuple[Causes, Sequence["Fit"]]
+FitRequest = tuple[Causes, Sequence["CauseFit"]]
 """A set to fit, and fits of its parts to start from."""
 MINIMUM_EVIDENCE_GAIN = 0.02
 """Share of the others' evidence that a further cause must add, where a model knows no better."""
 
 
 @dataclass(frozen=True)
-class Fit:
+class CauseFit:
     """A set of causes fitted to the data.
 
     Attributes
@@ -25,7 +24,7 @@ class Fit:
         Effects under their wide priors; the others stay under their narrow ones.
     log_evidence : float
         ln p(data | causes).
-    estimates : tuple of Estimate
+    estimates : tuple of ParameterEstimate
         The causes' parameters.
     calibration : mapping
         Nuisances of the base model as fitted, such as ``sigma_v_m_s``.
@@ -37,14 +36,14 @@ class Fit:
 
     causes: Causes
     log_evidence: float
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[ParameterEstimate, ...]
     calibration: Mapping[str, float]
     possible: bool
     state: Any
 
 
 @dataclass(frozen=True)
-class Failure:
+class FailedFit:
     """A set that could not be fitted, and why."""
 
     causes: Causes
@@ -52,7 +51,7 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class Score:
+class HeldOutScore:
     """How well one held-out group was predicted.
 
     Attributes
@@ -93,32 +92,36 @@ class Model(Protocol):
         """Share of the causes' evidence that a further one must add: no shape fits a large effect to the letter."""
         ...
 
+    def may_be_multimodal(self, causes: Causes) -> bool:
+        """Whether their likelihood may have several maxima: a search that ended badly is worth starting afresh."""
+        ...
+
     @property
     def untestable(self) -> Mapping[str, str]:
         """Effects of the catalogue that it could not show, and why."""
         ...
 
-    def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
+    def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets of causes, each started from the fits of its parts and independent of the others."""
         ...
 
-    def relinearised(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
         """Improve fits where that could matter, given the greatest log evidence of those fitted together."""
         ...
 
-    def estimated_gain(self, causes: Causes, parent: Fit) -> float:
+    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         """A quick bound on what further causes would add to a parent's log evidence, prices aside; inf if unknown."""
         ...
 
-    def importance(self, fit: Fit) -> Importance:
+    def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Evidence of a fit by importance sampling."""
         ...
 
-    def residuals(self, fit: Fit) -> Residuals:
+    def residuals(self, fit: CauseFit) -> Residuals:
         """Residuals and their covariance under a fit."""
         ...
 
-    def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
+    def held_out(self, fits: Sequence[CauseFit]) -> list[list[HeldOutScore]]:
         """Predict each group of the data from the others, under several fits."""
         ...
 
@@ -127,6 +130,6 @@ class Model(Protocol):
         """Measurements that could be made next, in words, cheapest first."""
         ...
 
-    def discrimination(self, first: Fit, second: Fit, entry: int | None) -> float:
+    def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Expected ln Bayes factor of the first set over the second, were the first true: with an entry of the menu."""
         ...

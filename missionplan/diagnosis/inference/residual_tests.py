@@ -1,91 +1,20 @@
-"""Residuals: what a fitted model leaves, in the units of the data and as numbers that should be independent normals."""
+"""Tests of residuals: independence, constant spread, and groups that the others do not predict."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 from scipy.stats import chi2, norm
 from statsmodels.regression.linear_model import OLS
 from statsmodels.stats.diagnostic import acorr_ljungbox
 from statsmodels.tools import add_constant
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.axes import Axis
+from missionplan.diagnosis.inference.residuals import Residuals
 
 OUTLYING = 0.01
 """Level at which groups are outlying, all together."""
 TEST_LEVEL = 0.001
 """Level of the residual tests, all together."""
-
-
-@dataclass(frozen=True)
-class Products:
-    """Inner products xᵀW⁻¹y of columns and residuals, W the residuals' covariance at one noise of the model.
-
-    Attributes
-    ----------
-    log_weight : float
-        Of the noise's prior.
-    log_determinant : float
-        ln |W|.
-    gram : array, shape (m + 1, m + 1)
-        Of m columns and, last, the residuals.
-    """
-
-    log_weight: float
-    log_determinant: float
-    gram: Array
-
-
-@dataclass(frozen=True)
-class Residuals:
-    """Residuals of the base model and their joint distribution under a set of causes.
-
-    Attributes
-    ----------
-    values : array, shape (N,)
-        Data less the prior mean of the (linearised) model, in the order of the record.
-    covariance : array, shape (N, N)
-        Of the values under the model, uncertain parameters included.
-    series : array of int, shape (N,)
-        Which series each value belongs to: runs and components.
-    axes : sequence of Axis
-        Along which a remainder may be smooth.
-    groups : array of str, shape (N,)
-        Runs, for outlying groups.
-    quantised : bool
-        Whether the residual tests pass over what alternates: readings of a coarse sensor in quick succession do.
-    averaged : callable, optional
-        From columns, shape (N, m), to their inner products at every noise over which a test of the remainder averages;
-        default the one noise of the covariance.
-    """
-
-    values: Array
-    covariance: Array
-    series: NDArray[np.int_]
-    axes: Sequence[Axis]
-    groups: NDArray[np.str_]
-    quantised: bool = False
-    averaged: Callable[[Array], Sequence[Products]] | None = None
-
-    @cached_property
-    def _factor(self) -> Array:
-        return np.asarray(np.linalg.cholesky(self.covariance), dtype=float)
-
-    def innovations(self) -> Array:
-        """One-step-ahead errors over their standard deviations, shape (N,): standard normals if all is well."""
-        return np.asarray(solve_triangular(self._factor, self.values, lower=True, check_finite=False))
-
-    def products(self, columns: Array) -> Sequence[Products]:
-        """Inner products of columns, shape (N, m), and the values at every noise over which to average."""
-        if self.averaged is not None:
-            return self.averaged(columns)
-        both = np.concatenate([columns, self.values[:, None]], axis=1)
-        white = solve_triangular(self._factor, both, lower=True, check_finite=False)
-        return [Products(0.0, 2.0 * float(np.log(np.diag(self._factor)).sum()), white.T @ white)]
 
 
 @dataclass(frozen=True)

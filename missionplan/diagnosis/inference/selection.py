@@ -7,10 +7,10 @@ from functools import partial
 
 import numpy as np
 
-from missionplan.diagnosis.inference.model import Causes, Failure, Fit, Model, Wanted
-from missionplan.effects import CATALOGUE
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, Model
 from missionplan.errors import RunError
 from missionplan.montecarlo.parallel_map import shared
+from missionplan.results.diagnosis import Causes
 
 COMPLEXITY_PENALTY = 3.0
 """Nats that each cause beyond the first must earn, and that a claim must exceed."""
@@ -34,13 +34,13 @@ class Candidate:
 
     Attributes
     ----------
-    fit : Fit
+    fit : CauseFit
         The set fitted.
     log_bayes_factor : float
         ln evidence over the base model's.
     """
 
-    fit: Fit
+    fit: CauseFit
     log_bayes_factor: float
 
     @property
@@ -60,22 +60,22 @@ class Selection:
 
     Attributes
     ----------
-    base : Fit
+    base : CauseFit
         The base model.
     ranking : tuple of Candidate
         Possible non-empty sets, best score first.
     impossible : tuple of Candidate
         Sets whose best fit has a sign or size that an effect cannot have, or one that may as well be nil.
-    failed : tuple of Failure
+    failed : tuple of FailedFit
         Sets that could not be fitted, and why.
     catalogue : int
         Number of effects that the data could show.
     """
 
-    base: Fit
+    base: CauseFit
     ranking: tuple[Candidate, ...]
     impossible: tuple[Candidate, ...]
-    failed: tuple[Failure, ...]
+    failed: tuple[FailedFit, ...]
     catalogue: int
 
 
@@ -97,12 +97,12 @@ def select(model: Model, progress: Progress = lambda what, done, of: None, jobs:
         When not even the base model can be fitted.
     """
     base = _fitted(model, [((), ())])[0]
-    if isinstance(base, Failure):
+    if isinstance(base, FailedFit):
         raise RunError(f"the base model cannot be fitted: {base.reason}")
     tried: dict[frozenset[str], Candidate] = {}
-    failed: list[Failure] = []
+    failed: list[FailedFit] = []
     frontier: list[Candidate] = [Candidate(base, 0.0)]
-    alone: dict[str, Fit] = {}
+    alone: dict[str, CauseFit] = {}
     for size in range(1, MOST_CAUSES + 1):
         wanted = _extensions(frontier, model, set(tried))
         if size > 1:
@@ -113,7 +113,7 @@ def select(model: Model, progress: Progress = lambda what, done, of: None, jobs:
             wanted += _promising(model, base, {*tried, *(frozenset(causes) for causes, _ in wanted)})
         progress(f"fitting sets of {size}", 0, len(wanted))
         for fit in _fitted(model, [(causes, _parts(causes, parent, alone)) for causes, parent in wanted], jobs):
-            if isinstance(fit, Failure):
+            if isinstance(fit, FailedFit):
                 failed.append(fit)
                 continue
             tried[frozenset(fit.causes)] = Candidate(fit, fit.log_evidence - base.log_evidence)
@@ -128,34 +128,33 @@ def select(model: Model, progress: Progress = lambda what, done, of: None, jobs:
     return Selection(base, tuple(possible), tuple(impossible), tuple(failed), len(model.candidates))
 
 
-def _fitted(model: Model, wanted: Sequence[Wanted], jobs: int = 1) -> list[Fit | Failure]:
+def _fitted(model: Model, wanted: Sequence[FitRequest], jobs: int = 1) -> list[CauseFit | FailedFit]:
     """Fit several sets, pairs that ended badly once more from the start, and improve on the best of them."""
     fits = shared(model.fit_all, wanted, jobs=jobs)
     for index, other in _tried_again(model, wanted, fits, jobs):
-        if isinstance(other, Fit) and other.possible:
+        if isinstance(other, CauseFit) and other.possible:
             fits[index] = other
-    best = max((fit.log_evidence for fit in fits if isinstance(fit, Fit)), default=0.0)
+    best = max((fit.log_evidence for fit in fits if isinstance(fit, CauseFit)), default=0.0)
     return shared(partial(model.relinearised, best=best), fits, jobs=jobs)
 
 
 def _tried_again(
-    model: Model, wanted: Sequence[Wanted], fits: Sequence[Fit | Failure], jobs: int
-) -> list[tuple[int, Fit | Failure]]:
+    model: Model, wanted: Sequence[FitRequest], fits: Sequence[CauseFit | FailedFit], jobs: int
+) -> list[tuple[int, CauseFit | FailedFit]]:
     """Fit the best pairs that ended where they are impossible without the places of their parts to start from."""
     lost = [
         (fit.log_evidence, index)
         for index, fit in enumerate(fits)
-        if isinstance(fit, Fit) and len(fit.causes) == 2 and not fit.possible and _has_shape(fit)
+        if isinstance(fit, CauseFit)
+        and len(fit.causes) == 2
+        and not fit.possible
+        and model.may_be_multimodal(fit.causes)
     ]
     again = [index for _, index in sorted(lost, reverse=True)[:RETRIES]]
     return list(zip(again, shared(model.fit_all, [(wanted[index][0], ()) for index in again], jobs=jobs), strict=True))
 
 
-def _has_shape(fit: Fit) -> bool:
-    return any(CATALOGUE[each.effect].parameters[each.name].is_shape for each in fit.estimates)
-
-
-def _promising(model: Model, base: Fit, known: set[frozenset[str]]) -> list[tuple[Causes, Fit]]:
+def _promising(model: Model, base: CauseFit, known: set[frozenset[str]]) -> list[tuple[Causes, CauseFit]]:
     """Find pairs that promise much together though neither is among the best alone: causes that hide each other."""
     pairs = [
         pair
@@ -173,7 +172,7 @@ def _exclusive(causes: frozenset[str], model: Model) -> bool:
     return any(len(group & causes) > 1 for group in model.alternatives)
 
 
-def _parts(causes: Causes, parent: Fit, alone: dict[str, Fit]) -> tuple[Fit, ...]:
+def _parts(causes: Causes, parent: CauseFit, alone: dict[str, CauseFit]) -> tuple[CauseFit, ...]:
     return (parent, *(alone[name] for name in causes if name in alone and name not in parent.causes))
 
 
@@ -189,9 +188,11 @@ def _passes_penalty(candidate: Candidate, tried: dict[frozenset[str], Candidate]
     return len(candidate.causes) == 1 or candidate.log_bayes_factor >= max(asked, default=-np.inf)
 
 
-def _extensions(frontier: Sequence[Candidate], model: Model, tried: set[frozenset[str]]) -> list[tuple[Causes, Fit]]:
+def _extensions(
+    frontier: Sequence[Candidate], model: Model, tried: set[frozenset[str]]
+) -> list[tuple[Causes, CauseFit]]:
     order = {name: index for index, name in enumerate(model.candidates)}
-    found: dict[frozenset[str], Fit] = {}
+    found: dict[frozenset[str], CauseFit] = {}
     for parent in frontier:
         for name in model.candidates:
             together = frozenset({*parent.causes, name})

@@ -11,11 +11,12 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.datasets.legs import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
-from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, Causes
+from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.legs.modulation import modulation
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.effects.tidal_current import resolvable
 from missionplan.phases.hooks import Leg, TransitEffect
+from missionplan.results.diagnosis import Causes
 
 RANDOM = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
 """Effects that enter the covariance and not the mean."""

@@ -13,16 +13,18 @@ from scipy.linalg import solve_triangular
 from scipy.stats import norm
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate, Estimate, estimates, is_possible
-from missionplan.diagnosis.inference.importance_sampling import Importance, importance
-from missionplan.diagnosis.inference.likelihood import LOG_2PI, Laplace, Marginal, expected_log_ratio, laplace
-from missionplan.diagnosis.inference.model import Causes, Failure, Fit, Score, Wanted
-from missionplan.diagnosis.inference.residual_tests import Residuals
+from missionplan.diagnosis.coordinates import Coordinate, estimates, has_shape, is_possible
+from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
+from missionplan.diagnosis.inference.laplace import Laplace, laplace
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal, expected_log_ratio
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
+from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.diagnosis.legs import designs as leg_designs
 from missionplan.diagnosis.legs.axes import transit_axes
 from missionplan.diagnosis.legs.chain import Rows
 from missionplan.diagnosis.legs.mean import RANDOM, TURNING, WAVERING, Linear
 from missionplan.diagnosis.legs.noise import ALL, Hyper, TransitNoise
+from missionplan.results.diagnosis import Causes, ParameterEstimate
 
 ALTERNATIVES = (frozenset({"persistent-error", "random-walk", "heavy-tails"}),)
 ROUNDS, SETTLED = 5, 0.005
@@ -48,14 +50,16 @@ class TransitModel(TransitNoise):
         """Descriptions of the errors' randomness that exclude each other."""
         return ALTERNATIVES
 
-    def fit(self, causes: Causes, near: Sequence[Fit] = (), rows: Rows = ALL, *, integrate: bool = True) -> Fit:
+    def fit(
+        self, causes: Causes, near: Sequence[CauseFit] = (), rows: Rows = ALL, *, integrate: bool = True
+    ) -> CauseFit:
         """Fit a set of causes: hyperparameters by Laplace, coefficients exactly, linearised where they end up.
 
         Parameters
         ----------
         causes : tuple of str
             The set.
-        near : sequence of Fit
+        near : sequence of CauseFit
             Fits to start from.
         rows : slice or array
             Legs to fit; default all.
@@ -83,7 +87,7 @@ class TransitModel(TransitNoise):
                 break
         return self._described(causes, state)
 
-    def _guessed(self, causes: Causes, near: Sequence[Fit]) -> Array:
+    def _guessed(self, causes: Causes, near: Sequence[CauseFit]) -> Array:
         """Coordinates of a set's causes as the fits of its parts have them; else zero."""
         guess = np.zeros(len(self.coordinates))
         for fit in reversed(near):
@@ -91,21 +95,21 @@ class TransitModel(TransitNoise):
             guess[own] = fit.state.marginal.mean[own]
         return guess
 
-    def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
+    def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets of causes; one that cannot be fitted says why."""
-        found: list[Fit | Failure] = []
+        found: list[CauseFit | FailedFit] = []
         for causes, near in wanted:
             try:
                 found.append(self.fit(causes, near))
             except np.linalg.LinAlgError as error:
-                found.append(Failure(causes, str(error)))
+                found.append(FailedFit(causes, str(error)))
         return found
 
-    def relinearised(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
         """Fits are where they should be."""
         return list(fits)
 
-    def estimated_gain(self, causes: Causes, parent: Fit) -> float:
+    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         """What the causes beyond a parent's would add to its log density, its hyperparameters held; inf if unknown."""
         if any(name in (*RANDOM, *WAVERING) for name in causes if name not in parent.causes):
             return math.inf
@@ -115,7 +119,11 @@ class TransitModel(TransitNoise):
         )
         return with_it.log_density - without.log_density
 
-    def residuals(self, fit: Fit) -> Residuals:
+    def may_be_multimodal(self, causes: Causes) -> bool:
+        """Whether a cause has a shape of its own."""
+        return has_shape(causes)
+
+    def residuals(self, fit: CauseFit) -> Residuals:
         """Velocity errors leg by leg (first axis, second axis, next leg) and their covariance under a fit."""
         linear = fit.state.linear
         covariance = self._total_covariance(fit, linear)
@@ -129,7 +137,7 @@ class TransitModel(TransitNoise):
             np.repeat(self.data.labels, 2),
         )
 
-    def _total_covariance(self, fit: Fit, linear: Linear) -> Array:
+    def _total_covariance(self, fit: CauseFit, linear: Linear) -> Array:
         """Covariance of all errors under a fit's noise and the coefficients' priors, first axis then second."""
         noise = self.noise(self.values(fit.causes, fit.state.posterior.mode))
         n = self.data.n
@@ -139,12 +147,12 @@ class TransitModel(TransitNoise):
         total[n:, n:] += noise[1]
         return total
 
-    def predictor(self, fit: Fit) -> Callable[[NDArray[np.int_], NDArray[np.int_]], tuple[Array, Array]]:
+    def predictor(self, fit: CauseFit) -> Callable[[NDArray[np.int_], NDArray[np.int_]], tuple[Array, Array]]:
         """Predict legs from others under a fit.
 
         Parameters
         ----------
-        fit : Fit
+        fit : CauseFit
             Hyperparameters to use: those of a fit to the legs seen, or of an earlier part of them.
 
         Returns
@@ -165,7 +173,7 @@ class TransitModel(TransitNoise):
 
         return predict
 
-    def one_step_errors(self, fit: Fit) -> Array:
+    def one_step_errors(self, fit: CauseFit) -> Array:
         """Error of each leg's prediction from the legs before it, on the principal axes, shape (2, n) [m/s]."""
         residuals = self.residuals(fit)
         factor = np.linalg.cholesky(residuals.covariance)
@@ -179,11 +187,11 @@ class TransitModel(TransitNoise):
         count = int(np.clip(self.data.n // 5, 4, 8))
         return [np.asarray(block) for block in np.array_split(np.arange(self.data.n), count)]
 
-    def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
+    def held_out(self, fits: Sequence[CauseFit]) -> list[list[HeldOutScore]]:
         """Predict each block of legs from the others, hyperparameters fitted to the others alone."""
         return [self._block_scores(fit) for fit in fits]
 
-    def _block_scores(self, fit: Fit) -> list[Score]:
+    def _block_scores(self, fit: CauseFit) -> list[HeldOutScore]:
         scores = []
         for block in self.blocks():
             others = np.setdiff1d(np.arange(self.data.n), block)
@@ -199,7 +207,7 @@ class TransitModel(TransitNoise):
             half = norm.ppf(0.95) * np.sqrt(np.diag(covariance))
             name = f"legs {self.data.labels[block[0]]} to {self.data.labels[block[-1]]}"
             inside = int((np.abs(error) <= half).sum())
-            scores.append(Score(name, log_score, float(error @ error), inside, error.size))
+            scores.append(HeldOutScore(name, log_score, float(error @ error), inside, error.size))
         return scores
 
     @property
@@ -208,7 +216,7 @@ class TransitModel(TransitNoise):
         names = [what for what, _ in leg_designs.DESIGNS]
         return names if self.data.has_surface_time else [name for name in names if "fix 15" not in name]
 
-    def discrimination(self, first: Fit, second: Fit, entry: int | None) -> float:
+    def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Expected ln Bayes factor under the first set's fit; see `expected_log_ratio`."""
         model = self
         if entry is not None:
@@ -243,7 +251,7 @@ class TransitModel(TransitNoise):
 
         return laplace(log_posterior, starts, guess, integrate=integrate)
 
-    def importance(self, fit: Fit) -> Importance:
+    def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Integrate over the hyperparameters; the causes of the mean exactly, as in the fit."""
         state, linear = fit.state, fit.state.linear
 
@@ -256,9 +264,9 @@ class TransitModel(TransitNoise):
         def all_of(draws: Array) -> Array:
             return np.array([log_joint(at) for at in draws])
 
-        return importance(all_of, state.posterior.mode, state.posterior.covariance)
+        return sampled_evidence(all_of, state.posterior.mode, state.posterior.covariance)
 
-    def _described(self, causes: Causes, state: TransitState) -> Fit:
+    def _described(self, causes: Causes, state: TransitState) -> CauseFit:
         chosen = [i for i, coordinate in enumerate(self.coordinates) if coordinate.effect in causes]
         own, marginal = [self.coordinates[i] for i in chosen], state.marginal
         # the cause lies beside what one is unsure of from record to record anyway
@@ -270,7 +278,7 @@ class TransitModel(TransitNoise):
             for h, value in zip(state.hypers, state.posterior.mode, strict=True)
             if not h.effect
         }
-        return Fit(causes, state.posterior.log_evidence, found, calibration, is_possible(found), state)
+        return CauseFit(causes, state.posterior.log_evidence, found, calibration, is_possible(found), state)
 
 
 def _log_prior(hypers: tuple[Hyper, ...], at: Array) -> float:
@@ -280,7 +288,7 @@ def _log_prior(hypers: tuple[Hyper, ...], at: Array) -> float:
     return -0.5 * float(scaled @ scaled) - float(np.log(spread).sum()) - 0.5 * len(at) * LOG_2PI
 
 
-def _starts(hypers: tuple[Hyper, ...], near: Sequence[Fit]) -> tuple[list[Array], Array]:
+def _starts(hypers: tuple[Hyper, ...], near: Sequence[CauseFit]) -> tuple[list[Array], Array]:
     """Where to climb from, and a guess of the posterior covariance.
 
     The parts' fits where there are any, else the priors' centres; a new hyperparameter also a spread up and down.
@@ -302,7 +310,7 @@ def _starts(hypers: tuple[Hyper, ...], near: Sequence[Fit]) -> tuple[list[Array]
     return starts, np.diag([guess[1] for guess in guesses])
 
 
-def _hyper_estimates(state: TransitState) -> tuple[Estimate, ...]:
+def _hyper_estimates(state: TransitState) -> tuple[ParameterEstimate, ...]:
     chosen = [i for i, hyper in enumerate(state.hypers) if hyper.effect]
     shapes = [Coordinate(h.effect, h.name, "shape", h.centre, h.spread, 0.0) for h in (state.hypers[i] for i in chosen)]
     return estimates(shapes, state.posterior.mode[chosen], state.posterior.covariance[np.ix_(chosen, chosen)])

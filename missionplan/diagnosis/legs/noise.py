@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.likelihood import Marginal, marginal_of, student_marginal
-from missionplan.diagnosis.inference.model import Causes
+from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal, student_marginal
 from missionplan.diagnosis.legs.chain import Chain, Lasting, Rows
 from missionplan.diagnosis.legs.mean import RANDOM, Linear, TransitMean
 from missionplan.effects import CATALOGUE
 from missionplan.effects.persistent_error import PersistentError
 from missionplan.effects.random_walk import RandomWalk
+from missionplan.results.diagnosis import Causes
 
 Values = Mapping[tuple[str, str], float]
 ALL = slice(None)
@@ -136,7 +136,7 @@ class TransitNoise(TransitMean):
         dof = values.get(("heavy-tails", "dof"))
         if dof is None:
             gram, log_determinant = chain.gram(linear.joined[:, rows], white, fix, lasting)
-            return marginal_of(gram, linear.prior_sd, log_determinant, 2 * len(chain.under_way))
+            return gaussian_marginal(gram, linear.prior_sd, log_determinant, 2 * len(chain.under_way))
         if dof <= LEAST_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
         variance = white[:, None] + fix**2 * chain.fix_variance()

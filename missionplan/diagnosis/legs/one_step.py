@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.model import Fit
+from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.model import TransitModel
 
 FIRST = 10
@@ -34,14 +34,14 @@ class OneStep:
     model: float
 
 
-def one_step(model: TransitModel, fit: Fit) -> OneStep | None:
+def one_step(model: TransitModel, fit: CauseFit) -> OneStep | None:
     """Predict every leg from the eleventh on; None for a record that is too short.
 
     Parameters
     ----------
     model : TransitModel
         With its data.
-    fit : Fit
+    fit : CauseFit
         The set of causes.
     """
     data = model.data

@@ -16,7 +16,7 @@ from missionplan.diagnosis.dives.forward import DescentForward, Histories
 from missionplan.diagnosis.dives.linearised import Linear
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.inference.axes import Axis
-from missionplan.diagnosis.inference.model import Fit
+from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.phases.currents import LayeredCurrent
 from missionplan.phases.mooring.descent import descend
 
@@ -131,7 +131,7 @@ class SummaryModel(DescentModel):
         same = "depth logged five times a second on two such dives"
         return [same, *(f"{what}, depth logged" for what, *_ in dive_designs.DESIGNS)]
 
-    def discrimination(self, first: Fit, second: Fit, entry: int | None) -> float:
+    def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Fit both sets to noise-free readings of the first on the dives of a menu entry, or to the numbers in hand."""
         if entry is None:
             return super().discrimination(first, second, None)

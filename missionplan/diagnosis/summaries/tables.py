@@ -3,14 +3,14 @@
 import numpy as np
 import pandas as pd
 
-from missionplan.diagnosis.inference.model import Fit
+from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.summaries.model import SummaryModel
 
 WORDS = {"terminal_velocity_m_s": ("terminal velocity", "m/s"), "descent_time_s": ("descent time", "s")}
 """Quantities in words, and their units."""
 
 
-def summary_residuals(model: SummaryModel, base: Fit, best: Fit) -> pd.DataFrame:
+def summary_residuals(model: SummaryModel, base: CauseFit, best: CauseFit) -> pd.DataFrame:
     """One row a number: measured, both models', and what is left of each in its standard deviations.
 
     Where the table prints a simulated number too, ``measured`` is less that, and a model's is less the mission's.

@@ -6,19 +6,19 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from missionplan.datasets.tank import DragSettings, OscillationSettings
-from missionplan.diagnosis.coordinates import Estimate
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.tank.data import TankSet
 from missionplan.diagnosis.tank.forward import base_mass, drag_reynolds
 from missionplan.mission import Mission
 from missionplan.montecarlo.distributions import mean_of
+from missionplan.results.diagnosis import ParameterEstimate
 
 IN_VEHICLE = ("drag-bias", "reynolds-drag", "added-mass")
 """Causes that the vehicle file says better than an effect: a descent's effects of these names act on the anchor too."""
 
 
 def extended_tank_mission(
-    mission: Mission, found: Sequence[Estimate], calibration: Mapping[str, float], data: TankSet
+    mission: Mission, found: Sequence[ParameterEstimate], calibration: Mapping[str, float], data: TankSet
 ) -> dict[str, Any]:
     """Write the causes into a mission's data.
 
@@ -29,7 +29,7 @@ def extended_tank_mission(
     ----------
     mission : Mission
         The base model.
-    found : sequence of Estimate
+    found : sequence of ParameterEstimate
         Parameters of the causes.
     calibration : mapping
         Constants of the base model as fitted.
@@ -59,7 +59,7 @@ def extended_tank_mission(
 def _drag(
     mission: Mission,
     settings: DragSettings,
-    own: Mapping[str, Estimate],
+    own: Mapping[str, ParameterEstimate],
     calibration: Mapping[str, float],
     data: TankSet,
 ) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.likelihood import LOG_2PI, Marginal
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
 
 
 def marginal(y: Array, columns: Array, prior: Array, sd: Array) -> Marginal:

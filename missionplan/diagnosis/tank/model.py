@@ -13,21 +13,22 @@ from scipy.stats import norm
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import (
     Coordinate,
-    Estimate,
     coordinates_of,
     estimates,
+    has_shape,
     is_possible,
     parameters_from,
 )
 from missionplan.diagnosis.inference.axes import pointwise, scaled
-from missionplan.diagnosis.inference.importance_sampling import Importance, importance
-from missionplan.diagnosis.inference.likelihood import LOG_2PI, Marginal
-from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, Causes, Failure, Fit, Score, Wanted
-from missionplan.diagnosis.inference.residual_tests import Residuals
+from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
+from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, FailedFit, FitRequest, HeldOutScore
+from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.diagnosis.tank.forward import TankForward, made
 from missionplan.diagnosis.tank.gauss_newton import Climb
 from missionplan.diagnosis.tank.linearised import LinearData, marginal
 from missionplan.effects import CATALOGUE
+from missionplan.results.diagnosis import Causes, ParameterEstimate
 
 STATED_SPREAD, UNSTATED_SPREAD = 0.4, 2.3
 """Standard deviation of ln(noise over what is stated), where it is stated and where it is not."""
@@ -98,28 +99,28 @@ class TankModel:
         }
         return self.forward.predict(places[:fixed], made(there))
 
-    def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
+    def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets, one after the other."""
         return [self._fit(causes, near) for causes, near in wanted]
 
-    def relinearised(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
         """Fits are where they should be."""
         return list(fits)
 
-    def _fit(self, causes: Causes, near: Sequence[Fit]) -> Fit | Failure:
+    def _fit(self, causes: Causes, near: Sequence[CauseFit]) -> CauseFit | FailedFit:
         active = np.flatnonzero(self.prior_sd(causes) > 0.0)
         climb = self._climb(causes, active)
         best = min((climb.climb(start) for start in self._starts(causes, near)), key=lambda reached: reached.objective)
         if not np.isfinite(best.objective):
-            return Failure(causes, "the model has no value at any of its starts")
+            return FailedFit(causes, "the model has no value at any of its starts")
         at, left, columns = best.at, self.forward.y - best.here, best.columns
         try:
             logs, marginals = self._integrated(causes, left, columns, at, active)
         except np.linalg.LinAlgError as error:
-            return Failure(causes, str(error))
+            return FailedFit(causes, str(error))
         likely = int(np.argmax(logs))
         state = TankState(at, left, columns, active, float(self._factors[likely]), marginals[likely])
-        return Fit(causes, float(logsumexp(logs)), *self._described(causes, state), state)
+        return CauseFit(causes, float(logsumexp(logs)), *self._described(causes, state), state)
 
     def plain_residuals(self) -> Array:
         """What the base model alone leaves, its nuisances fitted and every effect at nothing, shape (N,)."""
@@ -131,7 +132,9 @@ class TankModel:
         predict, prior = partial(self.predict, causes), self.prior_sd(causes)[active]
         return Climb(predict, forward.y, forward.sd, self.centre, active, prior, factors)
 
-    def _described(self, causes: Causes, state: TankState) -> tuple[tuple[Estimate, ...], dict[str, float], bool]:
+    def _described(
+        self, causes: Causes, state: TankState
+    ) -> tuple[tuple[ParameterEstimate, ...], dict[str, float], bool]:
         fixed = len(self.forward.nuisances)
         rows = [k for k, index in enumerate(state.active) if self._is_of(causes, int(index))]
         chosen = [self.coordinates[int(state.active[k]) - fixed] for k in rows]
@@ -144,7 +147,7 @@ class TankModel:
         fixed = len(self.forward.nuisances)
         return index >= fixed and self.coordinates[index - fixed].effect in causes
 
-    def _starts(self, causes: Causes, near: Sequence[Fit]) -> list[Array]:
+    def _starts(self, causes: Causes, near: Sequence[CauseFit]) -> list[Array]:
         begin = self.centre.copy()
         for fit in reversed(near):
             begin[fit.state.active] = fit.state.at[fit.state.active]
@@ -179,11 +182,15 @@ class TankModel:
         logs = log_prior + np.array([each.log_density for each in found])
         return logs, [replace(each, mean=self.centre[active] + each.mean) for each in found]
 
-    def estimated_gain(self, causes: Causes, parent: Fit) -> float:
+    def may_be_multimodal(self, causes: Causes) -> bool:
+        """Whether a cause has a shape of its own."""
+        return has_shape(causes)
+
+    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         """Unknown: the few effects of a tank are all fitted."""
         return float("inf")
 
-    def importance(self, fit: Fit) -> Importance:
+    def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Integrate over nuisances and causes by the model itself, not linearised."""
         state, sd = fit.state, self.forward.sd
         prior, centre = self.prior_sd(fit.causes)[state.active], self.centre[state.active]
@@ -199,9 +206,9 @@ class TankModel:
             log_prior = np.asarray(norm.logpdf(at, centre, prior)).sum(axis=1)
             return np.asarray(logsumexp(quadratic + log_weights, axis=1) + constant + log_prior)
 
-        return importance(log_joint, state.marginal.mean, state.marginal.covariance)
+        return sampled_evidence(log_joint, state.marginal.mean, state.marginal.covariance)
 
-    def residuals(self, fit: Fit) -> Residuals:
+    def residuals(self, fit: CauseFit) -> Residuals:
         """What the fit leaves, the fitted coordinates as good as unknown."""
         state = fit.state
         noise = np.diag((state.factor * self.forward.sd) ** 2)
@@ -215,7 +222,7 @@ class TankModel:
         series = np.zeros(count, dtype=int) if "time" in self.forward.axes else np.arange(count)
         return Residuals(state.left, covariance, series, axes, self.forward.groups)
 
-    def held_out(self, fits: Sequence[Fit]) -> list[list[Score]]:
+    def held_out(self, fits: Sequence[CauseFit]) -> list[list[HeldOutScore]]:
         """Predict each group from the others under several fits, linearised where the fits are.
 
         Of what is no cause of a set, nothing is learnt from the other groups (`LinearData.predicted`). Squared errors
@@ -223,7 +230,7 @@ class TankModel:
         """
         return [self._scores(fit) for fit in fits]
 
-    def _scores(self, fit: Fit) -> list[Score]:
+    def _scores(self, fit: CauseFit) -> list[HeldOutScore]:
         state, forward = fit.state, self.forward
         active, fixed = state.active, len(forward.nuisances)
         learnt = np.array([index < fixed or self._is_of(fit.causes, int(index)) for index in active], dtype=bool)
@@ -235,7 +242,7 @@ class TankModel:
         places[active[learnt]] += np.stack([group.learnt for group in predicted], axis=1)
         errors = forward.y[:, None] - self.predict(fit.causes, places)
         return [
-            Score(
+            HeldOutScore(
                 str(forward.groups[group.rows][0]),
                 group.log_score,
                 float(np.sum(errors[group.rows, k] ** 2)),
@@ -250,11 +257,11 @@ class TankModel:
         """Further measurements, in words."""
         return [what for what, _ in self.forward.designs]
 
-    def discrimination(self, first: Fit, second: Fit, entry: int | None) -> float:
+    def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Fit both sets to noise-free data of the first, as measured or as an entry of the menu would."""
         forward = self.forward if entry is None else self.forward.designs[entry][1]
         expected = replace(self, forward=forward).predict(first.causes, first.state.at[:, None])[:, 0]
         told = replace(forward, y=expected, sd=first.state.factor * self.forward.sd)
         fitted = replace(self, forward=told, noise_known=True).fit_all([(f.causes, (f,)) for f in (first, second)])
-        evidence = [fit.log_evidence if isinstance(fit, Fit) else -np.inf for fit in fitted]
+        evidence = [fit.log_evidence if isinstance(fit, CauseFit) else -np.inf for fit in fitted]
         return float(max(evidence[0] - evidence[1], 0.0))

@@ -3,11 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from missionplan.diagnosis.inference.model import Fit
+from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.tank.model import TankModel
 
 
-def tank_residuals(model: TankModel, best: Fit) -> pd.DataFrame:
+def tank_residuals(model: TankModel, best: CauseFit) -> pd.DataFrame:
     """One row a datum: where it lies, what was measured, both models' values, and what is left of each [SI]."""
     places = {f"at_{name}": values for name, values in model.forward.axes.items()}
     measured = model.forward.y
@@ -38,7 +38,7 @@ def tank_misfit(model: TankModel, table: pd.DataFrame) -> str:
 UNITS = {"force_n": ("the drag", "N"), "displacement_m": ("the displacement", "m"), "thrust_n": ("the thrust", "N")}
 
 
-def tank_share(table: pd.DataFrame, fit: Fit) -> float:
+def tank_share(table: pd.DataFrame, fit: CauseFit) -> float:
     """Share of the base model's squared residuals that goes with a set."""
     before, after = float(np.sum(table["residual_base"] ** 2)), float(np.sum(fit.state.left**2))
     return float(np.clip(1.0 - after / max(before, 1e-30), 0.0, 1.0))

@@ -7,19 +7,20 @@ import numpy as np
 
 from missionplan.diagnosis.coordinates import coordinates_of
 from missionplan.diagnosis.dives.starts import FIRST, SHIFTS, starts
-from missionplan.diagnosis.inference.model import Causes, Fit
+from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import effects_of
+from missionplan.results.diagnosis import Causes
 
 COORDINATES = tuple(c for info in effects_of("descent") for c in coordinates_of(info))
 NAMES = [coordinate.effect for coordinate in COORDINATES]
 PAIR = ("slow-flooding", "stratification")
 
 
-def fit(causes: Causes, value: float, *, possible: bool = True) -> Fit:
+def fit(causes: Causes, value: float, *, possible: bool = True) -> CauseFit:
     """A fit with all its coordinates at one value."""
     at = np.full(len(COORDINATES), value)
     state: Any = SimpleNamespace(linear=SimpleNamespace(at=at))
-    return Fit(causes, 0.0, (), {}, possible, state)
+    return CauseFit(causes, 0.0, (), {}, possible, state)
 
 
 def own(start: np.ndarray, effect: str) -> list[float]:

@@ -8,7 +8,7 @@ import pytest
 from missionplan.diagnosis.dives.noise import grid
 from missionplan.diagnosis.dives.unknown_force import SHARE, force_axes
 from missionplan.diagnosis.inference.discrepancy import discrepancy
-from missionplan.diagnosis.inference.residual_tests import Products
+from missionplan.diagnosis.inference.residuals import InnerProducts
 from missionplan.phases.hooks import DescentEffect
 
 
@@ -83,7 +83,7 @@ def test_a_remainder_is_recognised_for_what_it_is(measured, name, parameters, lo
     model = measured(name, **parameters)
     (base,) = model.fit_all([((), ())])
     found = discrepancy(model.residuals(base))
-    assert found.speaks
+    assert found.significant
     assert found.resembles == looks_like
 
 
@@ -107,7 +107,7 @@ def test_products_are_those_of_the_whole_covariance(measured):
     residuals = model.residuals(fit)
     found = residuals.products(columns)
     assert [each.log_weight for each in found] == [noise.log_prior for noise in grid()]
-    best: Products = found[fit.state.best]
+    best: InnerProducts = found[fit.state.best]
     both = np.column_stack([columns, residuals.values])
     whole = both.T @ np.linalg.solve(residuals.covariance, both)
     np.testing.assert_allclose(best.gram, whole, rtol=1e-6, atol=1e-6 * np.abs(whole).max())

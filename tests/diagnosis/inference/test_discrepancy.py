@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from missionplan.diagnosis.inference.axes import Axis, Measure, pointwise
+from missionplan.diagnosis.inference.axes import Axis, AxisScale, pointwise
 from missionplan.diagnosis.inference.discrepancy import discrepancy
-from missionplan.diagnosis.inference.residual_tests import Products, Residuals, outlying_groups
+from missionplan.diagnosis.inference.residual_tests import outlying_groups
+from missionplan.diagnosis.inference.residuals import InnerProducts, Residuals
 
 N = 80
 
@@ -19,14 +20,14 @@ def residuals(values, axis=None, **others):
 
 def test_white_residuals_leave_nothing():
     rng = np.random.default_rng(2)
-    alarms = [discrepancy(residuals(rng.normal(size=N))).speaks for _ in range(60)]
+    alarms = [discrepancy(residuals(rng.normal(size=N))).significant for _ in range(60)]
     assert np.mean(alarms) <= 0.07
 
 
 def test_a_smooth_remainder_is_found_on_its_axis():
     rng = np.random.default_rng(3)
     found = discrepancy(residuals(rng.normal(size=N) + 2.0 * np.sin(np.linspace(0.0, 9.0, N))))
-    assert found.speaks
+    assert found.significant
     assert found.axis == "time"
     assert found.log_bayes_factor > 10.0
 
@@ -42,8 +43,8 @@ def test_changing_spread_fails_a_residual_test():
 def test_the_beat_of_a_coarse_sensor_with_its_sampling_is_no_remainder(period):
     rng = np.random.default_rng(8)
     values = rng.normal(size=N) + 2.0 * np.cos(2.0 * np.pi * np.arange(N) / period)
-    assert discrepancy(residuals(values)).speaks
-    assert not discrepancy(residuals(values, quantised=True)).speaks
+    assert discrepancy(residuals(values)).significant
+    assert not discrepancy(residuals(values, quantised=True)).significant
 
 
 def test_errors_that_last_show_on_a_coarse_sensor_too():
@@ -83,7 +84,7 @@ def test_the_shape_of_a_remainder_is_the_function_that_is_left():
     rng = np.random.default_rng(12)
     left = np.sin(np.linspace(0.0, 9.0, N))
     plain = pointwise("time", "values against time", np.linspace(0.0, 1.0, N)[:, None])
-    axis = Axis("time", "values", plain.places, plain.response, Measure(0.0, 9.0, "Time (s)", "Error (cm)", 100.0))
+    axis = Axis("time", "values", plain.places, plain.response, AxisScale(0.0, 9.0, "Time (s)", "Error (cm)", 100.0))
     shape = discrepancy(residuals(2.0 * left + rng.normal(size=N), axis=axis)).shape
     assert shape is not None
     assert (shape.place, shape.value) == ("Time (s)", "Error (cm)")
@@ -107,7 +108,7 @@ def test_a_remainder_is_told_against_noise_that_is_not_known():
     def at(scales):
         def averaged(columns):
             both = np.column_stack([columns, values])
-            return [Products(0.0, 2.0 * N * np.log(scale), both.T @ both / scale**2) for scale in scales]
+            return [InnerProducts(0.0, 2.0 * N * np.log(scale), both.T @ both / scale**2) for scale in scales]
 
         return discrepancy(residuals(values, averaged=averaged)).log_bayes_factor
 

@@ -1,15 +1,15 @@
-"""Importance sampling against integrals that are known."""
+"""SampledEvidence sampling against integrals that are known."""
 
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal, norm
 
-from missionplan.diagnosis.inference.importance_sampling import DRAWS, importance
+from missionplan.diagnosis.inference.importance_sampling import DRAWS, sampled_evidence
 
 
 def test_normal_joint_density_is_integrated():
     mean, covariance = np.array([1.0, -2.0]), np.array([[0.5, 0.2], [0.2, 0.3]])
-    found = importance(lambda at: 3.7 + multivariate_normal(mean, covariance).logpdf(at), mean, covariance)
+    found = sampled_evidence(lambda at: 3.7 + multivariate_normal(mean, covariance).logpdf(at), mean, covariance)
     assert found.log_evidence == pytest.approx(3.7, abs=0.1)
     assert 0.4 * DRAWS < found.effective < DRAWS
 
@@ -20,14 +20,14 @@ def test_a_density_that_is_not_normal_is_integrated_too():
     def half(at):
         return np.where(at[:, 0] > 0.0, norm.logpdf(at[:, 0]), -np.inf)
 
-    assert importance(half, np.zeros(1), np.eye(1)).log_evidence == pytest.approx(-np.log(2.0), abs=0.15)
+    assert sampled_evidence(half, np.zeros(1), np.eye(1)).log_evidence == pytest.approx(-np.log(2.0), abs=0.15)
 
 
 def test_a_posterior_elsewhere_shows_in_the_draws_that_count():
-    found = importance(lambda at: norm.logpdf(at[:, 0], 8.0, 0.5), np.zeros(1), np.eye(1))
+    found = sampled_evidence(lambda at: norm.logpdf(at[:, 0], 8.0, 0.5), np.zeros(1), np.eye(1))
     assert found.effective < 0.05 * DRAWS
 
 
 def test_nothing_possible_is_no_evidence():
-    found = importance(lambda at: np.full(len(at), np.nan), np.zeros(1), np.eye(1))
+    found = sampled_evidence(lambda at: np.full(len(at), np.nan), np.zeros(1), np.eye(1))
     assert (found.log_evidence, found.effective) == (-np.inf, 0.0)

@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from missionplan.diagnosis.coordinates import Estimate
-from missionplan.diagnosis.inference.model import Causes, Failure, Fit, Wanted
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
 from missionplan.diagnosis.inference.selection import credible_set, posteriors, rivals, select
 from missionplan.errors import RunError
+from missionplan.results.diagnosis import Causes, ParameterEstimate
 
 DRAG, FLOODING, LIFT, CLOCK = "drag-bias", "slow-flooding", "stratification", "clock-offset"
 
@@ -33,29 +33,32 @@ class Written:
     def minimum_evidence_gain(self, causes: Causes) -> float:
         return self.share
 
+    def may_be_multimodal(self, causes: Causes) -> bool:
+        return bool({FLOODING, LIFT} & set(causes))
+
     def value(self, causes: Causes) -> float:
         return self.evidence.get(frozenset(causes), -1.0) if causes else 0.0
 
-    def fit_all(self, wanted: Sequence[Wanted]) -> list[Fit | Failure]:
+    def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         self.asked += [frozenset(causes) for causes, _ in wanted]
         return [self._fit(causes, bool(near)) for causes, near in wanted]
 
-    def _fit(self, causes: Causes, near: bool) -> Fit | Failure:
+    def _fit(self, causes: Causes, near: bool) -> CauseFit | FailedFit:
         if frozenset(causes) in self.failing:
-            return Failure(causes, "no descent")
+            return FailedFit(causes, "no descent")
         shapes = tuple(
-            Estimate(name, "time" if name == FLOODING else "depth", 1.0, 0.1, 0.8, 1.2, "s")
+            ParameterEstimate(name, "time" if name == FLOODING else "depth", 1.0, 0.1, 0.8, 1.2, "s")
             for name in causes
             if name in (FLOODING, LIFT)
         )
         if near and frozenset(causes) in self.impossible:
-            return Fit(causes, self.impossible[frozenset(causes)], shapes, {}, False, None)
-        return Fit(causes, self.value(causes), shapes, {}, True, None)
+            return CauseFit(causes, self.impossible[frozenset(causes)], shapes, {}, False, None)
+        return CauseFit(causes, self.value(causes), shapes, {}, True, None)
 
-    def relinearised(self, fits: Sequence[Fit | Failure], best: float) -> list[Fit | Failure]:
+    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
         return list(fits)
 
-    def estimated_gain(self, causes: Causes, parent: Fit) -> float:
+    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         return self.value(causes) - self.value(parent.causes)
 
 

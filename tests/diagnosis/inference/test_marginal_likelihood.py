@@ -5,7 +5,8 @@ import pytest
 from scipy import stats
 from scipy.integrate import quad
 
-from missionplan.diagnosis.inference.likelihood import expected_log_ratio, laplace, marginal_of, student_marginal
+from missionplan.diagnosis.inference.laplace import laplace
+from missionplan.diagnosis.inference.marginal_likelihood import expected_log_ratio, gaussian_marginal, student_marginal
 
 RNG = np.random.default_rng(5)
 
@@ -32,14 +33,14 @@ def whitened_gram(y, design, noise):
 def test_marginal_is_the_density_of_the_data():
     y, design, prior = problem()
     noise = RNG.uniform(0.5, 2.0, (2, 6))
-    found = marginal_of(whitened_gram(y, design, noise), prior, float(np.log(noise).sum()), 12)
+    found = gaussian_marginal(whitened_gram(y, design, noise), prior, float(np.log(noise).sum()), 12)
     expected = stats.multivariate_normal(np.zeros(12), dense(design, prior, noise)).logpdf(y.ravel())
     assert found.log_density == pytest.approx(expected)
 
 
 def test_posterior_of_the_coefficients_is_ridge_regression():
     y, design, prior = problem()
-    found = marginal_of(whitened_gram(y, design, np.full((2, 6), 0.25)), prior, 12.0 * np.log(0.25), 12)
+    found = gaussian_marginal(whitened_gram(y, design, np.full((2, 6), 0.25)), prior, 12.0 * np.log(0.25), 12)
     flat = design.reshape(12, 3)
     precision = flat.T @ flat / 0.25 + np.diag(1.0 / prior**2)
     np.testing.assert_allclose(found.mean, np.linalg.solve(precision, flat.T @ y.ravel() / 0.25))
@@ -59,7 +60,7 @@ def test_student_marginal_tends_to_the_gaussian():
     y, design, prior = problem()
     variance = np.full((2, 6), 0.7)
     student = student_marginal(y, design, prior, variance, 1e6)
-    gaussian = marginal_of(whitened_gram(y, design, variance), prior, float(np.log(variance).sum()), 12)
+    gaussian = gaussian_marginal(whitened_gram(y, design, variance), prior, float(np.log(variance).sum()), 12)
     assert student.log_density == pytest.approx(gaussian.log_density, abs=1e-3)
 
 
