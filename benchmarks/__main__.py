@@ -1,7 +1,7 @@
-"""Run the comparisons and bring the tables of `docs/performance.md` up to date: ``python -m benchmarks``.
+"""Run the comparisons and update the tables of `docs/performance.md`: ``python -m benchmarks``.
 
-Each comparison runs with its peer in one go, in alternation, and is given as ratios. On two idle cores all of them
-take some eight minutes; name one to run it alone, --quick to see that it runs, --long to add ten million trials.
+Each comparison alternates with its reference program and gives ratios. On two idle cores all of them
+take about eight minutes; name one to run it alone, --quick for a smoke test, --long to add ten million trials.
 """
 
 import argparse
@@ -21,11 +21,11 @@ COMPARISONS: dict[str, Comparison] = {
     "legs": scaling.legs,
 }
 QUICK = 8
-"""What --quick divides the sizes by; a power of 2, as monaco's Sobol samples like them."""
+"""Divisor of the sizes with --quick; a power of 2, which suits monaco's Sobol samples."""
 
 
 def main() -> None:
-    """Run what is asked for, print it, and write it down."""
+    """Run the comparisons asked for, print their tables and write them to the page."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,4 +1,4 @@
-"""Whole commands, from the start of the process to its end; and the legs that `plan-legs` finds for its equation."""
+"""Whole commands, from the start of the process to its end; and the dynamic programme of `plan-legs`."""
 
 import tempfile
 from pathlib import Path
@@ -8,7 +8,7 @@ from missionplan.phases.transit.analytic.policy import best_legs
 
 SWEEP_TRIALS = 20_000
 HARDEST_LEGS = {"distance": 14816.0, "speed": 1.2, "arrival_radius": 10.0, "sigma": 0.035, "surfacing_time": 90.0}
-"""Of the four cases in docs/adaptive-legs.md the one that takes longest [m, m/s, m, m/s, s]."""
+"""The slowest of the four cases in docs/adaptive-legs.md [m, m/s, m, m/s, s]."""
 
 
 def compare(options: Options) -> Section:
@@ -25,13 +25,13 @@ def compare(options: Options) -> Section:
     rows = (
         _row("`missionplan sweep-dmax missions/fig8.yaml`, start to report, 2 jobs", sweeps, 10.0),
         _row("`missionplan --help`", helps, 0.5),
-        Row(what, duration(legs), asked="≤ 3 s", met=legs <= 3.0),
+        Row(what, duration(legs), target="≤ 3 s", met=legs <= 3.0),
     )
     return Section(rows, ("numpy", "joblib", "typer", "matplotlib"))
 
 
 def _row(what: str, runs: list[Run], most: float) -> Row:
-    """Line of the run of median wall time."""
+    """Row for the run of median wall time."""
     run = sorted(runs, key=lambda run: run.wall)[len(runs) // 2]
     spent = f"{duration(run.wall)} ({duration(run.cpu)} of CPU)"
-    return Row(what, spent, asked=f"≤ {most:g} s", met=run.wall <= most)
+    return Row(what, spent, target=f"≤ {most:g} s", met=run.wall <= most)

@@ -1,6 +1,6 @@
-"""What the comparisons share: fair timing, memory of a command, the machine, rows of the table.
+"""Shared by the comparisons: alternating timing, memory of a command, the machine, rows of the table.
 
-Only the standard library is imported here: the module also runs inside a peer's own environment.
+Imports only the standard library, because the module also runs in a reference program's environment.
 """
 
 import os
@@ -21,21 +21,21 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 MISSIONS = ROOT / "missions"
 POLL = 0.02
-"""Interval at which the memory of a command is read [s]."""
+"""Interval between readings of a command's memory [s]."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How much to run.
+    """Extent of a run.
 
     Attributes
     ----------
     repeats : int
-        Times that each side is run, in alternation; the median counts.
+        Runs of each side, in alternation; the median counts.
     shrink : int
-        Divides the sizes; 1 for a table that counts.
+        Divisor of the sizes; 1 for the published tables.
     long : bool
-        Also what takes many minutes.
+        Include runs of many minutes.
     """
 
     repeats: int = 3
@@ -45,19 +45,19 @@ class Options:
 
 @dataclass(frozen=True)
 class Row:
-    """A line of the table; what was not asked for has no `met`."""
+    """A row of the table; `met` is None without a target."""
 
     what: str
     ours: str
     peer: str = ""
     ratio: str = ""
-    asked: str = ""
+    target: str = ""
     met: bool | None = None
 
 
 @dataclass(frozen=True)
 class Section:
-    """What a comparison found; `packages` are those whose versions matter, `notes` go below the table."""
+    """Result of a comparison; `packages` are those whose versions matter, `notes` go below the table."""
 
     rows: tuple[Row, ...]
     packages: tuple[str, ...] = ("numpy",)
@@ -68,9 +68,9 @@ Comparison = Callable[[Options], Section]
 
 
 def alternate(sides: Mapping[str, Callable[[], Any]], repeats: int) -> dict[str, float]:
-    """Run the sides in alternation (A B A B …) and give the median wall time of each [s].
+    """Run the sides in alternation (A B A B …) and return the median wall time of each [s].
 
-    What slows the machine meanwhile slows all sides alike.
+    Other load on the machine then slows all sides alike.
     """
     times: dict[str, list[float]] = {name: [] for name in sides}
     for _ in range(repeats):
@@ -144,7 +144,7 @@ def _cpu_of_children() -> float:
 
 
 def _family(pid: int) -> list[int]:
-    """Find a process and all that descend from it."""
+    """Return a process and all its descendants."""
     found = [pid]
     for parent in found:
         for task in Path(f"/proc/{parent}/task").glob("*/children"):
@@ -165,12 +165,12 @@ def _peak_of(pid: int) -> int:
 
 
 def load_average() -> str:
-    """Say how busy the machine is; other work makes absolute times longer than they are on an idle one."""
+    """Return the load of the machine in words; other load makes absolute times longer."""
     return f"load average {os.getloadavg()[0]:.1f} before" if hasattr(os, "getloadavg") else ""
 
 
 def circumstances(packages: Sequence[str], load: str) -> str:
-    """Say when and on what a comparison ran: date, processor, versions, load of the machine; no names, no paths."""
+    """Return when and where a comparison ran: date, processor, versions, load; no names, no paths."""
     parts = [f"{datetime.now(UTC):%Y-%m-%d}", f"{os.cpu_count()} × {_processor()}", _memory(), platform.system()]
     parts += [f"Python {platform.python_version()}", *(f"{name} {_version(name)}" for name in packages)]
     return ", ".join(part for part in (*parts, load) if part)
@@ -207,7 +207,7 @@ def compiler_version() -> str:
 
 
 def duration(seconds: float) -> str:
-    """Write a time with three digits and a unit that suits it."""
+    """Format a time with three digits and a suitable unit."""
     for unit, scale in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if seconds >= scale:
             return f"{seconds / scale:.3g} {unit}" if seconds < 1000.0 * scale else f"{seconds / scale:.0f} {unit}"
@@ -215,10 +215,10 @@ def duration(seconds: float) -> str:
 
 
 def grouped(count: int) -> str:
-    """Write a whole number with its thousands apart."""
+    """Format a whole number with its thousands separated."""
     return f"{count:_}".replace("_", " ")
 
 
 def megabytes(size: float) -> str:
-    """Write a memory size."""
+    """Format a memory size."""
     return f"{size / 1e6:.0f} MB"

@@ -1,7 +1,7 @@
-"""Descents of the vectorised model beside `scipy.integrate.solve_ivp`, one trial at a time, at equal accuracy.
+"""Descents of the vectorised model and of `scipy.integrate.solve_ivp`, one trial at a time, at equal accuracy.
 
 Both integrate the example's pay-out, pull-down and coasting with the drag of Eqs. 2–13 (the same functions), events
-included. Accuracy is the error of time and lowest altitude against DOP853 at a tolerance of 1e-12; solve_ivp is
+included. Accuracy is the error of time and lowest altitude relative to DOP853 at a tolerance of 1e-12; solve_ivp is
 given the loosest tolerance at which it is as accurate as the model at its default step.
 """
 
@@ -39,13 +39,13 @@ TRIALS, PEER_TRIALS = 10_000, 20
 Method = Literal["RK45", "DOP853"]
 METHODS: tuple[Method, ...] = ("RK45", "DOP853")
 Force = Callable[[Any], Any]
-"""Along the vertical, down [N], of the speed [m/s]."""
+"""Vertical force, down positive [N], of the speed [m/s]."""
 Event = Callable[[float, np.ndarray], float]
-"""Zero where a stage ends, of time and state."""
+"""Event function of time and state: zero where a stage ends."""
 
 
 def vectorised(trials: int) -> DescentRecord:
-    """Descents of many trials with their own weights and currents."""
+    """Descents of many trials with individual weights and currents."""
     rng = np.random.default_rng(1)
     speed = [1.0 + 0.15 * rng.standard_normal(trials), 0.9 + 0.15 * rng.standard_normal(trials)]
     toward = [np.full(trials, np.pi / 2), np.full(trials, 2 * np.pi / 3)]
@@ -89,7 +89,7 @@ def one_by_one(dive: Dive, method: Method, tolerance: float) -> np.ndarray:
 
 
 def as_accurate(method: Method, exact: np.ndarray, error: float) -> float | None:
-    """Loosest tolerance at which solve_ivp errs no more than the model; None where none of those tried does."""
+    """Loosest tolerance at which solve_ivp is as accurate as the model; None if none of those tried is."""
     for tolerance in 10.0 ** -np.arange(3.0, 12.0, 0.5):
         if np.abs(one_by_one(DIVE, method, tolerance) - exact).max() <= error:
             return float(tolerance)
@@ -97,13 +97,13 @@ def as_accurate(method: Method, exact: np.ndarray, error: float) -> float | None
 
 
 def several(method: Method, tolerance: float) -> None:
-    """Descend `PEER_TRIALS` times by solve_ivp."""
+    """Run `PEER_TRIALS` descents by solve_ivp."""
     for _ in range(PEER_TRIALS):
         one_by_one(DIVE, method, tolerance)
 
 
 def compare(options: Options) -> Section:
-    """Time a descent of both."""
+    """Time the descents of both."""
     exact = one_by_one(DIVE, "DOP853", 1e-12)
     nought = np.zeros(1)
     still = layers([1000.0], [0.0], [0.0])
@@ -125,8 +125,8 @@ def compare(options: Options) -> Section:
             continue
         each = times[peer] / PEER_TRIALS
         ratio = each / (total / trials)
-        what = f"a descent: `solve_ivp` ({peer}, tolerance {tolerances[peer]:.0e})"
+        what = f"per descent: `solve_ivp` ({peer}, tolerance {tolerances[peer]:.0e})"
         pair = duration(total / trials), duration(each)
         rows.append(Row(what, *pair, f"{ratio:.0f} × faster", "≥ 200", ratio >= 200.0))
-    note = f"Both err by at most {error:.0e} (s, m) in descent time and lowest altitude."
+    note = f"Both have errors of at most {error:.0e} (s, m) in descent time and lowest altitude."
     return Section(tuple(rows), ("numpy", "scipy"), (note,))

@@ -1,8 +1,8 @@
 """Run `transit_trial` under monaco: ``python -m benchmarks.monaco_cases CASES WORKERS``, in monaco's environment.
 
-Prints JSON: wall time [s] of a run with the workers warm, what of it was not spent in the function itself (one worker
-only) [s], mean duration of the transit [s]; with a third word ``analysis`` also the time [s] of a sensitivity
-analysis of both outputs, which is no part of the run.
+Prints JSON: wall time [s] of a run with the workers warm, the part of it outside the function itself (one worker
+only) [s], mean duration of the transit [s]; with a third argument ``analysis`` also the time [s] of a sensitivity
+analysis of both outputs, which is not part of the run.
 """
 
 import json
@@ -25,7 +25,7 @@ def preprocess(case: monaco.Case) -> tuple[float, int]:
 
 
 def run(speed: float, seed: int) -> tuple[float, int]:
-    """Run the function, and note its time."""
+    """Run and time the function."""
     global inside
     started = time.perf_counter()
     result = transit_trial(speed, seed)
@@ -40,7 +40,7 @@ def postprocess(case: monaco.Case, duration: float, surfacings: int) -> None:
 
 
 def run_all(sim: monaco.Sim) -> None:
-    """Run all cases, and take of each output the statistics that missionplan gives: no confidence intervals."""
+    """Run all cases and compute the statistics that missionplan computes: no confidence intervals."""
     sim.runSim()
     for output in sim.outvars.values():
         output.addVarStat("mean")
@@ -49,7 +49,7 @@ def run_all(sim: monaco.Sim) -> None:
 
 
 def main(cases: int, workers: int, *, analyse: bool) -> None:
-    """Run `RUNS` times after one that starts the workers; the least of each time counts."""
+    """Run `RUNS` times after a first run that starts the workers; the minimum of each time counts."""
     global inside
     functions = {"preprocess": preprocess, "run": run, "postprocess": postprocess}
     settings = {"seed": 1, "singlethreaded": workers == 1, "ncores": workers, "verbose": False, "debug": True}

@@ -1,9 +1,9 @@
-"""Overhead a trial beside monaco, a framework that runs any Python function case by case.
+"""Overhead per trial compared with monaco, a framework that runs any Python function case by case.
 
-monaco gets an environment of its own in a temporary folder. Both run the same scalar function (`transit_trial`);
-missionplan also runs the same transit as a mission, vectorised. Overhead is the wall time less that of the model.
-Both sides draw the inputs, and give mean, standard deviation and three quantiles of the outputs; imports, reports and
-the analysis of sensitivities are in neither side's overhead, and the last is compared in a row of its own.
+monaco has its own environment in a temporary folder. Both run the same scalar function (`transit_trial`);
+missionplan also runs the same transit as a mission, vectorised. Overhead is the wall time minus that of the model.
+Both sides draw the inputs and compute mean, standard deviation and three quantiles of the outputs; imports, reports and
+the sensitivity analysis are in neither side's overhead; the last is compared in its own row.
 """
 
 import json
@@ -21,9 +21,9 @@ CASES = (1024, 8192)
 SUSTAINED = 100_000
 ASKED = 100.0
 OUTPUTS = 2
-"""Of the scalar function."""
+"""Cases of the scalar function."""
 RESOLUTION = 1e-8
-"""Least overhead a trial that the difference of two times can tell [s]."""
+"""Smallest overhead per trial that the difference of two times resolves [s]."""
 
 
 @dataclass(frozen=True)
@@ -33,13 +33,13 @@ class Cases:
     Attributes
     ----------
     each, overhead : float
-        Time a case, and what of it the framework adds to the model [s].
+        Time per case, and the part that the framework adds to the model [s].
     analysis : float
         Time of the sensitivity analysis, where there is one [s].
     peak : int
         Memory [bytes].
     outputs : int
-        Quantities of which statistics are given.
+        Number of quantities with statistics.
     """
 
     each: float
@@ -50,7 +50,7 @@ class Cases:
 
     @classmethod
     def of(cls, runs: Sequence[Run], cases: int) -> "Cases":
-        """Take the least of what each child printed; the model may have been timed in runs of its own."""
+        """Return the minimum of each printed time; the model may have been timed in separate runs."""
         printed = [json.loads(run.output.splitlines()[-1]) for run in runs]
         least = {key: min(found[key] for found in printed) for key in printed[0]}
         overhead = least["overhead"] if "overhead" in least else least["wall"] - least["inside"]
@@ -59,17 +59,17 @@ class Cases:
 
     @property
     def of_an_output(self) -> "Cases":
-        """The same with its overhead shared out among the outputs."""
+        """The same with the overhead per output."""
         return replace(self, overhead=self.overhead / self.outputs)
 
 
 Key = tuple[str, int, int]
-"""What is run (``monaco``, ``function``, ``simulate``, ``sweep``), how many cases, how many workers."""
+"""Side (``monaco``, ``function``, ``simulate``, ``sweep``), number of cases, number of workers."""
 Measured = Mapping[Key, Cases]
 
 
 def install(folder: Path) -> Path | None:
-    """Make an environment with monaco; give its Python, or None where it cannot be installed."""
+    """Create an environment with monaco and return its Python, or None if it cannot be installed."""
     venv.create(folder, with_pip=True)
     interpreter = folder / ("Scripts" if sys.platform == "win32" else "bin") / "python"
     command = [str(interpreter), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "monaco"]
@@ -92,7 +92,7 @@ def compare(options: Options) -> Section:
         rounds = [{key: run(key, interpreter) for key in keys} for _ in range(options.repeats)]
         analysed = Cases.of([run(("monaco", sizes[0], 1), interpreter, "analysis")], sizes[0])
     measured = {key: Cases.of([found[key] for found in rounds], key[1]) for key in keys}
-    what = f"sensitivity analysis, once, {sizes[0]} cases: 4 outputs here, 2 there"
+    what = f"sensitivity analysis, once, {sizes[0]} cases: 4 outputs (monaco: 2)"
     rows = [
         *_time_rows(keys, measured),
         *_function_rows(sizes, measured),
@@ -107,7 +107,7 @@ def compare(options: Options) -> Section:
 
 
 def run(key: Key, interpreter: Path, *more: str) -> Run:
-    """Run cases in a process of their own."""
+    """Run cases in a separate process."""
     what, cases, workers = key
     own = python("benchmarks.own_cases", what)
     command = [interpreter, "-m", "benchmarks.monaco_cases"] if what == "monaco" else own
@@ -115,51 +115,51 @@ def run(key: Key, interpreter: Path, *more: str) -> Run:
 
 
 def _time_rows(keys: Sequence[Key], measured: Measured) -> Iterator[Row]:
-    """Whole times of the same function."""
+    """Total times of the same function."""
     for side, cases, workers in keys:
         if side == "function":
             ours, theirs = measured[side, cases, workers], measured["monaco", cases, workers]
-            what = f"time a case, same function, {cases} cases, {_count(workers)}"
+            what = f"time per case, same function, {cases} cases, {_count(workers)}"
             yield _faster_row(what, ours.each, theirs.each, digits=1)
 
 
 def _function_rows(sizes: Sequence[int], measured: Measured) -> Iterator[Row]:
-    """Overheads of the same function, and what a case more costs."""
+    """Overheads of the same function, average and marginal."""
     for cases in sizes:
-        what = f"overhead a case, same function, {cases} cases"
+        what = f"overhead per case, same function, {cases} cases"
         yield _overhead_row(what, measured["function", cases, 1], measured["monaco", cases, 1])
     few, many = sizes
-    what = f"overhead a case more, same function, {few} to {many} cases"
+    what = f"marginal overhead per case, same function, {few} to {many} cases"
     yield _overhead_row(what, *(_further(measured, side, few, many) for side in ("function", "monaco")))
 
 
 def _study_rows(sizes: Sequence[int], many: int, measured: Measured) -> Iterator[Row]:
-    """Overheads of the vectorised studies: a trial, a trial more, a trial and output."""
+    """Overheads of the vectorised studies: per trial, marginal, per trial and output."""
     few, most = sizes
     theirs = measured["monaco", most, 1]
     for study in ("sweep", "simulate"):
         for trials in (most, many):
-            what = f"overhead a trial, `{study}`, {trials} trials beside {most} cases"
+            what = f"overhead per trial, `{study}`, {trials} trials vs {most} cases"
             yield _overhead_row(what, measured[study, trials, 1], theirs)
-    what = f"overhead a trial more, `simulate`, {most} to {many} trials beside {few} to {most} cases"
+    what = f"marginal overhead per trial, `simulate`, {most} to {many} trials vs {few} to {most} cases"
     yield _overhead_row(what, _further(measured, "simulate", most, many), _further(measured, "monaco", few, most))
     for trials in (most, many):
         ours = measured["simulate", trials, 1]
-        what = f"overhead a trial and output, `simulate`, {trials} trials beside {most} cases: "
-        what += f"{ours.outputs} outputs here, {OUTPUTS} there"
+        what = f"overhead per trial and output, `simulate`, {trials} trials vs {most} cases: "
+        what += f"{ours.outputs} outputs (monaco: {OUTPUTS})"
         yield _overhead_row(what, ours.of_an_output, theirs.of_an_output)
-    what = f"whole time a trial, `simulate`, model and analysis included, {many} trials beside {most} cases"
+    what = f"total time per trial, `simulate`, model and analysis included, {many} trials vs {most} cases"
     yield _faster_row(what, measured["simulate", many, 1].each, theirs.each)
 
 
 def _further(measured: Measured, what: str, few: int, many: int) -> Cases:
-    """What a case more costs, once the fixed part is paid."""
+    """Marginal overhead per case."""
     fewer, more = measured[what, few, 1], measured[what, many, 1]
     return replace(more, overhead=(more.overhead * many - fewer.overhead * few) / (many - few))
 
 
 def _memory_rows(sizes: Sequence[int], keys: Sequence[Key], measured: Measured) -> Iterator[Row]:
-    """Peaks, and what a case more takes."""
+    """Peak memory, and memory per further case."""
     for side, cases, workers in keys:
         if side == "function":
             peak, peer = measured[side, cases, workers].peak, measured["monaco", cases, workers].peak
@@ -170,7 +170,7 @@ def _memory_rows(sizes: Sequence[int], keys: Sequence[Key], measured: Measured) 
         f"{max(measured[side, many, 1].peak - measured[side, few, 1].peak, 0) / (many - few) / 1e3:.1f} kB"
         for side in ("function", "monaco")
     )
-    yield Row(f"memory a case more, {few} to {many} cases, 1 worker", ours, theirs)
+    yield Row(f"memory per further case, {few} to {many} cases, 1 worker", ours, theirs)
 
 
 def _faster_row(what: str, ours: float, theirs: float, digits: int = 0) -> Row:

@@ -1,10 +1,10 @@
 """Run the transit under missionplan: ``python -m benchmarks.own_cases function|simulate|sweep CASES WORKERS``.
 
 ``function`` gives the blocks of `run_blocks` the same scalar function that monaco runs, with inputs from named
-streams and outputs into streaming statistics; ``simulate`` runs the transit as a mission, with all that its report
-needs; ``sweep`` finds the cost of its 16 d_max, each trial of each being a case. Prints JSON as
-`benchmarks.monaco_cases` does; the model itself of ``simulate`` and ``sweep`` is `transit`, on the same legs. The
-sensitivity analysis at the end of ``simulate`` is timed apart: it is done once, on the first four blocks at most.
+streams and outputs into streaming statistics; ``simulate`` runs the transit as a mission, with everything that its
+report needs; ``sweep`` computes the cost of its 16 d_max, each trial of each being a case. Prints JSON as
+`benchmarks.monaco_cases` does; the model of ``simulate`` and ``sweep`` is `transit`, on the same legs. The
+sensitivity analysis at the end of ``simulate`` is timed separately: it runs once, on the first four blocks at most.
 """
 
 import json
@@ -53,7 +53,7 @@ OUTPUTS: dict[str, type] = {"duration": float, "surfacings": int}
 
 
 def function_block(item: Item) -> tuple[RunningStatistics, float]:
-    """Run a block of trials of the scalar function; give the statistics of its outputs, and its time."""
+    """Run a block of trials of the scalar function; return its statistics and time."""
     block, size = item
     speed = SPEED + SPEED_SD * stream(SEED, "ingress.speed", block).standard_normal(size)
     first = (SEED << 32) + block * BLOCK
@@ -99,7 +99,7 @@ def run_model(trials: int, d_max: Sequence[float]) -> float:
 
 
 def read_mission() -> Mission:
-    """Read the transit as a mission."""
+    """Return the transit as a mission."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "transit.yaml"
         path.write_text(MISSION, encoding="utf-8")
@@ -128,7 +128,7 @@ def run_simulate(cases: int, workers: int) -> dict[str, float]:
 
 
 def run_sweep(cases: int, workers: int) -> dict[str, float]:
-    """Sweep the mission's d_max; the sweep adds the whole distance in one leg."""
+    """Sweep the mission's d_max; the sweep adds a single leg of the whole distance."""
     mission = read_mission()
     lengths = [*mission.sweep.d_max_values(DISTANCE), DISTANCE]
     trials = cases // len(lengths)
@@ -141,9 +141,9 @@ def run_sweep(cases: int, workers: int) -> dict[str, float]:
 
 
 def main(what: str, cases: int, workers: int) -> None:
-    """Run once to import what is needed, with the workers started, then `RUNS` times; the least of each time counts.
+    """Run once to import and start the workers, then `RUNS` times; the minimum of each time counts.
 
-    The scalar function is timed where it runs, the vectorised model in runs of its own.
+    The scalar function is timed where it runs, the vectorised model in separate runs.
     """
     run = {"function": run_function, "simulate": run_simulate, "sweep": run_sweep}[what]
     if workers > 1:

@@ -1,4 +1,4 @@
-"""How `missionplan simulate` grows: with trials and jobs as a command, from start to report; with legs as a study."""
+"""Scaling of `missionplan simulate`: with trials and jobs as a command, from start to report; with legs as a study."""
 
 import json
 import shutil
@@ -18,17 +18,17 @@ PACKAGES = ("numpy", "scipy", "joblib")
 SIZES = {1: (1_000, 10_000, 100_000), 2: (1_000, 10_000, 100_000, 1_000_000)}
 LONG = 10_000_000
 ASKED = {100_000: 15.0, 1_000_000: 120.0}
-"""Most time by trials, on two jobs [s]."""
+"""Longest time allowed, by trials, on two jobs [s]."""
 MOST_MEMORY = 1e9
 LINEAR = 1.25
-"""Most by which the time of a trial more, and the memory, may grow from one size to the next: linear, flat."""
+"""Largest growth of the time per further trial and of the memory from one size to the next: linear, flat."""
 LEG_LENGTHS = (400, 200, 100, 50)
-"""[m]; the distance of the mission's transits is a multiple of each."""
+"""Values of d_max [m]; the distance of the mission's transits is a multiple of each."""
 LEG_TRIALS = 20_000
 LEG_ROUNDS = 3
-"""Rounds for each repeat: a leg is a small part of a trial, which the machine's swings would hide."""
+"""Rounds per repeat: a leg is a small part of a trial, less than the machine's variation."""
 REQUIREMENT_NOT_MET = 3
-"""Exit status that is no failure of the run."""
+"""Exit status that is not a failure of the run."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def simulate(mission: Path, trials: int, jobs: int) -> Simulated:
 
 
 def trials(options: Options) -> Section:
-    """Trials and jobs."""
+    """Compare numbers of trials and jobs."""
     sizes = {jobs: list(counts) + [LONG] * (options.long and jobs == 2) for jobs, counts in SIZES.items()}
     found = {
         (jobs, count // options.shrink): simulate(MISSIONS / MISSION, count // options.shrink, jobs)
@@ -68,30 +68,30 @@ def trials(options: Options) -> Section:
 
 
 def _run_row(jobs: int, count: int, run: Simulated) -> Row:
-    spent = f"{duration(run.wall)}, {duration(run.elapsed / count)} a trial, {megabytes(run.peak)}"
+    spent = f"{duration(run.wall)}, {duration(run.elapsed / count)} per trial, {megabytes(run.peak)}"
     what = f"{grouped(count)} trials, {jobs} job{'s' * (jobs > 1)}"
     if jobs == 1 or count not in ASKED:
         return Row(what, spent)
     most = ASKED[count]
-    return Row(what, spent, asked=f"≤ {most:.0f} s, < 1 GB", met=run.wall <= most and run.peak < MOST_MEMORY)
+    return Row(what, spent, target=f"≤ {most:.0f} s, < 1 GB", met=run.wall <= most and run.peak < MOST_MEMORY)
 
 
 def _growth_rows(runs: list[tuple[int, Simulated]]) -> list[Row]:
-    """Time of each trial more, from one size to the next; from the second line on, linear is asked, and flat memory."""
+    """Time per further trial from one size to the next; targets from the second row on: linear, flat memory."""
     rows: list[Row] = []
     last = 0.0
     for (few, before), (many, after) in pairwise(runs):
         slope, memory = (after.elapsed - before.elapsed) / (many - few), after.peak / before.peak
-        text = f"{duration(slope)} a trial more, {memory:.2f} × the memory"
+        text = f"{duration(slope)} per further trial, {memory:.2f} × the memory"
         met = slope <= LINEAR * last and memory <= LINEAR if last else None
-        asked = "linear, flat" if last else ""
-        rows.append(Row(f"from {grouped(few)} to {grouped(many)} trials, 2 jobs", text, asked=asked, met=met))
+        target = "linear, flat" if last else ""
+        rows.append(Row(f"from {grouped(few)} to {grouped(many)} trials, 2 jobs", text, target=target, met=met))
         last = slope
     return rows
 
 
 def legs(options: Options) -> Section:
-    """Shorter legs on the same way: the mission's two transits alone, in this process."""
+    """Shorter legs over the same distance: only the mission's two transits, in this process."""
     count = LEG_TRIALS // options.shrink
     missions = {length: _transits(length) for length in LEG_LENGTHS}
     spent: dict[int, list[float]] = {length: [] for length in LEG_LENGTHS}
@@ -102,16 +102,18 @@ def legs(options: Options) -> Section:
             spent[length].append(found.provenance.elapsed_s / count)
             number[length] = sum(phase.quantities["surfacings"].mean for phase in found.phases)
     cost = {length: min(times) for length, times in spent.items()}
-    rows = [Row(f"d_max {length} m: {number[length]:.1f} legs", f"{duration(cost[length])} a trial") for length in cost]
+    rows = [
+        Row(f"d_max {length} m: {number[length]:.1f} legs", f"{duration(cost[length])} per trial") for length in cost
+    ]
     for long, short in pairwise(LEG_LENGTHS):
         slope = (cost[short] - cost[long]) / (number[short] - number[long])
-        rows.append(Row(f"a leg more, from d_max {long} m to {short} m", f"{slope * 1e9:.0f} ns a trial"))
-    note = f"{grouped(count)} trials, 1 job; the least of {LEG_ROUNDS * options.repeats} runs, in alternation."
+        rows.append(Row(f"per further leg, from d_max {long} m to {short} m", f"{slope * 1e9:.0f} ns per trial"))
+    note = f"{grouped(count)} trials, 1 job; the minimum of {LEG_ROUNDS * options.repeats} runs, in alternation."
     return Section(tuple(rows), PACKAGES, (note,))
 
 
 def _transits(length: int) -> Mission:
-    """The mission with its transits alone, and with other legs."""
+    """The mission with only its transits, and with other legs."""
     described = yaml.safe_load((MISSIONS / MISSION).read_text(encoding="utf-8"))
     described["phases"] = [phase for phase in described["phases"] if "transit" in phase]
     for phase in described["phases"]:

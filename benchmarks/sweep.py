@@ -1,7 +1,7 @@
-"""The sweep of `missions/fig8.yaml` beside the loop that a user would write, in Python and in C.
+"""The sweep of `missions/fig8.yaml` compared with a hand-written loop, in Python and in C.
 
-The C loop is compiled on the spot with -O3 -march=native and draws its own normals for every leg (xoshiro256+ and
-the polar method). Times are a leg and trial, on one core; then 2 jobs against 1 with workers warm.
+The C loop is compiled at run time with -O3 -march=native and draws its own normals for every leg (xoshiro256+ and
+the polar method). Times are per leg and trial, on one core; then 2 jobs against 1 with workers warm.
 """
 
 import ctypes
@@ -31,7 +31,7 @@ CLoop = Callable[[int], tuple[np.ndarray, int]]
 
 
 def python_loop(d_max: float, sigma: float, trials: int) -> tuple[float, int]:
-    """Run one cell as a user would write it; give the mean cost and the legs run."""
+    """Run one cell as a user would write it; return the mean cost and the number of legs."""
     draw = random.Random(1).gauss
     legs, total = 0, 0.0
     for _ in range(trials):
@@ -51,7 +51,7 @@ def python_loop(d_max: float, sigma: float, trials: int) -> tuple[float, int]:
 
 
 def compiled_loop(folder: str) -> CLoop:
-    """Compile the C loop and give it as a function of the trials."""
+    """Compile the C loop and return it as a function of the trials."""
     library = Path(folder) / "sweep_loop.so"
     source = Path(__file__).with_name("sweep_loop.c")
     subprocess.run(["cc", "-O3", "-march=native", "-shared", "-fPIC", "-o", library, source, "-lm"], check=True)
@@ -73,7 +73,7 @@ def compiled_loop(folder: str) -> CLoop:
 
 
 def compare(options: Options) -> Section:
-    """Time the sweep beside both loops, and on two jobs."""
+    """Time the sweep, both loops, and the sweep on two jobs."""
     mission = load(MISSIONS / "fig8.yaml")
     trials = TRIALS // options.shrink
 
@@ -99,7 +99,7 @@ def compare(options: Options) -> Section:
             note = f"Costs of sweep and C loop differ by {_apart(ours, c_cost):.1f} standard errors at most."
         times = alternate(sides, options.repeats)
     each, python_each = times["sweep"] / legs, times["python"] / python_legs
-    what = f"{len(D_MAX)} d_max × {len(SIGMAS)} σ_v × {trials} trials, a leg and trial: "
+    what = f"{len(D_MAX)} d_max × {len(SIGMAS)} σ_v × {trials} trials, per leg and trial: "
     ratio, gain = python_each / each, times["sweep"] / times["two jobs"]
     rows = [
         Row(

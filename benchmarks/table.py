@@ -5,24 +5,24 @@ import re
 from benchmarks.common import ROOT, Row, Section
 
 PAGE = ROOT / "docs" / "performance.md"
-HEADINGS = ("", "missionplan", "peer", "ratio", "asked", "met")
+HEADINGS = ("", "missionplan", "reference", "ratio", "target", "met")
 MET = {None: "", True: "yes", False: "**no**"}
 
 
 def as_text(section: Section) -> str:
-    """Lay a section out for a terminal: one line a row, what is empty left out."""
+    """Format a section for a terminal: one line per row, without empty cells."""
     lines = []
     for row in section.rows:
-        peer = f"; peer {row.peer}" if row.peer else ""
+        peer = f"; reference {row.peer}" if row.peer else ""
         ratio = f"; {row.ratio}" if row.ratio else ""
-        asked = f" (asked {row.asked})" if row.asked else ""
+        target = f" (target {row.target})" if row.target else ""
         missed = " MISSED" if row.met is False else ""
-        lines.append(f"  {row.what}: {row.ours}{peer}{ratio}{asked}{missed}")
+        lines.append(f"  {row.what}: {row.ours}{peer}{ratio}{target}{missed}")
     return "\n".join([*lines, *(f"  {note}" for note in section.notes)])
 
 
 def as_markdown(section: Section, measured: str) -> str:
-    """Lay a section out as a Markdown table, columns that are empty left out, with when and where it was measured."""
+    """Format a section as a Markdown table without empty columns, with when and where it was measured."""
     cells = [HEADINGS, *(_cells(row) for row in section.rows)]
     kept = [column for column in zip(*cells, strict=True) if any(column[1:])]
     lines = ["| " + " | ".join(row) + " |" for row in zip(*kept, strict=True)]
@@ -31,7 +31,7 @@ def as_markdown(section: Section, measured: str) -> str:
 
 
 def write(name: str, section: Section, measured: str) -> None:
-    """Put a section's table between its markers, the rest of the page untouched.
+    """Write a section's table between its markers and leave the rest of the page unchanged.
 
     Raises
     ------
@@ -47,4 +47,4 @@ def write(name: str, section: Section, measured: str) -> None:
 
 
 def _cells(row: Row) -> tuple[str, ...]:
-    return (row.what, row.ours, row.peer, row.ratio, row.asked, MET[row.met])
+    return (row.what, row.ours, row.peer, row.ratio, row.target, MET[row.met])

@@ -1,6 +1,6 @@
-"""One trial of a transit as a plain Python function: the callable that both frameworks are given.
+"""One trial of a transit as a plain Python function, called by both frameworks.
 
-Only the standard library is imported: it also runs in the peer's own environment.
+Imports only the standard library, because it also runs in monaco's environment.
 """
 
 import math
@@ -9,7 +9,7 @@ import random
 DISTANCE, D_MAX, RADIUS, SIGMA, SURFACING_TIME, MAX_LEGS = 7408.0, 1852.0, 50.0, 0.035, 90.0, 400
 SPEED, SPEED_SD = 1.25, 0.05
 RUNS = {1: 9, 2: 3}
-"""Times that each framework runs the cases a round, by workers, after one that warms it up; the least counts."""
+"""Runs of the cases per round, by workers, after a warm-up run; the minimum counts."""
 MISSION = f"""\
 name: A transit whose speed is uncertain
 navigation:
@@ -31,7 +31,7 @@ monte_carlo: {{trials: 8192, seed: 1}}
 
 
 def transit_trial(speed: float, seed: int) -> tuple[float, int]:
-    """Fly one transit; give its duration [s] and its surfacings."""
+    """Simulate one transit; return its duration [s] and its number of surfacings."""
     draw = random.Random(seed).gauss
     x, y, left, run, surfacings = -DISTANCE, 0.0, DISTANCE, 0.0, 0
     while left >= RADIUS and surfacings < MAX_LEGS:
