@@ -1,4 +1,4 @@
-"""Further legs that might tell two causes apart."""
+"""Designs: further legs that might discriminate between two sets of causes."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,20 +8,25 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.datasets.legs import TransitData
 
-MORE = 20
+FURTHER_LEGS = 20
+PAUSE = 60.0
+"""Time between a fix and the next dive [s]."""
+LATE_FIX = 900.0
+"""Time at the surface before a late fix, beyond the usual [s]."""
+GOLDEN_SHARE = 0.38
+"""Share of a circle between consecutive headings that spread evenly: 1 less the golden ratio's 0.62."""
 
 
-def planned(data: TransitData, entry: int) -> TransitData:
-    """The log with the legs of a menu entry after it; their fixes are left where dead reckoning puts them."""
-    return DESIGNS[entry][1](data)
+def with_further_legs(data: TransitData, design: int) -> TransitData:
+    """Append the legs of a design to a log; their fixes lie where dead reckoning puts them."""
+    return DESIGNS[design][1](data)
 
 
 def _append(data: TransitData, heading: Array, duration: Array, surface: Array) -> TransitData:
-    """Append legs steered on given headings for given times, dead-reckoned without error."""
+    """Append legs on given headings [rad] and of given times [s], dead-reckoned without error."""
     speed = float(np.median(np.hypot(*(data.dead_reckoned - data.start)) / data.under_way))
-    pause = 60.0
-    start_times = data.t_start[-1] + data.under_way[-1] + data.surface[-1] + pause
-    t_start = start_times + np.concatenate([[0.0], np.cumsum(duration + surface + pause)[:-1]])
+    first = data.t_start[-1] + data.under_way[-1] + data.surface[-1] + PAUSE
+    t_start = first + np.concatenate([[0.0], np.cumsum(duration + surface + PAUSE)[:-1]])
     path = speed * duration * np.stack([np.sin(heading), np.cos(heading)])
     ends = data.end[:, -1:] + np.cumsum(path, axis=1)
     starts = ends - path
@@ -43,40 +48,50 @@ def _headings(data: TransitData) -> Array:
     return np.asarray(np.arctan2(path[0], path[1]))
 
 
-def _usual(data: TransitData, count: int, factor: float = 1.0) -> tuple[Array, Array]:
+def _median_times(data: TransitData, count: int, factor: float = 1.0) -> tuple[Array, Array]:
+    """Median time under way, by a factor, and median time at the surface, for each of the new legs [s]."""
     return np.full(count, factor * float(np.median(data.under_way))), np.full(count, float(np.median(data.surface)))
 
 
-def _numbers() -> Array:
-    return np.arange(MORE, dtype=np.float64)
+def _leg_numbers() -> Array:
+    return np.arange(FURTHER_LEGS, dtype=np.float64)
 
 
-def _back(data: TransitData) -> TransitData:
-    return _append(data, _headings(data)[::-1][:MORE] + np.pi, *_usual(data, min(MORE, data.n)))
+def _reverse_course(data: TransitData) -> TransitData:
+    return _append(data, _headings(data)[::-1][:FURTHER_LEGS] + np.pi, *_median_times(data, min(FURTHER_LEGS, data.n)))
 
 
-def _star(data: TransitData) -> TransitData:
-    return _append(data, 2.0 * np.pi * 0.38 * _numbers(), *_usual(data, MORE))
+def _all_headings(data: TransitData) -> TransitData:
+    return _append(data, 2.0 * np.pi * GOLDEN_SHARE * _leg_numbers(), *_median_times(data, FURTHER_LEGS))
 
 
-def _short(data: TransitData) -> TransitData:
-    return _append(data, np.pi * _numbers(), *_usual(data, MORE, 0.25))
+def _short_legs(data: TransitData) -> TransitData:
+    return _append(data, np.pi * _leg_numbers(), *_median_times(data, FURTHER_LEGS, 0.25))
 
 
-def _longer(data: TransitData) -> TransitData:
+def _late_fixes(data: TransitData) -> TransitData:
+    duration, surface = _median_times(data, FURTHER_LEGS)
+    late = np.where(np.arange(FURTHER_LEGS) % 2, LATE_FIX, 0.0)
+    return _append(data, np.pi * _leg_numbers(), duration, surface + late)
+
+
+def _twice_as_long(data: TransitData) -> TransitData:
     return _append(data, _headings(data), data.under_way, data.surface)
 
 
-def _waiting(data: TransitData) -> TransitData:
-    duration, surface = _usual(data, MORE)
-    return _append(data, np.pi * _numbers(), duration, surface + np.where(np.arange(MORE) % 2, 900.0, 0.0))
-
-
+NEEDS_SURFACE_TIME = (_late_fixes,)
 DESIGNS: tuple[tuple[str, Callable[[TransitData], TransitData]], ...] = (
-    (f"{MORE} legs back over the last ones, on the reverse headings", _back),
-    (f"{MORE} legs all round the compass", _star),
-    (f"{MORE} legs there and back, a quarter as long", _short),
-    (f"{MORE} legs there and back, every second fix 15 minutes after surfacing", _waiting),
-    ("a record twice as long", _longer),
+    (f"{FURTHER_LEGS} legs back over the last ones, on the reverse headings", _reverse_course),
+    (f"{FURTHER_LEGS} legs all round the compass", _all_headings),
+    (f"{FURTHER_LEGS} legs there and back, a quarter as long", _short_legs),
+    (f"{FURTHER_LEGS} legs there and back, every second fix 15 minutes after surfacing", _late_fixes),
+    ("a record twice as long", _twice_as_long),
 )
 """In words; the log with those legs. Cheapest first."""
+
+
+def designs_for(data: TransitData) -> tuple[int, ...]:
+    """Indices of the designs that can be compared with a log."""
+    return tuple(
+        index for index, (_, extend) in enumerate(DESIGNS) if data.has_surface_time or extend not in NEEDS_SURFACE_TIME
+    )

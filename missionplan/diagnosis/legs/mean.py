@@ -1,4 +1,4 @@
-"""Mean of a navigation log's velocity errors: linear in the causes, by the effects' own hooks."""
+"""Mean of a navigation log's velocity errors: linear in the causes' coordinates, through the effects' own hooks."""
 
 import math
 from collections.abc import Mapping
@@ -18,32 +18,32 @@ from missionplan.effects.tidal_current import resolvable
 from missionplan.phases.hooks import Leg, TransitEffect
 from missionplan.results.diagnosis import Causes
 
-RANDOM = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
+COVARIANCE_EFFECTS = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
 """Effects that enter the covariance and not the mean."""
-TURNING = ("compass-bias", "compass-deviation")
+NONLINEAR_EFFECTS = ("compass-bias", "compass-deviation")
 """Effects whose velocity is not linear in their angles."""
-WAVERING = ("tidal-current", "inertial-current")
-"""Currents that keep neither amplitude nor phase to the letter."""
-NARROW = 2.0 / math.pi
+MODULATED_EFFECTS = ("tidal-current", "inertial-current")
+"""Oscillating currents whose amplitude and phase change slowly; see `modulation`."""
+MAX_MEAN_HEADING = 2.0 / math.pi
 """Length of the mean heading vector above which the headings cover less than half the compass."""
-STEP = 1e-3
-"""Step of the finite differences, in prior standard deviations of a cause."""
-ACROSS, ACROSS_UNSURE = 0.1, 0.004
-"""What a sheared current differs by over the area of a record, and what one is unsure of anyway [m/s]."""
+DIFFERENCE_STEP = 1e-3
+"""Step of the central differences, in slabs (prior standard deviations of a cause)."""
+SHEAR_SLAB, SHEAR_SPIKE = 0.1, 0.004
+"""Prior standard deviation of a current's difference over the area of a record, as a cause and otherwise [m/s]."""
 
 
 @dataclass(frozen=True)
-class Linear:
-    """A set's model linearised: y ≈ columns·coefficients + noise, coefficients ~ N(0, prior_sd²).
+class LinearisedLegs:
+    """Linearised model of a set of causes: y ≈ columns·coefficients + noise, coefficients ~ N(0, prior_sd²).
 
     Attributes
     ----------
     about : array, shape (k,)
         Coordinates about which it is linearised.
     y : array, shape (2, n)
-        Data on the principal axes [m/s].
+        Velocity errors on the principal axes [m/s].
     columns : array, shape (2, n, k + m)
-        Of the k coordinates, then of the m ways in which oscillating causes waver.
+        Of the k coordinates, then of the m functions that modulate oscillating causes.
     prior_sd : array, shape (k + m,)
         Prior standard deviations.
     """
@@ -61,7 +61,7 @@ class Linear:
 
 @dataclass(frozen=True)
 class TransitMean:
-    """Legs of a log, what the mission expects of them, and the columns of the causes.
+    """Legs of a log, the velocity errors that the mission expects, and the columns of the causes.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class TransitMean:
     fix_error : float
         The mission's standard deviation of a fix [m]; 0 when not given.
     current_sd : tuple of float
-        How unsure the mission itself is of the steady current, east and north [m/s].
+        Standard deviation of the mission's steady current, east and north [m/s].
     only : tuple of Coordinate, optional
         Coordinates to use; default those that the record can resolve.
     """
@@ -87,7 +87,7 @@ class TransitMean:
     only: tuple[Coordinate, ...] | None = None
 
     def minimum_evidence_gain(self, causes: Causes) -> float:
-        """The usual: what the catalogue adds is as good as linear in its strengths, and of known shape."""
+        """The default: effects are nearly linear in their strengths and of known shape."""
         return MINIMUM_EVIDENCE_GAIN
 
     @cached_property
@@ -98,14 +98,15 @@ class TransitMean:
             why["inertial-current"] = "needs the latitude: site.origin in the mission, or positions by latitude"
         if not self.data.has_surface_time:
             why["surface-drift"] = "needs the time at the surface before each fix: column surface_s"
-        if not resolvable(self._length):
+        if not resolvable(self._span):
             why["tidal-current"] = "needs a record of at least half a tidal period"
-        if np.hypot(*self.leg.along.mean(axis=1)) > NARROW:
+        if np.hypot(*self.leg.along.mean(axis=1)) > MAX_MEAN_HEADING:
             why["compass-deviation"] = "needs headings over at least half the compass"
         return why
 
     @property
-    def _length(self) -> float:
+    def _span(self) -> float:
+        """Length of the record, between the middles of its legs [s]."""
         return float(np.ptp(self.data.middle))
 
     @cached_property
@@ -121,20 +122,20 @@ class TransitMean:
         found: list[Coordinate] = []
         for name in self.candidates:
             if name == "tidal-current":
-                tides = resolvable(self._length)
+                tides = resolvable(self._span)
                 names = [key for key in CATALOGUE[name].parameters if key.split("_")[0] in tides]
                 found += coordinates_of(CATALOGUE[name], names)
             elif name == "current-shear":
-                found += [self._limited(coordinate) for coordinate in coordinates_of(CATALOGUE[name])]
-            elif name not in RANDOM:
+                found += [self._limited_shear(coordinate) for coordinate in coordinates_of(CATALOGUE[name])]
+            elif name not in COVARIANCE_EFFECTS:
                 found += coordinates_of(CATALOGUE[name])
         return tuple(found)
 
-    def _limited(self, gradient: Coordinate) -> Coordinate:
-        """Limit a gradient's priors: over the whole area a current changes by no more than currents are strong."""
+    def _limited_shear(self, gradient: Coordinate) -> Coordinate:
+        """Limit a gradient's priors: over the area of the record a current changes by no more than its usual speed."""
         place = self.data.start + 0.5 * (self.data.dead_reckoned - self.data.start)
         extent = max(float(np.sqrt(np.sum(place.var(axis=1)))), 1.0)
-        slab, spike = min(gradient.slab, ACROSS / extent), min(gradient.spike, ACROSS_UNSURE / extent)
+        slab, spike = min(gradient.slab, SHEAR_SLAB / extent), min(gradient.spike, SHEAR_SPIKE / extent)
         return replace(gradient, slab=slab, spike=spike)
 
     @cached_property
@@ -146,12 +147,12 @@ class TransitMean:
 
     @cached_property
     def y(self) -> Array:
-        """Velocity errors less what the mission expects, on the principal axes, shape (2, n) [m/s]."""
+        """Velocity errors minus those that the mission expects, on the principal axes, shape (2, n) [m/s]."""
         return self.axes.T @ (self.data.velocity_error - self.base)
 
     @cached_property
     def leg(self) -> Leg:
-        """The legs as an effect sees them: the course is the one dead-reckoned."""
+        """Legs in the form that effects take, with the dead-reckoned course."""
         data = self.data
         path = data.dead_reckoned - data.start
         length = np.hypot(*path)
@@ -165,21 +166,21 @@ class TransitMean:
         )
 
     def mean_error(self, values: Array) -> Array:
-        """Velocity errors that the causes of the mean give, on the principal axes, shape (2, n) [m/s]."""
+        """Velocity errors caused by the effects in the mean, on the principal axes, shape (2, n) [m/s]."""
         return self.axes.T @ sum(
             (self._error(own, values) for own in self._by_effect.values()), np.zeros((2, self.data.n))
         )
 
     @cached_property
     def _by_effect(self) -> dict[str, list[int]]:
-        """Coordinates of each effect."""
+        """Indices of each effect's coordinates."""
         found: dict[str, list[int]] = {}
         for index, coordinate in enumerate(self.coordinates):
             found.setdefault(coordinate.effect, []).append(index)
         return found
 
     def _error(self, own: list[int], values: Array) -> Array:
-        """Velocity errors east and north that one effect gives, shape (2, n) [m/s]."""
+        """Velocity errors east and north caused by one effect, shape (2, n) [m/s]."""
         data = self.data
         ((name, parameters),) = parameters_from([self.coordinates[i] for i in own], values[own]).items()
         effect = cast(TransitEffect, CATALOGUE[name].make(parameters))
@@ -187,11 +188,11 @@ class TransitMean:
         return effect.velocity(self.leg) + drift * data.surface / data.under_way
 
     def columns(self, about: Array) -> Array:
-        """Columns of the coordinates by central differences through the effects' hooks, shape (2, n, k)."""
+        """Columns of the coordinates, by central differences of the effects' hooks, shape (2, n, k)."""
         columns = []
         for index, coordinate in enumerate(self.coordinates):
             own, step = self._by_effect[coordinate.effect], np.zeros(len(about))
-            step[index] = STEP * coordinate.slab
+            step[index] = DIFFERENCE_STEP * coordinate.slab
             ahead, behind = (self._error(own, about + sign * step) for sign in (1.0, -1.0))
             columns.append(self.axes.T @ (ahead - behind) / (2.0 * step[index]))
         return np.stack(columns, axis=2)
@@ -208,24 +209,28 @@ class TransitMean:
                 values[index] = math.hypot(values[index], self.current_sd[coordinate.name == "north"])
         return np.array(values)
 
-    def linearised(self, causes: Causes, about: Array) -> Linear:
-        """Linearise the model of a set about coordinates, with what its oscillating causes do there beside."""
+    def linearised(self, causes: Causes, about: Array) -> LinearisedLegs:
+        """Linearise the model of a set about given coordinates, with columns that modulate its oscillating causes."""
         prior = self.prior_sd(causes)
         if not np.any(about):
-            return Linear(about, self.y, self._columns_at_zero, prior)
-        columns = self.columns(about) if set(TURNING) & set(causes) else self._columns_at_zero
+            return LinearisedLegs(about, self.y, self._columns_at_zero, prior)
+        columns = self.columns(about) if set(NONLINEAR_EFFECTS) & set(causes) else self._columns_at_zero
         y = self.y - self.mean_error(about) + columns @ about
-        beside = [self._waver(name, about) for name in WAVERING if name in causes]
-        extra = np.concatenate([np.zeros((2, self.data.n, 0)), *beside], axis=2)
-        return Linear(about, y, np.concatenate([columns, extra], axis=2), np.append(prior, np.ones(extra.shape[2])))
+        modulated = [self._modulation_columns(name, about) for name in MODULATED_EFFECTS if name in causes]
+        extra = np.concatenate([np.zeros((2, self.data.n, 0)), *modulated], axis=2)
+        return LinearisedLegs(
+            about, y, np.concatenate([columns, extra], axis=2), np.append(prior, np.ones(extra.shape[2]))
+        )
 
-    def _waver(self, name: str, about: Array) -> Array:
-        """Columns of what an oscillating cause does beside its steady oscillation, shape (2, n, m)."""
+    def _modulation_columns(self, name: str, about: Array) -> Array:
+        """Columns of the slow modulation of an oscillating cause, shape (2, n, m)."""
         own = self._by_effect[name]
-        later = about.copy()
-        later[own[::2]], later[own[1::2]] = -about[own[1::2]], about[own[::2]]
-        steady = [self._error(own, values) for values in (about, later)]
-        # an inertial current turns as one; the ellipses of tidal constituents differ
-        parts = np.ones((1, 2)) if name == "inertial-current" else np.eye(2)
-        columns = [modulation(self.data.middle, *(part[:, None] * each for each in steady)) for part in parts]
+        quadrature = about.copy()
+        quadrature[own[::2]], quadrature[own[1::2]] = -about[own[1::2]], about[own[::2]]
+        steady = [self._error(own, values) for values in (about, quadrature)]
+        # both components of an inertial current share one factor; tidal ellipses have one for each component
+        components = np.ones((1, 2)) if name == "inertial-current" else np.eye(2)
+        columns = [
+            modulation(self.data.middle, *(component[:, None] * each for each in steady)) for component in components
+        ]
         return np.asarray(np.einsum("ij,jnm->inm", self.axes.T, np.concatenate(columns, axis=2)))

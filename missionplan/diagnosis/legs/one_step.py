@@ -1,4 +1,4 @@
-"""One step ahead: how well the next leg's position error is predicted from the legs before it."""
+"""One-step-ahead prediction: how well the next leg's position error is predicted from the legs before it."""
 
 from dataclasses import dataclass
 
@@ -8,11 +8,12 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.model import TransitModel
 
-FIRST = 10
+FIRST_PREDICTED = 10
 """Legs seen before the first prediction."""
-MEMORY = 30
-"""Legs before the one asked for that a prediction uses: currents keep their phase for some periods only."""
+MAX_PAST_LEGS = 30
+"""Legs that a prediction uses: currents keep their phase for some periods only."""
 REFITS = 8
+"""Times, at most, that the hyperparameters are refitted along the record."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class OneStep:
     last_leg : float
         With the last leg's velocity error.
     model : float
-        With the fitted set, its hyperparameters refitted on the way to the past alone.
+        With the fitted set of causes, its hyperparameters refitted along the record, to past legs alone.
     """
 
     mean_so_far: float
@@ -45,24 +46,24 @@ def one_step(model: TransitModel, fit: CauseFit) -> OneStep | None:
         The set of causes.
     """
     data = model.data
-    if data.n < 2 * FIRST:
+    if data.n < 2 * FIRST_PREDICTED:
         return None
-    asked = np.arange(FIRST, data.n)
+    predicted = np.arange(FIRST_PREDICTED, data.n)
     errors = []
-    every = max(5, len(asked) // REFITS)
+    legs_per_refit = max(5, len(predicted) // REFITS)
     current = fit
-    for k in asked.tolist():
-        if (k - FIRST) % every == 0:
+    for k in predicted.tolist():
+        if (k - FIRST_PREDICTED) % legs_per_refit == 0:
             current = model.fit(fit.causes, (current,), np.arange(k), integrate=False)
             predictor = model.predictor(current)
-        mean, _ = predictor(np.arange(max(0, k - MEMORY), k), np.array([k]))
+        mean, _ = predictor(np.arange(max(0, k - MAX_PAST_LEGS), k), np.array([k]))
         errors.append(model.y[:, k] - mean[:, 0])
     velocity = data.velocity_error
-    mean_so_far = np.cumsum(velocity, axis=1)[:, asked - 1] / asked
+    mean_so_far = np.cumsum(velocity, axis=1)[:, predicted - 1] / predicted
     return OneStep(
-        _rms(velocity[:, asked] - mean_so_far, data.under_way[asked]),
-        _rms(velocity[:, asked] - velocity[:, asked - 1], data.under_way[asked]),
-        _rms(np.stack(errors, axis=1), data.under_way[asked]),
+        _rms(velocity[:, predicted] - mean_so_far, data.under_way[predicted]),
+        _rms(velocity[:, predicted] - velocity[:, predicted - 1], data.under_way[predicted]),
+        _rms(np.stack(errors, axis=1), data.under_way[predicted]),
     )
 
 

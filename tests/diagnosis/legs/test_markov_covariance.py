@@ -1,9 +1,9 @@
-"""Whitening by the chain of legs against a dense covariance."""
+"""Whitening by the banded factor against a dense covariance."""
 
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.legs.chain import Chain
+from missionplan.diagnosis.legs.markov_covariance import MarkovCovariance
 from missionplan.effects.persistent_error import PersistentError
 from missionplan.effects.random_walk import RandomWalk
 
@@ -14,54 +14,54 @@ UNDER_WAY = RNG.uniform(600.0, 2000.0, LEGS)
 SHARES = np.array([False, True, True, False, True, False, True, True, True])
 
 
-def chain(shares, begins):
-    """A chain whose runs begin at the legs given."""
+def covariance_of_legs(shares_fix, begins):
+    """Legs whose runs begin at those given, and the run of each."""
     run = np.cumsum(np.isin(np.arange(LEGS), begins))
     since = MIDDLE - MIDDLE[np.searchsorted(run, run)]
     elapsed = np.append(np.nan, np.diff(MIDDLE))
     elapsed[list(begins)] = np.nan
-    return Chain(UNDER_WAY, since, elapsed, shares), run
+    return MarkovCovariance(UNDER_WAY, since, elapsed, shares_fix), run
 
 
-def dense(lasting, shares, run, white, fix):
+def dense(process, shares_fix, run, white, fix):
     """Covariance of one axis, written down leg by leg."""
     total = np.diag(white + 2.0 * fix**2 / UNDER_WAY**2)
-    for k in np.flatnonzero(shares):
+    for k in np.flatnonzero(shares_fix):
         total[k, k - 1] = total[k - 1, k] = -(fix**2) / (UNDER_WAY[k] * UNDER_WAY[k - 1])
     for number in np.unique(run):
         legs = np.flatnonzero(run == number)
-        if lasting is not None:
-            total[np.ix_(legs, legs)] += lasting.covariance(MIDDLE[legs])
+        if process is not None:
+            total[np.ix_(legs, legs)] += process.covariance(MIDDLE[legs])
     return total
 
 
 @pytest.mark.parametrize("white", [(9e-4, 9e-4), (9e-4, 1e-4)], ids=["isotropic", "anisotropic"])
 @pytest.mark.parametrize("shared", [False, True], ids=["own fixes", "shared fixes"])
 @pytest.mark.parametrize("begins", [(0,), (0, 3, 5)], ids=["one run", "three runs"])
-@pytest.mark.parametrize("lasting", [None, PersistentError(0.07, 5000.0), RandomWalk(6e-4)], ids=["none", "ou", "walk"])
-def test_gram_is_that_of_the_dense_covariance(lasting, begins, shared, white):
-    shares = SHARES & ~np.isin(np.arange(LEGS), begins) & shared
-    links, run = chain(shares, begins)
+@pytest.mark.parametrize("process", [None, PersistentError(0.07, 5000.0), RandomWalk(6e-4)], ids=["none", "ou", "walk"])
+def test_gram_is_that_of_the_dense_covariance(process, begins, shared, white):
+    shares_fix = SHARES & ~np.isin(np.arange(LEGS), begins) & shared
+    legs, run = covariance_of_legs(shares_fix, begins)
     values = RNG.normal(size=(2, LEGS, 4))
-    gram, log_determinant = links.gram(values, np.array(white), 7.0, lasting)
-    covariances = [dense(lasting, shares, run, variance, 7.0) for variance in white]
+    gram, log_determinant = legs.gram(values, np.array(white), 7.0, process)
+    covariances = [dense(process, shares_fix, run, variance, 7.0) for variance in white]
     expected = sum(own.T @ np.linalg.solve(matrix, own) for own, matrix in zip(values, covariances, strict=True))
     np.testing.assert_allclose(gram, expected, rtol=1e-9)
     assert log_determinant == pytest.approx(sum(np.linalg.slogdet(matrix)[1] for matrix in covariances), rel=1e-12)
 
 
-@pytest.mark.parametrize("lasting", [PersistentError(0.07, 5000.0), RandomWalk(6e-4)], ids=["ou", "walk"])
-def test_covariance_follows_from_the_transition(lasting):
+@pytest.mark.parametrize("process", [PersistentError(0.07, 5000.0), RandomWalk(6e-4)], ids=["ou", "walk"])
+def test_covariance_follows_from_the_transition(process):
     """Cov(v(t), v(t′)) = kept(t′ − t)·Var v(t), and the variance grows by what the transition says."""
-    covariance = lasting.covariance(MIDDLE)
+    covariance = process.covariance(MIDDLE)
     for first, second in ((0, 1), (2, 6)):
-        kept, gathered = lasting.transition(np.array([MIDDLE[second] - MIDDLE[first]]))
+        kept, added = process.transition(np.array([MIDDLE[second] - MIDDLE[first]]))
         assert covariance[first, second] == pytest.approx(kept[0] * covariance[first, first])
-        assert covariance[second, second] == pytest.approx(kept[0] ** 2 * covariance[first, first] + gathered[0])
-    assert covariance[0, 0] == pytest.approx(lasting.first_variance)
+        assert covariance[second, second] == pytest.approx(kept[0] ** 2 * covariance[first, first] + added[0])
+    assert covariance[0, 0] == pytest.approx(process.first_variance)
 
 
 def test_what_has_no_covariance_is_refused():
-    links, _ = chain(SHARES, (0,))
+    legs, _ = covariance_of_legs(SHARES, (0,))
     with pytest.raises(np.linalg.LinAlgError, match="not positive"):
-        links.gram(np.ones((2, LEGS, 1)), np.array([-1.0, -1.0]), 0.0, None)
+        legs.gram(np.ones((2, LEGS, 1)), np.array([-1.0, -1.0]), 0.0, None)

@@ -1,0 +1,158 @@
+"""Covariance of a navigation log's velocity errors: hyperparameters and the effects' covariance functions."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal, student_marginal
+from missionplan.diagnosis.legs.markov_covariance import LegSelection, MarkovCovariance, MarkovProcess
+from missionplan.diagnosis.legs.mean import COVARIANCE_EFFECTS, LinearisedLegs, TransitMean
+from missionplan.effects import CATALOGUE
+from missionplan.effects.persistent_error import PersistentError
+from missionplan.effects.random_walk import RandomWalk
+from missionplan.results.diagnosis import Causes
+
+HyperparameterValues = Mapping[tuple[str, str], float]
+"""Hyperparameters by effect and name, not their logarithms."""
+ALL_LEGS = slice(None)
+
+SIGMA_LOG_SD = 0.7
+"""Prior standard deviation of the logarithm of the velocity error's size, about the mission's."""
+FIX_LOG_SD = 0.15
+"""The same for a fix error that data set or mission states: one that is worse is no calibration but `fix-error`."""
+FIX_UNSTATED = (3.0, 0.7)
+"""Prior median [m] and log-sd of the fix error where neither data set nor mission states one."""
+MIN_DOF = 2.02
+"""Degrees of freedom at and below which a Student-t error has practically no variance."""
+
+
+@dataclass(frozen=True)
+class Hyperparameter:
+    """A hyperparameter of the covariance, by its logarithm: normal prior with mean `centre` and sd `spread`."""
+
+    effect: str
+    name: str
+    centre: float
+    spread: float
+
+
+@dataclass(frozen=True)
+class TransitCovariance(TransitMean):
+    """The legs with the covariance of their errors, and the likelihood at given hyperparameters."""
+
+    def hyperparameters(self, causes: Causes) -> tuple[Hyperparameter, ...]:
+        """Hyperparameters under a set of causes."""
+        sigma = math.sqrt(max(0.5 * float(np.trace(self.covariance)), 1e-6))
+        stated = self.data.fix_sd or self.fix_error
+        fix, spread = (stated, FIX_LOG_SD) if stated > 0.0 else FIX_UNSTATED
+        found = [
+            Hyperparameter("", "sigma_v", math.log(sigma), SIGMA_LOG_SD),
+            Hyperparameter("", "fix_sd", math.log(fix), spread),
+        ]
+        for effect in COVARIANCE_EFFECTS:
+            if effect in causes:
+                found += [
+                    Hyperparameter(effect, name, math.log(parameter.median), math.log(parameter.factor))
+                    for name, parameter in CATALOGUE[effect].parameters.items()
+                ]
+        return tuple(found)
+
+    def values(self, causes: Causes, logarithms: Array) -> dict[tuple[str, str], float]:
+        """Hyperparameters by effect and name, from their logarithms."""
+        hyperparameters = self.hyperparameters(causes)
+        return {(h.effect, h.name): math.exp(value) for h, value in zip(hyperparameters, logarithms, strict=True)}
+
+    @cached_property
+    def _shares_fix(self) -> NDArray[np.bool_]:
+        """Whether each leg starts from the same fix with which the previous one ended, shape (n,)."""
+        data = self.data
+        shared = np.all(data.end[:, :-1] == data.start[:, 1:], axis=0) & (data.run[:-1] == data.run[1:])
+        return np.append(False, shared)
+
+    def markov_covariance(self, rows: LegSelection = ALL_LEGS) -> MarkovCovariance:
+        """Covariance between some of the legs, in banded form."""
+        data, legs = self.data, np.arange(self.data.n)[rows]
+        begins = np.array([data.middle[data.run == run].min() for run in np.unique(data.run)])
+        since = data.middle[legs] - begins[np.searchsorted(np.unique(data.run), data.run[legs])]
+        same_run = data.run[legs[1:]] == data.run[legs[:-1]]
+        elapsed = np.append(np.nan, np.where(same_run, np.diff(data.middle[legs]), np.nan))
+        shares_fix = self._shares_fix[legs] & np.append(False, np.diff(legs) == 1)
+        return MarkovCovariance(data.under_way[legs], since, elapsed, shares_fix)
+
+    @cached_property
+    def _all_legs(self) -> MarkovCovariance:
+        return self.markov_covariance()
+
+    @cached_property
+    def _anisotropy(self) -> Array:
+        """Variance of the velocity error on each principal axis over their mean, shape (2,)."""
+        shape = np.linalg.eigvalsh(self.covariance) if np.any(self.covariance) else np.ones(2)
+        return np.asarray(np.maximum(shape / max(shape.mean(), 1e-12), 1e-6))
+
+    def noise_components(self, values: HyperparameterValues) -> tuple[Array, float, MarkovProcess | None]:
+        """Variance of the independent error on each axis (2,) [m²/s²], sd of a fix [m], and the persistent error."""
+        white = values["", "sigma_v"] ** 2 * self._anisotropy
+        fix = math.hypot(values["", "fix_sd"], values.get(("fix-error", "sd"), 0.0))
+        process: MarkovProcess | None = None
+        if ("persistent-error", "sigma") in values:
+            process = PersistentError(values["persistent-error", "sigma"], values["persistent-error", "time"])
+        elif ("random-walk", "rate") in values:
+            process = RandomWalk(values["random-walk", "rate"])
+        return white, fix, process
+
+    def noise(self, values: HyperparameterValues) -> Array:
+        """Covariance of the velocity errors, causes of the mean apart, on each axis, shape (2, n, n) [m²/s²]."""
+        white, fix, process = self.noise_components(values)
+        legs, n = self._all_legs, self.data.n
+        total = np.zeros((n, n))
+        if process is not None:
+            for run in np.unique(self.data.run):  # the process begins anew with each run
+                own = np.flatnonzero(self.data.run == run)
+                total[np.ix_(own, own)] = process.covariance(self.data.middle[own])
+        here, after = np.arange(n), np.flatnonzero(legs.shares_fix)
+        total[here, here] += fix**2 * legs.fix_variance()
+        shared = fix**2 / (legs.under_way[after - 1] * legs.under_way[after])
+        total[after - 1, after] -= shared
+        total[after, after - 1] -= shared
+        return np.asarray(total + white[:, None, None] * np.eye(n))
+
+    def marginal(
+        self, causes: Causes, logarithms: Array, linear: LinearisedLegs, rows: LegSelection = ALL_LEGS
+    ) -> Marginal:
+        """Log density of some of the legs with the coefficients of the mean integrated out.
+
+        Under ``heavy-tails`` a leg's error is bivariate Student-t (Lange, Little & Taylor 1989), independent of the
+        others'.
+
+        Parameters
+        ----------
+        causes : tuple of str
+            The set of causes.
+        logarithms : array
+            Of the hyperparameters.
+        linear : LinearisedLegs
+            Linearised mean.
+        rows : slice or array
+            Legs to use.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            When the hyperparameters give no covariance.
+        """
+        values = self.values(causes, logarithms)
+        legs = self._all_legs if rows is ALL_LEGS else self.markov_covariance(rows)
+        white, fix, process = self.noise_components(values)
+        dof = values.get(("heavy-tails", "dof"))
+        if dof is None:
+            gram, log_determinant = legs.gram(linear.joined[:, rows], white, fix, process)
+            return gaussian_marginal(gram, linear.prior_sd, log_determinant, 2 * len(legs.under_way))
+        if dof <= MIN_DOF:
+            raise np.linalg.LinAlgError("the variance of the errors does not exist")
+        variance = white[:, None] + fix**2 * legs.fix_variance()
+        return student_marginal(linear.y[:, rows], linear.columns[:, rows], linear.prior_sd, variance, dof)
