@@ -38,7 +38,7 @@ from missionplan.diagnosis.tables import (
 )
 from missionplan.diagnosis.tank.data import TankSet, read_tank
 from missionplan.diagnosis.tank.extended_mission import extended_tank_mission
-from missionplan.diagnosis.tank.forward import bind
+from missionplan.diagnosis.tank.forward import tank_forward
 from missionplan.diagnosis.tank.model import TankModel
 from missionplan.diagnosis.tank.tables import tank_misfit, tank_residuals, tank_share
 from missionplan.errors import InputError
@@ -188,7 +188,7 @@ def _bind(folder: Path, mission: Mission, seed: int) -> tuple[TransitModel | Des
         return summary_model(tests, mission), tests, kind
     if kind in TANK:
         tank = read_tank(folder)
-        return TankModel(bind(tank.tank, mission)), tank, kind
+        return TankModel(tank_forward(tank.tank, mission)), tank, kind
     message = f"given {kind!r}, expected one of {', '.join((*DIAGNOSED, *TANK))}"
     raise InputError([document.problem(("kind",), message)])
 

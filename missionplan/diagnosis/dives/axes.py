@@ -7,26 +7,26 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.datasets.dives import DiveLog
-from missionplan.diagnosis.dives.linearised import DescentLinear, Linear
+from missionplan.diagnosis.dives.linearised import DiveLinearisation, LinearisedDescent
 from missionplan.diagnosis.dives.unknown_force import PLACES, force_axes
 from missionplan.diagnosis.inference.axes import Axis, AxisScale, pointwise, scaled
 
 
-def descent_axes(model: DescentLinear, linear: Linear) -> list[Axis]:
+def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Axis]:
     """Errors of the depth, forces on all dives, and what differs from dive to dive.
 
     Parameters
     ----------
-    model : DescentLinear
+    model : LinearisedDescent
         The dives.
-    linear : Linear
+    linear : DiveLinearisation
         Where the model is fitted.
     """
     logs, readings = model.forward.logs, linear.readings
     speed = np.concatenate([_speed(log, readings[rows]) for log, rows in zip(logs, model.parts, strict=True)])
     extents = {"time": np.concatenate([log.t for log in logs]), "depth": readings, "speed": speed}
     shared = [_error(name, values) for name, values in extents.items()]
-    forces = force_axes(model.forward.coarse, model.coordinates, linear.at, linear.late, extents)
+    forces = force_axes(model.forward.coarse, model.coordinates, linear.at, linear.release_delays, extents)
     return [*shared, *forces, *_dive_by_dive(logs, extents["time"], linear.sensitivity("drag"))]
 
 

@@ -15,10 +15,10 @@ DESIGNS = (
     ("two dives twice as deep", 1.0, 1.0, 2.0),
 )
 """In words; factors on wet weight, line length and site depth. Cheapest first."""
-LONGEST = 120.0
+LONGEST_DIVE = 120.0
 
 
-def planned(forward: DescentForward, entry: int | None) -> tuple[DiveLog, ...]:
+def design_dives(forward: DescentForward, entry: int | None) -> tuple[DiveLog, ...]:
     """Two dives of the menu, like the first two of the data but for the factor; depths are left zero.
 
     Parameters
@@ -35,7 +35,7 @@ def planned(forward: DescentForward, entry: int | None) -> tuple[DiveLog, ...]:
         logs.append(
             replace(log, wet_weight=log.wet_weight * weight, line_length=log.line_length * line, site_depth=site)
         )
-    grid = np.linspace(0.0, LONGEST, 600)
+    grid = np.linspace(0.0, LONGEST_DIVE, 600)
     none: tuple[Coordinate, ...] = ()
     whole = replace(forward, logs=tuple(_sampled(log, grid) for log in logs))
     depths = whole.readings(none, np.zeros((0, 1)))[:, 0].reshape(len(logs), -1)
@@ -51,11 +51,11 @@ def _sampled(log: DiveLog, t: Array) -> DiveLog:
 def _until_touchdown(log: DiveLog, grid: Array, depth: Array) -> DiveLog:
     """Sample a dive evenly until the base model nears touchdown."""
     near = np.flatnonzero(depth > (1.0 - MARGIN) * (log.site_depth - log.line_length))
-    end = grid[near[0]] if len(near) else LONGEST
+    end = grid[near[0]] if len(near) else LONGEST_DIVE
     return _sampled(log, np.linspace(0.0, float(end), MOST_SAMPLES))
 
 
-def filled(logs: tuple[DiveLog, ...], readings: Array) -> tuple[DiveLog, ...]:
+def with_depths(logs: tuple[DiveLog, ...], readings: Array) -> tuple[DiveLog, ...]:
     """Put readings, dive after dive, into logs."""
     parts = np.split(readings, np.cumsum([len(log.t) for log in logs])[:-1])
     return tuple(replace(log, depth=part) for log, part in zip(logs, parts, strict=True))

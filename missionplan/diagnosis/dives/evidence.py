@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack, solve_triangular
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.dives.noise import grid
+from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal
 from missionplan.diagnosis.inference.residuals import InnerProducts
 
@@ -48,7 +48,7 @@ class Evidence:
     def marginal(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = slice(None)) -> Marginal:
         """Marginalise all coordinates at one noise of the grid."""
         gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
-        prior = np.append(prior_sd, [grid()[index].scatter, 1.0])
+        prior = np.append(prior_sd, [noise_grid()[index].scatter, 1.0])
         found = gaussian_marginal(gram, prior, log_determinant, int(self.counts[dives].sum()))
         return Marginal(found.log_density, found.mean[:-2], found.covariance[:-2, :-2])
 
@@ -79,7 +79,7 @@ def integrated(grams: Array, log_determinants: Array, prior_sd: Array) -> list[I
         Of the coordinates.
     """
     found, inner = [], len(prior_sd) + 2
-    for noise, gram, log_determinant in zip(grid(), grams, log_determinants, strict=True):
+    for noise, gram, log_determinant in zip(noise_grid(), grams, log_determinants, strict=True):
         prior = np.append(prior_sd, [noise.scatter, 1.0])
         factor = np.linalg.cholesky(prior[:, None] * gram[:inner, :inner] * prior + np.eye(inner))
         known = solve_triangular(factor, prior[:, None] * gram[:inner, inner:], lower=True)

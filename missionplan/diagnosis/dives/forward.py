@@ -23,7 +23,7 @@ COARSE = 3.0 * STEP
 """Step where only the way matters and not its end, or one simulation is laid against another [s]."""
 LEAST_FACTOR = -0.9
 """Least strength of an effect that multiplies a drag or a weight: less would turn it round."""
-EARLIEST = 1.0
+LARGEST_RELEASE_DELAY = 1.0
 """How much earlier than its log says a separation may be [s]: ten times the scatter."""
 LAG_ORDER, LAG_ORDER_SD = 0.5, 0.35
 """How much nearer to a pure delay a sensor's lag is than one of first order: prior mean and standard deviation.
@@ -72,9 +72,9 @@ class DescentForward:
         """Number of readings of all dives together."""
         return sum(len(log.t) for log in self.logs)
 
-    def readings(self, coordinates: Sequence[Coordinate], values: Array, late: Scalars = 0.0) -> Array:
+    def readings(self, coordinates: Sequence[Coordinate], values: Array, delays: Scalars = 0.0) -> Array:
         """Readings of all dives, one after the other, under b settings, shape (N, b) [m]: `histories`, read out."""
-        return self.histories(coordinates, values).readings(late)
+        return self.histories(coordinates, values).readings(delays)
 
     def histories(self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0) -> "Histories":
         """All dives under b settings.
@@ -91,7 +91,7 @@ class DescentForward:
         count, settings = len(self.logs), values.shape[1]
         effects = (*self.given, *self._effects(coordinates, np.repeat(_filtered(coordinates, values), count, axis=1)))
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
-        until = max(float(log.fine[-1]) for log in self.logs) + EARLIEST
+        until = max(float(log.fine[-1]) for log in self.logs) + LARGEST_RELEASE_DELAY
         dive = self._tiled(settings, factor)
         # a start that runs away is given up: its objective is infinite
         with np.errstate(over="ignore", invalid="ignore"):
@@ -135,11 +135,11 @@ class Histories(Protocol):
         """Number of settings, b."""
         ...
 
-    def readings(self, late: Scalars = 0.0) -> Array:
+    def readings(self, delays: Scalars = 0.0) -> Array:
         """What was measured, shape (N, b), if the separations are late on their logs: (d,) or (b, d) [s]."""
         ...
 
-    def among(self, settings: NDArray[np.intp]) -> "Histories":
+    def subset(self, settings: NDArray[np.intp]) -> "Histories":
         """Those under some of the settings."""
         ...
 
@@ -164,20 +164,20 @@ class DiveHistories:
         """Number of settings, b."""
         return int(self.history.depths.shape[1]) // len(self.logs)
 
-    def readings(self, late: Scalars = 0.0) -> Array:
+    def readings(self, delays: Scalars = 0.0) -> Array:
         """Readings of all dives, one after the other, shape (N, b) [m].
 
         Parameters
         ----------
-        late : float or array, shape (d,) or (b, d)
+        delays : float or array, shape (d,) or (b, d)
             By how much each dive's separation is late on its log [s].
         """
         count, settings = len(self.logs), self.settings
-        times = np.tile(self._fine, (1, settings)) - np.broadcast_to(late, (settings, count)).ravel()
+        times = np.tile(self._fine, (1, settings)) - np.broadcast_to(delays, (settings, count)).ravel()
         depths = self.history.at(times).reshape(-1, settings, count)
         return np.concatenate([_averaged(log, depths[:, :, index]) for index, log in enumerate(self.logs)])
 
-    def among(self, settings: NDArray[np.intp]) -> "DiveHistories":
+    def subset(self, settings: NDArray[np.intp]) -> "DiveHistories":
         """Those under some of the settings."""
         count = len(self.logs)
         trials = (settings[:, None] * count + np.arange(count)).ravel()
@@ -197,16 +197,16 @@ def _filtered(coordinates: Sequence[Coordinate], values: Array) -> Array:
     names = [coordinate.effect for coordinate in coordinates]
     if "sensor-lag" not in names:
         return values
-    return delayed(values, names, 0.5 * LAG_ORDER)
+    return with_pure_delay(values, names, 0.5 * LAG_ORDER)
 
 
-def delayed(values: Array, names: Sequence[str], share: float) -> Array:
+def with_pure_delay(values: Array, names: Sequence[str], share: float) -> Array:
     """Coordinates, shape (k, ...), in which a share of the sensor's lag is a pure delay."""
     lag, clock = names.index("sensor-lag"), names.index("clock-offset")
-    late = share * np.maximum(values[lag], 0.0)
+    delay = share * np.maximum(values[lag], 0.0)
     result = values.copy()
-    result[lag] -= late
-    result[clock] += late
+    result[lag] -= delay
+    result[clock] += delay
     return result
 
 
@@ -216,7 +216,7 @@ def _averaged(log: DiveLog, depths: Array) -> Array:
     return np.asarray(np.add.reduceat(log.shares[:, None] * depths[: len(log.fine)], starts, axis=0))
 
 
-def limits(coordinate: Coordinate) -> tuple[float, float]:
+def parameter_range(coordinate: Coordinate) -> tuple[float, float]:
     """Range inside which the phase is asked for a parameter [unit]; a strength may go through zero to be judged."""
     return _limits(coordinate.effect, coordinate.name)
 

@@ -10,47 +10,54 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of
 from missionplan.diagnosis.dives.evidence import Evidence, inner_products, integrated
-from missionplan.diagnosis.dives.forward import EARLIEST, LAG_ORDER, LAG_ORDER_SD, DescentForward, Histories, delayed
+from missionplan.diagnosis.dives.forward import (
+    LAG_ORDER,
+    LAG_ORDER_SD,
+    LARGEST_RELEASE_DELAY,
+    DescentForward,
+    Histories,
+    with_pure_delay,
+)
 from missionplan.diagnosis.dives.gauss_newton import jacobian_settings
 from missionplan.diagnosis.dives.noise import (
     DIVE_SD,
-    NOMINAL,
+    NOMINAL_NOISE,
     Noise,
-    grid,
-    scattered_covariance,
+    dive_to_dive_covariance,
+    noise_grid,
+    sensor_and_turbulence_covariance,
     shape_error_covariance,
-    still_covariance,
 )
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.inference.residuals import InnerProducts
 from missionplan.effects import effects_of
 from missionplan.results.diagnosis import Causes
 
-WEIGHT_STEP, DRAG_STEP, LATE_STEP = 0.01, 0.01, 0.005
+WEIGHT_STEP, DRAG_STEP, DELAY_STEP = 0.01, 0.01, 0.005
 """Steps of the differences: shares of weight and drag, and of lateness [s]."""
 SHIFT = 0.1
 """Shift of the separation at which the readings' bend is taken [s]: its scatter's standard deviation."""
-DELAYED = 0.5
+PURE_DELAY_SHARE = 0.5
 """Share of a sensor's lag that is made a pure delay to see what the order of its filter does."""
 MINIMUM_EVIDENCE_GAIN_SHAPED = 0.05
 """Share of the evidence that a cause must add beside others with shapes of their own, which it may only mend."""
-LATE_STEPS = 2
+DELAY_ITERATIONS = 2
 """Gauss–Newton steps towards each dive's most likely lateness."""
 
 
 @dataclass(frozen=True)
-class Linear:
+class DiveLinearisation:
     """The model linearised at a set's best coordinates.
 
     Attributes
     ----------
     at : array, shape (k,)
         Coordinates.
-    late : array, shape (d,)
+    release_delays : array, shape (d,)
         Lateness of each dive's separation about which the readings are linearised: the most likely [s].
     y : array, shape (N,)
         Data less the model there, plus columns times the distance of `at` from the priors' centres, and sensitivities
-        times `late`.
+        times `release_delays`.
     columns : array, shape (N, k)
         Of all coordinates; shapes of effects that are no causes have none (zero).
     sensitivities : array, shape (N, 4)
@@ -68,7 +75,7 @@ class Linear:
     """
 
     at: Array
-    late: Array
+    release_delays: Array
     y: Array
     columns: Array
     sensitivities: Array
@@ -88,7 +95,7 @@ class Linear:
 
 
 @dataclass(frozen=True)
-class DescentLinear:
+class LinearisedDescent:
     """Base model of a mission's descent and every cause of the catalogue, bound to dive logs and linearised."""
 
     forward: DescentForward
@@ -138,11 +145,11 @@ class DescentLinear:
         return np.flatnonzero([coordinate.effect in causes for coordinate in self.coordinates])
 
     @cached_property
-    def base(self) -> Linear:
+    def base(self) -> DiveLinearisation:
         """The base model, linearised."""
         return self.linearise([((), self.centre)])[0]
 
-    def linearise(self, wanted: Sequence[tuple[Causes, Array]]) -> list[Linear]:
+    def linearise(self, wanted: Sequence[tuple[Causes, Array]]) -> list[DiveLinearisation]:
         """Linearise the phase for several sets in one call: all strengths, the causes' shapes, the dives' scatter."""
         settings, factors, plans = [], [], []
         for causes, at in wanted:
@@ -150,38 +157,38 @@ class DescentLinear:
             ahead, steps = jacobian_settings(self.coordinates, at, np.array(chosen))
             shifted = np.repeat(at[:, None], 2, axis=1)
             shifted[self._clock] += np.array([SHIFT, -SHIFT])
-            others = np.stack([self._unshaped(at), delayed(at, self._names, DELAYED)], axis=1)
+            others = np.stack([self._unshaped(at), with_pure_delay(at, self._names, PURE_DELAY_SHARE)], axis=1)
             settings += [at[:, None], np.repeat(at[:, None], 2, axis=1), shifted, others, ahead]
             factors += [np.ones(1), 1.0 + WEIGHT_STEP * np.array([1.0, -1.0]), np.ones(4 + ahead.shape[1])]
             plans.append((chosen, steps))
         widths = np.array([7 + len(chosen) for chosen, _ in plans])
         histories = self.forward.histories(self.coordinates, np.concatenate(settings, axis=1), np.concatenate(factors))
         starts = np.cumsum(widths) - widths
-        late = self.most_likely_late(histories.among(starts))
-        readings = histories.readings(np.repeat(late, widths, axis=0))
+        delays = self.most_likely_release_delays(histories.subset(starts))
+        readings = histories.readings(np.repeat(delays, widths, axis=0))
         blocks = np.split(readings, starts[1:], axis=1)
         return [
             self._linear(causes, at, own, block, chosen, steps)
-            for (causes, at), own, (chosen, steps), block in zip(wanted, late, plans, blocks, strict=True)
+            for (causes, at), own, (chosen, steps), block in zip(wanted, delays, plans, blocks, strict=True)
         ]
 
-    def most_likely_late(self, histories: Histories) -> Array:
+    def most_likely_release_delays(self, histories: Histories) -> Array:
         """Lateness of each dive's separation under w settings, given what else differs between dives, (w, d) [s].
 
         Where the vehicle starts with a jerk its readings are linear in the lateness over a few hundredths of a second
         only: less than the scatter.
         """
-        late: Array = np.zeros((histories.settings, len(self.parts)))
-        for _ in range(LATE_STEPS):
-            readings, later = histories.readings(late), histories.readings(late + LATE_STEP)
-            left, columns = self.y[:, None] - readings, (later - readings) / LATE_STEP
-            late = np.array(
+        delays: Array = np.zeros((histories.settings, len(self.parts)))
+        for _ in range(DELAY_ITERATIONS):
+            readings, later = histories.readings(delays), histories.readings(delays + DELAY_STEP)
+            left, columns = self.y[:, None] - readings, (later - readings) / DELAY_STEP
+            delays = np.array(
                 [
                     _later(own, left[rows], columns[rows], known)
-                    for own, rows, known in zip(self._others, self.parts, late.T, strict=True)
+                    for own, rows, known in zip(self._others, self.parts, delays.T, strict=True)
                 ]
             ).T
-        return late
+        return delays
 
     @cached_property
     def _others(self) -> list[Array]:
@@ -193,8 +200,8 @@ class DescentLinear:
         drag, weight = ((readings[:, 1:] - readings[:, :1]) / [DRAG_STEP, WEIGHT_STEP]).T
         sensitivities = np.stack([np.zeros_like(drag), np.ones_like(drag), drag, weight], axis=1)
         return [
-            (still + scattered_covariance(sensitivities[rows], np.zeros(len(rows)), [NOMINAL]))[0]
-            for still, rows in zip(self._still((NOMINAL,)), self.parts, strict=True)
+            (still + dive_to_dive_covariance(sensitivities[rows], np.zeros(len(rows)), [NOMINAL_NOISE]))[0]
+            for still, rows in zip(self._still((NOMINAL_NOISE,)), self.parts, strict=True)
         ]
 
     @cached_property
@@ -211,8 +218,8 @@ class DescentLinear:
         return np.where([c.effect in effects for c in self.coordinates], self.centre, at)
 
     def _linear(
-        self, causes: Causes, at: Array, late: Array, readings: Array, chosen: list[int], steps: Array
-    ) -> Linear:
+        self, causes: Causes, at: Array, delays: Array, readings: Array, chosen: list[int], steps: Array
+    ) -> DiveLinearisation:
         """Linearise one set from its readings: here, heavier, lighter, later, earlier, unshaped, higher, ahead."""
         here, heavier, lighter, later, earlier, unshaped, higher = readings[:, :7].T
         columns = np.zeros((len(self.y), len(self.coordinates)))
@@ -220,25 +227,25 @@ class DescentLinear:
         free = self.free(causes)
         weight = (heavier - lighter) / (2.0 * WEIGHT_STEP)
         release, drag = columns[:, self._clock], columns[:, self._names.index("drag-bias")]
-        linear = Linear(
+        linear = DiveLinearisation(
             at=at,
-            late=late,
+            release_delays=delays,
             y=self.y - here + columns[:, free] @ (at - self.centre)[free],
             columns=columns,
             sensitivities=np.stack([release, np.ones_like(here), drag, weight], axis=1),
             readings=here,
             curvature=0.5 * np.abs(later + earlier - 2.0 * here) * DIVE_SD["release"] / SHIFT,
             shaped=here - unshaped,
-            order=LAG_ORDER_SD / (DELAYED * (2.0 - LAG_ORDER)) * (higher - here),
+            order=LAG_ORDER_SD / (PURE_DELAY_SHARE * (2.0 - LAG_ORDER)) * (higher - here),
         )
-        return replace(linear, y=linear.y + self.lateness(linear))
+        return replace(linear, y=linear.y + self.release_delay_shift(linear))
 
-    def lateness(self, linear: Linear) -> Array:
+    def release_delay_shift(self, linear: DiveLinearisation) -> Array:
         """What the lateness about which the readings are linearised does to them, shape (N,) [m]."""
         counts = [len(rows) for rows in self.parts]
-        return linear.sensitivity("release") * np.repeat(linear.late, counts)
+        return linear.sensitivity("release") * np.repeat(linear.release_delays, counts)
 
-    def covariances(self, linear: Linear, noises: tuple[Noise, ...]) -> list[Array]:
+    def covariances(self, linear: DiveLinearisation, noises: tuple[Noise, ...]) -> list[Array]:
         """Covariance of each dive's readings beside the catalogue's coordinates, at each of g noises: (g, m, m) [m²].
 
         A cause with a shape of its own is a caricature of what it names: what it adds to the readings is uncertain
@@ -246,7 +253,7 @@ class DescentLinear:
         """
         return [
             still
-            + scattered_covariance(linear.sensitivities[rows], linear.curvature[rows], noises)
+            + dive_to_dive_covariance(linear.sensitivities[rows], linear.curvature[rows], noises)
             + shape_error_covariance(log.t, linear.shaped[rows])
             for still, log, rows in zip(self._still(noises), self.forward.logs, self.parts, strict=True)
         ]
@@ -254,14 +261,16 @@ class DescentLinear:
     def _still(self, noises: tuple[Noise, ...]) -> list[Array]:
         """Covariance of each dive's readings that no fit changes, at each of g noises, shape (g, m, m) [m²]."""
         if noises not in self._known_still:
-            self._known_still[noises] = [still_covariance(log.t, log.sd, noises) for log in self.forward.logs]
+            self._known_still[noises] = [
+                sensor_and_turbulence_covariance(log.t, log.sd, noises) for log in self.forward.logs
+            ]
         return self._known_still[noises]
 
     @cached_property
     def _known_still(self) -> dict[tuple[Noise, ...], list[Array]]:
         return {}
 
-    def total_covariance(self, linear: Linear, noise: Noise, prior_sd: Array) -> Array:
+    def total_covariance(self, linear: DiveLinearisation, noise: Noise, prior_sd: Array) -> Array:
         """Covariance of all readings with the coordinates' priors, shape (N, N) [m²]."""
         scaled = np.concatenate([linear.columns * prior_sd, linear.nuisances * [noise.scatter, 1.0]], axis=1)
         total = scaled @ scaled.T
@@ -269,7 +278,7 @@ class DescentLinear:
             total[np.ix_(rows, rows)] += block[0]
         return np.asarray(total)
 
-    def evidence(self, linear: Linear) -> Evidence:
+    def evidence(self, linear: DiveLinearisation) -> Evidence:
         """Whiten a linearisation's columns and data at every noise of the grid.
 
         Raises
@@ -282,7 +291,7 @@ class DescentLinear:
         counts = np.array([len(rows) for rows in self.parts])
         return Evidence(np.stack(grams, axis=1), np.stack(log_determinants, axis=1), counts)
 
-    def products(self, linear: Linear, prior_sd: Array, columns: Array) -> list[InnerProducts]:
+    def products(self, linear: DiveLinearisation, prior_sd: Array, columns: Array) -> list[InnerProducts]:
         """Inner products of columns, shape (N, m), and the data, the coordinates integrated out, at every noise."""
         both = np.concatenate([linear.columns, linear.nuisances, columns, linear.y[:, None]], axis=1)
         inner = self._inner(linear, both)
@@ -292,13 +301,13 @@ class DescentLinear:
             log_determinant += further
         return integrated(gram, log_determinant, prior_sd)
 
-    def _inner(self, linear: Linear, columns: Array) -> Iterator[tuple[Array, Array]]:
+    def _inner(self, linear: DiveLinearisation, columns: Array) -> Iterator[tuple[Array, Array]]:
         """Inner products of columns over each dive, and ln |covariance|, at every noise of the grid."""
-        for rows, covariance in zip(self.parts, self.covariances(linear, grid()), strict=True):
+        for rows, covariance in zip(self.parts, self.covariances(linear, noise_grid()), strict=True):
             yield inner_products(covariance, columns[rows])
 
 
-def _later(covariance: Array, left: Array, columns: Array, late: Array) -> Array:
+def _later(covariance: Array, left: Array, columns: Array, delays: Array) -> Array:
     """One Gauss–Newton step of a dive's lateness under w settings, shape (w,) [s].
 
     From what is left of its readings and their sensitivity to it, both of shape (m, w).
@@ -306,7 +315,7 @@ def _later(covariance: Array, left: Array, columns: Array, late: Array) -> Array
     precise = np.linalg.inv(covariance)
     found = []
     rows = (np.ascontiguousarray(values.T) for values in (columns, left))
-    for one, rest, known in zip(*rows, late, strict=True):  # one by one: bits the same whatever the others are
+    for one, rest, known in zip(*rows, delays, strict=True):  # one by one: bits the same whatever the others are
         weights = precise @ one
         found.append(weights @ (rest + known * one) / (weights @ one + DIVE_SD["release"] ** -2))
-    return np.asarray(np.clip(found, -EARLIEST, EARLIEST))
+    return np.asarray(np.clip(found, -LARGEST_RELEASE_DELAY, LARGEST_RELEASE_DELAY))

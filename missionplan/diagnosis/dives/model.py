@@ -14,11 +14,11 @@ from missionplan.diagnosis.coordinates import estimates, has_shape, is_possible
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.axes import descent_axes
 from missionplan.diagnosis.dives.evidence import Evidence
-from missionplan.diagnosis.dives.forward import limits
+from missionplan.diagnosis.dives.forward import parameter_range
 from missionplan.diagnosis.dives.gauss_newton import Ended, Lane, climb
-from missionplan.diagnosis.dives.linearised import DescentLinear, Linear
-from missionplan.diagnosis.dives.noise import NOMINAL, grid
-from missionplan.diagnosis.dives.starts import SHIFTS, starts
+from missionplan.diagnosis.dives.linearised import DiveLinearisation, LinearisedDescent
+from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, noise_grid
+from missionplan.diagnosis.dives.starts import SHAPE_SHIFTS, starts
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.importance_sampling import DRAWS, SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
@@ -27,13 +27,13 @@ from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.effects import CATALOGUE
 from missionplan.results.diagnosis import Causes, ParameterEstimate
 
-FAR = 0.5
+RELINEARISE_BEYOND = 0.5
 """Posterior standard deviations between the place of a linearisation and the posterior's mean that are too many."""
-MOVES, NEAR = 2, 15.0
+RELINEARISATIONS, RELINEARISE_WITHIN = 2, 15.0
 """Rounds in which fits may be moved there, if their evidence is so near the best of those fitted together [nats]."""
 SHORTER = 0.25
 """Share of a step that is tried after one that was too long."""
-REFITTED = 2
+REFIT_ITERATIONS = 2
 """Gauss–Newton steps of a refit without one dive, from the fit with it."""
 
 
@@ -41,14 +41,14 @@ REFITTED = 2
 class DescentState:
     """A fitted set: its linearisation, the likelihood there, the grid's best noise and the coordinates' posterior."""
 
-    linear: Linear
+    linear: DiveLinearisation
     evidence: Evidence
     best: int
     marginal: Marginal
 
 
 @dataclass(frozen=True)
-class DescentModel(DescentLinear):
+class DescentModel(LinearisedDescent):
     """Base model of a mission's descent and every cause of the catalogue, fitted to dive logs."""
 
     alternatives: Sequence[frozenset[str]] = ()
@@ -56,7 +56,7 @@ class DescentModel(DescentLinear):
     @cached_property
     def _nominal(self) -> Array:
         """Covariance for the climb, the same for all sets so that their objectives compare, shape (N, N) [m²]."""
-        return self.total_covariance(self.base, NOMINAL, self.prior_sd(()))
+        return self.total_covariance(self.base, NOMINAL_NOISE, self.prior_sd(()))
 
     def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets at once: climb from all their starts together, linearise, integrate."""
@@ -83,8 +83,12 @@ class DescentModel(DescentLinear):
         A step towards the posterior's mean is taken if the joint density there is greater; if not, a shorter one.
         """
         found = list(fits)
-        shares = {i: 1.0 for i, fit in enumerate(fits) if isinstance(fit, CauseFit) and fit.log_evidence > best - NEAR}
-        for _ in range(MOVES):
+        shares = {
+            i: 1.0
+            for i, fit in enumerate(fits)
+            if isinstance(fit, CauseFit) and fit.log_evidence > best - RELINEARISE_WITHIN
+        }
+        for _ in range(RELINEARISATIONS):
             moving = {i: fit for i, fit in enumerate(found) if i in shares and isinstance(fit, CauseFit)}
             places = {i: at for i, fit in moving.items() if (at := self._off(fit, shares[i])) is not None}
             linears = self.linearise([(moving[i].causes, at) for i, at in places.items()]) if places else []
@@ -103,7 +107,7 @@ class DescentModel(DescentLinear):
         move[free] = state.marginal.mean[free] + self.centre[free] - state.linear.at[free]
         sd = np.sqrt(np.diag(state.marginal.covariance)[free])
         at = state.linear.at + share * move
-        if np.any(np.abs(move[free]) > FAR * sd) and all(self._inside(i, at[i]) for i in free):
+        if np.any(np.abs(move[free]) > RELINEARISE_BEYOND * sd) and all(self._inside(i, at[i]) for i in free):
             return np.asarray(at)
         return None
 
@@ -113,11 +117,11 @@ class DescentModel(DescentLinear):
         at, narrow = linear.at[free] - self.centre[free], self.prior_sd(fit.causes)
         slab = narrow[free]
         narrow[free] = 0.0
-        factor = _factor(self.total_covariance(linear, grid()[fit.state.best], narrow))
+        factor = _factor(self.total_covariance(linear, noise_grid()[fit.state.best], narrow))
         prior = np.asarray(norm.logpdf(at, 0.0, slab))
         return float(_log_normal((linear.y - linear.columns[:, free] @ at)[:, None], factor)[0] + prior.sum())
 
-    def _integrated(self, causes: Causes, linear: Linear) -> CauseFit | FailedFit:
+    def _integrated(self, causes: Causes, linear: DiveLinearisation) -> CauseFit | FailedFit:
         if not np.all(np.isfinite(linear.y)) or not np.all(np.isfinite(linear.columns)):
             return FailedFit(causes, "the descent does not go down with these parameters")
         try:
@@ -130,8 +134,12 @@ class DescentModel(DescentLinear):
         free = self.free(causes)
         mean = self.centre[free] + found[best].mean[free]
         parameters = estimates([self.coordinates[i] for i in free], mean, found[best].covariance[np.ix_(free, free)])
-        noise = grid()[best]
-        calibration = {"dive_scatter": noise.scatter, "depth_walk_m2_s": noise.walk, "eddy_time_s": noise.eddy}
+        noise = noise_grid()[best]
+        calibration = {
+            "dive_scatter": noise.scatter,
+            "depth_walk_m2_s": noise.diffusion,
+            "eddy_time_s": noise.eddy_time,
+        }
         state = DescentState(linear, evidence, best, found[best])
         possible = (
             is_possible(parameters)
@@ -143,7 +151,7 @@ class DescentModel(DescentLinear):
     def _inside(self, index: int, at: float) -> bool:
         """Whether a coordinate ended inside what the phase was asked: at a limit the linearisation means nothing."""
         coordinate = self.coordinates[index]
-        low, high = limits(coordinate)
+        low, high = parameter_range(coordinate)
         return low < (float(np.exp(at)) if coordinate.kind == "shape" else at) < high
 
     def may_be_multimodal(self, causes: Causes) -> bool:
@@ -165,7 +173,7 @@ class DescentModel(DescentLinear):
             shapes = [i for i in self.free((name,)) if self.coordinates[i].kind == "shape"]
             first[shapes[:1]] = 1.0
         slab = np.array([coordinate.slab for coordinate in self.coordinates])
-        places = [((), self.centre + shift * first * slab) for shift in SHIFTS]
+        places = [((), self.centre + shift * first * slab) for shift in SHAPE_SHIFTS]
         return [self.evidence(linear) for linear in self.linearise(places)]
 
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
@@ -175,14 +183,16 @@ class DescentModel(DescentLinear):
             return SampledEvidence(fit.log_evidence, float(DRAWS))
         slab, narrow = self.prior_sd(fit.causes)[free], self.prior_sd(fit.causes)
         narrow[free] = 0.0
-        factors = [_factor(self.total_covariance(linear, noise, narrow)) for noise in grid()]
+        factors = [_factor(self.total_covariance(linear, noise, narrow)) for noise in noise_grid()]
 
         def log_joint(at: Array) -> Array:
             settings = np.repeat(self.centre[:, None], len(at), axis=1)
             settings[free] = at.T
-            readings = self.forward.readings(self.coordinates, settings, late=linear.late)
-            left = self.y[:, None] - readings + self.lateness(linear)[:, None]
-            logs = [noise.log_prior + _log_normal(left, factor) for noise, factor in zip(grid(), factors, strict=True)]
+            readings = self.forward.readings(self.coordinates, settings, delays=linear.release_delays)
+            left = self.y[:, None] - readings + self.release_delay_shift(linear)[:, None]
+            logs = [
+                noise.log_prior + _log_normal(left, factor) for noise, factor in zip(noise_grid(), factors, strict=True)
+            ]
             prior = np.asarray(norm.logpdf(at, self.centre[free], slab))
             return np.asarray(logsumexp(logs, axis=0) + prior.sum(axis=1))
 
@@ -196,7 +206,7 @@ class DescentModel(DescentLinear):
         logs = self.forward.logs
         return Residuals(
             state.linear.y,
-            self.total_covariance(state.linear, grid()[state.best], self.prior_sd(fit.causes)),
+            self.total_covariance(state.linear, noise_grid()[state.best], self.prior_sd(fit.causes)),
             np.concatenate([np.full(len(log.t), k) for k, log in enumerate(logs)]),
             self.axes(state.linear),
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
@@ -204,14 +214,14 @@ class DescentModel(DescentLinear):
             averaged=partial(self.products, state.linear, self.prior_sd(fit.causes)),
         )
 
-    def axes(self, linear: Linear) -> Sequence[Axis]:
+    def axes(self, linear: DiveLinearisation) -> Sequence[Axis]:
         """Axes along which a remainder is sought."""
         return descent_axes(self, linear)
 
     def innovations(self, fit: CauseFit) -> Array:
         """One-step-ahead errors of the readings over their standard deviations, dive after dive, shape (N,)."""
         linear = fit.state.linear
-        factor = _factor(self.total_covariance(linear, grid()[fit.state.best], self.prior_sd(fit.causes)))
+        factor = _factor(self.total_covariance(linear, noise_grid()[fit.state.best], self.prior_sd(fit.causes)))
         return np.asarray(solve_triangular(factor, linear.y, lower=True, check_finite=False))
 
     def held_out(self, fits: Sequence[CauseFit]) -> list[list[HeldOutScore]]:
@@ -222,18 +232,18 @@ class DescentModel(DescentLinear):
             Lane(self.free(fit.causes), fit.state.linear.at, family, others[dive])
             for family, (fit, dive) in enumerate(folds)
         ]
-        ended = climb(self.forward.coarse, self.coordinates, self.y, self._nominal, lanes, steps=REFITTED)
+        ended = climb(self.forward.coarse, self.coordinates, self.y, self._nominal, lanes, steps=REFIT_ITERATIONS)
         linears = self.linearise([(fit.causes, end.at) for (fit, _), end in zip(folds, ended, strict=True)])
         scores = [self._score(fit, linear, dive) for (fit, dive), linear in zip(folds, linears, strict=True)]
         return [scores[k * len(others) : (k + 1) * len(others)] for k in range(len(fits))]
 
-    def _score(self, fit: CauseFit, linear: Linear, dive: int) -> HeldOutScore:
+    def _score(self, fit: CauseFit, linear: DiveLinearisation, dive: int) -> HeldOutScore:
         """Predict one dive: its log score over all noises, weighed by the other dives; its errors at their best one."""
         prior, evidence = self.prior_sd(fit.causes), self.evidence(linear)
         others = np.delete(np.arange(len(self.parts)), dive)
         seen = _weighted(evidence.marginals(prior, others))
         log_score = float(logsumexp(_weighted(evidence.marginals(prior))) - logsumexp(seen))
-        total = self.total_covariance(linear, grid()[int(np.argmax(seen))], prior)
+        total = self.total_covariance(linear, noise_grid()[int(np.argmax(seen))], prior)
         own, rest = self.parts[dive], np.concatenate([self.parts[k] for k in others])
         weights = np.linalg.solve(total[np.ix_(rest, rest)], total[np.ix_(rest, own)]).T
         error = linear.y[own] - weights @ linear.y[rest]
@@ -254,10 +264,10 @@ class DescentModel(DescentLinear):
 
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Fit both sets to noise-free readings of the first, with the dives of a menu entry or without."""
-        logs = self.forward.logs + (dive_designs.planned(self.forward, entry) if entry is not None else ())
+        logs = self.forward.logs + (dive_designs.design_dives(self.forward, entry) if entry is not None else ())
         forward = replace(self.forward.coarse, logs=logs)
         readings = forward.readings(self.coordinates, first.state.linear.at[:, None])[:, 0]
-        return DescentModel(replace(forward, logs=dive_designs.filled(logs, readings))).expected_log_bayes_factor(
+        return DescentModel(replace(forward, logs=dive_designs.with_depths(logs, readings))).expected_log_bayes_factor(
             first, second
         )
 
@@ -283,7 +293,7 @@ def _is_told_from_zero(estimate: ParameterEstimate) -> bool:
 
 def _weighted(marginals: Sequence[Marginal]) -> Array:
     """Log density at each noise of the grid with the noise's prior."""
-    return np.array([noise.log_prior + found.log_density for noise, found in zip(grid(), marginals, strict=True)])
+    return np.array([noise.log_prior + found.log_density for noise, found in zip(noise_grid(), marginals, strict=True)])
 
 
 def _factor(covariance: Array) -> Array:

@@ -11,15 +11,15 @@ from missionplan.arrays import Array
 
 DIVE_SD = {"release": 0.1, "zero": 0.05, "drag": 0.025, "weight": 0.012}
 """Dive-to-dive scatter: separation [s], zero of the depth [m], drag and wet weight [1]."""
-SCATTERS = (0.5, 1.0, 2.0)
+SCATTER_FACTORS = (0.5, 1.0, 2.0)
 """Factors κ on that scatter over which the evidence is averaged."""
-SCATTER_SPREAD = 0.45
-WALKS = (4e-5, 3e-4, 2e-3)
+SCATTER_LOG_SD = 0.45
+DIFFUSION_RATES = (4e-5, 3e-4, 2e-3)
 """Rates q at which turbulence makes the depth wander in the long run [m²/s]: 2σ²τ for velocities σ over times τ."""
-WALK_CENTRE, WALK_SPREAD = 3e-4, 1.3
-EDDIES = (1.0, 4.0)
+DIFFUSION_MEDIAN, DIFFUSION_LOG_SD = 3e-4, 1.3
+EDDY_TIMES = (1.0, 4.0)
 """Correlation times τ of the turbulent velocity [s]: eddies of a vehicle's length, and of several."""
-EDDY_CENTRE = 2.0
+NOMINAL_EDDY_TIME = 2.0
 
 
 @dataclass(frozen=True)
@@ -27,30 +27,31 @@ class Noise:
     """Hyperparameters of the covariance: scatter κ, rate q [m²/s], eddies' time τ [s]; with their log prior weight."""
 
     scatter: float
-    walk: float
-    eddy: float
+    diffusion: float
+    eddy_time: float
     log_prior: float
 
 
 @cache
-def grid() -> tuple[Noise, ...]:
+def noise_grid() -> tuple[Noise, ...]:
     """Grid of hyperparameters with normalised prior weights; the eddies' times weigh the same."""
-    points = list(itertools.product(SCATTERS, WALKS, EDDIES))
+    points = list(itertools.product(SCATTER_FACTORS, DIFFUSION_RATES, EDDY_TIMES))
     logs = np.array(
         [
-            -0.5 * (np.log(scatter) / SCATTER_SPREAD) ** 2 - 0.5 * (np.log(walk / WALK_CENTRE) / WALK_SPREAD) ** 2
-            for scatter, walk, _ in points
+            -0.5 * (np.log(scatter) / SCATTER_LOG_SD) ** 2
+            - 0.5 * (np.log(diffusion / DIFFUSION_MEDIAN) / DIFFUSION_LOG_SD) ** 2
+            for scatter, diffusion, _ in points
         ]
     )
     logs -= np.logaddexp.reduce(logs)
     return tuple(Noise(*point, float(log)) for point, log in zip(points, logs, strict=True))
 
 
-NOMINAL = Noise(1.0, WALK_CENTRE, EDDY_CENTRE, 0.0)
+NOMINAL_NOISE = Noise(1.0, DIFFUSION_MEDIAN, NOMINAL_EDDY_TIME, 0.0)
 """In the middle of the grid, for the climb."""
 
 
-def still_covariance(t: Array, sd: Array, noises: Sequence[Noise]) -> Array:
+def sensor_and_turbulence_covariance(t: Array, sd: Array, noises: Sequence[Noise]) -> Array:
     """σ²I + turbulence for each of g noises, which no model of the dive changes, shape (g, m, m) [m²].
 
     Parameters
@@ -60,11 +61,14 @@ def still_covariance(t: Array, sd: Array, noises: Sequence[Noise]) -> Array:
     noises : sequence of Noise, length g
         Hyperparameters.
     """
-    wandered = {eddy: wandering(t - min(0.0, float(t.min())), eddy) for eddy in {noise.eddy for noise in noises}}
-    return np.stack([np.diag(sd**2) + noise.walk * wandered[noise.eddy] for noise in noises])
+    wandered = {
+        eddy_time: integrated_velocity_covariance(t - min(0.0, float(t.min())), eddy_time)
+        for eddy_time in {noise.eddy_time for noise in noises}
+    }
+    return np.stack([np.diag(sd**2) + noise.diffusion * wandered[noise.eddy_time] for noise in noises])
 
 
-def scattered_covariance(sensitivities: Array, curvature: Array, noises: Sequence[Noise]) -> Array:
+def dive_to_dive_covariance(sensitivities: Array, curvature: Array, noises: Sequence[Noise]) -> Array:
     """κ²(J S Jᵀ + bend²) for each of g noises, shape (g, m, m) [m²].
 
     Parameters
@@ -81,7 +85,7 @@ def scattered_covariance(sensitivities: Array, curvature: Array, noises: Sequenc
     return np.asarray(scatter[:, None, None] ** 2 * (scaled @ scaled.T + np.diag(curvature**2)))
 
 
-def wandering(t: Array, eddy: float) -> Array:
+def integrated_velocity_covariance(t: Array, eddy_time: float) -> Array:
     """Covariance of the depth that turbulence gives, for a long-run rate of 1 m²/s, shape (m, m) [m²].
 
     The integral of an Ornstein–Uhlenbeck velocity of correlation time τ: min(t, t′) − ½τ(1 − e^(−t/τ) − e^(−t′/τ)
@@ -91,12 +95,14 @@ def wandering(t: Array, eddy: float) -> Array:
     ----------
     t : array, shape (m,)
         Times since the separation [s].
-    eddy : float
+    eddy_time : float
         τ [s].
     """
-    faded = np.exp(-t / eddy)
-    apart = np.exp(-np.abs(t[:, None] - t[None, :]) / eddy)
-    return np.asarray(np.minimum(t[:, None], t[None, :]) - 0.5 * eddy * (1.0 - faded[:, None] - faded[None, :] + apart))
+    faded = np.exp(-t / eddy_time)
+    apart = np.exp(-np.abs(t[:, None] - t[None, :]) / eddy_time)
+    return np.asarray(
+        np.minimum(t[:, None], t[None, :]) - 0.5 * eddy_time * (1.0 - faded[:, None] - faded[None, :] + apart)
+    )
 
 
 SHAPE_SD = 0.02

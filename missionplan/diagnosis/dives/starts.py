@@ -9,9 +9,9 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.results.diagnosis import Causes
 
-FIRST = 0.5
+INITIAL_STRENGTH = 0.5
 """Strength of an effect with a shape at a fresh start, in prior standard deviations."""
-SHIFTS = (-1.2, 0.0, 1.2)
+SHAPE_SHIFTS = (-1.2, 0.0, 1.2)
 """Its first shape there, in prior standard deviations about its centre."""
 
 
@@ -60,7 +60,7 @@ def _spread(coordinates: Sequence[Coordinate], afresh: Sequence[str], start: Arr
         own = [i for i, coordinate in enumerate(coordinates) if coordinate.effect == name]
         shapes = [i for i in own if coordinates[i].kind == "shape"]
         if shapes:
-            found = [_moved(coordinates, own, shapes[0], shift, begin) for begin in found for shift in SHIFTS]
+            found = [_moved(coordinates, own, shapes[0], shift, begin) for begin in found for shift in SHAPE_SHIFTS]
     return found
 
 
@@ -69,6 +69,6 @@ def _moved(coordinates: Sequence[Coordinate], own: Sequence[int], shape: int, sh
     moved = begin.copy()
     for i in own:
         if coordinates[i].kind != "shape":
-            moved[i] = FIRST * coordinates[i].slab
+            moved[i] = INITIAL_STRENGTH * coordinates[i].slab
     moved[shape] += shift * coordinates[shape].slab
     return moved

@@ -55,7 +55,7 @@ class UnknownForce(DescentEffect):
 
 
 def force_axes(
-    forward: DescentForward, coordinates: Sequence[Coordinate], at: Array, late: Array, extents: dict[str, Array]
+    forward: DescentForward, coordinates: Sequence[Coordinate], at: Array, delays: Array, extents: dict[str, Array]
 ) -> list[Axis]:
     """Axes along which a force on all dives may be smooth.
 
@@ -67,7 +67,7 @@ def force_axes(
         Of the model.
     at : array, shape (k,)
         Where it is fitted.
-    late : array, shape (d,)
+    delays : array, shape (d,)
         Lateness of each dive's separation [s].
     extents : mapping
         Values at the readings of ``time`` [s], ``speed`` [m/s] and ``depth`` [m], shape (N,).
@@ -86,7 +86,7 @@ def force_axes(
     effect = _every(kinds, ends)
     settings = np.repeat(at[:, None], 1 + NODES * len(kinds), axis=1)
     with_it = replace(forward, given=(*forward.given, effect))
-    readings = with_it.readings(coordinates, settings, np.broadcast_to(late, (settings.shape[1], len(late))))
+    readings = with_it.readings(coordinates, settings, np.broadcast_to(delays, (settings.shape[1], len(delays))))
     columns = np.split(readings[:, 1:] - readings[:, :1], len(kinds), axis=1)
     places = np.linspace(0.0, 1.0, NODES)[:, None]
     return [

@@ -13,7 +13,7 @@ from missionplan.datasets.summaries import TestSummary
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.forward import DescentForward, Histories
-from missionplan.diagnosis.dives.linearised import Linear
+from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.model import CauseFit
@@ -97,11 +97,11 @@ class SummaryQuantities:
         """Number of settings, b."""
         return int(self.values.shape[1])
 
-    def readings(self, late: Scalars = 0.0) -> Array:
-        """Return the quantities, shape (N, b); `late` is zero, see `SummaryModel.most_likely_late`."""
+    def readings(self, delays: Scalars = 0.0) -> Array:
+        """Return the quantities, shape (N, b); `delays` is zero, see `SummaryModel.most_likely_release_delays`."""
         return self.values
 
-    def among(self, settings: NDArray[np.intp]) -> "SummaryQuantities":
+    def subset(self, settings: NDArray[np.intp]) -> "SummaryQuantities":
         """Those under some of the settings."""
         return SummaryQuantities(self.values[:, settings])
 
@@ -112,11 +112,11 @@ class SummaryModel(DescentModel):
 
     forward: SummaryForward
 
-    def most_likely_late(self, histories: Histories) -> Array:
+    def most_likely_release_delays(self, histories: Histories) -> Array:
         """Zero: the numbers of a table are linear in the lateness of a separation."""
         return np.zeros((histories.settings, len(self.parts)))
 
-    def axes(self, linear: Linear) -> Sequence[Axis]:
+    def axes(self, linear: DiveLinearisation) -> Sequence[Axis]:
         """None: a handful of numbers has no structure to be tested."""
         return ()
 
@@ -136,10 +136,10 @@ class SummaryModel(DescentModel):
         if entry is None:
             return super().discrimination(first, second, None)
         plain = DescentForward(self.forward.build, self.forward.logs, self.forward.given)
-        logs = dive_designs.planned(plain, None if entry == 0 else entry - 1)
+        logs = dive_designs.design_dives(plain, None if entry == 0 else entry - 1)
         logs = tuple(replace(log, sd=np.full(len(log.t), LOGGED_SD)) for log in logs)
         forward = replace(plain, logs=logs)
         readings = forward.readings(self.coordinates, first.state.linear.at[:, None])[:, 0]
-        return DescentModel(replace(forward, logs=dive_designs.filled(logs, readings))).expected_log_bayes_factor(
+        return DescentModel(replace(forward, logs=dive_designs.with_depths(logs, readings))).expected_log_bayes_factor(
             first, second
         )

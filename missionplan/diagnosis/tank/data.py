@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from missionplan.datasets.tank import TankData, read_tank_data
 
-MOST = 600
+MOST_ROWS = 600
 """Rows that are kept of a longer record, evenly."""
-BLOCKS = 8
-FEW = 12
+BLOCK_COUNT = 8
+LEAVE_ONE_OUT_ROWS = 12
 """Up to so many rows each is held out by itself."""
 
 
@@ -34,14 +34,14 @@ def read_tank(folder: Path) -> TankSet:
     InputError
         With every problem of `dataset.yaml` and of the tables.
     """
-    data = thinned(read_tank_data(folder))
+    data = every_nth_row(read_tank_data(folder))
     return TankSet(data.settings.name or folder.name, data.settings.source, data.notes, data)
 
 
-def thinned(data: TankData) -> TankData:
+def every_nth_row(data: TankData) -> TankData:
     """Keep every so-manieth row of a long record, and note it."""
     count = len(next(iter(data.columns.values())))
-    step = -(-count // MOST)
+    step = -(-count // MOST_ROWS)
     if step == 1:
         return data
     note = f"{count} rows: every {step}th is used"
@@ -53,10 +53,10 @@ def thinned(data: TankData) -> TankData:
     )
 
 
-def blocks(count: int) -> NDArray[np.str_]:
+def row_blocks(count: int) -> NDArray[np.str_]:
     """Name of each row's block: rows one by one where they are few, else even blocks in their order."""
-    if count <= FEW:
+    if count <= LEAVE_ONE_OUT_ROWS:
         return np.array([f"row {k + 1}" for k in range(count)])
-    ends = np.linspace(0, count, BLOCKS + 1).astype(int)
+    ends = np.linspace(0, count, BLOCK_COUNT + 1).astype(int)
     names = [f"rows {a + 1} to {b}" for a, b in itertools.pairwise(ends.tolist())]
     return np.repeat(names, np.diff(ends))

@@ -15,7 +15,7 @@ from missionplan.datasets.tank import (
     TankData,
     ThrusterSettings,
 )
-from missionplan.diagnosis.tank.data import blocks
+from missionplan.diagnosis.tank.data import row_blocks
 from missionplan.effects import CATALOGUE, Effect, TankEffect
 from missionplan.effects.drag_bias import DragBias
 from missionplan.errors import InputError, Problem
@@ -36,7 +36,7 @@ Predict = Callable[[Array, Sequence[Effect]], Array]
 
 AT_REST = 0.01
 """Speeds below this count as bollard pull [m/s]."""
-UNSTATED = 0.03
+ASSUMED_NOISE_SHARE = 0.03
 """Noise of a sensor that states none, as a share of the data's root mean square: where the fit of it begins."""
 
 
@@ -93,7 +93,7 @@ class TankForward:
     designs: tuple[tuple[str, "TankForward"], ...] = ()
 
 
-def bind(data: TankData, mission: Mission) -> TankForward:
+def tank_forward(data: TankData, mission: Mission) -> TankForward:
     """Bind the base model of a kind of tank data, with the mission's vehicle where it says something of it.
 
     Raises
@@ -117,7 +117,7 @@ def bind(data: TankData, mission: Mission) -> TankForward:
 def _scatter(data: TankData, y: Array, noise: float | None) -> tuple[Array, bool]:
     if noise is not None:
         return np.full_like(y, noise), True
-    return np.full_like(y, UNSTATED * max(float(np.sqrt(np.mean(y**2))), 1e-12)), False
+    return np.full_like(y, ASSUMED_NOISE_SHARE * max(float(np.sqrt(np.mean(y**2))), 1e-12)), False
 
 
 def _of_tank(effects: Sequence[Effect]) -> list[TankEffect]:
@@ -159,7 +159,7 @@ def _drag(data: TankData, settings: DragSettings, vehicle: Vehicle | None, faste
         ("reynolds-drag",) if known is None else ("drag-bias", "reynolds-drag"),
         {"drag-bias": "the vehicle file has no drag from a tank to lay the data against"} if known is None else {},
         {"speed": speed},
-        blocks(len(force)),
+        row_blocks(len(force)),
         {},
     )
 
@@ -211,7 +211,7 @@ def _oscillation(data: TankData, settings: OscillationSettings, vehicle: Vehicle
         ("added-mass", "quadratic-damping"),
         {},
         {"time": time},
-        blocks(len(time)),
+        row_blocks(len(time)),
         {("added-mass", "fraction"): (heavier,)},
     )
 
@@ -250,7 +250,7 @@ def _thruster(data: TankData, settings: ThrusterSettings) -> TankForward:
         return np.asarray(static * _product(factors))
 
     runs = data.labels.get("run", [])
-    named = np.array(runs) if len(set(runs)) > 2 else blocks(len(thrust))
+    named = np.array(runs) if len(set(runs)) > 2 else row_blocks(len(thrust))
     axes = {"command": command} | ({"speed": speed} if np.ptp(speed) > 0.0 else {})
     return TankForward(
         "thrust_n",
@@ -294,11 +294,11 @@ def _propeller(data: TankData, settings: PropellerSettings) -> TankForward:
         ("axial-flow",),
         {},
         {"time": run.time, "speed": run.speed},
-        blocks(len(thrust)),
+        row_blocks(len(thrust)),
         {("axial-flow", "mass_factor"): (-1.2, 0.0, 1.2)},
     )
 
 
-def made(effects: Mapping[str, Mapping[str, Scalars]]) -> list[Effect]:
+def build_effects(effects: Mapping[str, Mapping[str, Scalars]]) -> list[Effect]:
     """Effects from their parameters."""
     return [CATALOGUE[name].make(parameters) for name, parameters in effects.items()]

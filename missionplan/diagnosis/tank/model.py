@@ -24,7 +24,7 @@ from missionplan.diagnosis.inference.importance_sampling import SampledEvidence,
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, FailedFit, FitRequest, HeldOutScore
 from missionplan.diagnosis.inference.residuals import Residuals
-from missionplan.diagnosis.tank.forward import TankForward, made
+from missionplan.diagnosis.tank.forward import TankForward, build_effects
 from missionplan.diagnosis.tank.gauss_newton import Climb
 from missionplan.diagnosis.tank.linearised import LinearData, marginal
 from missionplan.effects import CATALOGUE
@@ -34,7 +34,7 @@ STATED_SPREAD, UNSTATED_SPREAD = 0.4, 2.3
 """Standard deviation of ln(noise over what is stated), where it is stated and where it is not."""
 SPIKES = {("drag-bias", "fraction"): 0.02}
 """Doubts of a tank where they are not those of a descent: a drag measured in one tank holds in another to 2 %."""
-LOOSE = 9.0
+COVARIANCE_INFLATION = 9.0
 """Factor on the posterior covariance with which fitted coordinates enter the residuals: as good as unknown there."""
 
 
@@ -97,7 +97,7 @@ class TankModel:
             for name, values in parameters.items()
             if name in causes or any(c.kind != "shape" for c in self.coordinates if c.effect == name)
         }
-        return self.forward.predict(places[:fixed], made(there))
+        return self.forward.predict(places[:fixed], build_effects(there))
 
     def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets, one after the other."""
@@ -212,7 +212,7 @@ class TankModel:
         """What the fit leaves, the fitted coordinates as good as unknown."""
         state = fit.state
         noise = np.diag((state.factor * self.forward.sd) ** 2)
-        covariance = noise + LOOSE * state.columns @ state.marginal.covariance @ state.columns.T
+        covariance = noise + COVARIANCE_INFLATION * state.columns @ state.marginal.covariance @ state.columns.T
         count = len(state.left)
         axes = [
             pointwise(name, f"an error that changes with {name}", scaled(values))

@@ -8,11 +8,11 @@ import pytest
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives.gauss_newton import Lane, climb
 from missionplan.diagnosis.dives.noise import (
-    NOMINAL,
-    scattered_covariance,
+    NOMINAL_NOISE,
+    dive_to_dive_covariance,
+    integrated_velocity_covariance,
+    sensor_and_turbulence_covariance,
     shape_error_covariance,
-    still_covariance,
-    wandering,
 )
 from missionplan.diagnosis.pipeline import run_pipeline
 
@@ -48,21 +48,26 @@ def test_a_start_beside_a_cliff_is_given_up(start, end):
 def test_covariance_of_a_dive():
     t = np.array([0.0, 1.0, 2.0])
     sensitivities = np.array([[0.0, 1.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0]])
-    still = still_covariance(t, np.full(3, 0.1), [NOMINAL])
-    found = (still + scattered_covariance(sensitivities, np.zeros(3), [NOMINAL]))[0]
-    expected = 0.01 * np.eye(3) + 0.01 * np.outer(t, t) + 0.0025 + NOMINAL.walk * wandering(t, NOMINAL.eddy)
+    still = sensor_and_turbulence_covariance(t, np.full(3, 0.1), [NOMINAL_NOISE])
+    found = (still + dive_to_dive_covariance(sensitivities, np.zeros(3), [NOMINAL_NOISE]))[0]
+    expected = (
+        0.01 * np.eye(3)
+        + 0.01 * np.outer(t, t)
+        + 0.0025
+        + NOMINAL_NOISE.diffusion * integrated_velocity_covariance(t, NOMINAL_NOISE.eddy_time)
+    )
     np.testing.assert_allclose(found, expected)
     np.testing.assert_allclose(np.diag(shape_error_covariance(t, np.full(3, 2.0))), (0.02 * 2.0) ** 2)
 
 
 def test_wandering_is_the_integral_of_a_velocity_that_lasts():
     """By quadrature of the velocity's covariance, e^(−|s − s′|/τ)/(2τ); a random walk when it lasts no time."""
-    t, eddy = np.array([0.5, 2.0, 7.0]), 1.5
+    t, eddy_time = np.array([0.5, 2.0, 7.0]), 1.5
     s = np.linspace(0.0, 7.0, 2801)
-    velocity = np.exp(-np.abs(s[:, None] - s[None, :]) / eddy) / (2.0 * eddy)
+    velocity = np.exp(-np.abs(s[:, None] - s[None, :]) / eddy_time) / (2.0 * eddy_time)
     until = (s[:, None] <= t[None, :]) * np.gradient(s)[:, None]
-    np.testing.assert_allclose(wandering(t, eddy), until.T @ velocity @ until, rtol=0.01)
-    np.testing.assert_allclose(wandering(t, 1e-6), np.minimum.outer(t, t), rtol=1e-5)
+    np.testing.assert_allclose(integrated_velocity_covariance(t, eddy_time), until.T @ velocity @ until, rtol=0.01)
+    np.testing.assert_allclose(integrated_velocity_covariance(t, 1e-6), np.minimum.outer(t, t), rtol=1e-5)
 
 
 def test_innovations_of_effect_free_dives_are_standard_normals(measured):
@@ -117,13 +122,13 @@ def test_sets_fitted_apart_are_as_sets_fitted_together(measured):
 
 
 def test_each_dive_is_linearised_about_its_own_lateness(measured):
-    late = np.array([0.2, -0.15, 0.1, -0.05])
-    model = measured(late=late)
-    (found,) = model.most_likely_late(model.forward.histories(model.coordinates, model.centre[:, None]))
-    np.testing.assert_allclose(found, late, atol=0.05)
+    delays = np.array([0.2, -0.15, 0.1, -0.05])
+    model = measured(late=delays)
+    (found,) = model.most_likely_release_delays(model.forward.histories(model.coordinates, model.centre[:, None]))
+    np.testing.assert_allclose(found, delays, atol=0.05)
     linear = model.base
-    np.testing.assert_allclose(linear.late, found)
-    shifted = model.forward.readings(model.coordinates, model.centre[:, None], late=found)[:, 0]
+    np.testing.assert_allclose(linear.release_delays, found)
+    shifted = model.forward.readings(model.coordinates, model.centre[:, None], delays=found)[:, 0]
     np.testing.assert_allclose(linear.readings, shifted)
 
 

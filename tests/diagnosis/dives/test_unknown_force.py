@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.dives.noise import grid
+from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.dives.unknown_force import SHARE, force_axes
 from missionplan.diagnosis.inference.discrepancy import discrepancy
 from missionplan.diagnosis.inference.residuals import InnerProducts
@@ -30,8 +30,8 @@ def axes_of(model):
     readings = model.base.readings
     t = np.concatenate([log.t for log in model.forward.logs])
     extents = {"time": t, "depth": readings, "speed": np.gradient(readings, t)}
-    late = np.zeros(len(model.forward.logs))
-    found = force_axes(model.forward, model.coordinates, model.centre, late, extents)
+    delays = np.zeros(len(model.forward.logs))
+    found = force_axes(model.forward, model.coordinates, model.centre, delays, extents)
     return {axis.words: axis for axis in found}
 
 
@@ -106,7 +106,7 @@ def test_products_are_those_of_the_whole_covariance(measured):
     columns = np.random.default_rng(3).normal(size=(len(model.y), 2))
     residuals = model.residuals(fit)
     found = residuals.products(columns)
-    assert [each.log_weight for each in found] == [noise.log_prior for noise in grid()]
+    assert [each.log_weight for each in found] == [noise.log_prior for noise in noise_grid()]
     best: InnerProducts = found[fit.state.best]
     both = np.column_stack([columns, residuals.values])
     whole = both.T @ np.linalg.solve(residuals.covariance, both)
