@@ -8,7 +8,7 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, settings
 
-from missionplan.datasets.dives import DescentData, binned
+from missionplan.diagnosis.dives.preparation import PreparedDives, binned
 from missionplan.diagnosis.model_factory import descent_model
 from missionplan.effects import CATALOGUE
 from missionplan.mission import load
@@ -124,7 +124,7 @@ def measured(descent_mission):
         empty = tuple(
             binned(f"dive-{k}", times[:, k], times[:, k], 0.03, weights[k], lines[k], 60.0) for k in range(len(weights))
         )
-        forward = descent_model(DescentData("", "", empty, ()), descent_mission).forward
+        forward = descent_model(PreparedDives("", "", empty, ()), descent_mission).forward
         effects = [CATALOGUE[name].make(parameters)] if name else []
         late = rng.normal(0.0, 0.05, len(weights)) if late is None else late
         dive = replace(forward.dive, wet_weight=forward.dive.wet_weight * (1.0 + rng.normal(0.0, 0.006, len(weights))))
@@ -135,6 +135,6 @@ def measured(descent_mission):
             binned(log.name, times[:, k], depth[:, k], 0.03, log.wet_weight, log.line_length, 60.0)
             for k, log in enumerate(empty)
         )
-        return descent_model(DescentData("", "", logs, ()), descent_mission)
+        return descent_model(PreparedDives("", "", logs, ()), descent_mission)
 
     return make

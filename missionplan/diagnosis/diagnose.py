@@ -15,6 +15,7 @@ from missionplan.datasets.legs import TransitData, read_transit
 from missionplan.datasets.reading import DIAGNOSED, TANK
 from missionplan.datasets.summaries import read_summary
 from missionplan.diagnosis.dives.model import DescentModel
+from missionplan.diagnosis.dives.preparation import prepare_dives
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.inference.cross_validation import HeldOut
 from missionplan.diagnosis.inference.discrepancy import Discrepancy
@@ -181,7 +182,7 @@ def _bind(folder: Path, mission: Mission, seed: int) -> tuple[TransitModel | Des
         legs = read_transit(folder, mission)
         return transit_model(legs, mission, seed), legs, kind
     if kind == "descent":
-        dives = read_descent(folder, mission)
+        dives = prepare_dives(read_descent(folder, mission))
         return descent_model(dives, mission), dives, kind
     if kind == "summary":
         tests = read_summary(folder, mission)

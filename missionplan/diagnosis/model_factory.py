@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.datasets.dives import DescentData
 from missionplan.datasets.legs import TransitData
 from missionplan.datasets.summaries import SummaryData
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.model import DescentModel
+from missionplan.diagnosis.dives.preparation import PreparedDives
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.summaries.model import SummaryForward, SummaryModel, as_log
 from missionplan.effects import CATALOGUE, Effect
@@ -89,7 +89,7 @@ def _with_given_effects(model: TransitModel, mission: Mission) -> TransitModel:
     return TransitModel(data, base, model.covariance, model.fix_error, model.current_sd)
 
 
-def descent_model(data: DescentData, mission: Mission) -> DescentModel:
+def descent_model(data: PreparedDives, mission: Mission) -> DescentModel:
     """Bind the mission's first mooring to dive logs.
 
     Raises

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.datasets.dives import DiveLog
 from missionplan.diagnosis.dives.linearised import DiveLinearisation, LinearisedDescent
+from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.diagnosis.dives.unknown_force import PLACES, force_axes
 from missionplan.diagnosis.inference.axes import Axis, AxisScale, pointwise, scaled
 

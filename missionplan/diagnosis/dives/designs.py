@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.datasets.dives import MARGIN, MOST_SAMPLES, DiveLog
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives.forward import DescentForward
+from missionplan.diagnosis.dives.preparation import MAX_SAMPLES, TOUCHDOWN_MARGIN, DiveLog
 
 DESIGNS = (
     ("two dives with 0.4 times the anchor's weight", 0.4, 1.0, 1.0),
@@ -50,9 +50,9 @@ def _sampled(log: DiveLog, t: Array) -> DiveLog:
 
 def _until_touchdown(log: DiveLog, grid: Array, depth: Array) -> DiveLog:
     """Sample a dive evenly until the base model nears touchdown."""
-    near = np.flatnonzero(depth > (1.0 - MARGIN) * (log.site_depth - log.line_length))
+    near = np.flatnonzero(depth > (1.0 - TOUCHDOWN_MARGIN) * (log.site_depth - log.line_length))
     end = grid[near[0]] if len(near) else LONGEST_DIVE
-    return _sampled(log, np.linspace(0.0, float(end), MOST_SAMPLES))
+    return _sampled(log, np.linspace(0.0, float(end), MAX_SAMPLES))
 
 
 def with_depths(logs: tuple[DiveLog, ...], readings: Array) -> tuple[DiveLog, ...]:

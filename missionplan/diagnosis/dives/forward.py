@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
-from missionplan.datasets.dives import DiveLog
 from missionplan.diagnosis.coordinates import Coordinate, parameters_from
+from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import SensorHistory, sensor_history

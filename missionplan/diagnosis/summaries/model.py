@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
-from missionplan.datasets.dives import DiveLog
 from missionplan.datasets.summaries import TestSummary
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.forward import DescentForward, Histories
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.model import DescentModel
+from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.phases.currents import LayeredCurrent

@@ -1,0 +1,194 @@
+"""Dive logs as they are fitted: without bottom contact, with the noise estimated, averaged in bins."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.datasets.dives import DescentData, MeasuredDive
+from missionplan.errors import InputError, Problem
+
+MAX_SAMPLES = 70
+MIN_SAMPLES = 10
+MIN_DIVES = 2
+NEEDED = (
+    f"{MIN_DIVES} dives are needed to hold one out, 3 to find an outlying one, and two different anchor weights or "
+    "line lengths to tell most causes apart"
+)
+TOUCHDOWN_MARGIN = 0.12
+"""Share of the vehicle's depth at touchdown that is cut off above it."""
+TIMES_PER_BIN = 6
+"""Times kept in a bin, at most."""
+MOVING_DEPTH = 0.15
+"""Reading from which a dive is fitted [m]: before, the sensor rests, and quantised readings have no white noise."""
+BIN_GROWTH = 1.6
+"""Power by which bins grow along a dive: what separates a sensor's lag from a late clock lasts a second or two."""
+MIN_NOISE = 0.008
+"""Accuracy that neither sensor nor integration exceeds, over a bin [m]."""
+TOO_DEEP, TOO_FAST = 1.5, 3.0
+"""Readings over the site's depth, and their rate [m/s], above which metres are doubted."""
+NORMAL_QUARTILE = 0.6745
+"""Median of |z| for a standard normal z."""
+
+
+@dataclass(frozen=True)
+class DiveLog:
+    """One dive as it is fitted.
+
+    Attributes
+    ----------
+    name : str
+        Of the run.
+    t, depth, sd : array, shape (m,)
+        Time since the separation by the log's clock [s], reading [m], and its noise's standard deviation [m], each
+        of a bin of consecutive readings.
+    fine : array, shape (f,)
+        Times within the bins [s]: a model is averaged over them as the readings were.
+    bins : array of int, shape (f,)
+        Bin of each of them.
+    shares : array, shape (f,)
+        Weight of each in its bin's mean.
+    wet_weight, line_length, site_depth : float
+        Of this dive [N, m, m].
+    """
+
+    name: str
+    t: Array
+    depth: Array
+    sd: Array
+    fine: Array
+    bins: NDArray[np.int_]
+    shares: Array
+    wet_weight: float
+    line_length: float
+    site_depth: float
+
+
+@dataclass(frozen=True)
+class PreparedDives:
+    """Dives of a data set, ready to be fitted.
+
+    Attributes
+    ----------
+    name, source : str
+        Of the data set.
+    dives : tuple of DiveLog
+        In the order of the file.
+    notices : tuple of str
+        Treatments the reader should know of.
+    """
+
+    name: str
+    source: str
+    dives: tuple[DiveLog, ...]
+    notices: tuple[str, ...]
+
+
+def prepare_dives(data: DescentData) -> PreparedDives:
+    """Trim and average the dives of a data set; a dive with too few samples is left out.
+
+    Raises
+    ------
+    InputError
+        When too few dives are left.
+    """
+    notices = list(data.notices)
+    prepared = [_prepare(dive, data.depth_noise, notices) for dive in data.dives]
+    dives = tuple(dive for dive in prepared if dive is not None)
+    if len(dives) < MIN_DIVES:
+        raise InputError([Problem(f"has {len(dives)} usable dives, too few: {NEEDED}", data.file)])
+    return PreparedDives(data.name, data.source, dives, (*notices, *_doubts_of_metres(data.dives, dives)))
+
+
+def _prepare(dive: MeasuredDive, stated: float | None, notices: list[str]) -> DiveLog | None:
+    """Trim start and bottom contact, estimate the noise, average in bins; None when too little is left."""
+    t, depth = dive.t, dive.depth
+    deepest = (1.0 - TOUCHDOWN_MARGIN) * (dive.site_depth - dive.line_length)
+    beyond = np.flatnonzero(depth > deepest)
+    end = int(beyond[0]) if len(beyond) else len(t)
+    moving = np.flatnonzero(depth > MOVING_DEPTH)
+    first = t[moving[0]] if len(moving) else 0.0
+    keep = (np.arange(len(t)) < end) & (t >= max(0.0, first))
+    t, depth = t[keep], depth[keep]
+    if len(t) < MIN_SAMPLES:
+        few = f"{len(t)} samples between separation and touchdown, {MIN_SAMPLES} needed"
+        notices.append(f"{dive.name} is left out: {few}")
+        return None
+    gap = float(np.diff(t).max())
+    if gap > 0.2 * float(np.ptp(t)) and gap > 5.0 * float(np.median(np.diff(t))):
+        notices.append(f"{dive.name}: a gap of {gap:.1f} s in the log")
+    noise = max(stated or 0.0, estimate_noise(t, depth))
+    return binned(dive.name, t, depth, noise, dive.wet_weight, dive.line_length, dive.site_depth)
+
+
+def estimate_noise(t: Array, depth: Array) -> float:
+    """Standard deviation of white noise, from each reading's distance to the line between its neighbours [m].
+
+    Pseudo-residuals (Gasser, Sroka & Jennen-Steinmetz 1986), each over its own standard deviation, so that times need
+    not be even; of these the median of the absolute values (Rousseeuw & Croux 1993). A quantised reading can have a
+    median of zero; then the root mean square.
+
+    Parameters
+    ----------
+    t, depth : array, shape (m,)
+        Times [s] and readings [m].
+    """
+    share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    distance = depth[1:-1] - (1.0 - share) * depth[:-2] - share * depth[2:]
+    scaled = distance / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
+    by_median = float(np.median(np.abs(scaled))) / NORMAL_QUARTILE
+    return by_median if by_median > 0.0 else float(np.sqrt(np.mean(scaled**2)))
+
+
+def binned(
+    name: str, t: Array, depth: Array, noise: float, wet_weight: float, line_length: float, site_depth: float
+) -> DiveLog:
+    """Average consecutive readings until at most `MAX_SAMPLES` are left, and keep their times within each bin.
+
+    Within a bin at most `TIMES_PER_BIN` times are kept, of readings averaged first where there are more.
+
+    Parameters
+    ----------
+    name : str
+        Of the run.
+    t, depth : array, shape (m,)
+        Times [s] and readings [m].
+    noise : float
+        Standard deviation of a reading [m].
+    wet_weight, line_length, site_depth : float
+        Of this dive [N, m, m].
+    """
+    edges = np.arange(1, len(t))
+    if len(t) > MAX_SAMPLES:
+        shares = np.arange(1, MAX_SAMPLES) / MAX_SAMPLES
+        edges = np.unique(np.maximum(np.round(len(t) * shares**BIN_GROWTH), 1.0)).astype(int)
+    parts = np.split(np.arange(len(t)), edges)
+    counts = np.array([len(part) for part in parts])
+    inner = [piece for part in parts for piece in np.array_split(part, min(len(part), TIMES_PER_BIN))]
+    fine = np.array([t[piece].mean() for piece in inner])
+    bins = np.repeat(np.arange(len(parts)), np.minimum(counts, TIMES_PER_BIN))
+    weights = np.array([len(piece) for piece in inner]) / counts[bins]
+    times, depths = (np.array([values[part].mean() for part in parts]) for values in (t, depth))
+    sd = np.maximum(noise / np.sqrt(counts), MIN_NOISE)
+    return DiveLog(name, times, depths, sd, fine, bins, weights, wet_weight, line_length, site_depth)
+
+
+def _doubts_of_metres(measured: Sequence[MeasuredDive], dives: Sequence[DiveLog]) -> list[str]:
+    """Warn, without converting, when depths look like feet: deeper than the site, or faster than such a vehicle."""
+    ratio = float(np.median([dive.depth.max() / dive.site_depth for dive in measured]))
+    rate = float(np.median([_final_rate(dive) for dive in dives]))
+    if ratio > TOO_DEEP:
+        seen = f"depths reach {ratio:.1f} times the depth of the site"
+    elif rate > TOO_FAST:
+        seen = f"depths grow by {rate:.1f} a second, faster than such a vehicle sinks in metres"
+    else:
+        return []
+    return [f"{seen}: are they in feet (0.3048 m)? Nothing was converted"]
+
+
+def _final_rate(dive: DiveLog) -> float:
+    """Rate of descent in the second half of a log [m/s]."""
+    half = len(dive.t) // 2
+    return float(np.polyfit(dive.t[half:], dive.depth[half:], 1)[0])

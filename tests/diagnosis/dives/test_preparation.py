@@ -1,0 +1,67 @@
+"""Dive logs made ready: trimmed, averaged, and doubted where they look like feet."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from missionplan.datasets.dives import read_descent
+from missionplan.diagnosis.dives.preparation import MAX_SAMPLES, binned, estimate_noise, prepare_dives
+from missionplan.errors import InputError
+
+RUNS = {f"dive-{k}": {"anchor_wet_weight": f"{8 + 4 * k} N", "line_length": "5 m", "depth": "24 m"} for k in (1, 2, 3)}
+KIND = {"kind": "descent", "name": "dives", "noise": {"depth": "0.05 m"}, "runs": RUNS}
+
+
+def dives(rate=10.0, speed=1.3, bottom=True):
+    tables = []
+    for k in (1, 2, 3):
+        t = np.arange(0.0, 20.0, 1.0 / rate)
+        depth = np.minimum(speed * np.maximum(t - 2.0, 0.0), 19.0 if bottom else np.inf)
+        tables.append(pd.DataFrame({"run": f"dive-{k}", "t_s": t, "depth_m": depth}))
+    return pd.concat(tables)
+
+
+def test_bottom_contact_is_cut_with_a_margin(folder, descent_mission):
+    data = prepare_dives(read_descent(folder(KIND, dives()), descent_mission))
+    for dive in data.dives:
+        assert dive.depth.max() <= 0.88 * 19.0
+
+
+def test_at_most_seventy_samples_are_kept_and_the_model_is_averaged_alike():
+    t = np.linspace(0.0, 10.0, 1001)
+    log = binned("dive", t, t**2, 0.05, 10.0, 5.0, 24.0)
+    assert len(log.t) == MAX_SAMPLES
+    assert log.bins.max() == MAX_SAMPLES - 1
+    np.testing.assert_allclose(np.bincount(log.bins, log.shares * log.fine**2), log.depth, atol=1e-3)
+
+
+@pytest.mark.parametrize("quantum", [0.0, 0.01])
+@pytest.mark.parametrize("uneven", [0.0, 0.35])
+@pytest.mark.parametrize("noise", [0.015, 0.05])
+def test_noise_of_readings_on_the_way_down(quantum, uneven, noise):
+    """Readings 0.2 s apart, early or late by up to a third of it, on a steady descent of 1.3 m/s."""
+    rng = np.random.default_rng(1)
+    t = 0.2 * (np.arange(400.0) + rng.uniform(-uneven, uneven, 400))
+    depth = 1.3 * t + rng.normal(0.0, noise, 400)
+    depth = np.round(depth / quantum) * quantum if quantum else depth
+    assert estimate_noise(t, depth) == pytest.approx(np.hypot(noise, quantum / np.sqrt(12.0)), rel=0.2)
+
+
+def test_too_few_dives_says_how_many_are_needed_for_what(folder, descent_mission):
+    table = dives()
+    with pytest.raises(InputError, match="2 dives are needed to hold one out"):
+        prepare_dives(read_descent(folder(KIND, table[table["run"] == "dive-1"]), descent_mission))
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.0 / 0.3048])
+def test_feet_are_suspected_aloud_and_never_converted(folder, descent_mission, factor):
+    table = dives()
+    table["depth_m"] *= factor
+    data = prepare_dives(read_descent(folder(KIND, table), descent_mission))
+    assert any("are they in feet" in notice for notice in data.notices) == (factor > 1.0)
+    assert data.dives[0].depth[-1] == pytest.approx(0.88 * 19.0, abs=1.0)
+
+
+def test_many_rows_are_thinned(folder, descent_mission):
+    data = prepare_dives(read_descent(folder(KIND, dives(rate=5000.0)), descent_mission))
+    assert all(len(dive.t) <= MAX_SAMPLES for dive in data.dives)
