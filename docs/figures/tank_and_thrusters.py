@@ -26,7 +26,7 @@ def blanke() -> list[Figure]:
     """Figs. 4 and 5 of Blanke et al., and the open-water lines of its Fig. 3."""
     step = 0.02
     torque = propulsion.eq_36_torque(step)
-    run = propulsion.simulate(propeller.table_1(), propeller.TABLE_1_RESISTANCE, torque, step)
+    run = propulsion.simulate_propulsion(propeller.table_1(), propeller.TABLE_1_RESISTANCE, torque, step)
     fig_4 = MatplotlibFigure(figsize=(6.0, 4.6))
     speeds, rates = fig_4.subplots(2, 1, sharex=True)
     speeds.plot(run.time, run.axial_flow, color=ORANGE, linewidth=1.2, label="flow in the disc $u_p$")

@@ -70,7 +70,7 @@ class AnchorProblem:
 
 
 @dataclass(frozen=True)
-class Failure:
+class UnmetCondition:
     """A condition that the anchor fails: which, by how much [kg or m], and what it means in words."""
 
     condition: str
@@ -95,7 +95,7 @@ class AnchorDesign:
         Both sides of Eq. 17 [kg].
     centre_of_gravity, centre_of_buoyancy : float
         Of the unflooded anchor and of the added displacement, from the tip [m].
-    failures : tuple of Failure
+    failures : tuple of UnmetCondition
         Empty when the anchor can be built.
     """
 
@@ -108,7 +108,7 @@ class AnchorDesign:
     displaced_mass: float
     centre_of_gravity: float
     centre_of_buoyancy: float
-    failures: tuple[Failure, ...] = ()
+    failures: tuple[UnmetCondition, ...] = ()
 
     @property
     def feasible(self) -> bool:
@@ -232,26 +232,26 @@ def solve_anchor(problem: AnchorProblem, weight: float) -> AnchorDesign:
     return replace(design, failures=_failures(design))
 
 
-def _failures(design: AnchorDesign) -> tuple[Failure, ...]:
+def _failures(design: AnchorDesign) -> tuple[UnmetCondition, ...]:
     r, end = design.problem.radius, design.length
     found = []
     if design.cylinder_length <= 0.0:
         words = f"the tube would have a length of {design.cylinder_length * 1e3:.1f} mm"
-        found.append(Failure("cylinder_length > 0", -design.cylinder_length, words))
+        found.append(UnmetCondition("cylinder_length > 0", -design.cylinder_length, words))
     if design.trim_mass < 0.0:
         words = f"the trim ring would weigh {design.trim_mass:.3f} kg: the other parts are already too heavy"
-        found.append(Failure("trim_mass >= 0", -design.trim_mass, words))
+        found.append(UnmetCondition("trim_mass >= 0", -design.trim_mass, words))
     if found:
         return tuple(found)
     if not math.isfinite(design.trim_position):
         offset = design.centre_of_gravity - design.centre_of_buoyancy
         words = f"without a ring, the centre of gravity lies {offset * 1e3:.1f} mm aft of the centre of buoyancy"
-        return () if abs(offset) < 1e-4 else (Failure("centre_of_gravity = centre_of_buoyancy", offset, words),)
+        return () if abs(offset) < 1e-4 else (UnmetCondition("centre_of_gravity = centre_of_buoyancy", offset, words),)
     ahead, behind = r - design.trim_position, design.trim_position - end
     if max(ahead, behind) > 0.0:
         side = (
             f"{ahead * 1e3:.1f} mm ahead of the tube" if ahead > 0.0 else f"{behind * 1e3:.1f} mm behind the tube's end"
         )
         words = f"the trim ring would have to sit {side}"
-        found.append(Failure("ring inside the tube", max(ahead, behind), words))
+        found.append(UnmetCondition("ring inside the tube", max(ahead, behind), words))
     return tuple(found)

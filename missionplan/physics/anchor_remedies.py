@@ -33,7 +33,7 @@ _KNOBS = (
     ("tube", "a mass per length of", "kg/m", ("tube_mass_per_length",)),
     ("trim ring", "a density of", "kg/m³", ("trim_density",)),
 )
-HEAVIEST = 500.0
+MAX_WET_WEIGHT = 500.0
 """Wet weight [N] that no hand-launched anchor exceeds: where the search for buildable weights ends."""
 _DENSEST = 19300.0
 """Tungsten [kg/m³]."""
@@ -63,16 +63,16 @@ def find_remedies(design: AnchorDesign) -> tuple[Remedy, ...]:
 
 
 def buildable_weights(problem: AnchorProblem) -> tuple[float, float] | None:
-    """Range of wet weights [N], up to `HEAVIEST`, that the given parts can make with some tube and ring.
+    """Range of wet weights [N], up to `MAX_WET_WEIGHT`, that the given parts can make with some tube and ring.
 
     Returns
     -------
     (low, high) or None
         To a hundredth of their size; None when no weight can be made.
     """
-    weights = np.geomspace(0.5, HEAVIEST, 695)
+    weights = np.geomspace(0.5, MAX_WET_WEIGHT, 695)
     able = [float(weight) for weight in weights if solve_anchor(problem, float(weight)).feasible]
-    return (able[0], min(able[-1], HEAVIEST)) if able else None
+    return (able[0], min(able[-1], MAX_WET_WEIGHT)) if able else None
 
 
 def _least_factor(design: AnchorDesign, path: tuple[str, ...]) -> float | None:

@@ -88,5 +88,5 @@ def drag_force(speed: Scalars, coefficient: Scalars, area: Scalars, density: Sca
 
 
 def disc_area(diameter: Scalars) -> Scalars:
-    """Frontal area π d²/4 [m²] of a body of revolution of a diameter [m]."""
+    """Area π d²/4 [m²] of a disc of a diameter [m]: a body of revolution from the front, a propeller, a tunnel."""
     return np.pi * diameter**2 / 4.0

@@ -1,8 +1,9 @@
-"""Power that the vehicle draws under way."""
+"""Power that the vehicle draws under way, and its unit of energy."""
 
 from missionplan.arrays import Scalars
 
 JOULES_PER_WATT_HOUR = 3600.0
+"""J in 1 Wh: batteries are rated, and energies reported, in watt-hours."""
 
 
 def propulsive_power(drag: Scalars, speed: Scalars, efficiency: Scalars) -> Scalars:

@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from missionplan.arrays import Scalars, magnitude
+from missionplan.physics.drag import disc_area
 
 Damping = Literal["surge", "momentum"]
 
@@ -56,11 +57,6 @@ class Propeller:
     def flow_ratio(self) -> float:
         """Steady flow in the disc over the vehicle's speed, (1 + a)(1 - w)."""
         return (1.0 + self.axial_flow_factor) * (1.0 - self.wake_fraction)
-
-
-def disc_area(diameter: float) -> float:
-    """Area of the propeller disc [m²] from its diameter [m]."""
-    return math.pi / 4.0 * diameter**2
 
 
 def surge_flow_damping(
@@ -131,7 +127,7 @@ def from_open_water(
         With constants for rad/s: T_nn 0.08923, Q_nn 0.003950, (1 + a) T°_nu -4.1558 for the paper's Table 1.
     """
     turn = 2.0 * math.pi
-    area = disc_area(diameter)
+    area = float(disc_area(diameter))
     linear, quadratic = (0.0, 2.0 * density * area) if flow_damping is None else flow_damping
     scale = 1.0 + axial_flow_factor
     return Propeller(
@@ -292,7 +288,7 @@ def table_1(damping: Damping = "surge") -> Propeller:
         (0.0626, -0.1212),
         density=1025.0,
         shaft_inertia=1.0,
-        flow_mass=1025.0 * disc_area(0.30) * 0.30,
+        flow_mass=1025.0 * float(disc_area(0.30)) * 0.30,
         flow_damping=flow_damping,
         **paper,
     )

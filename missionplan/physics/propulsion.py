@@ -53,7 +53,7 @@ class PropulsionRun:
     torque: Array
 
 
-def simulate(
+def simulate_propulsion(
     propeller: Propeller,
     resistance: Resistance,
     motor_torque: Array,

@@ -5,7 +5,7 @@ import numpy as np
 from missionplan.arrays import Scalars
 
 
-def static_thrust(command: Scalars, ahead: Scalars, astern: Scalars, deadband: Scalars = 0.0) -> Scalars:
+def bollard_pull(command: Scalars, ahead: Scalars, astern: Scalars, deadband: Scalars = 0.0) -> Scalars:
     """Thrust in bollard pull, τ = cV|V| with a constant for each direction and a deadband.
 
     Avila et al., Eq. 6, with V less the deadband: τ = ±c(|V| - V₀)², and zero inside it, so that thrust is

@@ -152,7 +152,7 @@ class ThrusterLoad:
     ratio: Scalars
 
 
-def load(thruster: TunnelThruster, revolutions: Scalars, speed: Scalars, density: Scalars) -> ThrusterLoad:
+def thruster_load(thruster: TunnelThruster, revolutions: Scalars, speed: Scalars, density: Scalars) -> ThrusterLoad:
     """Force and moment of a thruster on a vehicle under way.
 
     Parameters
@@ -190,7 +190,7 @@ def induced_drag_coefficient(ratio: Scalars, at_rest: Scalars, vanishes_at: floa
     return drop
 
 
-def shaft_power(static: Scalars, area: Scalars, density: Scalars, performance: Scalars = 0.55) -> Scalars:
+def thruster_power(static: Scalars, area: Scalars, density: Scalars, performance: Scalars = 0.55) -> Scalars:
     """Power of a thruster that makes a static thrust, F^(3/2)/(2α^(3/2)√(ρA)) (2009b, Eq. 13) [W].
 
     About 240 W for the 105.9 N that hold Autosub, with A of a 0.196 m tunnel and the paper's α = 0.55.
@@ -210,7 +210,7 @@ def shaft_power(static: Scalars, area: Scalars, density: Scalars, performance: S
 
 def hover_power(force: float, area: float, density: float, thrusters: int = 1) -> float:
     """Power of some equal thrusters that share a force at rest [W]: two of the same diameter need 1/√2 (sect. 7.2)."""
-    return float(thrusters * shaft_power(force / thrusters, area, density))
+    return float(thrusters * thruster_power(force / thrusters, area, density))
 
 
 def diameter_for_same_power(diameter: float, thrusters: int) -> float:

@@ -12,7 +12,7 @@ from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.anchor import AnchorDesign
-from missionplan.physics.anchor_remedies import HEAVIEST, Remedy
+from missionplan.physics.anchor_remedies import MAX_WET_WEIGHT, Remedy
 from missionplan.physics.vehicle_drag import DragBuildUp
 from missionplan.results.base import Provenance, Result, to_csv
 
@@ -85,7 +85,7 @@ class SizedAnchor:
             words.append("no single change of a part mends it")
         if self.buildable is not None:
             low, high = self.buildable
-            upwards = "upwards" if high >= HEAVIEST else f"to {high:.3g} N"
+            upwards = "upwards" if high >= MAX_WET_WEIGHT else f"to {high:.3g} N"
             words.append(f"the parts as given make anchors of {low:.2f} N wet {upwards}")
         return words
 

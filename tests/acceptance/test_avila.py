@@ -9,7 +9,7 @@ import pytest
 from missionplan.physics import oscillation as osc
 from missionplan.physics import tank
 from missionplan.physics.drag import reynolds_number
-from missionplan.physics.thruster import static_thrust
+from missionplan.physics.thruster import bollard_pull
 from missionplan.studies.identification.identify import identify
 
 MEASURED = Path(__file__).parents[2] / "missions" / "measured"
@@ -125,5 +125,5 @@ def test_step_response_of_fig_5():
 
 def test_thrust_ahead_and_astern():
     """Constants 9.423 and 6.551: astern a thruster makes 70 % of its thrust ahead."""
-    ahead, astern = static_thrust(np.array([3.0, -3.0]), 9.423, 6.551)
+    ahead, astern = bollard_pull(np.array([3.0, -3.0]), 9.423, 6.551)
     assert -astern / ahead == pytest.approx(0.695, abs=1e-3)

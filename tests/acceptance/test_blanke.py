@@ -14,7 +14,7 @@ ENDS = (1500, 3000, 5000)
 
 @pytest.fixture(scope="module")
 def run():
-    return pr.simulate(p.table_1("surge"), p.TABLE_1_RESISTANCE, pr.eq_36_torque(STEP), STEP)
+    return pr.simulate_propulsion(p.table_1("surge"), p.TABLE_1_RESISTANCE, pr.eq_36_torque(STEP), STEP)
 
 
 def test_end_of_segment_values(run):
@@ -28,7 +28,7 @@ def test_end_of_segment_values(run):
 
 def test_end_of_first_segment_with_momentum_damping():
     """Eq. 12 in place of Eqs. 30, 34 and 35."""
-    run = pr.simulate(p.table_1("momentum"), p.TABLE_1_RESISTANCE, np.full(1500, 5.0), STEP)
+    run = pr.simulate_propulsion(p.table_1("momentum"), p.TABLE_1_RESISTANCE, np.full(1500, 5.0), STEP)
     assert run.shaft_rate[-1] / (2.0 * np.pi) == pytest.approx(8.59, rel=0.01)
     assert run.speed[-1] == pytest.approx(0.395, rel=0.01)
     assert run.axial_flow[-1] == pytest.approx(0.955, rel=0.01)
@@ -47,5 +47,5 @@ def test_the_literal_shaft_equation_is_two_pi_faster():
     table_1 = p.table_1()
     literal = replace(table_1, shaft_inertia=table_1.shaft_inertia / (2.0 * np.pi))
     torque = np.full(5, 5.0)
-    slow, fast = (pr.simulate(unit, p.TABLE_1_RESISTANCE, torque, 1e-3) for unit in (table_1, literal))
+    slow, fast = (pr.simulate_propulsion(unit, p.TABLE_1_RESISTANCE, torque, 1e-3) for unit in (table_1, literal))
     assert fast.shaft_rate[-1] / slow.shaft_rate[-1] == pytest.approx(2.0 * np.pi, rel=1e-3)

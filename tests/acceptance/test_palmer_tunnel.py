@@ -35,4 +35,4 @@ def test_forward_moment_is_lost_less_than_force():
 def test_hover_of_autosub():
     """Second paper: 105.9 N at K_3 = 0.90 is 10.85 rev/s; Eq. 13 gives about 240 W in a tunnel of 0.196 m."""
     assert tt.revolutions_for(0.90, 105.9) == pytest.approx(10.85, abs=0.005)
-    assert tt.shaft_power(105.9, tt.TunnelThruster(0.196, 0.9, 6.69).area, 1026.0) == pytest.approx(240.0, abs=2.0)
+    assert tt.thruster_power(105.9, tt.TunnelThruster(0.196, 0.9, 6.69).area, 1026.0) == pytest.approx(240.0, abs=2.0)

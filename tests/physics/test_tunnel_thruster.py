@@ -13,13 +13,13 @@ ratios = st.floats(0.0, 3.0)
 
 def test_at_rest_the_vehicle_feels_the_static_force_at_the_thruster():
     thruster = tt.TunnelThruster(0.07, 0.02, 7.0, position=0.8, suction_gradient=5.0)
-    load = tt.load(thruster, 30.0, 0.0, 1000.0)
+    load = tt.thruster_load(thruster, 30.0, 0.0, 1000.0)
     assert load.force == pytest.approx(0.02 * 900.0)
     assert load.moment == pytest.approx(load.force * 0.8)
 
 
 def test_no_jet_no_force():
-    load = tt.load(AUTOSUB, np.array([0.0, 0.0]), np.array([0.0, 1.5]), 1026.0)
+    load = tt.thruster_load(AUTOSUB, np.array([0.0, 0.0]), np.array([0.0, 1.5]), 1026.0)
     np.testing.assert_array_equal(load.force, 0.0)
     np.testing.assert_array_equal(load.moment, 0.0)
 
@@ -41,14 +41,14 @@ def test_moment_factor_is_moment_over_static_moment(ratio, x_t, x_s):
 
 @given(n=st.floats(1.0, 20.0), speed=st.floats(0.0, 2.0))
 def test_reversing_the_thruster_reverses_force_and_moment(n, speed):
-    ahead, astern = (tt.load(AUTOSUB, rate, speed, 1026.0) for rate in (n, -n))
+    ahead, astern = (tt.thruster_load(AUTOSUB, rate, speed, 1026.0) for rate in (n, -n))
     assert astern.force == pytest.approx(-ahead.force)
     assert astern.moment == pytest.approx(-ahead.moment)
 
 
 def test_suction_of_a_central_thruster_pitches_as_if_lifted_aft():
     """A downward (positive) force on the centre: suction acts upward aft of it, so the nose goes down (N > 0 here)."""
-    assert tt.load(AUTOSUB, 10.0, 0.5, 1026.0).moment > 0.0
+    assert tt.thruster_load(AUTOSUB, 10.0, 0.5, 1026.0).moment > 0.0
 
 
 @given(static=st.floats(-200.0, 200.0))

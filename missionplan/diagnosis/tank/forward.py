@@ -25,8 +25,7 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.hooks import DescentEffect
 from missionplan.physics import oscillation as osc
 from missionplan.physics import tunnel_thruster as tt
-from missionplan.physics.drag import drag_force, reynolds_number
-from missionplan.physics.propeller import disc_area
+from missionplan.physics.drag import disc_area, drag_force, reynolds_number
 from missionplan.physics.tank import reynolds_drag_coefficient
 from missionplan.studies.identification.oscillation import starting_values
 from missionplan.studies.identification.propeller import TURN, TransientRun

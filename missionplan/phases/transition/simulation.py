@@ -24,10 +24,10 @@ from missionplan.physics.tunnel_thruster import (
     jet_speed,
     moment,
     out_of_range,
-    shaft_power,
     speed_ratio,
     static_thrust,
     suction_centre,
+    thruster_power,
 )
 from missionplan.physics.vehicle_dynamics import (
     Load,
@@ -243,7 +243,7 @@ class _Run:
             return
         density = self.vehicle.body.density
         for thruster, thrust in zip(self.vehicle.thrusters, static, strict=True):
-            spent = self.h * np.asarray(shaft_power(thrust, thruster.area, density))
+            spent = self.h * np.asarray(thruster_power(thrust, thruster.area, density))
             ratio = speed_ratio(speed, jet_speed(thrust, thruster.area, density))
             self.energy = self.energy + spent
             self.energy_beyond = self.energy_beyond + np.where(out_of_range(ratio, thruster.decay), spent, 0.0)

@@ -8,7 +8,8 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.datasets.tank import PropellerGeometry, PropellerSettings, TankData
 from missionplan.errors import InputError, Problem
-from missionplan.physics.propeller import Propeller, disc_area, thrust
+from missionplan.physics.drag import disc_area
+from missionplan.physics.propeller import Propeller, thrust
 from missionplan.physics.propulsion import respond
 from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import Parameter, adds_something, derived, fit
@@ -39,7 +40,7 @@ def identify_propeller(data: TankData) -> TankAnalysis:
         Parameter("thrust_nn", "T_nn", "N*s^2", 0.4 * unit, low=0.0),
         Parameter("thrust_nu", "T°_nu", "kg", -0.8 * unit * TURN / settings.geometry.diameter, high=0.0),
     ]
-    water = run.density * disc_area(settings.geometry.diameter) * settings.geometry.diameter
+    water = run.density * float(disc_area(settings.geometry.diameter)) * settings.geometry.diameter
     flow_mass = Parameter("flow_mass", "m_f", "kg", water, low=0.01 * water, high=100.0 * water)
     steady = fit("quasi-steady thrust", run.quasi_steady, constants, measured, thrust_sd, in_sequence=True)
     dynamic = fit("axial-flow dynamics", run.axial_flow, [*constants, flow_mass], measured, thrust_sd, in_sequence=True)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.datasets.tank import TankData, ThrusterGeometry, ThrusterSettings
 from missionplan.physics import tunnel_thruster as tt
-from missionplan.physics.thruster import static_thrust
+from missionplan.physics.thruster import bollard_pull
 from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import Parameter, adds_something, fit
 
@@ -51,10 +51,10 @@ def _static(data: TankData, at_rest: NDArray[np.bool_]) -> TankAnalysis:
         return by_side.get("ahead", 0.0), by_side.get("astern", 0.0)
 
     def without(values: Array) -> Array:
-        return np.asarray(static_thrust(command, *constants(values)))
+        return np.asarray(bollard_pull(command, *constants(values)))
 
     def with_band(values: Array) -> Array:
-        return np.asarray(static_thrust(command, *constants(values[:-1]), values[-1]))
+        return np.asarray(bollard_pull(command, *constants(values[:-1]), values[-1]))
 
     simple = fit("quadratic thrust", without, parameters, thrust, thrust_sd)
     richer = fit("quadratic thrust with a deadband", with_band, [*parameters, deadband], thrust, thrust_sd)
@@ -106,7 +106,7 @@ def _static_panel(command: Array, thrust: Array, thrust_sd: Array | None, best: 
         thrust,
         np.full_like(thrust, np.nan) if thrust_sd is None else thrust_sd,
         best.fitted,
-        (FitCurve(best.name, line, np.asarray(static_thrust(line, ahead, astern, band))),),
+        (FitCurve(best.name, line, np.asarray(bollard_pull(line, ahead, astern, band))),),
         "Static thrust against the command with the preferred fit.",
     )
 
@@ -153,10 +153,10 @@ class _Jet:
         return tt.TunnelThruster(self.geometry.diameter, values[0], values[1], position=self.geometry.position)
 
     def force(self, values: Array) -> Array:
-        return np.asarray(tt.load(self.thruster(values), self.revolutions, self.speed, self.density).force)
+        return np.asarray(tt.thruster_load(self.thruster(values), self.revolutions, self.speed, self.density).force)
 
     def ratio(self, values: Array) -> Array:
-        return np.asarray(tt.load(self.thruster(values), self.revolutions, self.speed, self.density).ratio)
+        return np.asarray(tt.thruster_load(self.thruster(values), self.revolutions, self.speed, self.density).ratio)
 
     def moment(self, values: Array, gradient: float, offset: float) -> Array:
         thruster = tt.TunnelThruster(
@@ -167,7 +167,7 @@ class _Jet:
             suction_gradient=gradient,
             suction_offset=offset,
         )
-        return np.asarray(tt.load(thruster, self.revolutions, self.speed, self.density).moment)
+        return np.asarray(tt.thruster_load(thruster, self.revolutions, self.speed, self.density).moment)
 
     def panels(self, best: FittedModel, force: Array, moments: Array | None) -> tuple[FitPanel, ...]:
         values = np.array([best["thrust_constant"].value, best["decay"].value])
