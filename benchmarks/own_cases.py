@@ -36,7 +36,7 @@ from benchmarks.transit_trial import (
 from missionplan.arrays import Array
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.parallel_blocks import run_blocks
-from missionplan.montecarlo.pool import worker_processes
+from missionplan.montecarlo.pool import process_pool
 from missionplan.montecarlo.running_statistics import RunningStatistics
 from missionplan.montecarlo.sensitivity import Influence, sensitivities
 from missionplan.montecarlo.streams import BLOCK, LegNormals, block_count, block_size, stream
@@ -147,7 +147,7 @@ def main(what: str, cases: int, workers: int) -> None:
     """
     run = {"function": run_function, "simulate": run_simulate, "sweep": run_sweep}[what]
     if workers > 1:
-        worker_processes(workers - 1).submit(import_module, "missionplan.montecarlo.running_statistics").result()
+        process_pool(workers - 1).submit(import_module, "missionplan.montecarlo.running_statistics").result()
     run(cases, workers)
     runs = [run(cases, workers) for _ in range(RUNS[workers])]
     least = {key: min(found[key] for found in runs) for key in runs[0]}

@@ -18,7 +18,7 @@ import numpy as np
 
 from benchmarks.common import MISSIONS, Options, Row, Section, alternate, duration
 from missionplan.mission import load
-from missionplan.montecarlo.pool import worker_processes
+from missionplan.montecarlo.pool import process_pool
 from missionplan.results.sweep import Sweep
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
@@ -81,7 +81,7 @@ def compare(options: Options) -> Section:
         return sweep_dmax(mission, trials=trials, jobs=jobs, method="monte-carlo")
 
     ours = sweep(1)
-    worker_processes(1).submit(import_module, sweep_dmax.__module__).result()  # started, and warm
+    process_pool(1).submit(import_module, sweep_dmax.__module__).result()  # started, and warm
     legs = trials * sum(point.surfacings for curve in ours.curves for point in curve.points)
     cells = [(float(d_max), float(sigma)) for d_max in D_MAX[9::15] for sigma in SIGMAS]
     python_legs = sum(python_loop(*cell, PYTHON_TRIALS)[1] for cell in cells)

@@ -65,5 +65,5 @@ def _usage_error(error: Exception) -> int:
 
 def _end_workers() -> None:
     """End worker processes, if any: the interpreter would wait for what they still do."""
-    if workers := sys.modules.get("missionplan.montecarlo.pool"):
-        workers.end_workers()
+    if pool := sys.modules.get("missionplan.montecarlo.pool"):
+        pool.shut_down_pool()

@@ -32,12 +32,12 @@ def diagnose(
     """What the simulation gets wrong about measured data, why, the extended mission, and what it gains."""
 
     def study(loaded: "Mission", progress: Any) -> "Result":
-        from missionplan.montecarlo.parallel_map import MOST
-        from missionplan.montecarlo.pool import started_workers
+        from missionplan.montecarlo.parallel_map import MAX_PROCESSES
+        from missionplan.montecarlo.pool import preloaded_pool
 
         processes = o.worker_count(jobs)
-        others = min(processes, MOST) - 1
-        with started_workers(others, "missionplan.diagnosis.diagnose"):  # they import while this process does
+        others = min(processes, MAX_PROCESSES) - 1
+        with preloaded_pool(others, "missionplan.diagnosis.diagnose"):  # they import while this process does
             from missionplan.diagnosis.diagnose import diagnose
 
             return diagnose(loaded, dataset, seed=seed, jobs=processes, progress=progress)

@@ -12,7 +12,7 @@ from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.diagnosis.inference.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, credible_set, posteriors, select
 from missionplan.diagnosis.verdict import Claim, Verdict, claim, verdict
-from missionplan.montecarlo.parallel_map import shared
+from missionplan.montecarlo.parallel_map import parallel_map
 from missionplan.results.diagnosis import Causes
 
 SCORED = 3
@@ -84,7 +84,7 @@ def run_pipeline(model: Model, progress: Progress = silent, jobs: int = 1) -> Pi
     progress("testing the remainder", 0, 1)
     chosen = claimed.candidate.fit if claimed is not None else selection.base
     fits = [selection.base] if claimed is None else [selection.base, chosen]
-    looked_at = shared(partial(_looked_at, model), fits, jobs=jobs)
+    looked_at = parallel_map(partial(_looked_at, model), fits, jobs=jobs)
     (base_discrepancy, _), (left, outlying) = looked_at[0], looked_at[-1]
     posterior = posteriors(selection, claimed.candidate.causes if claimed else None)
     return PipelineResult(
@@ -109,7 +109,7 @@ def _gains(model: Model, selection: Selection, progress: Progress, jobs: int) ->
         return {}
     progress("predicting held-out data", 0, 1)
     fits = [selection.base, *(candidate.fit for candidate in scored)]
-    base, *extended = shared(model.held_out, fits, jobs=jobs)
+    base, *extended = parallel_map(model.held_out, fits, jobs=jobs)
     return {candidate.causes: held_out_gain(base, scores) for candidate, scores in zip(scored, extended, strict=True)}
 
 
@@ -119,7 +119,7 @@ def _checks(model: Model, selection: Selection, scored: tuple[Causes, ...], jobs
         return {}
     fits = {candidate.causes: candidate.fit for candidate in selection.ranking}
     wanted = [selection.base, *(fits[causes] for causes in scored)]
-    base, *found = shared(partial(_log_evidences, model), wanted, jobs=jobs)
+    base, *found = parallel_map(partial(_log_evidences, model), wanted, jobs=jobs)
     return {causes: log_evidence - base for causes, log_evidence in zip(scored, found, strict=True)}
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from missionplan.datasets.reading import TANK
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission, load
-from missionplan.montecarlo.parallel_map import shared
+from missionplan.montecarlo.parallel_map import parallel_map
 from missionplan.results.base import to_yaml
 from missionplan.results.sweep import SweepCurve
 from missionplan.studies.anchor.size_anchor import worst_case_anchor
@@ -67,7 +67,7 @@ def load_data(data: Mapping[str, Any]) -> Mission:
 
 
 def _leg_length(base: Mission, extended: Mission, seed: int, jobs: int) -> dict[str, Any]:
-    before, after = shared(partial(_sweeps, seed), (base, extended), jobs=jobs)
+    before, after = parallel_map(partial(_sweeps, seed), (base, extended), jobs=jobs)
     same = after.points[before.best_index]
     return {
         "before": {"d_max_m": before.best.d_max, "cost": _finite(before.best.cost), "arrived": _value(before.best)},
@@ -96,7 +96,7 @@ def _anchor(base: Mission, extended: Mission, seed: int, jobs: int) -> dict[str,
     cases = [(missions[0], chosen[0]), (missions[1], chosen[1])]
     if chosen[0] != chosen[1]:
         cases.append((missions[1], chosen[0]))
-    results = shared(partial(_odds, seed), cases, jobs=jobs)
+    results = parallel_map(partial(_odds, seed), cases, jobs=jobs)
     return {"before": results[0], "after": results[1], "base_choice_under_extended": results[-1]}
 
 

@@ -17,11 +17,11 @@ from typing_extensions import override
 
 from missionplan.arrays import Array
 
-NEVER = 1e-20
+NEGLIGIBLE = 1e-20
 """Probability of a draw that no run will ever see."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(200)
-_FAR = 12.0  # standard deviations beyond which a normal holds nothing that a float can tell
+_NORMAL_REACH = 12.0  # standard deviations beyond which a normal holds nothing that a float can tell
 
 
 class NormalTransform(ABC):
@@ -43,8 +43,8 @@ class NormalTransform(ABC):
     def truncated(self, low: float = -math.inf, high: float = math.inf) -> "Distribution":
         """Truncate to the physical range of a quantity.
 
-        Returns the distribution itself when all of it lies inside, but for less than `NEVER`; else `mass_cut` of the
-        result says how much did not.
+        Returns the distribution itself where the probability outside is below `NEGLIGIBLE`; else `mass_cut` of the
+        result is the probability that was outside.
 
         Raises
         ------
@@ -53,7 +53,7 @@ class NormalTransform(ABC):
         """
         whole = cast("Distribution", self)
         below, above = _tails(whole, low, high)
-        if below + above < NEVER:
+        if below + above < NEGLIGIBLE:
             return whole
         if below + above >= 1.0:
             raise ValueError(f"no part of the distribution lies between {low:g} and {high:g}")
@@ -295,7 +295,7 @@ def _restricted_mass_below(z: float, low: float, high: float) -> float:
 
 def _restricted_moments(transform: Callable[[Array], Array], low: float, high: float) -> tuple[float, float]:
     """Mean and sd of a transform of a normal restricted to an interval, by Gauss–Legendre quadrature."""
-    start, end = max(low, min(high, 0.0) - _FAR), min(high, max(low, 0.0) + _FAR)
+    start, end = max(low, min(high, 0.0) - _NORMAL_REACH), min(high, max(low, 0.0) + _NORMAL_REACH)
     z = 0.5 * (start + end) + 0.5 * (end - start) * _NODES
     nearest = min(max(0.0, start), end)
     weight = _WEIGHTS * np.exp(0.5 * (nearest**2 - z**2))

@@ -12,7 +12,7 @@ from typing import Any, Literal, TypeVar
 import joblib
 
 from missionplan.errors import InputError
-from missionplan.montecarlo.pool import ctrl_c_held_back, ended_on_failure, worker_processes
+from missionplan.montecarlo.pool import process_pool, shut_down_on_failure, sigint_blocked
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -64,7 +64,7 @@ def run_blocks(
     if not items or (backend != "dask" and (jobs == 1 or len(items) == 1)):
         results = (task(item) for item in items)
     elif backend == "loky":
-        results = _among_processes(task, items, min(jobs, len(items)) - 1)
+        results = _by_pool(task, items, min(jobs, len(items)) - 1)
     else:
         results = _by_joblib(task, items, jobs, backend, scheduler)
     total = len(items)
@@ -77,14 +77,12 @@ def run_blocks(
             yield result
 
 
-def _among_processes(
-    task: Callable[[Item], Result], items: Sequence[Item], workers: int
-) -> Generator[Result, None, None]:
+def _by_pool(task: Callable[[Item], Result], items: Sequence[Item], workers: int) -> Generator[Result, None, None]:
     """Do a part here while worker processes do the others; until they have started, do what was meant for them too."""
     todo = deque(items)
     line: deque[tuple[Item, Future[Result]]] = deque()  # those begun, in the items' order
-    with ended_on_failure():
-        executor = worker_processes(workers)
+    with shut_down_on_failure():
+        executor = process_pool(workers)
         started = executor.submit(_nothing, task)
         elsewhere: list[Future[Result]] = []
         try:
@@ -159,7 +157,7 @@ def _dask_client(jobs: int, scheduler: str | None) -> Any:
     except ImportError as error:
         raise InputError("--backend dask needs dask.distributed: pip install 'missionplan[dask]'") from error
     if scheduler is None:
-        with ctrl_c_held_back():
+        with sigint_blocked():
             return distributed.Client(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
     try:
         return distributed.Client(scheduler, timeout="10s")

@@ -6,18 +6,18 @@ from typing import Any, TypeVar
 
 from joblib.externals.loky.backend.reduction import dumps
 
-from missionplan.montecarlo.pool import ended_on_failure, worker_processes
+from missionplan.montecarlo.pool import process_pool, shut_down_on_failure
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 Part = Callable[[Sequence[Item]], list[Result]]
 """Gives a result for each item; deterministic, whatever the other items of its part are."""
 
-MOST = 4
+MAX_PROCESSES = 4
 """Processes beyond which parts are too small to gain."""
 
 
-def shared(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int) -> list[Result]:
+def parallel_map(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int) -> list[Result]:
     """Run a task on items, in this process and in others at the same time.
 
     Parameters
@@ -40,9 +40,9 @@ def shared(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int) -> l
     """
     if jobs < 2 or len(items) < 2:
         return task(items)
-    executor = worker_processes(min(jobs, MOST) - 1)
-    parts = min(jobs, MOST, len(items))
-    with ended_on_failure():
+    executor = process_pool(min(jobs, MAX_PROCESSES) - 1)
+    parts = min(jobs, MAX_PROCESSES, len(items))
+    with shut_down_on_failure():
         # pickled here, not by the executor's thread: the task may keep what it finds while it does its own part
         futures = [executor.submit(_alone, bytes(dumps((task, items[part::parts])))) for part in range(1, parts)]
         results = [task(items[::parts]), *(future.result() for future in futures)]

@@ -19,7 +19,7 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 _kept: dict[int, ProcessPoolExecutor] = {}  # one at most, by its number of processes
 
 
-def worker_processes(count: int) -> ProcessPoolExecutor:
+def process_pool(count: int) -> ProcessPoolExecutor:
     """Give at least so many processes beside this one: those of the last call, where they are enough.
 
     They are the parallelism: the BLAS of each keeps to one thread.
@@ -28,7 +28,7 @@ def worker_processes(count: int) -> ProcessPoolExecutor:
         for executor in _kept.values():
             executor.shutdown(wait=False)
         _kept.clear()
-        with ctrl_c_held_back():
+        with sigint_blocked():
             _kept[count] = ProcessPoolExecutor(max_workers=count, env=_ONE_THREAD)
             _kept[count].submit(int)  # starts them
     return next(iter(_kept.values()))
@@ -45,7 +45,7 @@ def _start_trackers() -> None:
 
 
 @contextmanager
-def ctrl_c_held_back() -> Iterator[None]:
+def sigint_blocked() -> Iterator[None]:
     """Hold back Ctrl-C, from processes started meanwhile for ever: it is this one that ends them.
 
     Else they would show where they were, or end in the midst of an answer that this process then waits for.
@@ -61,7 +61,7 @@ def ctrl_c_held_back() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def end_workers() -> None:
+def shut_down_pool() -> None:
     """End the processes at once, whatever they are doing; the next call starts others."""
     for executor in _kept.values():
         executor.shutdown(wait=True, kill_workers=True)
@@ -69,18 +69,18 @@ def end_workers() -> None:
 
 
 @contextmanager
-def started_workers(count: int, module: str) -> Iterator[None]:
+def preloaded_pool(count: int, module: str) -> Iterator[None]:
     """Start processes; they import a module while this one goes on, and end with the context."""
     for _ in range(count):
-        worker_processes(count).submit(import_module, module)
+        process_pool(count).submit(import_module, module)
     try:
         yield
     finally:
-        end_workers()
+        shut_down_pool()
 
 
 @contextmanager
-def ended_on_failure() -> Iterator[None]:
+def shut_down_on_failure() -> Iterator[None]:
     """End the processes on Ctrl-C, or when one of them has died.
 
     Raises
@@ -91,8 +91,8 @@ def ended_on_failure() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        end_workers()
+        shut_down_pool()
         raise
     except BrokenProcessPool as error:
-        end_workers()
+        shut_down_pool()
         raise RunError(WORKER_DIED) from error

@@ -46,7 +46,7 @@ class QuantileSketch:
         """Sketch one block, shape (n,); nan is left out."""
         kept = np.asarray(values[~np.isnan(values)], dtype=np.float64)
         if not kept.size:
-            return NOTHING
+            return EMPTY_SKETCH
         return cls.between(bin_number(kept.min()), bin_number(kept.max()), kept)
 
     @classmethod
@@ -82,7 +82,7 @@ class QuantileSketch:
     def of_used(cls, bins: Integers, counts: Integers) -> "QuantileSketch":
         """Make a sketch of what `used` gives."""
         if not bins.size:
-            return NOTHING
+            return EMPTY_SKETCH
         spread = np.zeros(int(bins[-1] - bins[0]) + 1, dtype=np.int64)
         spread[bins - bins[0]] = counts
         return cls(int(bins[0]), spread)
@@ -127,7 +127,7 @@ class QuantileSketch:
         return [_middle(self.first + place) for place in places.tolist()]
 
 
-NOTHING = QuantileSketch(0, np.empty(0, dtype=np.int64))
+EMPTY_SKETCH = QuantileSketch(0, np.empty(0, dtype=np.int64))
 """Of no values."""
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from typing_extensions import override
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.quantile_sketch import NOTHING, QuantileSketch, bin_number
+from missionplan.montecarlo.quantile_sketch import EMPTY_SKETCH, QuantileSketch, bin_number
 from missionplan.montecarlo.statistics import Moments, RunningStatistic
 
 
@@ -35,7 +35,7 @@ class RunningStatistics(Mapping[str, RunningStatistic]):
         sketches = (
             QuantileSketch.between(bin_number(low), bin_number(high), row[~np.isnan(row)] if missing else row)
             if low <= high
-            else NOTHING
+            else EMPTY_SKETCH
             for row, (low, high, missing) in zip(rows, ranges, strict=True)
         )
         return cls(tuple(quantities), moments, tuple(sketches))

@@ -13,7 +13,7 @@ from missionplan.errors import InputError, RunError
 from missionplan.montecarlo.distributions import LogNormal, Normal
 from missionplan.montecarlo.draws import Correlation, JointDistribution
 from missionplan.montecarlo.parallel_blocks import run_blocks
-from missionplan.montecarlo.pool import end_workers, worker_processes
+from missionplan.montecarlo.pool import process_pool, shut_down_pool
 from missionplan.montecarlo.statistics import RunningStatistic
 from missionplan.montecarlo.streams import LegNormals
 
@@ -62,13 +62,13 @@ def test_results_come_in_order_with_progress(jobs):
 
 
 def test_nothing_waits_for_the_workers_to_start():
-    end_workers()
+    shut_down_pool()
     assert set(run_blocks(worker_after, range(3), jobs=2)) == {os.getpid()}
 
 
 @pytest.fixture
 def warm_worker():
-    worker_processes(1).submit(worker_after, 0).result()
+    process_pool(1).submit(worker_after, 0).result()
 
 
 @pytest.mark.usefixtures("warm_worker")

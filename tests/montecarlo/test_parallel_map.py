@@ -6,8 +6,8 @@ import threading
 import pytest
 
 from missionplan.errors import RunError
-from missionplan.montecarlo.parallel_map import shared
-from missionplan.montecarlo.pool import started_workers
+from missionplan.montecarlo.parallel_map import parallel_map
+from missionplan.montecarlo.pool import preloaded_pool
 
 
 def squares(items):
@@ -39,27 +39,27 @@ def die_elsewhere(here, items):
 @pytest.mark.parametrize("jobs", [1, 2, 3])
 @pytest.mark.parametrize("count", [0, 1, 2, 7])
 def test_results_come_in_the_items_order(jobs, count):
-    assert shared(squares, range(count), jobs=jobs) == [item**2 for item in range(count)]
+    assert parallel_map(squares, range(count), jobs=jobs) == [item**2 for item in range(count)]
 
 
 def test_a_part_is_done_here():
-    with started_workers(1, "json"):
-        found = shared(processes, range(4), jobs=2)
+    with preloaded_pool(1, "json"):
+        found = parallel_map(processes, range(4), jobs=2)
     assert found[0] == found[2] == os.getpid()
     assert found[1] == found[3] != os.getpid()
 
 
 def test_an_error_in_a_part_is_raised():
     with pytest.raises(TypeError):
-        shared(squares, [1, "a"], jobs=2)
+        parallel_map(squares, [1, "a"], jobs=2)
 
 
 def test_a_worker_that_dies_is_told():
     with pytest.raises(RunError, match="worker process died"):
-        shared(functools.partial(die_elsewhere, os.getpid()), range(4), jobs=2)
-    assert shared(squares, range(4), jobs=2) == [0, 1, 4, 9]
+        parallel_map(functools.partial(die_elsewhere, os.getpid()), range(4), jobs=2)
+    assert parallel_map(squares, range(4), jobs=2) == [0, 1, 4, 9]
 
 
 def test_a_task_is_sent_as_it_was_when_it_was_shared():
-    found = shared(Remembering(), range(4), jobs=2)
+    found = parallel_map(Remembering(), range(4), jobs=2)
     assert found[1] == found[3] == threading.main_thread().name  # no other thread reads it while it changes

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from missionplan.diagnosis.inference.model import CauseFit, Model
-from missionplan.montecarlo.parallel_map import shared
+from missionplan.montecarlo.parallel_map import parallel_map
 from missionplan.results.diagnosis import Causes
 
 ENOUGH = 5.0
@@ -72,7 +72,7 @@ def discriminations(
     Alike are sets that data like those in hand would not tell apart: expected ln Bayes factor below 1 nat.
     """
     asked = [(other, alike) for other in others for alike in (False, True)]
-    found = shared(partial(_answers, model, first), asked, jobs=jobs)
+    found = parallel_map(partial(_answers, model, first), asked, jobs=jobs)
     return tuple(
         Discrimination(cheapest, in_hand.expected_log_bayes_factor < HARDLY)
         for cheapest, in_hand in zip(found[::2], found[1::2], strict=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, Model
 from missionplan.errors import RunError
-from missionplan.montecarlo.parallel_map import shared
+from missionplan.montecarlo.parallel_map import parallel_map
 from missionplan.results.diagnosis import Causes
 
 COMPLEXITY_PENALTY = 3.0
@@ -130,12 +130,12 @@ def select(model: Model, progress: Progress = lambda what, done, of: None, jobs:
 
 def _fitted(model: Model, wanted: Sequence[FitRequest], jobs: int = 1) -> list[CauseFit | FailedFit]:
     """Fit several sets, pairs that ended badly once more from the start, and improve on the best of them."""
-    fits = shared(model.fit_all, wanted, jobs=jobs)
+    fits = parallel_map(model.fit_all, wanted, jobs=jobs)
     for index, other in _tried_again(model, wanted, fits, jobs):
         if isinstance(other, CauseFit) and other.possible:
             fits[index] = other
     best = max((fit.log_evidence for fit in fits if isinstance(fit, CauseFit)), default=0.0)
-    return shared(partial(model.relinearised, best=best), fits, jobs=jobs)
+    return parallel_map(partial(model.relinearised, best=best), fits, jobs=jobs)
 
 
 def _tried_again(
@@ -151,7 +151,8 @@ def _tried_again(
         and model.may_be_multimodal(fit.causes)
     ]
     again = [index for _, index in sorted(lost, reverse=True)[:RETRIES]]
-    return list(zip(again, shared(model.fit_all, [(wanted[index][0], ()) for index in again], jobs=jobs), strict=True))
+    fitted = parallel_map(model.fit_all, [(wanted[index][0], ()) for index in again], jobs=jobs)
+    return list(zip(again, fitted, strict=True))
 
 
 def _promising(model: Model, base: CauseFit, known: set[frozenset[str]]) -> list[tuple[Causes, CauseFit]]:
