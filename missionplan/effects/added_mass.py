@@ -34,7 +34,7 @@ INFO = EffectInfo(
         "there, some tenth of the train: what was weighed remains."
     ),
     confused_with=("broadside-start", "slow-flooding", "clock-offset"),
-    told_apart_by=(
+    distinguished_by=(
         "Anchors of different weight: a mass error scales with 1/weight, a time constant of the start does not."
     ),
 )

@@ -30,6 +30,6 @@ INFO = EffectInfo(
     what="After a change of shaft rate thrust overshoots until the flow in the disc has caught up.",
     sizes="The paper leaves the factor open; a disc diameter of water is 1.",
     confused_with=(),
-    told_apart_by="Steps of shaft rate, thrust sampled several times within the flow's settling time.",
+    distinguished_by="Steps of shaft rate, thrust sampled several times within the flow's settling time.",
     changes_plan=False,
 )

@@ -38,5 +38,5 @@ INFO = EffectInfo(
         "that takes longer has gone several lengths meanwhile, and is not on its way to nose down."
     ),
     confused_with=("added-mass", "slow-flooding"),
-    told_apart_by="Pitch in the log; a dive released nose down; anchors of different weight.",
+    distinguished_by="Pitch in the log; a dive released nose down; anchors of different weight.",
 )

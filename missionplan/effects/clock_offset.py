@@ -29,6 +29,6 @@ INFO = EffectInfo(
     what="The log's zero is the release command, or another computer's clock, and not the separation of the anchor.",
     sizes="Solenoids and pin pullers take 0.1 to 1 s; loggers' clocks differ by as much. Either sign.",
     confused_with=("line-payout", "sensor-lag"),
-    told_apart_by="Dives with a much longer line (a payout delay grows with it, a clock does not).",
+    distinguished_by="Dives with a much longer line (a payout delay grows with it, a clock does not).",
     changes_plan=False,
 )

@@ -40,5 +40,5 @@ INFO = EffectInfo(
     what="Misalignment of the compass, wrong declination, magnetisation that turns with the hull.",
     sizes="1 to 10°; the spike is 0.15°. Either sign.",
     confused_with=("compass-deviation", "mean-current"),
-    told_apart_by="Legs on at least three headings.",
+    distinguished_by="Legs on at least three headings.",
 )

@@ -35,6 +35,6 @@ INFO = EffectInfo(
     what="Hard iron beside the compass: the error is a sine of the heading (semicircular deviation).",
     sizes="2 to 15° for a compass that was not swung.",
     confused_with=("compass-bias", "mean-current", "speed-scale"),
-    told_apart_by="Legs all round the compass.",
+    distinguished_by="Legs all round the compass.",
     polar=(("amplitude", "phase"),),
 )

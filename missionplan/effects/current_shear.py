@@ -50,5 +50,5 @@ INFO = EffectInfo(
     what="The edge of a jet, a river mouth, the shelf: the current is another one at the other end of the area.",
     sizes="0.1 m/s over 1 to 10 km: 1e-5 to 1e-4 1/s.",
     confused_with=("mean-current", "tidal-current", "persistent-error"),
-    told_apart_by="Legs that visit the same place at different times.",
+    distinguished_by="Legs that visit the same place at different times.",
 )

@@ -31,6 +31,6 @@ INFO = EffectInfo(
     what="Wrong sensor range, or pressure turned into depth with the wrong density.",
     sizes="Fresh for sea water is 2.6 %; uncalibrated sensors are off by 1 to 10 %.",
     confused_with=("drag-bias", "vertical-current"),
-    told_apart_by="Readings at a known depth (a lead line, the seafloor at touchdown).",
+    distinguished_by="Readings at a known depth (a lead line, the seafloor at touchdown).",
     changes_plan=False,
 )

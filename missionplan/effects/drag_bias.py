@@ -35,7 +35,7 @@ INFO = EffectInfo(
     ),
     sizes="Component build-ups of streamlined bodies miss by 10 to 40 %; Table I of Briggs et al. asks for 60 to 80 %.",
     confused_with=("depth-scale", "vertical-current", "trapped-gas", "drag-crisis"),
-    told_apart_by=(
+    distinguished_by=(
         "A depth calibration; dives with much less anchor weight (a current shifts every speed alike, drag does not)."
     ),
 )

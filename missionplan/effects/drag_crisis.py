@@ -38,5 +38,5 @@ INFO = EffectInfo(
     what="The boundary layer of the anchor's blunt nose turns turbulent and the wake narrows.",
     sizes="Spheres lose up to 80 % near Re 3e5, blunt anchors 10 to 50 %, at 0.8 to 1.8 m/s for this size. Drag falls.",
     confused_with=("drag-bias", "stratification"),
-    told_apart_by="Anchor weights whose terminal speeds lie well below and well above the critical speed.",
+    distinguished_by="Anchor weights whose terminal speeds lie well below and well above the critical speed.",
 )

@@ -31,7 +31,7 @@ INFO = EffectInfo(
     what="Few satellites, waves over the antenna, old ephemerides: fixes scatter more than assumed.",
     sizes="10 to 100 m for a first fix with a wet antenna at the waterline.",
     confused_with=("heavy-tails",),
-    told_apart_by=(
+    distinguished_by=(
         "Legs of very different duration: a fix error matters on short legs alone; a minute of fixes on a bench."
     ),
 )

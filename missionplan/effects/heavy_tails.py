@@ -45,5 +45,5 @@ INFO = EffectInfo(
     what="Most legs are as good as expected and a few are bad: fronts, a bad fix, a propeller fouled for one leg.",
     sizes="3 to 6 degrees of freedom in navigation logs with occasional bad legs.",
     confused_with=("fix-error", "persistent-error"),
-    told_apart_by="The log of the bad legs: number of satellites, currents, revolutions.",
+    distinguished_by="The log of the bad legs: number of satellites, currents, revolutions.",
 )

@@ -52,6 +52,6 @@ INFO = EffectInfo(
     what="Water set moving by a wind that has ceased turns under the Earth's rotation alone.",
     sizes="0.05 to 0.5 m/s for days after a storm.",
     confused_with=("tidal-current", "persistent-error", "mean-current"),
-    told_apart_by="A record of two inertial periods or more; both components, which are in quadrature.",
+    distinguished_by="A record of two inertial periods or more; both components, which are in quadrature.",
     polar=(("amplitude", "phase"),),
 )

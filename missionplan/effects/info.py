@@ -103,7 +103,7 @@ class EffectInfo:
         Plausible sizes and signs, and where they come from.
     confused_with : tuple of str
         Effects that look alike.
-    told_apart_by : str
+    distinguished_by : str
         What measurement would tell them apart.
     changes_plan : bool
         False for effects on a reading only.
@@ -119,7 +119,7 @@ class EffectInfo:
     what: str
     sizes: str
     confused_with: tuple[str, ...]
-    told_apart_by: str
+    distinguished_by: str
     changes_plan: bool = True
     polar: tuple[tuple[str, str], ...] = ()
 

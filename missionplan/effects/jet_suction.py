@@ -27,6 +27,6 @@ INFO = EffectInfo(
     what="Under way the jet lowers the pressure on the hull beside it: the vehicle feels less than the static thrust.",
     sizes="c of 3 for an aft thruster to 7 for a forward one (Palmer et al.).",
     confused_with=("thrust-asymmetry",),
-    told_apart_by="Thrust at rest and at two speeds ahead, with the same shaft rates either way.",
+    distinguished_by="Thrust at rest and at two speeds ahead, with the same shaft rates either way.",
     changes_plan=False,
 )

@@ -30,7 +30,7 @@ INFO = EffectInfo(
     ),
     sizes="From nothing to about half a second a metre; a delay is positive. Assumed from hand-wound spools.",
     confused_with=("clock-offset",),
-    told_apart_by=(
+    distinguished_by=(
         "Dives with a much longer or shorter line; with one length it cannot be told from a clock offset at all."
     ),
 )

@@ -34,7 +34,7 @@ INFO = EffectInfo(
     what="A current that stays the same over the whole record, on top of the site's current.",
     sizes="0.02 to 0.5 m/s in coastal water.",
     confused_with=("speed-scale", "compass-bias", "current-shear", "persistent-error"),
-    told_apart_by=(
+    distinguished_by=(
         "Legs on several headings: a current pushes the same way on all of them, a sensor error turns with the vehicle."
     ),
 )

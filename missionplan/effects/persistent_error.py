@@ -58,5 +58,5 @@ INFO = EffectInfo(
     what="The error of one leg is like that of the leg before: eddies, slow currents, a compass that drifts.",
     sizes="Mesoscale and tidal currents: 0.02 to 0.3 m/s over half an hour to weeks.",
     confused_with=("random-walk", "tidal-current", "inertial-current", "current-shear", "mean-current"),
-    told_apart_by="A longer record, or a current meter beside the track, would give the physical cause.",
+    distinguished_by="A longer record, or a current meter beside the track, would give the physical cause.",
 )

@@ -26,6 +26,6 @@ INFO = EffectInfo(
     what="Separated flow: large swings die away faster than small ones.",
     sizes="C_D/4 over the body's length: 0.1 to 5 1/m for models of 0.2 to 1 m.",
     confused_with=("added-mass",),
-    told_apart_by="Releases from several displacements: linear damping takes the same share of each swing.",
+    distinguished_by="Releases from several displacements: linear damping takes the same share of each swing.",
     changes_plan=False,
 )

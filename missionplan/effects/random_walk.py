@@ -52,5 +52,5 @@ INFO = EffectInfo(
     what="The error drifts without bound: a gyro or a calibration that ages, water that changes along the way.",
     sizes="0.01 to 0.1 m/s after an hour: 2e-4 to 2e-3 m/s per root second.",
     confused_with=("persistent-error", "current-shear", "mean-current", "tidal-current"),
-    told_apart_by="A record several times as long: a persistent error stays within bounds, a walk does not.",
+    distinguished_by="A record several times as long: a persistent error stays within bounds, a walk does not.",
 )

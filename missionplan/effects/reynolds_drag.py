@@ -28,6 +28,6 @@ INFO = EffectInfo(
     what="Friction or a boundary layer that is not yet turbulent: C_D is not the same at all speeds towed.",
     sizes="Turbulent friction follows Re to the -1/6, laminar Re to the -1/2; bluff bodies none.",
     confused_with=("drag-bias",),
-    told_apart_by="Towing over a wider range of speeds: a bias is the same at all of them.",
+    distinguished_by="Towing over a wider range of speeds: a bias is the same at all of them.",
     changes_plan=False,
 )

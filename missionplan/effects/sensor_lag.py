@@ -49,7 +49,7 @@ INFO = EffectInfo(
     what="A filtered or slow pressure sensor: at a steady speed its reading is late by its time constant.",
     sizes="Averaging in loggers gives 0.1 to 1 s; a lag is positive.",
     confused_with=("clock-offset", "line-payout"),
-    told_apart_by=(
+    distinguished_by=(
         "The start of the dive sampled fast (a lag rounds it, a clock shifts it); a dip of the sensor by hand."
     ),
     changes_plan=False,

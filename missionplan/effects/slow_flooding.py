@@ -35,5 +35,5 @@ INFO = EffectInfo(
         "The free volume of the tube against its wet weight allows 0 to 60 %; holes of some mm empty it in 1 to 15 s."
     ),
     confused_with=("added-mass", "broadside-start", "trapped-gas"),
-    told_apart_by="Anchors with large flooding holes, or a dive with the anchor flooded before release.",
+    distinguished_by="Anchors with large flooding holes, or a dive with the anchor flooded before release.",
 )

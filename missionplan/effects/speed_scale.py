@@ -31,5 +31,5 @@ INFO = EffectInfo(
     what="Revolutions turned into speed with a wrong factor: fouling, propeller, battery voltage.",
     sizes="2 to 20 %; either sign.",
     confused_with=("mean-current", "compass-deviation"),
-    told_apart_by="Legs there and back on one line.",
+    distinguished_by="Legs there and back on one line.",
 )

@@ -40,5 +40,5 @@ INFO = EffectInfo(
     what="The vehicle is ballasted at the surface; below the pycnocline the denser water buoys it up.",
     sizes="Δρ of 1 to 20 kg/m³ on 10 L: 0.1 to 2 N. Water is denser below, so the lift is positive.",
     confused_with=("trapped-gas", "drag-bias", "drag-crisis"),
-    told_apart_by="A density profile (CTD), or dives past the layer with a light anchor.",
+    distinguished_by="A density profile (CTD), or dives past the layer with a light anchor.",
 )

@@ -33,5 +33,5 @@ INFO = EffectInfo(
     what="Windage and Stokes drift move the vehicle between surfacing and its fix, beyond the current.",
     sizes="About 3 % of the wind's speed: 0.1 to 0.5 m/s.",
     confused_with=("mean-current",),
-    told_apart_by="Surface times that vary: two fixes some minutes apart at one surfacing.",
+    distinguished_by="Surface times that vary: two fixes some minutes apart at one surfacing.",
 )

@@ -30,6 +30,6 @@ INFO = EffectInfo(
     what="Blades, nozzle and hub are made for one direction: astern the same command gives another thrust.",
     sizes="A third less astern for the thruster of Avila et al.; 0 to 40 %.",
     confused_with=("jet-suction",),
-    told_apart_by="Bollard pull with the same commands ahead and astern.",
+    distinguished_by="Bollard pull with the same commands ahead and astern.",
     changes_plan=False,
 )

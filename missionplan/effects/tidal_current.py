@@ -88,6 +88,6 @@ INFO = EffectInfo(
     what="Tidal ellipses: each component of the current oscillates with the periods of moon and sun.",
     sizes="0.02 to 0.5 m/s on shelves and in inlets; a few cm/s or less in the deep ocean.",
     confused_with=("inertial-current", "persistent-error", "current-shear"),
-    told_apart_by="A record of two periods or more; two weeks to part M2 from S2 and K1 from O1.",
+    distinguished_by="A record of two periods or more; two weeks to part M2 from S2 and K1 from O1.",
     polar=tuple((f"{name}_{d}", f"{name}_{d}_phase") for name in PERIODS for d in ("east", "north")),
 )

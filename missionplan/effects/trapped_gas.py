@@ -39,7 +39,7 @@ INFO = EffectInfo(
     ),
     sizes="0.1 to 0.4 L of air, 1 to 4 N; always upward.",
     confused_with=("stratification", "drag-bias", "slow-flooding"),
-    told_apart_by=(
+    distinguished_by=(
         "A dive twice as deep, or one with the vehicle purged by hand; a lift matters more the lighter the anchor."
     ),
 )

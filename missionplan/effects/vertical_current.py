@@ -29,7 +29,7 @@ INFO = EffectInfo(
     ),
     sizes="0.02 to 0.3 m/s in coastal water; more is not known there. Either sign.",
     confused_with=("drag-bias", "depth-scale"),
-    told_apart_by=(
+    distinguished_by=(
         "Dives with 0.4 times the anchor's weight: a current shifts slow and fast dives alike, drag does not."
     ),
 )

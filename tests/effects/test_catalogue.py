@@ -63,7 +63,7 @@ def test_names_are_the_contract():
 def test_entry_is_complete(info):
     assert info.what
     assert info.sizes
-    assert info.told_apart_by
+    assert info.distinguished_by
     assert set(info.confused_with) <= set(CATALOGUE)
     assert {p.field or name for name, p in info.parameters.items()} == {f.name for f in dataclasses.fields(info.effect)}
     for first, second in info.polar:

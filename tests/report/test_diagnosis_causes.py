@@ -19,7 +19,7 @@ def test_every_cause_of_the_catalogue_is_described(cause: str) -> None:
     (words,) = section.blocks
     info = CATALOGUE[cause]
     assert section.heading == "What such a cause is"
-    assert all(part in words for part in (info.what, info.sizes, info.told_apart_by[1:]))
+    assert all(part in words for part in (info.what, info.sizes, info.distinguished_by[1:]))
     assert all(names((other,)) in words for other in info.confused_with)
 
 

@@ -26,4 +26,4 @@ def _described(cause: str) -> str:
     words = f"{names((cause,)).capitalize()}. {info.what} Sizes that occur: {info.sizes}"
     if info.confused_with:
         words += f" Easily taken for {', '.join(names((other,)) for other in info.confused_with)}."
-    return f"{words} What tells it from others: {info.told_apart_by[0].lower()}{info.told_apart_by[1:]}"
+    return f"{words} What tells it from others: {info.distinguished_by[0].lower()}{info.distinguished_by[1:]}"
