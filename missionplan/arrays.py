@@ -13,6 +13,11 @@ def magnitude(value: Scalars) -> Scalars:
     return np.abs(value) if isinstance(value, np.ndarray) else abs(value)
 
 
+def over_trials(value: Scalars, trials: int) -> Array:
+    """Return a number, or an array over trials, as a read-only array of shape (n,)."""
+    return np.broadcast_to(np.asarray(value, dtype=float), (trials,))
+
+
 def row_and_next(grid: Array, row: NDArray[np.intp]) -> tuple[Array, Array]:
     """Values of a grid, shape (m, n), at a row of each trial's own and at the row after it, each shape (k, n)."""
     trials = grid.shape[1]

@@ -177,7 +177,7 @@ class SeriesCurrent(Current):
 
 @dataclass(frozen=True)
 class FieldCurrent(Current):
-    """A current against time, depth and place, linear in each between the nodes. No nan: see `filled`.
+    """A current against time, depth and place, linear in each between the nodes. No nan: see `fill_gaps`.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ class FieldCurrent(Current):
         return _interpolated(axes, np.stack((self.east, self.north)), (t, depth, position[1], position[0]))
 
 
-def filled(values: Array) -> Array:
+def fill_gaps(values: Array) -> Array:
     """Give nodes without a value (land, below the bottom) that of the nearest node that has one, time by time.
 
     A step in depth counts as a hundredth of a horizontal one, so that the bottom takes the water above it.

@@ -6,8 +6,11 @@ delays and variances add, factors multiply. Parameters as arrays let one call of
 column, start or dive a trial.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from missionplan.arrays import Array, Scalars
 
@@ -80,6 +83,28 @@ class TransitEffect:
             Memory for the next leg (arrays with trials last), and this leg's velocity error [m/s].
         """
         return memory, 0.0
+
+
+def surface_velocity(effects: Iterable[TransitEffect], t: Array, duration: Array, position: Array) -> Array:
+    """Sum of the effects' drift velocities at the surface, beyond the site's current.
+
+    Parameters
+    ----------
+    effects : iterable of TransitEffect
+    t, duration : array, shape (n,)
+        Start of the time at the surface since the mission's start, and its length [s].
+    position : array, shape (2, n)
+        East and north of the coordinates' origin [m].
+
+    Returns
+    -------
+    array, shape (2, n)
+        [m/s]
+    """
+    velocity = np.zeros((2, t.size))
+    for effect in effects:
+        velocity = velocity + effect.surface_velocity(t, duration, position)
+    return velocity
 
 
 class DescentEffect:

@@ -56,10 +56,10 @@ class TrialState:
 
 
 @overload
-def per_trial(value: Array, trials: NDArray[np.intp]) -> Array: ...
+def select_trials(value: Array, trials: NDArray[np.intp]) -> Array: ...
 @overload
-def per_trial(value: Scalars, trials: NDArray[np.intp]) -> Scalars: ...
-def per_trial(value: Scalars, trials: NDArray[np.intp]) -> Scalars:
+def select_trials(value: Scalars, trials: NDArray[np.intp]) -> Scalars: ...
+def select_trials(value: Scalars, trials: NDArray[np.intp]) -> Scalars:
     """Select trials of a parameter that is one number, or an array with trials last (of length 1 if alike)."""
     if isinstance(value, np.ndarray) and value.ndim and value.shape[-1] > 1:
         return value[..., trials]

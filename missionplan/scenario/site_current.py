@@ -8,7 +8,7 @@ from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.site import CurrentFile, Geographic
 from missionplan.mission.views import required_origin
-from missionplan.phases.currents import Current, FieldCurrent, SeriesCurrent, filled
+from missionplan.phases.currents import Current, FieldCurrent, SeriesCurrent, fill_gaps
 from missionplan.scenario.current_files import CurrentField, read_current_csv, read_current_netcdf
 
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
@@ -48,4 +48,4 @@ def placed(field: CurrentField, origin: Geographic) -> FieldCurrent:
     same = np.full_like
     _, north = to_plane(field.latitude, same(field.latitude, origin.longitude), origin)
     east, _ = to_plane(same(field.longitude, origin.latitude), field.longitude, origin)
-    return FieldCurrent(field.time, field.depth, north, east, filled(field.east), filled(field.north))
+    return FieldCurrent(field.time, field.depth, north, east, fill_gaps(field.east), fill_gaps(field.north))

@@ -6,7 +6,7 @@ from scipy.integrate import trapezoid
 from scipy.interpolate import RegularGridInterpolator
 
 from missionplan.errors import InputError
-from missionplan.phases.currents import Current, FieldCurrent, LayeredCurrent, SeriesCurrent, filled, layers
+from missionplan.phases.currents import Current, FieldCurrent, LayeredCurrent, SeriesCurrent, fill_gaps, layers
 
 HERE = np.zeros((2, 1))
 RNG = np.random.default_rng(11)
@@ -112,10 +112,10 @@ def test_the_base_quadrature_is_exact_for_a_tide():
 
 def test_missing_nodes_take_the_water_above_them_then_beside_them():
     values = np.array([[[[1.0, 2.0, np.nan]], [[5.0, np.nan, np.nan]]]])
-    assert filled(values).tolist() == [[[[1.0, 2.0, 2.0]], [[5.0, 2.0, 2.0]]]]
+    assert fill_gaps(values).tolist() == [[[[1.0, 2.0, 2.0]], [[5.0, 2.0, 2.0]]]]
     assert np.isnan(values).sum() == 3, "the caller's array is left alone"
 
 
 def test_a_moment_without_any_value_is_refused():
     with pytest.raises(InputError, match="moment without any value"):
-        filled(np.full((1, 1, 2, 2), np.nan))
+        fill_gaps(np.full((1, 1, 2, 2), np.nan))

@@ -181,7 +181,7 @@ class DiveHistories:
         """Those under some of the settings."""
         count = len(self.logs)
         trials = (settings[:, None] * count + np.arange(count)).ravel()
-        return DiveHistories(self.logs, self.history.among(trials))
+        return DiveHistories(self.logs, self.history.take(trials))
 
     @cached_property
     def _fine(self) -> Array:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.descent import SLOWEST_DESCENT, STAGE_TIME, Drift, per_trial
+from missionplan.phases.mooring.descent import SLOWEST_DESCENT, STAGE_TIME, HorizontalDrift
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle
 from missionplan.phases.mooring.vertical_motion import Stop, fall
 
@@ -68,13 +68,13 @@ def ascend(
     AscentRecord
     """
     hooks, trials = DescentHooks(effects), t_start.size
-    bottom, line = per_trial(dive.site_depth, trials), per_trial(dive.line_length, trials)
+    bottom, line = over_trials(dive.site_depth, trials), over_trials(dive.line_length, trials)
     start = np.maximum(bottom - line, 0.0)
-    drift = Drift(current, position, t_start)
+    drift = HorizontalDrift(current, position, t_start)
     rise = fall(
         FreeVehicle(dive, hooks, since_taut),
         start,
-        -per_trial(hooks.water_velocity, trials),
+        -over_trials(hooks.water_velocity, trials),
         Stop(shallowest=0.0),
         time_limit=STAGE_TIME + float(np.max(start, initial=0.0)) / SLOWEST_DESCENT,
         step=step,

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, row_and_next
+from missionplan.arrays import Array, over_trials, row_and_next
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.descent import SLOWEST_DESCENT, STAGE_TIME, Stages, per_trial, sink
+from missionplan.phases.mooring.descent import SLOWEST_DESCENT, STAGE_TIME, Stages, sink
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle
 from missionplan.phases.mooring.vertical_motion import STEP, Fall, Stop, fall
 
@@ -48,7 +48,7 @@ class SensorHistory:
         low, high = row_and_next(self.depths, row)
         return np.where(np.isnan(times), np.nan, low + (high - low) * (place - row))
 
-    def among(self, trials: NDArray[np.intp] | slice) -> "SensorHistory":
+    def take(self, trials: NDArray[np.intp] | slice) -> "SensorHistory":
         """The history of some of the dives."""
         return SensorHistory(self.step, self.depths[:, trials], self.delay[trials])
 
@@ -76,7 +76,7 @@ def sensor_history(
         0 before the line is taut.
     """
     hooks = DescentHooks(effects)
-    delay = per_trial(hooks.delay(per_trial(dive.line_length, trials)), trials)
+    delay = over_trials(hooks.delay(over_trials(dive.line_length, trials)), trials)
     last = max(until - float(np.min(delay)), 0.0)
     grid = np.arange(int(np.ceil(last / step)) + 2, dtype=np.float64) * step
     stages = sink(dive, hooks, trials, step=step, keep=True, until=float(grid[-1]))
@@ -153,12 +153,12 @@ def _depth(stages: Stages, rise: Fall | None, since: Array) -> Array:
 def _rise(dive: Dive, hooks: DescentHooks, stages: Stages, duration: float, step: float) -> Fall:
     """Carry the vehicle up from its lowest point until the line is taut again, for at most a duration [s]."""
     coast = stages.coast
-    moored = np.maximum(per_trial(dive.site_depth, coast.depth.size) - dive.line_length, 0.0)
+    moored = np.maximum(over_trials(dive.site_depth, coast.depth.size) - dive.line_length, 0.0)
     limit = STAGE_TIME + float(np.max(dive.line_length)) / SLOWEST_DESCENT
     return fall(
         FreeVehicle(dive, hooks, stages.pull_down.time + coast.time),
         np.minimum(coast.depth, dive.site_depth),
-        np.where(coast.ended, -per_trial(hooks.water_velocity, coast.depth.size), 0.0),
+        np.where(coast.ended, -over_trials(hooks.water_velocity, coast.depth.size), 0.0),
         Stop(shallowest=moored),
         time_limit=float(np.clip(duration + step, step, limit)),
         step=step,

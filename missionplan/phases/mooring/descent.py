@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle, LoneFall, PullDown
@@ -89,7 +89,7 @@ class DescentRecord:
         return np.asarray(np.hypot(self.offset[0], self.offset[1]))
 
 
-class Drift:
+class HorizontalDrift:
     """Where a body is carried horizontally while it falls; `position` has shape (2, n) [m]."""
 
     def __init__(self, current: Current, position: Array, t_start: Array) -> None:
@@ -125,7 +125,7 @@ def sink(
     *,
     step: float = STEP,
     keep: bool = False,
-    drift: Drift | None = None,
+    drift: HorizontalDrift | None = None,
     until: float = np.inf,
 ) -> Stages:
     """Carry anchor and vehicle from the separation to the vehicle's lowest point.
@@ -140,7 +140,7 @@ def sink(
         [s].
     keep : bool
         Whether the stages keep their histories.
-    drift : Drift, optional
+    drift : HorizontalDrift, optional
         Carries the anchor along.
     until : float
         Time since the start of the free fall beyond which nothing is asked: stages are cut there [s].
@@ -150,10 +150,10 @@ def sink(
     Stages
     """
     rest = np.zeros(trials)
-    line, bottom = (per_trial(value, trials) for value in (dive.line_length, dive.site_depth))
+    line, bottom = (over_trials(value, trials) for value in (dive.line_length, dive.site_depth))
     limit = STAGE_TIME + float(np.max(bottom, initial=0.0)) / SLOWEST_DESCENT
     run = partial(fall, step=step, keep=keep)
-    delay = np.maximum(per_trial(hooks.delay(line), trials), 0.0)
+    delay = np.maximum(over_trials(hooks.delay(line), trials), 0.0)
     stop = Stop(deepest=np.minimum(line, bottom))
     if drift is not None:
         drift.wait(delay, rest)
@@ -184,11 +184,6 @@ def sink(
     return Stages(lone, pull_down, coast, delay)
 
 
-def per_trial(value: Scalars, trials: int) -> Array:
-    """A number or an array over trials as an array of shape (n,)."""
-    return np.broadcast_to(np.asarray(value, dtype=float), (trials,))
-
-
 def descend(
     dive: Dive,
     *,
@@ -215,7 +210,7 @@ def descend(
     t_start : array, shape (n,)
         Time of the last fix since the mission's start [s].
     surface_velocity : array, shape (2, n), optional
-        Drift at the surface beyond the current, while the anchor has not separated [m/s].
+        HorizontalDrift at the surface beyond the current, while the anchor has not separated [m/s].
     step : float
         Of the integration [s].
 
@@ -225,12 +220,12 @@ def descend(
     """
     hooks = DescentHooks(effects)
     trials = release_time.size
-    drift = Drift(current, position, t_start)
+    drift = HorizontalDrift(current, position, t_start)
     drift.wait(release_time, np.zeros(trials), extra=surface_velocity)
     stages = sink(dive, hooks, trials, step=step, drift=drift)
     down = stages.lone.ended & stages.pull_down.ended
     deepest = np.where(down, stages.coast.depth, stages.pull_down.depth)
-    lowest = per_trial(dive.site_depth, trials) - deepest
+    lowest = over_trials(dive.site_depth, trials) - deepest
     return DescentRecord(
         release_time=release_time,
         payout_time=stages.taut_at,

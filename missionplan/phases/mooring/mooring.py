@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.currents import Current
-from missionplan.phases.hooks import DescentEffect, TransitEffect
+from missionplan.phases.hooks import DescentEffect, TransitEffect, surface_velocity
 from missionplan.phases.mooring.ascent import ascend
 from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
@@ -130,7 +130,7 @@ def moor(
     """
     effects, surface_effects = tuple(effects), tuple(surface_effects)
     n = state.trials
-    release = _over(plan.release_time, n)
+    release = over_trials(plan.release_time, n)
     descent = descend(
         plan.dive,
         effects=effects,
@@ -138,7 +138,7 @@ def moor(
         current=current,
         position=state.position,
         t_start=state.clock,
-        surface_velocity=_surface_velocity(surface_effects, state.clock, release, state.position),
+        surface_velocity=surface_velocity(surface_effects, state.clock, release, state.position),
     )
     down = descent.touched_down
     landed = state.position + descent.offset
@@ -154,9 +154,9 @@ def moor(
     surfaced = down & ascent.surfaced
     came_up = landed + ascent.drift
     up_at = state.clock + release + moored + np.where(surfaced, ascent.ascent_time, 0.0)
-    time = _over(plan.surfacing_time, n)
+    time = over_trials(plan.surfacing_time, n)
     carried = current.mean_velocity(up_at, time, 0.0, came_up, np.zeros((2, 1)))
-    end = came_up + (carried + _surface_velocity(surface_effects, up_at, time, came_up)) * time
+    end = came_up + (carried + surface_velocity(surface_effects, up_at, time, came_up)) * time
     duration = np.where(surfaced, up_at + time - state.clock, np.nan)
     offset = np.where(down, landed - state.fix, np.nan)
     record = MoorRecord(
@@ -184,14 +184,3 @@ def _after(state: TrialState, record: MoorRecord, position: Array, fix: Array) -
         energy=np.where(goes_on, state.energy + record.energy, state.energy),
         alive=goes_on,
     )
-
-
-def _surface_velocity(effects: Iterable[TransitEffect], t: Array, duration: Array, position: Array) -> Array:
-    velocity = np.zeros((2, t.size))
-    for effect in effects:
-        velocity = velocity + effect.surface_velocity(t, duration, position)
-    return velocity
-
-
-def _over(value: Scalars, trials: int) -> Array:
-    return np.broadcast_to(np.asarray(value, dtype=float), (trials,))

@@ -10,12 +10,12 @@ from missionplan.phases.hooks import Leg
 from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, VelocityError
 
 
-class Drift:
+class GroundVelocity:
     """Velocities over the ground that a leg and a surfacing add, with the memory of effects that persist."""
 
-    def __init__(self, plan: TransitPlan, surroundings: Environment, normals: TransitNormals) -> None:
-        self._plan, self._surroundings, self._normals = plan, surroundings, normals
-        self._memory: list[Any] = [None] * len(surroundings.effects)
+    def __init__(self, plan: TransitPlan, environment: Environment, normals: TransitNormals) -> None:
+        self._plan, self._surroundings, self._normals = plan, environment, normals
+        self._memory: list[Any] = [None] * len(environment.effects)
         self._mid_leg: Array | None = None
 
     def of_leg(self, number: int, normals: Array, t: Array, duration: Array, start: Array, through: Array) -> Array:
@@ -75,11 +75,11 @@ class Drift:
         sd: Scalars = np.sqrt(variance)
         return sd
 
-    def take(self, plan: TransitPlan, trials: NDArray[np.intp]) -> "Drift":
+    def take(self, plan: TransitPlan, trials: NDArray[np.intp]) -> "GroundVelocity":
         """Go on with some of the trials; for surroundings without effects."""
         current = self._surroundings.current
         fewer = Environment(current.take(trials) if current else None, self._surroundings.compensation)
-        return Drift(plan, fewer, self._normals)
+        return GroundVelocity(plan, fewer, self._normals)
 
 
 def random_part(error: VelocityError, normals: Array) -> Array:
@@ -91,7 +91,7 @@ def random_part(error: VelocityError, normals: Array) -> Array:
     return np.stack((root[0, 0] * normals[0], root[1, 0] * normals[0] + root[1, 1] * normals[1]))
 
 
-def drawn(source: Normals, number: int, trials: NDArray[np.intp] | int) -> Array:
+def leg_normals(source: Normals, number: int, trials: NDArray[np.intp] | int) -> Array:
     """Take a leg's normals of some trials of the block, or of the first ones."""
     whole = source.leg(number)
     return whole[:, :trials] if isinstance(trials, int) else whole.take(trials, axis=1)

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.phases.state import TrialState, per_trial
+from missionplan.phases.state import TrialState, select_trials
 from missionplan.phases.transit.compensation import LegAhead, LegBehind, Memory
-from missionplan.phases.transit.ground_velocity import Drift, drawn
+from missionplan.phases.transit.ground_velocity import GroundVelocity, leg_normals
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import (
     Environment,
@@ -24,10 +24,10 @@ from missionplan.phases.transit.plan import (
     column,
 )
 
-_FEW = 256  # trials below which dropping the arrived ones costs more than it saves
+_MIN_TRIALS_TO_DROP = 256  # trials below which dropping the arrived ones costs more than it saves
 
 
-class Outcome(NamedTuple):
+class FinalState(NamedTuple):
     """What the legs came to, positions relative to the goal; shapes (n,) and (2, n)."""
 
     distance: Array
@@ -37,18 +37,18 @@ class Outcome(NamedTuple):
     under_way: NDArray[np.bool_]
 
 
-class Legs:
+class LegLoop:
     """Trials under way: `run` takes them through one leg after the other, `finish` gives what it came to."""
 
     def __init__(
-        self, plan: TransitPlan, state: TrialState, normals: TransitNormals, surroundings: Environment, tracked: int
+        self, plan: TransitPlan, state: TrialState, normals: TransitNormals, environment: Environment, tracked: int
     ) -> None:
-        self._plan, self._normals, self._way = plan, normals, surroundings.compensation
-        self._drift = Drift(plan, surroundings, normals)
+        self._plan, self._normals, self._way = plan, normals, environment.compensation
+        self._drift = GroundVelocity(plan, environment, normals)
         self._fix_sd = self._drift.fix_sd()
         self._fixes_err = bool(np.any(self._fix_sd))
-        self._is_still = surroundings.is_still
-        self._keeps_all = bool(surroundings.effects) or tracked > 0
+        self._is_still = environment.is_still
+        self._keeps_all = bool(environment.effects) or tracked > 0
         self._goal, self._clock = column(plan.goal), state.clock
         self._trials: NDArray[np.intp] | int = state.trials  # all of the block, or which of it
         self._x = state.position - self._goal
@@ -57,7 +57,7 @@ class Legs:
         self._fix = self._x if exact else state.fix - self._goal
         self._left = _norm(self._fix)
         self._distance, self._surfacings = np.zeros(state.trials), np.zeros(state.trials)
-        self._done: Outcome | None = None
+        self._done: FinalState | None = None
         self._memory: Memory = self._way.begin(state.trials) if self._way else ()
         self._started = 0.0 * self._distance if plan.length_lost is not None else None  # legs begun
         self._moving: Array | None = None  # 1 for a trial under way, 0 for one that is not; None while all are
@@ -102,9 +102,9 @@ class Legs:
             self._memory = self._way.learn(self._memory, behind)
         self._judge()
 
-    def finish(self) -> Outcome:
+    def finish(self) -> FinalState:
         """Give what the legs came to, for all trials of the block."""
-        now = Outcome(self._distance, self._surfacings, self._x, self._fix, self._far)
+        now = FinalState(self._distance, self._surfacings, self._x, self._fix, self._far)
         if isinstance(self._trials, int):
             return now
         assert self._done is not None
@@ -148,7 +148,7 @@ class Legs:
     def _move(self, number: int, length: Array, course: Array) -> None:
         """Move along `course` through the water and with what carries the vehicle meanwhile."""
         error, speed = self._plan.velocity_error, self._plan.speed
-        normals = drawn(self._normals.velocity, number, self._trials)
+        normals = leg_normals(self._normals.velocity, number, self._trials)
         if self._is_still and error.is_plain and self._started is None:
             np.multiply(length, error.root[0, 0] / speed, out=self._ratio)
             np.multiply(normals, self._ratio, out=self._error)
@@ -184,7 +184,7 @@ class Legs:
     def _fix_noise(self, source: Normals | None, number: int) -> Array:
         if source is None:
             raise ValueError("fixes err: TransitNormals needs fix_on_surfacing and fix_on_diving")
-        return drawn(source, number, self._trials)
+        return leg_normals(source, number, self._trials)
 
     def _judge(self) -> None:
         """See who has arrived by the fix on diving, and drop those from the arrays once they are many."""
@@ -195,7 +195,7 @@ class Legs:
         if self._moving is not None:
             far &= self._moving > 0.0
         self._set_moving(far)
-        if not self._keeps_all and 2 * self._count <= far.size and far.size > _FEW:
+        if not self._keeps_all and 2 * self._count <= far.size and far.size > _MIN_TRIALS_TO_DROP:
             self._drop_all_but(np.flatnonzero(far))
 
     def _set_moving(self, moving: NDArray[np.bool_]) -> None:
@@ -211,13 +211,13 @@ class Legs:
         self._x = self._x[:, kept]
         self._fix = self._x if shared else self._fix[:, kept]
         self._left, self._clock = self._left[kept], self._clock[kept]
-        self._goal = per_trial(self._goal, kept)
+        self._goal = select_trials(self._goal, kept)
         self._distance, self._surfacings = self._distance[kept], self._surfacings[kept]
         self._started = None if self._started is None else self._started[kept]
         self._memory = tuple(array[..., kept] for array in self._memory)
         self._plan = _plan_of(self._plan, kept)
         self._drift = self._drift.take(self._plan, kept)
-        self._fix_sd = per_trial(self._fix_sd, kept)
+        self._fix_sd = select_trials(self._fix_sd, kept)
         self._moving, self._far = None, np.ones(kept.size, dtype=bool)
         self._allocate()
 
@@ -255,11 +255,11 @@ def _plan_of(plan: TransitPlan, trials: NDArray[np.intp]) -> TransitPlan:
     error = plan.velocity_error
     return replace(
         plan,
-        speed=per_trial(plan.speed, trials),
-        arrival_radius=per_trial(plan.arrival_radius, trials),
-        d_max=plan.d_max if isinstance(plan.d_max, LegTable) else per_trial(plan.d_max, trials),
-        surfacing_time=per_trial(plan.surfacing_time, trials),
-        velocity_error=VelocityError(per_trial(error.mean, trials), per_trial(error.root, trials)),
-        depth=per_trial(plan.depth, trials),
-        length_lost=None if plan.length_lost is None else per_trial(plan.length_lost, trials),
+        speed=select_trials(plan.speed, trials),
+        arrival_radius=select_trials(plan.arrival_radius, trials),
+        d_max=plan.d_max if isinstance(plan.d_max, LegTable) else select_trials(plan.d_max, trials),
+        surfacing_time=select_trials(plan.surfacing_time, trials),
+        velocity_error=VelocityError(select_trials(error.mean, trials), select_trials(error.root, trials)),
+        depth=select_trials(plan.depth, trials),
+        length_lost=None if plan.length_lost is None else select_trials(plan.length_lost, trials),
     )

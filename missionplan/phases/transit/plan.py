@@ -124,6 +124,23 @@ class TransitPlan:
         time: Array = distance / self.speed
         return time if self.length_lost is None else time + legs * (self.length_lost / self.speed)
 
+    def nominal_time(self, start: Array) -> Array:
+        """Time of the straight way from a start, shape (2, 1) or (2, n), t_nom = ‖x_f − x_0‖/U [s]."""
+        return np.asarray(np.hypot(*(column(self.goal) - start)) / self.speed)
+
+    def cost(self, record: "TransitRecord", nominal: Array) -> Array:
+        """Cost c = (t_f − t_nom)/t_nom of each trial (Briggs et al., Eq. 25), the arrival's surfacing not charged.
+
+        Parameters
+        ----------
+        record : TransitRecord
+            Of a transit by this plan.
+        nominal : array, shape (n,)
+            t_nom [s].
+        """
+        charged = np.maximum(record.surfacings - 1.0, 0.0) * self.surfacing_time
+        return np.asarray((self.time_under_way(record.distance, record.surfacings) + charged) / nominal - 1.0)
+
 
 @dataclass(frozen=True)
 class TransitNormals:

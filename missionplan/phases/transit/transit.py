@@ -9,7 +9,7 @@ the next leg starts from it. Checked against an integral equation (`expectation`
 import numpy as np
 
 from missionplan.phases.state import TrialState
-from missionplan.phases.transit.leg_loop import Legs
+from missionplan.phases.transit.leg_loop import LegLoop
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, TransitRecord, column
 
 
@@ -17,7 +17,7 @@ def transit(
     plan: TransitPlan,
     state: TrialState,
     normals: TransitNormals,
-    surroundings: Environment | None = None,
+    environment: Environment | None = None,
     *,
     tracked: int = 0,
 ) -> tuple[TrialState, TransitRecord]:
@@ -32,7 +32,7 @@ def transit(
     state : TrialState
         At the fix before the first dive.
     normals : TransitNormals
-    surroundings : Environment, optional
+    environment : Environment, optional
         Default: still water, no compensation, no effects.
     tracked : int
         Trials whose tracks are kept.
@@ -41,7 +41,7 @@ def transit(
     -------
     state, record : TrialState, TransitRecord
     """
-    legs = Legs(plan, state, normals, surroundings or Environment(), tracked)
+    legs = LegLoop(plan, state, normals, environment or Environment(), tracked)
     for number in range(plan.max_legs):
         if legs.all_arrived:
             break

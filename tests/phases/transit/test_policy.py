@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from missionplan.phases.transit.analytic import bellman
 from missionplan.phases.transit.analytic.expectation import expected_cost
-from missionplan.phases.transit.analytic.policy import LOSS, best_d_max, best_legs, thinned
+from missionplan.phases.transit.analytic.policy import TABLE_LOSS, best_d_max, best_legs, simplify_table
 from missionplan.phases.transit.leg_table import LegTable
 
 SURFACING = 90.0
@@ -35,7 +35,7 @@ def test_check_values(case):
     _, best = CHECK_VALUES[case]
     policy = policy_of(case)
     assert policy.bound == pytest.approx(best, abs=2e-4)
-    assert policy.bound - 1e-6 <= policy.transit.cost <= policy.bound + LOSS
+    assert policy.bound - 1e-6 <= policy.transit.cost <= policy.bound + TABLE_LOSS
 
 
 @pytest.mark.parametrize("case", CHECK_VALUES)
@@ -67,7 +67,7 @@ def test_no_perturbation_does_better(case, where, width, size):
     bump = np.exp(-0.5 * ((np.log(left) - centre) / width) ** 2)
     leg = np.maximum(policy.legs(left) * (1.0 + size * bump), 0.1)
     perturbed = expected_cost(case[0], LegTable(left, leg), *case[1:], SURFACING)
-    assert perturbed >= policy.bound - LOSS
+    assert perturbed >= policy.bound - TABLE_LOSS
 
 
 @settings(max_examples=20)
@@ -76,7 +76,7 @@ def test_no_random_table_does_better(seed, size):
     policy = policy_of(SHORT)
     noise = np.random.default_rng(seed).standard_normal(policy.legs.leg.size)
     perturbed = LegTable(policy.legs.left, policy.legs.leg * np.exp(size * noise))
-    assert expected_cost(SHORT[0], perturbed, *SHORT[1:], SURFACING) >= policy.bound - LOSS
+    assert expected_cost(SHORT[0], perturbed, *SHORT[1:], SURFACING) >= policy.bound - TABLE_LOSS
 
 
 @pytest.mark.parametrize("case", [SHORT, (400.0, 1.0, 50.0, 0.25)])
@@ -174,7 +174,7 @@ def test_arguments_out_of_range(change):
 def test_thinning_keeps_ends_bends_and_jumps():
     left = np.concatenate([np.linspace(50.0, 400.0, 36), np.linspace(401.0, 1000.0, 50)])
     leg = np.concatenate([np.linspace(10.0, 360.0, 36), np.full(50, 250.0)])
-    thin = thinned(LegTable(left, leg), np.full(left.size, 0.5))
+    thin = simplify_table(LegTable(left, leg), np.full(left.size, 0.5))
     np.testing.assert_allclose(thin.left, [50.0, 400.0, 401.0, 1000.0])
     np.testing.assert_allclose(thin.leg, [10.0, 360.0, 250.0, 250.0])
 
@@ -182,5 +182,5 @@ def test_thinning_keeps_ends_bends_and_jumps():
 @given(st.lists(st.floats(1.0, 1000.0), min_size=2, max_size=40), st.floats(0.1, 100.0))
 def test_thinning_stays_within_its_tolerance(leg, tolerance):
     table = LegTable(np.arange(len(leg)) * 500.0, np.array(leg))
-    thin = thinned(table, np.full(len(leg), tolerance))
+    thin = simplify_table(table, np.full(len(leg), tolerance))
     assert np.all(np.abs(np.interp(table.left, thin.left, thin.leg) - table.leg) <= tolerance)

@@ -15,9 +15,9 @@ from missionplan.phases.transit.analytic.bellman import Bellman, is_steep
 from missionplan.phases.transit.analytic.expectation import TransitExpectation, expected_transit
 from missionplan.phases.transit.leg_table import LegTable
 
-LOSS = 1e-5
+TABLE_LOSS = 1e-5
 """Cost given away, at most, for a table with few knots."""
-TRACE = 1e-3
+LEAST_ERROR = 1e-3
 """Least error of a leg over the whole distance that is planned for, in arrival radii."""
 
 
@@ -32,7 +32,7 @@ class LegPolicy:
     transit : TransitExpectation
         With these legs.
     bound : float
-        Least expected cost c of any legs, which the table misses by `LOSS` at most.
+        Least expected cost c of any legs, which the table misses by `TABLE_LOSS` at most.
     """
 
     legs: LegTable
@@ -73,7 +73,7 @@ def best_legs(
     one_leg = expected_transit(distance, distance, speed, arrival_radius, sigma, surfacing_time, base_spread)
     if not surfacing_time > 0 or distance <= arrival_radius:
         raise ValueError("the best legs need a surfacing time and a start outside the arrival radius")
-    k = max(sigma / speed, TRACE * arrival_radius / distance)
+    k = max(sigma / speed, LEAST_ERROR * arrival_radius / distance)
     left, leg = Bellman.on_grid(distance, arrival_radius, k, surfacing_time * speed, base_spread).solve()
 
     arguments = (speed, arrival_radius, k * speed, surfacing_time, base_spread)
@@ -81,8 +81,8 @@ def best_legs(
     bound = min(expected_transit(distance, full, *arguments).cost, one_leg.cost)
     tolerance = k * leg + 0.02 * arrival_radius
     while True:
-        legs = thinned(full, tolerance)
-        if legs.left.size == left.size or expected_transit(distance, legs, *arguments).cost <= bound + LOSS:
+        legs = simplify_table(full, tolerance)
+        if legs.left.size == left.size or expected_transit(distance, legs, *arguments).cost <= bound + TABLE_LOSS:
             transit = expected_transit(distance, legs, speed, arrival_radius, sigma, surfacing_time, base_spread)
             return LegPolicy(legs, transit, bound)
         tolerance *= 0.5
@@ -112,7 +112,7 @@ def best_d_max(
     return d_max, expected(d_max)
 
 
-def thinned(table: LegTable, tolerance: Array) -> LegTable:
+def simplify_table(table: LegTable, tolerance: Array) -> LegTable:
     """Leave out knots that interpolation restores to within a tolerance, one a knot [m]; jumps are kept."""
     left, leg = table.left, table.leg
     keep = np.zeros(left.size, dtype=bool)
