@@ -134,13 +134,13 @@ def test_dask_says_what_to_install(monkeypatch):
 INTERRUPTED = """
 import sys, time
 from missionplan.montecarlo.parallel_blocks import run_blocks
-from missionplan.montecarlo.pool import end_workers
+from missionplan.montecarlo.pool import shut_down_pool
 try:
     for _ in run_blocks(time.sleep, [0.0] + [60.0] * int(sys.argv[1]), jobs=2):
         print("block", flush=True)
         time.sleep(float(sys.argv[2]))
 except KeyboardInterrupt:
-    end_workers()  # as the command does
+    shut_down_pool()  # as the command does
     sys.exit(130)
 """
 
