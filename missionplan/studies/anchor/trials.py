@@ -12,6 +12,7 @@ from missionplan.montecarlo.parallel_blocks import Backend, run_blocks
 from missionplan.montecarlo.statistics import Count, RunningStatistic
 from missionplan.montecarlo.streams import block_count, block_size, stream
 from missionplan.phases.currents import Current
+from missionplan.phases.hooks import surface_velocity
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import Dive
 from missionplan.results.anchor import DiveProbabilities
@@ -106,7 +107,7 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
         current=scenario.current or STILL_WATER,
         position=position,
         t_start=start,
-        surface_velocity=surface_velocity(scenario, start, release, position),
+        surface_velocity=surface_velocity(scenario.transit_effects, start, release, position),
         step=STEP,
     )
     fix_error = scenario.fix_error * stream(study.seed, f"{study.phase.name}.fix", block).standard_normal((2, size))
@@ -145,11 +146,3 @@ def start_of(scenario: Scenario, phase: MoorPhase) -> tuple[Array, float]:
             time += float(np.hypot(*(goal - place))) / float(means[f"{earlier.name}.speed"])
             place = goal
     return place, time
-
-
-def surface_velocity(scenario: Scenario, t: Array, duration: Array, position: Array) -> Array:
-    """Drift at the surface beyond the current, shape (2, n) [m/s]."""
-    velocity = np.zeros((2, t.size))
-    for effect in scenario.transit_effects:
-        velocity = velocity + effect.surface_velocity(t, duration, position)
-    return velocity

@@ -1,8 +1,8 @@
-"""What is kept of a block of missions: statistics and counts that merge block by block, and the first trials whole."""
+"""Statistics and counts of a block of missions, which merge block by block, and the first trials in full."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,16 +10,22 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.mission import Mission
 from missionplan.mission.checks.requirements import EVENTS, QUANTITIES
+from missionplan.mission.schema.mission import Requirement
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
 from missionplan.montecarlo.running_statistics import RunningStatistics
 from missionplan.montecarlo.statistics import Count, Moments
-from missionplan.studies.simulation.mission_trials import Flags, MissionTrials
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.studies.simulation.mission_trials import MissionTrials
+from missionplan.studies.simulation.phase_trials import Flags
+
+Value = TypeVar("Value")
+Side = Literal["at_most", "at_least"]
 
 SAMPLED_BLOCKS = 4
 """Blocks of which inputs and key figures are kept trial by trial, for sensitivities and circles of error."""
 SUFFIXES = {"s": "_s", "m": "_m", "m/s": "_m_s", "J": "_wh", "rad": "_rad", "": ""}
 """How the name of a quantity ends in results, by the SI unit in which the mission file bounds it."""
-SCALES = {"J": 1.0 / 3600.0}
+SCALES = {"J": 1.0 / JOULES_PER_WATT_HOUR}
 """From that SI unit to the results' where they differ."""
 KEY_FIGURES = {
     "transit": ("duration_s", "arrival_error_m", "energy_wh", "arrived"),
@@ -81,13 +87,34 @@ class BlockStatistics:
         """Read what `to_arrays` wrote."""
         numbers = zip(flat["count/names"].tolist(), flat["count/numbers"].tolist(), strict=True)
         counts = {name: Count(successes, trials) for name, (successes, trials) in numbers}
-        moments: Any = {field.name: flat[f"moments/{field.name}"] for field in fields(Moments)}
         ends = np.cumsum(flat["sketch/sizes"])[:-1]
         bins, held = (np.split(flat[f"sketch/{name}"], ends) for name in ("bins", "counts"))
         sketches = tuple(map(QuantileSketch.of_used, bins, held))
-        statistics = RunningStatistics(tuple(flat["statistic/names"].tolist()), Moments(**moments), sketches)
-        sample: Any = {name.removeprefix("sample/"): flat[name] for name in flat if name.startswith("sample/")}
+        statistics = RunningStatistics(tuple(flat["statistic/names"].tolist()), _moments(flat), sketches)
+        sample = {name: np.asarray(values, dtype=float) for name, values in with_prefix(flat, "sample/").items()}
         return cls(statistics, counts, sample)
+
+
+def _moments(flat: Mapping[str, NDArray[np.generic]]) -> Moments:
+    def numbers(name: str) -> Array:
+        return np.asarray(flat[f"moments/{name}"], dtype=float)
+
+    def integers(name: str) -> NDArray[np.int64]:
+        return np.asarray(flat[f"moments/{name}"], dtype=np.int64)
+
+    return Moments(
+        count=integers("count"),
+        missing=integers("missing"),
+        mean=numbers("mean"),
+        squares=numbers("squares"),
+        low=numbers("low"),
+        high=numbers("high"),
+    )
+
+
+def with_prefix(named: Mapping[str, Value], prefix: str) -> dict[str, Value]:
+    """Entries whose names begin with a prefix, without it."""
+    return {name.removeprefix(prefix): named[name] for name in named if name.startswith(prefix)}
 
 
 def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: bool) -> BlockStatistics:
@@ -107,11 +134,10 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
         quantities |= {f"{phase.name}.{name}": values for name, values in phase.quantities.items()}
         counts |= {f"{phase.name}.{name}": Count.of(happened) for name, happened in phase.events.items()}
     quantities |= {f"{phase.name}.end": phase.end for phase in trials.phases[:-1]}
-    counts |= {step: Count.of(lost) for step, lost in _first_losses(trials).items()}
+    counts |= {step: Count.of(lost) for step, lost in _failures_by_step(trials).items()}
     for index, requirement in enumerate(mission.requirements):
-        key, bounds = requirement_key(mission, requirement.quantity)
-        limits = {side: getattr(requirement, side) for side in ("at_most", "at_least")}
-        counts[f"requirement {index}"] = Count.of(_meets(columns[key], limits, bounds))
+        key, unit = requirement_key(mission, requirement.quantity)
+        counts[f"requirement {index}"] = Count.of(_meets(columns[key], bound_of(requirement), unit))
     return BlockStatistics(RunningStatistics.of(quantities), counts, _sample(trials, columns) if sampled else {})
 
 
@@ -125,20 +151,24 @@ def requirement_key(mission: Mission, quantity: str) -> tuple[str, str | None]:
     return f"{quantity}{SUFFIXES[unit]}", unit
 
 
-def _meets(values: Array | Flags, limits: Mapping[str, float | None], unit: str | None) -> Flags:
+def bound_of(requirement: Requirement) -> tuple[Side, float] | None:
+    """Side and limit of a requirement's bound, in SI; None for an event."""
+    if requirement.at_most is not None:
+        return "at_most", requirement.at_most
+    return None if requirement.at_least is None else ("at_least", requirement.at_least)
+
+
+def _meets(values: Array | Flags, bound: tuple[Side, float] | None, unit: str | None) -> Flags:
     """Whether each trial meets a requirement; one that never reached the quantity does not."""
-    if unit is None:
+    if bound is None or unit is None:
         return np.asarray(values, dtype=bool)
-    scale = SCALES.get(unit, 1.0)
-    at_most, at_least = limits["at_most"], limits["at_least"]
-    if at_most is not None:
-        return np.asarray(values <= at_most * scale)
-    assert at_least is not None
-    return np.asarray(values >= at_least * scale)
+    side, limit = bound
+    scaled = limit * SCALES.get(unit, 1.0)
+    return np.asarray(values <= scaled if side == "at_most" else values >= scaled)
 
 
-def _first_losses(trials: MissionTrials) -> dict[str, Flags]:
-    """By step of the mission, the trials that were good until it and are lost at it."""
+def _failures_by_step(trials: MissionTrials) -> dict[str, Flags]:
+    """Trials that fail at each step of the mission and at none before it."""
     good = np.ones(trials.success.size, dtype=bool)
     steps = {}
     for phase in trials.phases:

@@ -1,22 +1,22 @@
-"""What a worker does with one block; the module that worker processes import, and so kept light."""
+"""The task of a worker: one block. Worker processes import this module, so that it is kept light."""
 
 from dataclasses import dataclass
 
 from missionplan.errors import MissionplanError
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.simulation.block_sequence import BlockItem, BlockResult
+from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockResult, FailedBlock
 from missionplan.studies.simulation.block_statistics import SAMPLED_BLOCKS, statistics_of_block
 from missionplan.studies.simulation.mission_trials import MapTracks, MissionTrials
 from missionplan.studies.simulation.trial_block import run_block
 
 TRACKED_TRIALS = 300
-"""Trials whose tracks are shown, the first of the run."""
+"""Trials whose tracks are on maps, the first of the run."""
 
 
 @dataclass(frozen=True, eq=False)  # hashed by identity: Dask hashes what it runs, and arrays have no hash
 class BlockTask:
-    """Runs a block, in this process or another; everything that it needs is in it.
+    """Runs a block, in this process or another; it holds everything that it needs.
 
     Attributes
     ----------
@@ -24,7 +24,7 @@ class BlockTask:
         The mission at its means, with the site's current where it is read from a file, which workers need not reach.
     seed : int
     keep_trials : bool
-        Whether a row a trial comes back too.
+        Whether to return one row a trial too.
     """
 
     means: Scenario
@@ -36,12 +36,12 @@ class BlockTask:
         scenario = self.means.sampled(seed=self.seed, block=block, size=size)
         return run_block(scenario, self.seed, block, size, tracked, inputs)
 
-    def shown(self, block: int, size: int) -> MapTracks:
-        """Run one block for what maps show of it."""
+    def tracks(self, block: int, size: int) -> MapTracks:
+        """Run one block for its tracks."""
         return MapTracks.of(self.trials(block, size, tracked=TRACKED_TRIALS, inputs=False))
 
-    def __call__(self, item: BlockItem) -> BlockResult:
-        """Run one block and reduce it; a failure of its numbers is told, not raised, so that others go on."""
+    def __call__(self, item: BlockItem) -> BlockOutcome:
+        """Run one block and reduce it; a numerical failure is returned, not raised, so that other blocks go on."""
         (block, size), sampled = item, item[0] < SAMPLED_BLOCKS
         tracked = TRACKED_TRIALS if block == 0 else 0
         try:
@@ -52,6 +52,6 @@ class BlockTask:
         except Exception as error:
             first = block * BLOCK
             place = f"block {block} (trials {first} to {first + size - 1}, seed {self.seed})"
-            return BlockResult(None, failure=f"{place}: {type(error).__name__}: {error}")
+            return FailedBlock(f"{place}: {type(error).__name__}: {error}")
         rows = trials.columns() if self.keep_trials else {}
         return BlockResult(reduced, rows, MapTracks.of(trials) if tracked else None)

@@ -1,6 +1,4 @@
-"""What a mission must hold to be simulated, said before any work is done, and what its reader should know."""
-
-from collections.abc import Sequence
+"""What a mission must have to be simulated, checked before any work is done, and what its reader should know."""
 
 import numpy as np
 
@@ -9,15 +7,15 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import TransitPhase
-from missionplan.mission.schema.transition import TransitionPhase
+from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
 from missionplan.phases.currents import FieldCurrent, SeriesCurrent
 from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.vehicle_drag import range_notes
 from missionplan.scenario.anchor_weight import anchor_problem
 from missionplan.scenario.mooring import wet_weight_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.transition import check_transition
-from missionplan.studies.simulation.block_statistics import BlockStatistics
+from missionplan.studies.simulation.block_sequence import MergedBlocks
+from missionplan.studies.simulation.precision import Precision
 
 
 def check_complete(mission: Mission) -> None:
@@ -28,24 +26,19 @@ def check_complete(mission: Mission) -> None:
     InputError
         With everything that is missing.
     """
-    missing = [] if mission.phases else [("phases", "a mission to simulate has at least one phase")]
-    vehicle, site = mission.vehicle, mission.site
-    if mission.moors:
-        missing += [] if site and site.depth is not None else [("site.depth", "a mooring needs it")]
-        missing += [] if site and site.water is not None else [("site.water", "a mooring needs it")]
-        missing += [] if vehicle else [("vehicle", "a mooring needs it")]
-        missing += [] if not vehicle or vehicle.mass is not None else [("vehicle.mass", "a mooring needs it")]
-        missing += [] if not vehicle or vehicle.anchor else [("vehicle.anchor", "a mooring needs it")]
-        anchor = vehicle.anchor if vehicle else None
-        if anchor and anchor.flooded_mass is None and anchor.construction is None:
-            missing.append(("vehicle.anchor.flooded_mass", "a descent needs it where no construction is given"))
-    if any(isinstance(phase, TransitionPhase) for phase in mission.phases):
-        missing += check_transition(mission)
-    turning = any(entry.effect == "inertial-current" for entry in mission.effects)
-    if turning and mission.transits and (site is None or site.origin is None):
-        missing.append(("site.origin", "inertial-current needs its latitude"))
-    if missing:
-        raise InputError([Problem(f"missing; {words}", mission.file, key=key) for key, words in missing])
+    problems = [] if mission.phases else [_missing(mission, "phases", "a mission to simulate has at least one phase")]
+    problems += missing_for_transits(mission) if mission.transits else []
+    problems += missing_for_moorings(mission) if mission.moors else []
+    problems += missing_for_transitions(mission) if mission.transitions else []
+    inertial = any(entry.effect == "inertial-current" for entry in mission.effects)
+    if inertial and mission.transits and (mission.site is None or mission.site.origin is None):
+        problems.append(_missing(mission, "site.origin", "inertial-current needs its latitude"))
+    if problems:
+        raise InputError(problems)
+
+
+def _missing(mission: Mission, key: str, reason: str) -> Problem:
+    return Problem(f"missing; {reason}", mission.file, key=key)
 
 
 def check_current(mission: Mission, means: Scenario) -> None:
@@ -93,39 +86,60 @@ def _places(mission: Mission, means: Scenario) -> list[tuple[str, Array]]:
     return found
 
 
-def notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
+def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
     """What the reader should know of the input: cut distributions, models out of their range, what is left out."""
-    found = list(mission.notices())
+    return (
+        *mission.notices(),
+        *_energy_notices(mission),
+        *_drag_notices(mission, means),
+        *(words for phase in mission.transits if (words := _drift_notice(means, phase))),
+        *_effect_notices(mission),
+        *_anchor_notices(mission, means),
+    )
+
+
+def _energy_notices(mission: Mission) -> tuple[str, ...]:
+    """Whether energy is computed, and all of it."""
     if mission.vehicle is None:
-        found.append("The mission has no vehicle: energy is not reckoned.")
-    elif mission.budget is None:
-        found.append("The mission has no energy budget: energy is not reckoned.")
-    elif mission.transits and (mission.site is None or mission.site.water is None):
-        found.append("The mission has no site.water: the energy of propulsion is not reckoned.")
-    if mission.vehicle is not None and mission.site is not None and mission.site.water is not None:
-        speeds = [float(means[f"{phase.name}.speed"]) for phase in mission.transits]
-        found += range_notes(means.vehicle_drag, min(speeds)) if speeds else ()
-    found += [words for phase in mission.transits if (words := _drift_notice(means, phase))]
-    for entry in mission.effects:
-        if not CATALOGUE[entry.effect].changes_plan:
-            where = "shows in the tank alone" if CATALOGUE[entry.effect].phase == "tank" else "acts on a reading alone"
-            found.append(f"{entry.effect} {where}: it is carried and does not change the plan.")
-    return (*found, *_anchor_notices(mission, means))
+        return ("The mission has no vehicle: energy is not computed.",)
+    if mission.budget is None:
+        return ("The mission has no energy budget: energy is not computed.",)
+    if mission.transits and (mission.site is None or mission.site.water is None):
+        return ("The mission has no site.water: the energy of propulsion is not computed.",)
+    return ()
+
+
+def _drag_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
+    """Where the model of the drag leaves its range."""
+    if mission.vehicle is None or mission.site is None or mission.site.water is None or not mission.transits:
+        return ()
+    return range_notes(means.vehicle_drag, min(float(means[f"{phase.name}.speed"]) for phase in mission.transits))
 
 
 def _drift_notice(means: Scenario, phase: TransitPhase) -> str:
-    """Say where the mean drift at the start is as fast as the vehicle, so that few trials can arrive."""
+    """Notice of a mean drift at the start as fast as the vehicle, so that few trials can arrive; else empty."""
     drift = np.array([float(means[f"navigation.velocity_error.mean[{axis}]"]) for axis in (0, 1)])
     if means.current is not None:
         depth, place = means[f"{phase.name}.depth"], np.zeros((2, 1))
         drift = drift + means.current.velocity(0.0, depth, place)[:, 0]
-    speed, carried = float(means[f"{phase.name}.speed"]), float(np.hypot(*drift))
-    if carried < speed:
+    vehicle_speed, drift_speed = float(means[f"{phase.name}.speed"]), float(np.hypot(*drift))
+    if drift_speed < vehicle_speed:
         return ""
-    return f"{phase.name}: the mean drift, {carried:.3g} m/s, is as fast as the vehicle, {speed:.3g} m/s."
+    return f"{phase.name}: the mean drift, {drift_speed:.3g} m/s, is as fast as the vehicle, {vehicle_speed:.3g} m/s."
+
+
+def _effect_notices(mission: Mission) -> list[str]:
+    """Effects that do not change the plan."""
+    found = []
+    for entry in mission.effects:
+        if not CATALOGUE[entry.effect].changes_plan:
+            where = "shows in the tank alone" if CATALOGUE[entry.effect].phase == "tank" else "acts on a reading alone"
+            found.append(f"{entry.effect} {where}: it is carried and does not change the plan.")
+    return found
 
 
 def _anchor_notices(mission: Mission, means: Scenario) -> list[str]:
+    """Parts that are not drawn, and anchors that cannot be built."""
     anchor = mission.vehicle.anchor if mission.vehicle else None
     if not mission.moors or anchor is None or anchor.construction is None or anchor.flooded_mass is not None:
         return []
@@ -142,22 +156,18 @@ def _anchor_notices(mission: Mission, means: Scenario) -> list[str]:
     return found
 
 
-def failure_notices(failed: Sequence[str]) -> tuple[str, ...]:
-    """Say how to run a failed block alone."""
-    if not failed:
-        return ()
-    how = "missionplan.studies.simulation.simulate.simulate_block(mission, seed=…, block=…) runs one alone"
-    return (f"{len(failed)} blocks of trials failed and are left out, see failed_blocks; {how}.",)
-
-
-def late_notices(means: Scenario, totals: BlockStatistics) -> tuple[str, ...]:
-    """What the reader should know of the run: missions that outlast the record of the current."""
+def run_notices(means: Scenario, merged: MergedBlocks, goal: Precision | None) -> tuple[str, ...]:
+    """What the reader should know of the run: precision not reached, missions that outlast a record, failed blocks."""
+    trials, failures = merged.totals.trials, len(merged.failures)
+    found = []
+    if goal is not None and not goal.is_reached(merged.totals):
+        found.append(f"The precision asked for, {goal.text}, was not reached in {trials} trials.")
     current = means.recorded
-    if not isinstance(current, FieldCurrent | SeriesCurrent) or len(current.time) < 2:
-        return ()
-    latest = float(totals.statistics["total.duration_s"].moments.high)
-    if latest <= current.time[-1]:
-        return ()
-    return (
-        f"The record of the current ends after {current.time[-1]:.0f} s; the longest mission takes {latest:.0f} s.",
-    )
+    if isinstance(current, FieldCurrent | SeriesCurrent) and len(current.time) > 1:
+        end, latest = current.time[-1], float(merged.totals.statistics["total.duration_s"].moments.high)
+        if latest > end:
+            found.append(f"The record of the current ends after {end:.0f} s; the longest mission takes {latest:.0f} s.")
+    if failures:
+        how = "missionplan.studies.simulation.simulate.simulate_block(mission, seed=…, block=…) runs one alone"
+        found.append(f"{failures} blocks of trials failed and are left out, see failed_blocks; {how}.")
+    return tuple(found)

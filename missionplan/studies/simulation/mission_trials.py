@@ -1,4 +1,4 @@
-"""What every trial of a block did, phase by phase: arrays over trials, before anything is reduced."""
+"""Every trial of a block, phase by phase: arrays over trials, before anything is reduced."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,52 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars
-
-Flags = NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class PhaseTrials:
-    """What one phase did with every trial of a block. nan: the trial never reached it.
-
-    Attributes
-    ----------
-    name, kind : str
-    quantities : mapping of str to array, shape (n,)
-        By the names of `summary.json`.
-    events : mapping of str to array of bool, shape (n,)
-    start, end : array, shape (n,)
-        Since the mission's start [s].
-    failures : mapping of str to array of bool, shape (n,)
-        What spoils the mission here, in words, in the order in which it happens.
-    miss : array, shape (2, n)
-        Where the phase ended (the vehicle, or its anchor) from its goal [m].
-    track : array, shape (points, 2, k)
-        Of the first trials, nan after the phase has ended for them [m].
-    anchor : array, shape (2, n) or (2, 0)
-        On the seafloor; none in a transit [m].
-    goal : array, shape (2, 1) or (2, n)
-        [m]
-    radius : float or array, shape (n,)
-        Of arrival or of the mooring [m].
-    inputs : mapping of str to array, shape (n,)
-        What was drawn anew each leg or fix, in one number a trial; nothing where it was not asked for.
-    """
-
-    name: str
-    kind: str
-    quantities: Mapping[str, Array]
-    events: Mapping[str, Flags]
-    start: Array
-    end: Array
-    failures: Mapping[str, Flags]
-    miss: Array
-    track: Array
-    anchor: Array
-    goal: Array
-    radius: Scalars
-    inputs: Mapping[str, Array]
+from missionplan.arrays import Array
+from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
 
 
 @dataclass(frozen=True)
@@ -62,7 +18,7 @@ class MissionTrials:
     ----------
     phases : tuple of PhaseTrials
     total : mapping of str to array, shape (n,)
-        ``duration_s`` and ``energy_wh``; nan for a trial that did not come to the mission's end.
+        ``duration_s`` and ``energy_wh``; nan for a trial that did not reach the mission's end.
     success : array of bool, shape (n,)
         Every transit arrived, every mooring within its radius and not struck, energy within the capacity.
     draws : mapping of str to array, shape (n,)
@@ -85,7 +41,7 @@ class MissionTrials:
 
 @dataclass(frozen=True)
 class MapTracks:
-    """What maps show of some trials: plain arrays, the phases one after another.
+    """Some trials for maps: plain arrays, the phases one after another.
 
     Attributes
     ----------
@@ -105,8 +61,18 @@ class MapTracks:
     goals: Array
 
     @classmethod
+    def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "MapTracks":
+        """Read the fields from arrays of their names."""
+        return cls(
+            position=np.asarray(flat["position"], dtype=float),
+            points=np.asarray(flat["points"], dtype=np.int64),
+            anchors=np.asarray(flat["anchors"], dtype=float),
+            goals=np.asarray(flat["goals"], dtype=float),
+        )
+
+    @classmethod
     def of(cls, trials: MissionTrials) -> "MapTracks":
-        """Take what a block shows."""
+        """Take them from a block."""
         phases = trials.phases
         return cls(
             position=np.concatenate([phase.track for phase in phases]),

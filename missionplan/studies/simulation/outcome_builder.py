@@ -2,9 +2,8 @@
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 
@@ -22,10 +21,9 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
-from missionplan.studies.simulation.block_statistics import BlockStatistics, requirement_key
+from missionplan.studies.simulation.block_statistics import BlockStatistics, bound_of, requirement_key, with_prefix
 from missionplan.studies.simulation.mission_trials import MapTracks
 
-Value = TypeVar("Value")
 INTEGER_QUANTITIES = ("surfacings",)
 """Quantities that are whole numbers."""
 BINS = 40
@@ -34,27 +32,27 @@ BINS = 40
 
 @dataclass(frozen=True)
 class OutcomeBuilder:
-    """What a simulation came to.
+    """The merged blocks of a simulation.
 
     Attributes
     ----------
     mission : Mission
     totals : BlockStatistics
         Of all blocks that succeeded.
-    shown : MapTracks
-        Some trials with their tracks.
+    tracks : MapTracks
+        Of the first trials.
     failed_blocks : tuple of str
     trials_table : bytes or None
     """
 
     mission: Mission
     totals: BlockStatistics
-    shown: MapTracks
+    tracks: MapTracks
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
 
     def outcome(self, provenance: Provenance) -> Outcome:
-        """Put the result together."""
+        """Return the result."""
         clocks = tuple(self._clocks())
         phases, spans = self.mission.phases, itertools.pairwise(clocks)
         return Outcome(
@@ -64,27 +62,27 @@ class OutcomeBuilder:
             requirements=self._requirements(),
             attrition=self._attrition(),
             sensitivities=self._sensitivities(),
-            tracks=simulation_tracks(self.mission, self.shown),
+            tracks=simulation_tracks(self.mission, self.tracks),
             arrivals=self._sampled("miss:"),
             failed_blocks=self.failed_blocks,
             trials_table=self.trials_table,
         )
 
     def _clocks(self) -> Iterator[Statistic]:
-        """Mission time at the start, and of the trials that came through it at the end of each phase."""
+        """Mission time at the start, and at the end of each phase of the trials that completed it."""
         yield Statistic.of_constant(0.0, self.totals.trials)
         for phase in self.mission.phases[:-1]:
             yield self.totals.statistics[f"{phase.name}.end"].statistic()
         yield self.totals.statistics["total.duration_s"].statistic()
 
     def _phase(self, name: str, kind: str, start: Statistic, end: Statistic) -> PhaseOutcome:
-        own = _under(self.totals.statistics, name)
+        own = with_prefix(self.totals.statistics, f"{name}.")
         own.pop("end", None)
         return PhaseOutcome(
             name=name,
             kind=kind,
             quantities={quantity: _statistic(quantity, running) for quantity, running in own.items()},
-            events={event: count.probability() for event, count in _under(self.totals.counts, name).items()},
+            events={event: count.probability() for event, count in with_prefix(self.totals.counts, f"{name}.").items()},
             histograms={quantity: histogram_from_sketch(running) for quantity, running in own.items()},
             start=start,
             end=end,
@@ -95,11 +93,11 @@ class OutcomeBuilder:
         for index, requirement in enumerate(self.mission.requirements):
             probability = self.totals.counts[f"requirement {index}"].probability()
             required, (_, unit) = requirement.probability, requirement_key(self.mission, requirement.quantity)
-            limit = requirement.at_most if requirement.at_most is not None else requirement.at_least
+            side, limit = bound_of(requirement) or (None, None)
             found.append(
                 RequirementOutcome(
                     quantity=requirement.quantity,
-                    bound=None if limit is None else "at_most" if requirement.at_most is not None else "at_least",
+                    bound=side,
                     limit=limit,
                     unit=unit or "",
                     required=required,
@@ -119,7 +117,7 @@ class OutcomeBuilder:
         return tuple(steps)
 
     def _sensitivities(self) -> tuple[Sensitivity, ...]:
-        """Of each phase's key figures to what was drawn until its end, and of the whole mission's to everything."""
+        """Sensitivity of each phase's key figures to what was drawn until its end, of the mission's to everything."""
         inputs, outputs = self._sampled("input:"), self._sampled("output:")
         names = [phase.name for phase in self.mission.phases]
         found: list[Influence] = []
@@ -131,17 +129,11 @@ class OutcomeBuilder:
         return tuple(Sensitivity(**vars(influence)) for influence in found)
 
     def _sampled(self, group: str) -> dict[str, Array]:
-        return {
-            name.removeprefix(group): values for name, values in self.totals.sample.items() if name.startswith(group)
-        }
-
-
-def _under(found: Mapping[str, Value], phase: str) -> dict[str, Value]:
-    return {name.removeprefix(f"{phase}."): found[name] for name in found if name.startswith(f"{phase}.")}
+        return with_prefix(self.totals.sample, group)
 
 
 def _statistic(quantity: str, running: RunningStatistic) -> Statistic:
-    """What is reported of a quantity; the sketch's quantiles of whole numbers are made whole again."""
+    """What is reported of a quantity; the sketch's quantiles of integers are rounded."""
     found = running.statistic()
     if quantity not in INTEGER_QUANTITIES or not found.count:
         return found
@@ -149,15 +141,15 @@ def _statistic(quantity: str, running: RunningStatistic) -> Statistic:
 
 
 def histogram_from_sketch(running: RunningStatistic) -> Histogram:
-    """Bin a quantity from its sketch; whole numbers get a bin each where these are few.
+    """Bin a quantity from its sketch; integers get a bin each where these are few.
 
-    A bin of the sketch that lies across an edge is shared out as if it were evenly filled: counts may be fractions.
+    A bin of the sketch that lies across an edge is divided as if it were evenly filled: counts may be fractions.
     """
     low, high = running.quantiles((0.001, 0.999))
     if not math.isfinite(low):
         return Histogram(np.array([0.0, 1.0]), np.zeros(1))
-    if high - low <= BINS and (whole := _whole_numbers(running)):
-        values, counts = whole
+    if high - low <= BINS and (integers := _integer_counts(running)):
+        values, counts = integers
         edges = np.arange(round(low) - 0.5, round(high) + 1.0)
         place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
         return Histogram(edges, np.bincount(place, counts, minlength=len(edges) - 1).astype(float))
@@ -168,24 +160,24 @@ def histogram_from_sketch(running: RunningStatistic) -> Histogram:
     return Histogram(edges, below[1:] - below[:-1])
 
 
-def _whole_numbers(running: RunningStatistic) -> tuple[Array, Integers] | None:
-    """Values and counts of a quantity, None where not all are whole numbers."""
+def _integer_counts(running: RunningStatistic) -> tuple[Array, Integers] | None:
+    """Values and counts of a quantity; None where not all are integers."""
     starts, ends = running.sketch.bounds()
     values = 0.5 * (starts + ends)
-    whole = np.round(values)
-    return (whole, running.sketch.used()[1]) if np.all(np.abs(values - whole) <= 1e-3 * np.abs(whole)) else None
+    rounded = np.round(values)
+    return (rounded, running.sketch.used()[1]) if np.all(np.abs(values - rounded) <= 1e-3 * np.abs(rounded)) else None
 
 
-def simulation_tracks(mission: Mission, shown: MapTracks) -> Tracks:
-    """Say which mission the tracks are of."""
+def simulation_tracks(mission: Mission, tracks: MapTracks) -> Tracks:
+    """Tracks with the phases, goals and origin of their mission."""
     origin = mission.site.origin if mission.site else None
     return Tracks(
-        position=shown.position,
-        phase=np.repeat(np.arange(len(shown.points)), shown.points),
+        position=tracks.position,
+        phase=np.repeat(np.arange(len(tracks.points)), tracks.points),
         targets={
             phase.name: ((float(east), float(north)), float(radius))
-            for phase, (east, north, radius) in zip(mission.phases, shown.goals, strict=True)
+            for phase, (east, north, radius) in zip(mission.phases, tracks.goals, strict=True)
         },
-        anchors=shown.anchors,
+        anchors=tracks.anchors,
         origin=(origin.latitude, origin.longitude) if origin else None,
     )

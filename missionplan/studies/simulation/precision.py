@@ -1,11 +1,11 @@
 """How precise a run is to be: a standard error of one key figure below which no further block is run."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.checks.requirements import quantity_unit
+from missionplan.mission.checks.requirements import check_requirement
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.studies.simulation.block_statistics import SCALES, BlockStatistics, requirement_key
 
@@ -21,17 +21,20 @@ class Precision:
     Attributes
     ----------
     key : str
-        Of the tally, such as ``moor.offset_m`` or ``total.success``.
+        Column of the statistics, such as ``moor.offset_m`` or ``total.success``.
     error : float
         In the results' unit, or a share of the mean.
     relative, is_event : bool
         Whether `error` is a share of the mean; whether it is that of a probability.
+    text : str
+        As written.
     """
 
     key: str
     error: float
     relative: bool
     is_event: bool
+    text: str = field(default="", compare=False)
 
     @classmethod
     def parse(cls, text: str, mission: Mission) -> "Precision":
@@ -58,12 +61,15 @@ class Precision:
         if not 0.0 < error < math.inf:
             raise InputError([Problem(f"given {text!r}, expected more than 0", key=_OPTION)])
         key, _ = requirement_key(mission, quantity)
-        return cls(key, error, relative=share and unit is not None, is_event=unit is None)
+        return cls(key, error, relative=share and unit is not None, is_event=unit is None, text=text)
 
     def is_reached(self, totals: BlockStatistics) -> bool:
-        """Whether the standard error is below what was asked for."""
+        """Whether the standard error is below the one wanted.
+
+        Of a probability, a quarter of Wilson's 95 % interval (Wilson 1927, J. Am. Stat. Assoc. 22, 209–212) takes the
+        place of √(p(1 − p)/n), which is 0 as long as p is 0 or 1.
+        """
         if self.is_event:
-            # a quarter of Wilson's interval rather than √(p(1 - p)/n), which is 0 as long as p is 0 or 1
             probability = totals.counts[self.key].probability()
             return (probability.high - probability.low) / (2.0 * _Z95) < self.error
         statistic = totals.statistics[self.key].moments
@@ -73,7 +79,8 @@ class Precision:
 
 def _unit(quantity: str, mission: Mission) -> str | None:
     """Unit of a quantity's bound; None for an event."""
-    try:
-        return quantity_unit(quantity, mission.phases)
-    except QuantityError as error:
-        raise InputError([Problem(str(error), key=_OPTION)]) from None
+    _, problems = check_requirement({"quantity": quantity}, mission.phases)
+    wrong = [words for _, words in problems if "needs either" not in words]
+    if wrong:
+        raise InputError([Problem(words, key=_OPTION) for words in wrong])
+    return requirement_key(mission, quantity)[1]

@@ -1,11 +1,10 @@
-"""Will the mission work? With what probability, how long, how much energy, and what spoils it when it fails."""
+"""Will the mission work? With what probability, how long, how much energy, and why it fails when it does."""
 
 import hashlib
 import time
 from collections.abc import Generator, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from missionplan.mission import Mission
 from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
@@ -15,16 +14,16 @@ from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_file, recorded_current
 from missionplan.store.checkpoints import Checkpoints, Identity
-from missionplan.studies.simulation.block_sequence import BlockItem, BlockResult, BlockSequence
+from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence
 from missionplan.studies.simulation.block_task import BlockTask
-from missionplan.studies.simulation.checks import check_complete, check_current, failure_notices, late_notices, notices
+from missionplan.studies.simulation.checks import check_complete, check_current, input_notices, run_notices
 from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.trials_table import TrialsTable
 
 MAX_TRIALS = 10_000_000
-"""Where a run to a given precision ends unless it says otherwise."""
+"""Trials after which a run to a given precision ends, unless the number of trials is given."""
 
 
 def simulate(
@@ -56,7 +55,7 @@ def simulate(
     checkpoint : Path, optional
         Folder in which finished blocks are kept.
     resume : bool
-        Go on with the blocks in that folder.
+        Continue with the blocks in that folder.
     keep_trials : bool
         Keep a table with one row a trial.
     progress : callable, optional
@@ -73,37 +72,40 @@ def simulate(
     check_complete(mission)
     seed = mission.monte_carlo.seed if seed is None else seed
     goal = Precision.parse(precision, mission) if precision else None
-    count = trials or (MAX_TRIALS if goal else mission.monte_carlo.trials)
     means = Scenario.at_means(mission, recorded_current(mission))
     check_current(mission, means)
-    said = notices(mission, means)
+    notices = input_notices(mission, means)
     task = BlockTask(means, seed, keep_trials)
-    store = Checkpoints(checkpoint, _identity(task), resume=resume) if checkpoint else None
-    items = [(block, block_size(count, block)) for block in range(block_count(count))]
-    run = BlockSequence(items, store, goal, TrialsTable() if keep_trials else None)
+    run = BlockSequence(
+        items=_items(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials)),
+        store=Checkpoints(checkpoint, _identity(task), resume=resume) if checkpoint else None,
+        goal=goal,
+        table=TrialsTable() if keep_trials else None,
+    )
 
-    def fan_out(todo: Sequence[BlockItem]) -> Generator[BlockResult, None, None]:
-        if todo:
-            yield from run_blocks(task, todo, jobs=jobs, backend=backend, scheduler=scheduler)
+    def run_items(todo: Sequence[BlockItem]) -> Generator[BlockOutcome, None, None]:
+        yield from run_blocks(task, todo, jobs=jobs, backend=backend, scheduler=scheduler)
 
-    found, failed = run.run(fan_out, progress)
-    shown = run.shown or task.shown(*run.first_good)  # block 0 brings it, unless it failed
-    if goal is not None and not goal.is_reached(found):
-        said += (f"The precision asked for, {precision}, was not reached in {found.trials} trials.",)
-    options: dict[str, Any] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
+    merged = run.run(run_items, progress)
+    tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
+    options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
     provenance = Provenance(
         command="simulate",
         mission=mission.name,
         file=mission.file,
         seed=seed,
-        trials=found.trials,
+        trials=merged.totals.trials,
         options=options,
         elapsed_s=time.perf_counter() - started,
         data=mission.raw,
-        notices=(*said, *late_notices(means, found), *failure_notices(failed)),
+        notices=(*notices, *run_notices(means, merged, goal)),
     )
     table = run.table.parquet() if run.table else None
-    return OutcomeBuilder(mission, found, shown, failed, table).outcome(provenance)
+    return OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table).outcome(provenance)
+
+
+def _items(trials: int) -> list[BlockItem]:
+    return [(block, block_size(trials, block)) for block in range(block_count(trials))]
 
 
 def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLOCK) -> MissionTrials:
@@ -129,7 +131,7 @@ def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLO
 
 
 def _identity(task: BlockTask) -> Identity:
-    """What a finished block depends on; not how many blocks there are."""
+    """Everything that a finished block depends on; not how many blocks there are."""
     data = {key: value for key, value in task.means.mission.raw.items() if key != "monte_carlo"}
     text, source = to_yaml(data), current_file(task.means.mission)
     if source is not None:

@@ -1,4 +1,4 @@
-"""A block of trials through a transition phase, as `simulate` takes it."""
+"""A block of trials through a transition to hover, as `simulate` takes it."""
 
 from dataclasses import replace
 
@@ -8,31 +8,32 @@ from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.phases.state import TrialState
 from missionplan.phases.transition.simulation import simulate_transition
-from missionplan.scenario.scenario import Scenario
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.scenario.transition import manoeuvre, transition_vehicle
-from missionplan.studies.simulation.mission_trials import PhaseTrials
+from missionplan.studies.simulation.phase_trials import (
+    OUT_OF_ENERGY,
+    PhaseTrials,
+    TrialBlock,
+    end_exhausted,
+    quantities_reached,
+    where_reached,
+)
 
-JOULES_PER_WATT_HOUR = 3600.0
 
-
-def transition_trials(
-    scenario: Scenario, phase: TransitionPhase, state: TrialState, tracked: int
-) -> tuple[TrialState, PhaseTrials]:
+def transition_trials(block: TrialBlock, phase: TransitionPhase, state: TrialState) -> tuple[TrialState, PhaseTrials]:
     """Slow every trial of a block down to hover, where it is.
 
     Energy is that of the tunnel thrusters until the vehicle hovers, and of the hotel load where the mission has one;
-    the propeller's own is left out, as in the paper. A vehicle that does not come to hover fails.
+    the propeller's own is left out, as in the paper. A vehicle that does not reach hover fails.
 
     Parameters
     ----------
-    scenario : Scenario
-        With the block's draws.
+    block : TrialBlock
     phase : TransitionPhase
     state : TrialState
         Where the phase begins.
-    tracked : int
-        Trials whose place is kept.
     """
+    scenario = block.scenario
     record = simulate_transition(transition_vehicle(scenario, phase), manoeuvre(scenario, phase))
     hotel = scenario.energy("hotel")
     duration = _each(record.hover_time, state)
@@ -44,9 +45,10 @@ def transition_trials(
         energy=state.energy + np.where(hovering, spent, 0.0),
         alive=hovering,
     )
-    reached = {
-        "depth_excursion_m": (state.alive, record.depth_excursion),
-        "pitch_excursion_rad": (state.alive, record.pitch_excursion),
+    kept, exhausted = end_exhausted(after, scenario.capacity)
+    quantities = {
+        "depth_excursion_m": (state.alive, _each(record.depth_excursion, state)),
+        "pitch_excursion_rad": (state.alive, _each(record.pitch_excursion, state)),
         "hover_time_s": (hovering, duration),
         "duration_s": (hovering, duration),
         "energy_wh": (hovering, spent / JOULES_PER_WATT_HOUR),
@@ -54,21 +56,21 @@ def transition_trials(
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
-        quantities={name: np.where(mask, _each(values, state), np.nan) for name, (mask, values) in reached.items()},
+        quantities=quantities_reached(quantities),
         events={"hovering": hovering},
-        start=np.where(state.alive, state.clock, np.nan),
-        end=np.where(hovering, after.clock, np.nan),
-        failures={"did not come to hover": state.alive & ~hovering},
+        start=where_reached(state.alive, state.clock),
+        end=where_reached(hovering, after.clock),
+        failures={"did not come to hover": state.alive & ~hovering, OUT_OF_ENERGY: exhausted},
         miss=np.full((2, state.trials), np.nan),
-        track=np.where(hovering, state.position, np.nan)[None, :, :tracked],
+        track=where_reached(hovering, state.position)[None, :, : block.tracked],
         anchor=np.empty((2, 0)),
         goal=state.position,
         radius=0.0,
         inputs={},
     )
-    return after, found
+    return kept, found
 
 
 def _each(values: Scalars, state: TrialState) -> Array:
-    """One value a trial, where no draw made them differ too."""
+    """One value a trial, also where no draw made them differ."""
     return np.array(np.broadcast_to(values, (state.trials,)), dtype=float)

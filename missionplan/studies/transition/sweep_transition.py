@@ -13,6 +13,7 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.transition import TransitionGrid
 from missionplan.phases.transition.plan import History, Manoeuvre, TransitionRecord, TransitionVehicle, energy_until
 from missionplan.phases.transition.simulation import simulate_transition
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.physics.tunnel_thruster import hover_power, revolutions_for
 from missionplan.physics.vehicle_dynamics import level_trim
 from missionplan.results.base import Provenance
@@ -22,7 +23,6 @@ from missionplan.scenario.transition import manoeuvre, transition_phase, transit
 
 SAMPLE = 1.0
 """Interval of the histories [s]."""
-JOULES_PER_WATT_HOUR = 3600.0
 LOWEST_SPEED = 0.3
 """Speed down to which point A is sought [m/s]."""
 

@@ -13,8 +13,8 @@ from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.mooring import mooring as moored
 from missionplan.scenario.mooring import dive_of, wet_weight_of
 from missionplan.scenario.scenario import Scenario
+from missionplan.studies.simulation import mooring_trials
 from missionplan.studies.simulation import simulate as module
-from missionplan.studies.simulation import trial_block
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 
 
@@ -386,7 +386,7 @@ def test_keeping_trials_gives_one_row_each(tmp_path):
 
 
 def test_a_block_that_fails_is_reported_and_the_others_kept(tmp_path, monkeypatch):
-    honest = trial_block.moor
+    honest = mooring_trials.moor
 
     def failing(plan, state, normals, *rest, **options):
         if failing.calls == 1:
@@ -397,7 +397,7 @@ def test_a_block_that_fails_is_reported_and_the_others_kept(tmp_path, monkeypatc
     failing.calls = 0
     mission = chesapeake(tmp_path)
     whole = simulate(mission, trials=3 * BLOCK)
-    monkeypatch.setattr(trial_block, "moor", failing)
+    monkeypatch.setattr(mooring_trials, "moor", failing)
     found = simulate(mission, trials=3 * BLOCK)
     (words,) = found.failed_blocks
     assert "block 1 (trials 4096 to 8191, seed 1)" in words
@@ -412,11 +412,11 @@ def test_a_block_that_fails_can_be_run_alone(tmp_path, monkeypatch):
         raise ZeroDivisionError("on purpose")
 
     mission = chesapeake(tmp_path)
-    monkeypatch.setattr(trial_block, "moor", failing)
+    monkeypatch.setattr(mooring_trials, "moor", failing)
     with pytest.raises(RunError, match="every block of trials failed"):
         simulate(mission, trials=10)
     with pytest.raises(ZeroDivisionError, match="on purpose"):
         simulate_block(mission, seed=1, block=7)
-    monkeypatch.setattr(trial_block, "moor", moored.moor)
+    monkeypatch.setattr(mooring_trials, "moor", moored.moor)
     assert simulate_block(mission, seed=1, block=7).success.size == BLOCK
     assert module.MAX_TRIALS > BLOCK

@@ -169,7 +169,7 @@ def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch)
 def test_the_tracks_are_those_of_the_first_block_that_did_not_fail(mission, monkeypatch):
     monkeypatch.setattr(block_task, "run_block", failing_at(0))
     found = simulate(mission, trials=BLOCK + 200)
-    shown = block_task.BlockTask(Scenario.at_means(mission), mission.monte_carlo.seed).shown(1, 200)
+    shown = block_task.BlockTask(Scenario.at_means(mission), mission.monte_carlo.seed).tracks(1, 200)
     assert found.tracks.position.shape[2] == 200
     assert np.array_equal(found.tracks.position, shown.position, equal_nan=True)
 

@@ -1,0 +1,46 @@
+"""Random streams of a transit, named by its phase: every study of a mission runs the same trials."""
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.mission.schema.phases import Phase, TransitPhase
+from missionplan.montecarlo.streams import LegNormals
+from missionplan.phases.state import TrialState
+from missionplan.phases.transit.plan import TransitNormals
+from missionplan.scenario.scenario import Scenario
+
+
+def transit_normals(scenario: Scenario, phase: TransitPhase, seed: int, block: int) -> TransitNormals:
+    """Open the streams of a transit's legs.
+
+    They depend on the phase alone, so that every σ_v and every d_max has the same ones (common random numbers).
+
+    Parameters
+    ----------
+    scenario : Scenario
+    phase : TransitPhase
+    seed, block : int
+        See `montecarlo.streams`.
+    """
+
+    def legs(quantity: str) -> LegNormals:
+        return LegNormals(seed, f"{phase.name}.{quantity}", block)
+
+    return TransitNormals(
+        velocity=legs("velocity_error"),
+        fix_on_surfacing=legs("fix_on_surfacing"),
+        fix_on_diving=legs("fix_on_diving"),
+        effects=[legs(f"effects.{effect}") for effect in scenario.transit_effect_ids],
+    )
+
+
+def deployed(scenario: Scenario, phase: Phase, position: Array, seed: int, block: int, trials: int) -> TrialState:
+    """Deploy a block of trials at a position, shape (2,) or (2, n) [m], with a fix before the first dive of a phase."""
+    sd = scenario.fix_sd
+    noise = sd * fix_normals(f"{phase.name}.fix_at_start", seed, block, trials) if np.any(sd) else 0.0
+    return TrialState.at(position, trials, noise)
+
+
+def fix_normals(quantity: str, seed: int, block: int, trials: int) -> Array:
+    """Standard normals of a fix that is taken once, shape (2, n)."""
+    return LegNormals(seed, quantity, block).leg(0)[:, :trials]

@@ -1,0 +1,111 @@
+"""What one phase did with every trial of a block, and what all phases need to find it out."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.state import TrialState
+from missionplan.scenario.scenario import Scenario
+
+Flags = NDArray[np.bool_]
+
+OUT_OF_ENERGY = "out of energy"
+"""Failure of every kind of phase."""
+
+
+@dataclass(frozen=True)
+class TrialBlock:
+    """A block of trials to run.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        With the block's draws.
+    seed, block : int
+        See `montecarlo.streams`.
+    tracked : int
+        Trials whose tracks are kept.
+    inputs : bool
+        Whether to sum up what was drawn each leg.
+    """
+
+    scenario: Scenario
+    seed: int
+    block: int
+    tracked: int
+    inputs: bool
+
+
+@dataclass(frozen=True)
+class PhaseTrials:
+    """Trials of one phase. nan: the trial never reached it.
+
+    Attributes
+    ----------
+    name, kind : str
+    quantities : mapping of str to array, shape (n,)
+        By the names of `summary.json`.
+    events : mapping of str to array of bool, shape (n,)
+    start, end : array, shape (n,)
+        Since the mission's start [s].
+    failures : mapping of str to array of bool, shape (n,)
+        Trials of which the mission fails here, by the reason, in the order in which they happen.
+    miss : array, shape (2, n)
+        From the phase's goal to where it ended, of the vehicle or its anchor [m].
+    track : array, shape (points, 2, k)
+        Of the first trials, nan after the phase has ended for them [m].
+    anchor : array, shape (2, n) or (2, 0)
+        On the seafloor; none in a transit [m].
+    goal : array, shape (2, 1) or (2, n)
+        [m]
+    radius : float or array, shape (n,)
+        Of arrival or of the mooring [m].
+    inputs : mapping of str to array, shape (n,)
+        What was drawn anew each leg or fix, in one number a trial; empty where it was not asked for.
+    """
+
+    name: str
+    kind: str
+    quantities: Mapping[str, Array]
+    events: Mapping[str, Flags]
+    start: Array
+    end: Array
+    failures: Mapping[str, Flags]
+    miss: Array
+    track: Array
+    anchor: Array
+    goal: Array
+    radius: Scalars
+    inputs: Mapping[str, Array]
+
+
+def end_exhausted(state: TrialState, capacity: Scalars) -> tuple[TrialState, Flags]:
+    """End the trials that have used more energy than the battery holds [J].
+
+    Returns
+    -------
+    state, exhausted : TrialState, array of bool of shape (n,)
+
+    Raises
+    ------
+    FloatingPointError
+        When the position or the time of a trial under way is not finite.
+    """
+    for values in (state.position, state.fix, state.clock):
+        if not np.isfinite(values).all() and not np.isfinite(values[..., state.alive]).all():
+            raise FloatingPointError("the position or the time of a trial under way is not finite")
+    exhausted = state.alive & (state.energy > capacity)
+    return replace(state, alive=state.alive & ~exhausted), exhausted
+
+
+def where_reached(reached: Flags, values: Array) -> Array:
+    """Values of the trials that reached something, nan for the others."""
+    return values if reached.all() else np.where(reached, values, np.nan)
+
+
+def quantities_reached(reached: Mapping[str, tuple[Flags, Array]]) -> dict[str, Array]:
+    """Quantities by name, nan for the trials that did not reach them."""
+    return {name: where_reached(mask, values) for name, (mask, values) in reached.items()}

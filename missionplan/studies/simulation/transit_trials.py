@@ -1,0 +1,109 @@
+"""A block of trials through a transit, as `simulate` takes it."""
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.mission.schema.phases import TransitPhase
+from missionplan.phases.state import TrialState
+from missionplan.phases.transit.ground_velocity import random_part
+from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, TransitRecord, column
+from missionplan.phases.transit.transit import transit
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.scenario.transit_streams import transit_normals
+from missionplan.studies.simulation.phase_trials import (
+    OUT_OF_ENERGY,
+    Flags,
+    PhaseTrials,
+    TrialBlock,
+    end_exhausted,
+    where_reached,
+)
+
+
+def transit_trials(block: TrialBlock, phase: TransitPhase, state: TrialState) -> tuple[TrialState, PhaseTrials]:
+    """Run the trials of a block through a transit.
+
+    Parameters
+    ----------
+    block : TrialBlock
+    phase : TransitPhase
+    state : TrialState
+        Where the phase begins.
+    """
+    scenario = block.scenario
+    plan, normals = scenario.transit_plan(phase), transit_normals(scenario, phase, block.seed, block.block)
+    environment = Environment(scenario.current, scenario.compensation(phase), scenario.effects_under_way(phase))
+    after, record = transit(plan, state, normals, environment, tracked=min(block.tracked, state.trials))
+    kept, exhausted = end_exhausted(after, scenario.capacity)
+    goal, arrived = column(plan.goal), record.arrived & ~exhausted
+    found = PhaseTrials(
+        name=phase.name,
+        kind=phase.kind,
+        quantities=_quantities(record, arrived),
+        events={"arrived": arrived},
+        start=where_reached(state.alive, state.clock),
+        end=where_reached(arrived, after.clock),
+        failures={"not arrived": state.alive & ~record.arrived, OUT_OF_ENERGY: exhausted},
+        miss=where_reached(arrived, after.position - goal),
+        track=np.empty((0, 2, 0)) if record.track is None else record.track.transpose(1, 0, 2),
+        anchor=np.empty((2, 0)),
+        goal=goal,
+        radius=plan.arrival_radius,
+        inputs=_leg_inputs(plan, normals, state, record, goal) if block.inputs else {},
+    )
+    return kept, found
+
+
+def _quantities(record: TransitRecord, arrived: Flags) -> dict[str, Array]:
+    quantities = {
+        "duration_s": record.duration,
+        "surfacings": record.surfacings,
+        "distance_m": record.distance,
+        "arrival_error_m": record.arrival_error,
+        "energy_wh": record.energy / JOULES_PER_WATT_HOUR,
+    }
+    return {name: where_reached(arrived, values) for name, values in quantities.items()}
+
+
+def _leg_inputs(
+    plan: TransitPlan, normals: TransitNormals, state: TrialState, record: TransitRecord, goal: Array
+) -> dict[str, Array]:
+    """Sum up what was drawn each leg: the mean velocity error over the legs, and the error of the arrival fix.
+
+    Along and across (to port) the straight course from where the transit began.
+    """
+    legs = record.surfacings
+    # the error is linear in its normals
+    found = {"velocity_error": random_part(plan.velocity_error, _mean_over_legs(normals.velocity, state, legs))}
+    if normals.fix_on_diving is not None and np.any(plan.fix_error):
+        found["fix_error"] = plan.fix_error * _of_last_leg(normals.fix_on_diving, state, legs)
+    course = goal - state.position
+    length = np.hypot(course[0], course[1])
+    along = course / np.where(length > 0.0, length, 1.0)
+    return {
+        f"{name}.{side}": values
+        for name, vector in found.items()
+        for side, values in (
+            ("along", vector[0] * along[0] + vector[1] * along[1]),
+            ("across", vector[1] * along[0] - vector[0] * along[1]),
+        )
+    }
+
+
+def _mean_over_legs(source: Normals, state: TrialState, legs: Array) -> Array:
+    """Mean over each trial's legs of the normals, shape (2, n)."""
+    fewest, most = int(legs.min()), int(legs.max())
+    total = np.zeros((2, state.trials))
+    for number in range(most):
+        normal = source.leg(number)[:, : state.trials]
+        total += normal if number < fewest else np.where(legs > number, normal, 0.0)
+    return np.asarray(total / np.maximum(legs, 1.0))
+
+
+def _of_last_leg(source: Normals, state: TrialState, legs: Array) -> Array:
+    """Normals of each trial's last leg, shape (2, n)."""
+    fewest, most = int(legs.min()), int(legs.max())
+    last = np.zeros((2, state.trials))
+    for number in range(max(fewest - 1, 0), most):
+        last = np.where(legs == number + 1, source.leg(number)[:, : state.trials], last)
+    return last
