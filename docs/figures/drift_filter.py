@@ -15,8 +15,8 @@ import numpy as np
 from missionplan import load
 from missionplan.phases.transit.analytic.policy import best_legs
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.studies.leg_length.optimise_legs import replace_first_leg
 from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, run_plans
+from missionplan.studies.leg_length.policy_search import replace_first_leg
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 FOLDER = Path(__file__).parent

@@ -1,8 +1,8 @@
-"""How far from where they were sent legs end, in the mission's own trials: the spread that the best legs reckon with.
+"""How far legs end from where they were sent in a mission's own trials: the spread that best legs are computed for.
 
-The integral equation knows errors that grow with the leg, σℓ/U, and a spread s₀ that does not. Where a mission has
-currents, compensation, errors of fixes or effects, both are taken from a pilot: the miss of each leg, fix on diving
-minus where the leg was sent, has mean square 2((σ T)² + s₀²) over legs of duration T.
+The integral equation allows for errors that grow with the leg, σℓ/U, and a spread s₀ that does not. Where a mission has
+currents, compensation, errors of fixes or effects, both are estimated from pilot trials: the miss of each leg, fix on
+diving minus where the leg was sent, has mean square 2((σ T)² + s₀²) over legs of duration T.
 """
 
 from dataclasses import dataclass, field
@@ -18,11 +18,11 @@ from missionplan.studies.leg_length.paired_trials import PILOT_BLOCK, LegsAtSpee
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 LEARNING_COMPENSATIONS = ("last-leg", "mean", "filter")
-"""Ways of compensating that need a leg to learn from."""
-SHARES = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
-"""Maximum leg lengths of the pilot, of the distance."""
+"""Drift compensations that estimate the drift from legs made."""
+LENGTH_SHARES = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0)
+"""Maximum leg lengths of the pilot trials, as shares of the distance."""
 BINS = 24
-"""Classes of duration, of equal numbers of legs, between which the spread is fitted."""
+"""Classes of duration, of equal numbers of legs, to which the spread is fitted."""
 
 
 @dataclass(frozen=True)
@@ -43,53 +43,53 @@ class LegSpread:
 
 @dataclass
 class _RecordingCompensation(Compensation):
-    """Compensation that notes how long each leg was planned to last, and how far from where it was sent it ended."""
+    """Compensation that records each leg's planned duration [s] and the square of its miss [m²]."""
 
-    way: Compensation | None
+    inner: Compensation | None
     durations: list[Array] = field(default_factory=list)
-    misses: list[Array] = field(default_factory=list)
+    squared_misses: list[Array] = field(default_factory=list)
 
     @override
     def begin(self, trials: int) -> Memory:
-        own = self.way.begin(trials) if self.way else ()
+        own = self.inner.begin(trials) if self.inner else ()
         return (np.zeros(trials), np.zeros((2, trials)), *own)
 
     @override
     def offset(self, memory: Memory, leg: LegAhead) -> Array:
         duration, short, *own = memory
         np.copyto(duration, leg.duration)
-        if self.way is None:
+        if self.inner is None:
             return np.zeros((2, 1))
-        np.copyto(short, self.way.short(tuple(own), leg))
-        return self.way.offset(tuple(own), leg)
+        np.copyto(short, self.inner.short(tuple(own), leg))
+        return self.inner.offset(tuple(own), leg)
 
     @override
     def learn(self, memory: Memory, leg: LegBehind) -> Memory:
         duration, short, *own = memory
         moved = leg.duration > 0.0
         self.durations.append(duration[moved])
-        self.misses.append(np.sum((leg.miss + short)[:, moved] ** 2, axis=0))
-        return (duration, short, *(self.way.learn(tuple(own), leg) if self.way else ()))
+        self.squared_misses.append(np.sum((leg.miss + short)[:, moved] ** 2, axis=0))
+        return (duration, short, *(self.inner.learn(tuple(own), leg) if self.inner else ()))
 
 
 def fit_leg_spread(scenario: SweepScenario, seed: int) -> LegSpread:
-    """Fit the spread of legs to a pilot of the mission, run with maximum leg lengths from short to the distance.
+    """Fit the spread of legs to pilot trials of the mission, with maximum leg lengths from short to the distance.
 
-    Medians in classes of duration, so that a few wild legs do not decide; for an isotropic normal miss the median of
-    its square is 2 ln 2 times the variance on each axis. A vehicle that learns its drift knows nothing on the first
-    leg, which is left out.
+    Non-negative least squares (Lawson & Hanson 1974, ch. 23) on medians in classes of duration, so that a few outliers
+    do not decide; the square of an isotropic normal miss is exponential, its median 2 ln 2 times the variance on each
+    axis. A vehicle that estimates its drift from legs made has no estimate on the first leg, which is left out.
     """
-    ears: list[_RecordingCompensation] = []
+    records: list[_RecordingCompensation] = []
 
-    def listening(way: Compensation | None) -> Compensation:
-        ears.append(_RecordingCompensation(way))
-        return ears[-1]
+    def recorded(compensation: Compensation | None) -> Compensation:
+        records.append(_RecordingCompensation(compensation))
+        return records[-1]
 
-    plans = [LegsAtSpeed(share * scenario.distance) for share in SHARES]
-    run_plans(scenario, plans, seed, PILOT_BLOCK, listening=listening)
+    plans = [LegsAtSpeed(share * scenario.distance) for share in LENGTH_SHARES]
+    run_plans(scenario, plans, seed, PILOT_BLOCK, wrap_compensation=recorded)
     first = 1 if scenario.navigation.drift_compensation in LEARNING_COMPENSATIONS else 0
-    duration = np.concatenate([part for ear in ears for part in ear.durations[first:]])
-    squared = np.concatenate([part for ear in ears for part in ear.misses[first:]])
+    duration = np.concatenate([part for record in records for part in record.durations[first:]])
+    squared = np.concatenate([part for record in records for part in record.squared_misses[first:]])
     classes = [part for part in np.array_split(np.argsort(duration, kind="stable"), BINS) if part.size]
     seconds = np.array([np.sqrt(np.mean(duration[part] ** 2)) for part in classes])
     variance = np.array([np.median(squared[part]) for part in classes]) / (2.0 * np.log(2.0))

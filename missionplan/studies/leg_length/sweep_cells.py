@@ -1,8 +1,9 @@
 """Cells of a sweep: every d_max on the same trials, reduced to sums that merge block by block.
 
-The same standard normals serve every d_max (common random numbers), so that differences between two d_max are known
-much better than either cost. Their standard errors come from the covariances of the costs, taken between means of
-groups of trials: the groups are independent, and their products cost a sixteenth of those of the trials.
+The same standard normals serve every d_max (common random numbers; Law 2015, Simulation Modeling and Analysis, sect.
+11.2), so that differences between two d_max are known much better than either cost. Their standard errors come from the
+covariances of the costs, taken between means of groups of trials (batch means): the groups are independent, and their
+products cost a sixteenth of those of the trials.
 """
 
 import math
@@ -15,7 +16,7 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Moments
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan
+from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, column
 from missionplan.phases.transit.transit import transit
 
 GROUP = 16
@@ -27,7 +28,7 @@ _FEWEST_GROUPS = 8
 
 @dataclass(frozen=True)
 class CellTotals:
-    """What is kept of the trials of k values of d_max.
+    """Merged trials of k values of d_max.
 
     Attributes
     ----------
@@ -58,7 +59,7 @@ class CellTotals:
         )
 
     def first(self, cells: int) -> "CellTotals":
-        """Leave out all but the first cells."""
+        """Return the first cells alone."""
         kept = slice(None, cells)
         return CellTotals(
             self.cost.take(kept), self.surfacings.take(kept), self.groups, self.sums[kept], self.products[kept, kept]
@@ -72,7 +73,7 @@ class CellTotals:
     def difference_error(self, reference: int) -> Array:
         """Standard error of each mean cost minus that of one d_max, shape (k,).
 
-        Paired where all trials of both arrived; else, and for few trials, as if the trials were independent.
+        Paired where all trials of both arrived; else, and for few trials, as for independent trials.
         """
         error = self.cost.standard_error
         unpaired: Array = np.hypot(error, error[reference])
@@ -91,7 +92,7 @@ class CellTotals:
         return int(np.argmin(np.where(eligible, self.cost.mean, math.inf))) if eligible.any() else 0
 
     def as_good_as(self, reference: int) -> NDArray[np.bool_]:
-        """Tell which d_max cost no more than another by over two standard errors of the difference, shape (k,)."""
+        """Whether each d_max costs no more than another by over two standard errors of the difference, shape (k,)."""
         eligible = self.arrived >= 0.99 * self.arrived.max()
         excess = self.cost.mean - self.cost.mean[reference]
         return np.asarray(eligible & (excess <= 2.0 * self.difference_error(reference)))
@@ -101,7 +102,7 @@ def run_cells(
     plan: TransitPlan,
     state: TrialState,
     normals: TransitNormals,
-    surroundings: Environment,
+    environment: Environment,
     d_max: Array,
     table: LegTable | None = None,
 ) -> CellTotals:
@@ -111,28 +112,31 @@ def run_cells(
     ----------
     plan : TransitPlan
         Its own `d_max` is not used.
-    state, normals, surroundings
-        As of `transit`.
+    state, normals, environment
+        As for `transit`.
     d_max : array, shape (k,)
         [m]
     table : LegTable, optional
         One cell more, the last.
     """
-    towards = np.asarray(plan.goal).reshape(2, -1) - state.position
-    nominal = np.hypot(*towards) / plan.speed
+    nominal = plan.nominal_time(state.position)
     lengths: list[float | LegTable] = [*(float(length) for length in d_max), *([table] if table is not None else [])]
-    typical = np.ceil(float(np.mean(np.hypot(*towards))) / d_max) - 1.0
-    typical = np.append(typical, np.ones(len(lengths) - len(d_max)))
-    reference = typical * float(np.mean(plan.surfacing_time)) / float(np.mean(nominal))
+    reference = _typical_costs(plan, state, d_max, len(lengths), nominal)
     costs, surfacings = np.empty((len(lengths), state.trials)), np.empty((len(lengths), state.trials))
     for index, length in enumerate(lengths):
-        _, record = transit(replace(plan, d_max=length), state, normals, surroundings)
-        charged = np.maximum(record.surfacings - 1.0, 0.0) * plan.surfacing_time
-        costs[index] = (plan.time_under_way(record.distance, record.surfacings) + charged) / nominal - 1.0  # Eq. 25
+        _, record = transit(replace(plan, d_max=length), state, normals, environment)
+        costs[index] = plan.cost(record, nominal)
         surfacings[index] = record.surfacings
         if not record.arrived.all():
             costs[index, ~record.arrived] = surfacings[index, ~record.arrived] = math.nan
     return _totals(costs, surfacings, reference)
+
+
+def _typical_costs(plan: TransitPlan, state: TrialState, d_max: Array, cells: int, nominal: Array) -> Array:
+    """Cost without errors of each d_max, of one surfacing for a table: a reference near the costs, shape (cells,)."""
+    distance = np.hypot(*(column(plan.goal) - state.position))
+    surfacings = np.append(np.ceil(float(np.mean(distance)) / d_max) - 1.0, np.ones(cells - len(d_max)))
+    return np.asarray(surfacings * float(np.mean(plan.surfacing_time)) / float(np.mean(nominal)))
 
 
 def _totals(costs: Array, surfacings: Array, reference: Array) -> CellTotals:

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
@@ -53,13 +55,13 @@ def sweep_dmax(
     """
     started = time.perf_counter()
     scenario = SweepScenario.of(mission)
-    chosen = _method(scenario, method)
-    trials = 0 if chosen == "analytic" else trials or mission.monte_carlo.trials
+    used = _method(scenario, method)
+    trials = 0 if used == "analytic" else trials or mission.monte_carlo.trials
     seed = mission.monte_carlo.seed if seed is None else seed
     curves = range(len(scenario.sigmas))
-    analytic = {index: scenario.analytic(index) for index in curves} if chosen != "monte-carlo" else {}
+    analytic = {index: scenario.analytic(index) for index in curves} if used != "monte-carlo" else {}
     sampled: dict[int, CellTotals] = {}
-    # the largest sigma, as a rule the last, takes longest: short items come last, for workers wait for the last one
+    # the largest sigma, as a rule the last, takes longest: it goes first, so that workers end together
     items = [(index, block) for block in range(block_count(trials)) for index in reversed(curves)]
     results = run_blocks(
         SweepTask(scenario, trials, seed), items, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress
@@ -72,7 +74,7 @@ def sweep_dmax(
         file=mission.file,
         seed=seed,
         trials=trials,
-        options={"method": chosen, "jobs": jobs, "backend": backend, "scheduler": scheduler},
+        options={"method": used, "jobs": jobs, "backend": backend, "scheduler": scheduler},
         elapsed_s=time.perf_counter() - started,
         data=mission.raw,
         notices=mission.notices(),
@@ -80,21 +82,21 @@ def sweep_dmax(
     return Sweep(
         provenance=provenance,
         phase=scenario.phase.name,
-        method=chosen,
+        method=used,
         distance=scenario.distance,
         speed=scenario.speed,
         surfacing_time=scenario.surfacing_time,
         arrival_radius=scenario.arrival_radius,
-        curves=tuple(_curve(scenario, index, sampled.get(index), analytic.get(index)) for index in curves),
+        curves=tuple(_curve(scenario, index, sampled.get(index), analytic.get(index, ())) for index in curves),
     )
 
 
-def _method(scenario: SweepScenario, asked: Method | None) -> Method:
+def _method(scenario: SweepScenario, requested: Method | None) -> Method:
     obstacle = scenario.analytic_obstacle()
-    if obstacle and asked in ("both", "analytic"):
+    if obstacle and requested in ("both", "analytic"):
         hint = "use --method monte-carlo"
         raise InputError([Problem(f"the analytic cost is not known with {obstacle}", key="--method", hint=hint)])
-    return asked or ("monte-carlo" if obstacle else "both")
+    return requested or ("monte-carlo" if obstacle else "both")
 
 
 @dataclass(frozen=True)
@@ -106,66 +108,95 @@ class SweepTask:
     seed: int
 
     def __call__(self, item: tuple[int, int]) -> CellTotals:
-        """PlanTrials every d_max of a curve on a block of trials."""
+        """Run every d_max of a curve on a block of trials."""
         index, block = item
         scenario, size = self.scenario, block_size(self.trials, block)
         drawn = scenario.means.sampled(seed=self.seed, block=block, size=size)
         state = scenario.state(drawn, self.seed, block, size)
         normals = scenario.normals(self.seed, block)
-        plan, around = scenario.plan(index, drawn), scenario.surroundings(drawn)
-        return run_cells(plan, state, normals, around, scenario.d_max, scenario.table)
+        plan, environment = scenario.plan(index, drawn), scenario.environment(drawn)
+        return run_cells(plan, state, normals, environment, scenario.d_max, scenario.table)
 
 
-def _curve(scenario: SweepScenario, index: int, sampled: CellTotals | None, analytic: Analytic | None) -> SweepCurve:
+@dataclass(frozen=True)
+class _Costs:
+    """Costs of a curve's cells, from trials or else from the integral equation; arrays of shape (k,).
+
+    Attributes
+    ----------
+    best : int
+        Index of the best d_max of the grid.
+    cost, standard_error, variance, surfacings : array
+        nan where no trial arrived.
+    arrived : tuple of Probability
+    excess_error : array
+        Standard error of the cost less the best one.
+    as_good : array of bool
+        Whether the cost is as good as the best one.
+    """
+
+    best: int
+    cost: Array
+    standard_error: Array
+    variance: Array
+    surfacings: Array
+    arrived: tuple[Probability, ...]
+    excess_error: Array
+    as_good: NDArray[np.bool_]
+
+    @classmethod
+    def of_trials(cls, totals: CellTotals, grid: int) -> "_Costs":
+        """Costs of trials; the first `grid` cells are the grid's d_max."""
+        swept, count, missing = totals.first(grid), totals.cost.count, totals.cost.missing
+        best, reached = swept.best(), count > 0
+        return cls(
+            best=best,
+            cost=np.where(reached, totals.cost.mean, np.nan),
+            standard_error=np.where(reached, totals.cost.standard_error, np.nan),
+            variance=np.where(reached, totals.cost.variance, np.nan),
+            surfacings=np.where(reached, totals.surfacings.mean, np.nan),
+            arrived=tuple(wilson(int(n), int(n) + int(lost)) for n, lost in zip(count, missing, strict=True)),
+            excess_error=totals.difference_error(best),
+            as_good=np.append(swept.as_good_as(best), np.zeros(len(count) - grid, dtype=bool)),
+        )
+
+    @classmethod
+    def of_expectations(cls, expectations: Analytic, grid: int) -> "_Costs":
+        """Costs of the integral equation; the first `grid` cells are the grid's d_max."""
+        cost = np.array([expectation.cost for expectation in expectations])
+        best, zeros = int(np.argmin(cost[:grid])), np.zeros(len(cost))
+        return cls(
+            best=best,
+            cost=cost,
+            standard_error=zeros,
+            variance=np.full(len(cost), np.nan),
+            surfacings=np.array([expectation.surfacings for expectation in expectations]),
+            arrived=(Probability(1.0, 1.0, 1.0),) * len(cost),
+            excess_error=zeros,
+            as_good=cost <= cost[best],
+        )
+
+
+def _curve(scenario: SweepScenario, index: int, sampled: CellTotals | None, analytic: Analytic) -> SweepCurve:
     """Make a curve; after the grid come the whole distance in one leg, and the table where there is one."""
-    grid, cells = len(scenario.d_max) - 1, len(scenario.d_max) + (scenario.table is not None)
-    if sampled is not None:
-        swept = sampled.first(grid)
-        best, errors = swept.best(), sampled.difference_error(swept.best())
-        as_good = np.append(swept.as_good_as(best), np.zeros(cells - grid, dtype=bool))
-    else:
-        assert analytic is not None
-        costs = np.array([expectation.cost for expectation in analytic])
-        best = int(np.argmin(costs[:grid]))
-        as_good, errors = costs <= costs[best], np.zeros(len(costs))
-    points = [
-        _point(scenario, number, sampled, analytic, float(errors[number]), bool(as_good[number]))
-        for number in range(cells)
-    ]
+    grid = len(scenario.d_max) - 1
+    costs = _Costs.of_expectations(analytic, grid) if sampled is None else _Costs.of_trials(sampled, grid)
+    points = [_point(scenario, number, costs, analytic) for number in range(len(costs.cost))]
     table = points[-1] if scenario.table is not None else None
-    return SweepCurve(scenario.sigma(index), tuple(points[:grid]), best, points[grid], table)
+    return SweepCurve(scenario.sigma(index), tuple(points[:grid]), costs.best, points[grid], table)
 
 
-def _point(
-    scenario: SweepScenario,
-    number: int,
-    sampled: CellTotals | None,
-    analytic: Analytic | None,
-    excess_error: float,
-    as_good: bool,
-) -> SweepPoint:
-    expected = analytic[number] if analytic is not None else None
-    if sampled is not None:
-        cost, surfacings = sampled.cost, sampled.surfacings
-        reached = int(cost.count[number])
-        numbers = (float(cost.mean[number]), float(cost.standard_error[number]), float(cost.variance[number]) ** 0.5)
-        if not reached:
-            numbers = (float("nan"),) * 3
-        visits = float(surfacings.mean[number]) if reached else float("nan")
-        arrived = wilson(reached, reached + int(cost.missing[number]))
-    else:
-        assert expected is not None
-        numbers, visits, arrived = (expected.cost, 0.0, float("nan")), expected.surfacings, Probability(1.0, 1.0, 1.0)
+def _point(scenario: SweepScenario, number: int, costs: _Costs, analytic: Analytic) -> SweepPoint:
     d_max = float(scenario.d_max[number]) if number < len(scenario.d_max) else float("nan")
     return SweepPoint(
         d_max=d_max,
         d_max_over_distance=d_max / scenario.distance,
-        cost=numbers[0],
-        standard_error=numbers[1],
-        sd=numbers[2],
-        surfacings=visits,
-        arrived=arrived,
-        cost_analytic=expected.cost if expected is not None else None,
-        excess_error=excess_error,
-        as_good=as_good,
+        cost=float(costs.cost[number]),
+        standard_error=float(costs.standard_error[number]),
+        sd=float(costs.variance[number]) ** 0.5,
+        surfacings=float(costs.surfacings[number]),
+        arrived=costs.arrived[number],
+        cost_analytic=analytic[number].cost if analytic else None,
+        excess_error=float(costs.excess_error[number]),
+        as_good=bool(costs.as_good[number]),
     )

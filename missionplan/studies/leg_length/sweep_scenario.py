@@ -1,35 +1,36 @@
-"""What a mission asks of a sweep: the transit, its grid of d_max, its velocity errors."""
+"""The transit whose legs a mission asks about: its means, its grid of d_max, its velocity errors."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.schema.navigation import Navigation
+from missionplan.mission.schema.mission import Navigation
 from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.mission.schema.site import Position
+from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import Distribution, mean_of
-from missionplan.montecarlo.streams import LegNormals
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.analytic.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
 from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.scenario.site_current import recorded_current
+from missionplan.scenario.transit_streams import deployed, transit_normals
 
 
 @dataclass(frozen=True)
 class SweepScenario:
-    """A sweep, ready to run.
+    """A transit to be run with many plans of legs.
 
     Attributes
     ----------
     means : Scenario
         The mission at its means.
     phase : TransitPhase
+    navigation : Navigation
     start : tuple
         Where the transit begins, and the key path of that position.
     distance : float
@@ -42,6 +43,7 @@ class SweepScenario:
 
     means: Scenario
     phase: TransitPhase
+    navigation: Navigation
     start: tuple[Position, str]
     distance: float
     d_max: Array
@@ -57,9 +59,9 @@ class SweepScenario:
             When it has no transit or navigation, or the transit no length, or the mean drift is as fast as the
             vehicle.
         """
-        if mission.navigation is None:
-            raise InputError([Problem("missing; a transit needs it", mission.file, key="navigation")])
-        phase, start = _phase_and_start(mission)
+        checked = TransitMission.of(mission)
+        phase = checked.transit(mission.sweep.phase)
+        start = _start(checked, phase)
         means = Scenario.at_means(mission, recorded_current(mission))
         origin, goal = means.position(*start), means.position(phase.to, f"{phase.name}.to")
         distance = float(np.hypot(*(goal - origin)))
@@ -71,18 +73,12 @@ class SweepScenario:
             raise InputError([Problem(message, mission.file, key=f"{phase.name}.speed")])
         grid = np.asarray(mission.sweep.d_max_values(distance), dtype=float)
         sigmas = tuple(mission.sweep.sigma) if mission.sweep.sigma else (None,)
-        return cls(means, phase, start, distance, np.append(grid, distance), sigmas)
+        return cls(means, phase, checked.navigation, start, distance, np.append(grid, distance), sigmas)
 
     @property
     def mission(self) -> Mission:
-        """The mission."""
+        """The whole mission."""
         return self.means.mission
-
-    @property
-    def navigation(self) -> Navigation:
-        """Its section `navigation`."""
-        assert self.mission.navigation is not None
-        return self.mission.navigation
 
     @property
     def mean_drift(self) -> Array:
@@ -91,7 +87,7 @@ class SweepScenario:
 
     @property
     def table(self) -> LegTable | None:
-        """Legs that adapt to the distance left, where the transit has them instead of a d_max."""
+        """The transit's own table of legs against distance left, where it has one instead of a d_max."""
         return leg_table(self.phase.d_max) if isinstance(self.phase.d_max, LegTableSection) else None
 
     @property
@@ -122,28 +118,20 @@ class SweepScenario:
             return plan
         return replace(plan, velocity_error=VelocityError.isotropic(sigma, plan.velocity_error.mean))
 
-    def surroundings(self, drawn: Scenario) -> Environment:
+    def environment(self, drawn: Scenario) -> Environment:
         """Build current, compensation and effects from the draws of a block."""
         return Environment(drawn.current, drawn.compensation(self.phase), drawn.effects_under_way(self.phase))
 
     def normals(self, seed: int, block: int) -> TransitNormals:
-        """Open the streams of the legs: named by the phase, so that every σ_v and every d_max has the same ones."""
-        name = self.phase.name
-        effects = [entry.effect for entry in self.mission.effects if CATALOGUE[entry.effect].phase == "transit"]
-        return TransitNormals(
-            velocity=LegNormals(seed, f"{name}.velocity_error", block),
-            fix_on_surfacing=LegNormals(seed, f"{name}.fix_on_surfacing", block),
-            fix_on_diving=LegNormals(seed, f"{name}.fix_on_diving", block),
-            effects=[LegNormals(seed, f"{name}.effects.{effect}", block) for effect in effects],
-        )
+        """Open the streams of the legs, the same for every σ_v and every d_max."""
+        return transit_normals(self.means, self.phase, seed, block)
 
     def state(self, drawn: Scenario, seed: int, block: int, trials: int) -> TrialState:
         """Place a block of trials at the start, with the fix that each takes before its first dive."""
-        noise = drawn.fix_sd * LegNormals(seed, f"{self.phase.name}.fix_at_start", block).leg(0)[:, :trials]
-        return TrialState.at(drawn.position(*self.start), trials, noise)
+        return deployed(drawn, self.phase, drawn.position(*self.start), seed, block, trials)
 
     def analytic_obstacle(self) -> str:
-        """Say what keeps the analytic cost from being known; empty when nothing does."""
+        """First property of the mission that the analytic cost does not allow for; empty where there is none."""
         mission, navigation, phase = self.mission, self.navigation, self.phase
         error = navigation.velocity_error
         start = self.start[0] if isinstance(self.start[0], tuple) else ()
@@ -178,19 +166,16 @@ class SweepScenario:
         )
 
 
-def _phase_and_start(mission: Mission) -> tuple[TransitPhase, tuple[Position, str]]:
-    """Find the transit that is swept, and where it begins: its own `from`, else where the transit before it went."""
-    if not mission.transits:
-        raise InputError([Problem("has no transit; sweep-dmax needs one", mission.file, key="phases")])
-    names = [phase.name for phase in mission.transits]
-    number = names.index(mission.sweep.phase) if mission.sweep.phase else 0
-    phase = mission.transits[number]
+def _start(checked: TransitMission, phase: TransitPhase) -> tuple[Position, str]:
+    """Where a transit begins, with the key path: its own `from`, else where the transit before it went."""
     if phase.start is not None:
-        return phase, (phase.start, f"{phase.name}.from")
+        return phase.start, f"{phase.name}.from"
+    number = checked.transits.index(phase)
     if number == 0:
-        raise InputError([Problem("missing; the first transit says where it starts", mission.file, key="from")])
-    before = mission.transits[number - 1]
-    return phase, (before.to, f"{before.name}.to")
+        problem = Problem("missing; the first transit needs a start", checked.mission.file, key="from")
+        raise InputError([problem])
+    before = checked.transits[number - 1]
+    return before.to, f"{before.name}.to"
 
 
 def _mean_drift(means: Scenario, phase: TransitPhase, start: Array) -> Array:

@@ -12,6 +12,7 @@ from missionplan.studies.leg_length import optimise_legs, paired_trials
 from missionplan.studies.leg_length.leg_spread import fit_leg_spread
 from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan
 from missionplan.studies.leg_length.plan_legs import plan_legs
+from missionplan.studies.leg_length.policy_search import PolicyFamily
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
@@ -104,7 +105,7 @@ def test_tables_and_summary(plan):
 
 
 def test_what_the_legs_leave_out_is_said(tmp_path, monkeypatch):
-    monkeypatch.setattr(optimise_legs, "SPREADS", (1.0,))
+    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
     path = tmp_path / "fixes.yaml"
     path.write_text(MISSION.replace("surfacing_time: 90 s", "surfacing_time: 90 s\n  fix_error: 5 m"), encoding="utf-8")
     notices = plan_legs(load(path), trials=500).provenance.notices
@@ -176,8 +177,7 @@ def test_where_drift_is_learnt_the_table_is_no_worse_than_the_best_fixed_d_max(l
 
 @pytest.mark.slow
 def test_legs_for_a_deadline_are_on_time_as_often_as_any_other_plan(learning, monkeypatch):
-    monkeypatch.setattr(optimise_legs, "SPREADS", (1.0, 1.4))
-    monkeypatch.setattr(optimise_legs, "PRICES", (1.0,))
+    monkeypatch.setattr(optimise_legs, "DEADLINE_FAMILY", PolicyFamily((1.0, 1.4), (1.0,)))
     plan = plan_legs(learning, aim="p95")
     *others, chosen = plan.candidates
     for other in others:
@@ -187,8 +187,8 @@ def test_legs_for_a_deadline_are_on_time_as_often_as_any_other_plan(learning, mo
 
 
 def test_a_deadline_of_the_mission_is_what_p95_is_about(tmp_path, monkeypatch):
-    monkeypatch.setattr(optimise_legs, "SPREADS", (1.0,))
-    monkeypatch.setattr(optimise_legs, "PRICES", (1.0,))
+    monkeypatch.setattr(optimise_legs, "DEADLINE_FAMILY", PolicyFamily((1.0,), (1.0,)))
+    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
     path = tmp_path / "deadline.yaml"
     deadline = "requirements: [{quantity: in.duration, at_most: 3450 s, probability: 0.9}]\n"
     path.write_text(MISSION + deadline, encoding="utf-8")

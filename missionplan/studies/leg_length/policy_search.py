@@ -1,0 +1,105 @@
+"""Search of a family of leg tables for the best one on pilot trials, where the integral equation does not apply."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.phases.transit.analytic.bellman import JUMP
+from missionplan.phases.transit.leg_table import LegTable
+from missionplan.studies.leg_length.analytic_transit import AnalyticTransit
+from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, Objective, best_plan
+
+SPREAD_FACTORS = (0.7, 1.0, 1.4, 2.0)
+"""Factors on the spread for which best legs are tried."""
+SURFACING_FACTORS = (0.6, 1.7)
+"""Factors on the cost of a surfacing for which best legs are tried."""
+FIXED_LENGTHS = np.linspace(0.05, 1.0, 58)
+"""Fixed d_max that are tried, as shares of the distance."""
+FIRST_LEG_SHARE = 0.97
+"""Share of the distance beyond which a leg is the first."""
+
+
+@dataclass(frozen=True)
+class PolicyFamily:
+    """Leg tables that are tried.
+
+    Attributes
+    ----------
+    spread_factors : sequence of float
+        Tried at the true cost of a surfacing.
+    surfacing_factors : sequence of float
+        Tried for the best spread.
+    """
+
+    spread_factors: Sequence[float] = SPREAD_FACTORS
+    surfacing_factors: Sequence[float] = SURFACING_FACTORS
+
+
+@dataclass(frozen=True)
+class _Policy:
+    """A leg table and the factor on the spread that it is best for."""
+
+    spread_factor: float
+    table: LegTable
+
+
+def search_policies(
+    transit: AnalyticTransit, family: PolicyFamily, objective: Objective, seed: int
+) -> tuple[float, LegTable]:
+    """Find the best fixed d_max [m] and the best table of a family, on the same pilot trials.
+
+    Each table is also tried with first legs of every length: on the first leg nothing has been learnt of the drift.
+    Where no table does better, the best fixed length is the table.
+
+    Raises
+    ------
+    ValueError
+        When no legs can cope with the errors.
+    """
+    distance = transit.scenario.distance
+    lengths = [round(float(share * distance), 1) for share in FIXED_LENGTHS]
+    radius = np.array([transit.scenario.arrival_radius])
+    fixed = [_Policy(1.0, LegTable(radius, np.array([length]))) for length in lengths]
+
+    def best_of(policies: Sequence[_Policy]) -> tuple[float, _Policy]:
+        plans = [LegsAtSpeed(policy.table, transit.speed_factor) for policy in policies]
+        index, least = best_plan(transit.scenario, plans, objective, seed)
+        return least, policies[index]
+
+    def best_variant(policies: Sequence[_Policy]) -> tuple[float, _Policy]:
+        return best_of([variant for policy in policies for variant in _variants(policy, distance, lengths)])
+
+    fixed_value, constant = best_of(fixed)
+    value, policy = best_variant(_policies(transit, [(factor, 1.0) for factor in family.spread_factors]))
+    if family.surfacing_factors:
+        others = _policies(transit, [(policy.spread_factor, factor) for factor in family.surfacing_factors])
+        value, policy = min((value, policy), best_variant(others), key=lambda found: found[0])
+    return float(constant.table.leg[0]), policy.table if value < fixed_value else constant.table
+
+
+def _variants(policy: _Policy, distance: float, lengths: Sequence[float]) -> list[_Policy]:
+    """A policy, and the same with every first leg."""
+    changed = [_Policy(policy.spread_factor, replace_first_leg(policy.table, distance, length)) for length in lengths]
+    return [policy, *changed]
+
+
+def replace_first_leg(table: LegTable, distance: float, length: float) -> LegTable:
+    """Set the leg near the whole distance, with a jump of `JUMP` below."""
+    edge = round(FIRST_LEG_SHARE * distance, 1)
+    nearer = table.left < edge
+    left = np.append(table.left[nearer], [edge, edge + JUMP])
+    return LegTable(left, np.append(table.leg[nearer], [np.round(table(np.array([edge]))[0], 1), length]))
+
+
+def _policies(transit: AnalyticTransit, factors: Sequence[tuple[float, float]]) -> list[_Policy]:
+    """Best legs for factors on spread and cost of a surfacing, without those for errors that no legs can cope with."""
+    policies, refusal = [], ""
+    for spread, surfacing in factors:
+        try:
+            policies.append(_Policy(spread, transit.best_table(spread, surfacing)))
+        except ValueError as error:
+            refusal = str(error)
+    if not policies:
+        raise ValueError(refusal)
+    return policies
