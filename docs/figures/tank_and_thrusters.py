@@ -10,7 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure as MatplotlibFigure
 
 import missionplan
-from missionplan.physics import propeller, propulsion, tank
+from missionplan.physics import propeller_example as example
+from missionplan.physics import propulsion, tank
 from missionplan.physics import tunnel_thruster as tunnel
 from missionplan.report import identification as pictures
 from missionplan.report import transition as transition_pictures
@@ -25,8 +26,8 @@ MISSIONS = HERE.parents[1] / "missions"
 def blanke() -> list[Figure]:
     """Figs. 4 and 5 of Blanke et al., and the open-water lines of its Fig. 3."""
     step = 0.02
-    torque = propulsion.eq_36_torque(step)
-    run = propulsion.simulate_propulsion(propeller.table_1(), propeller.TABLE_1_RESISTANCE, torque, step)
+    torque = example.eq_36_torque(step)
+    run = propulsion.simulate_propulsion(example.table_1(), example.TABLE_1_RESISTANCE, torque, step)
     fig_4 = MatplotlibFigure(figsize=(6.0, 4.6))
     speeds, rates = fig_4.subplots(2, 1, sharex=True)
     speeds.plot(run.time, run.axial_flow, color=ORANGE, linewidth=1.2, label="flow in the disc $u_p$")

@@ -5,15 +5,12 @@ J = 2π u_a/(n D) of an n in rad/s (its Fig. 3); they are converted once, in `fr
 """
 
 import math
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass
 
 import numpy as np
 
 from missionplan.arrays import Scalars, magnitude
 from missionplan.physics.drag import disc_area
-
-Damping = Literal["surge", "momentum"]
 
 
 @dataclass(frozen=True)
@@ -261,46 +258,3 @@ class Resistance:
     def force(self, speed: Scalars) -> Scalars:
         """Resistance at a speed through the water [N]."""
         return self.linear * speed + self.quadratic * magnitude(speed) * speed
-
-
-TABLE_1_RESISTANCE = Resistance(mass=1050.0, linear=0.2, quadratic=500.0)
-"""The vehicle of Table 1: 1000 kg and 5 % added mass."""
-
-
-def table_1(damping: Damping = "surge") -> Propeller:
-    """Build the paper's example from Table 1, with the T° and Q° that its own a = 0.25 gives.
-
-    m_f = ρ A_p l with γ = 1 (21.74 kg) is assumed; the paper leaves γ open.
-
-    Parameters
-    ----------
-    damping : {"surge", "momentum"}
-        Axial-flow damping by Eqs. 34 and 35, or by Eq. 12.
-    """
-    hull = TABLE_1_RESISTANCE
-    paper = {"axial_flow_factor": 0.25, "wake_fraction": 0.2, "thrust_deduction": 0.1}
-    flow_damping = (
-        surge_flow_damping(float(hull.linear), float(hull.quadratic), **paper) if damping == "surge" else None
-    )
-    return from_open_water(
-        0.30,
-        (0.4243, -0.9435),
-        (0.0626, -0.1212),
-        density=1025.0,
-        shaft_inertia=1.0,
-        flow_mass=1025.0 * float(disc_area(0.30)) * 0.30,
-        flow_damping=flow_damping,
-        **paper,
-    )
-
-
-def as_printed(damping: Damping = "surge") -> Propeller:
-    """Build the paper's example with Table 2's constants, whose T° and Q° are those of a = 0.1, not of Table 1's a."""
-    turn = 2.0 * math.pi
-    return replace(
-        table_1(damping),
-        thrust_nn=3.523 / turn**2,
-        thrust_nu=-23.74 / turn,
-        torque_nn=0.1559 / turn**2,
-        torque_nu=-0.9148 / turn,
-    )

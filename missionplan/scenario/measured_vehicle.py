@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 from missionplan.arrays import Scalars
 from missionplan.mission.schema.vehicle import Vehicle
+from missionplan.physics.cruise import shaft_power, shaft_rate_for
 from missionplan.physics.measured_drag import MeasuredVehicleDrag
 from missionplan.physics.propeller import Propeller, from_open_water
-from missionplan.physics.propulsion import shaft_power, shaft_rate_for
 from missionplan.physics.vehicle_drag import VehicleDrag
 
 

@@ -11,8 +11,8 @@ from missionplan.effects.speed_scale import SpeedScale
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.physics.added_mass import lamb_axial_coefficient
 from missionplan.physics.buoyancy import displaced_mass
+from missionplan.physics.cruise import cruise_speed, distance_lost, shaft_rate_for, speed_error
 from missionplan.physics.propeller import Propeller, Resistance
-from missionplan.physics.propulsion import cruise_speed, distance_lost, shaft_rate_for, speed_error
 from missionplan.scenario.measured_vehicle import propeller
 
 if TYPE_CHECKING:

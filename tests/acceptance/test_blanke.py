@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from missionplan.physics import propeller as p
+from missionplan.physics import propeller_example as example
 from missionplan.physics import propulsion as pr
 
 STEP = 0.02
@@ -14,7 +14,9 @@ ENDS = (1500, 3000, 5000)
 
 @pytest.fixture(scope="module")
 def run():
-    return pr.simulate_propulsion(p.table_1("surge"), p.TABLE_1_RESISTANCE, pr.eq_36_torque(STEP), STEP)
+    return pr.simulate_propulsion(
+        example.table_1("surge"), example.TABLE_1_RESISTANCE, example.eq_36_torque(STEP), STEP
+    )
 
 
 def test_end_of_segment_values(run):
@@ -28,7 +30,7 @@ def test_end_of_segment_values(run):
 
 def test_end_of_first_segment_with_momentum_damping():
     """Eq. 12 in place of Eqs. 30, 34 and 35."""
-    run = pr.simulate_propulsion(p.table_1("momentum"), p.TABLE_1_RESISTANCE, np.full(1500, 5.0), STEP)
+    run = pr.simulate_propulsion(example.table_1("momentum"), example.TABLE_1_RESISTANCE, np.full(1500, 5.0), STEP)
     assert run.shaft_rate[-1] / (2.0 * np.pi) == pytest.approx(8.59, rel=0.01)
     assert run.speed[-1] == pytest.approx(0.395, rel=0.01)
     assert run.axial_flow[-1] == pytest.approx(0.955, rel=0.01)
@@ -44,8 +46,8 @@ def test_axial_flow_settles_on_the_speed(run):
 
 def test_the_literal_shaft_equation_is_two_pi_faster():
     """J_m ṅ = Q with n in rev/s, as printed: the shaft's inertia is 1/2π of that of J_m ω̇ = Q."""
-    table_1 = p.table_1()
+    table_1 = example.table_1()
     literal = replace(table_1, shaft_inertia=table_1.shaft_inertia / (2.0 * np.pi))
     torque = np.full(5, 5.0)
-    slow, fast = (pr.simulate_propulsion(unit, p.TABLE_1_RESISTANCE, torque, 1e-3) for unit in (table_1, literal))
+    slow, fast = (pr.simulate_propulsion(unit, example.TABLE_1_RESISTANCE, torque, 1e-3) for unit in (table_1, literal))
     assert fast.shaft_rate[-1] / slow.shaft_rate[-1] == pytest.approx(2.0 * np.pi, rel=1e-3)

@@ -8,15 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from missionplan.physics import propeller as p
+from missionplan.physics import propeller_example as example
 
 TURN = 2.0 * math.pi
-PRESETS = [p.table_1("surge"), p.table_1("momentum"), p.as_printed()]
+PRESETS = [example.table_1("surge"), example.table_1("momentum"), example.as_printed()]
 shaft_rates = st.floats(-200.0, 200.0)
 flows = st.floats(-5.0, 5.0)
 
 
 def test_constants_of_table_2_in_revolutions():
-    table_1 = p.table_1()
+    table_1 = example.table_1()
     assert table_1.thrust_nn * TURN**2 == pytest.approx(3.5228, abs=5e-5)
     assert table_1.torque_nn * TURN**2 == pytest.approx(0.15592, abs=5e-6)
     assert table_1.thrust_nu * TURN == pytest.approx(-20.889, abs=5e-4)
@@ -26,12 +27,12 @@ def test_constants_of_table_2_in_revolutions():
 
 def test_printed_axial_constants_are_those_of_another_axial_factor():
     unit = p.from_open_water(0.30, (0.4243, -0.9435), (0.0626, -0.1212), density=1025.0, axial_flow_factor=0.1)
-    assert unit.thrust_nu == pytest.approx(p.as_printed().thrust_nu, rel=2e-4)
-    assert unit.torque_nu == pytest.approx(p.as_printed().torque_nu, rel=2e-4)
+    assert unit.thrust_nu == pytest.approx(example.as_printed().thrust_nu, rel=2e-4)
+    assert unit.torque_nu == pytest.approx(example.as_printed().torque_nu, rel=2e-4)
 
 
 def test_constants_in_radians():
-    table_1 = p.table_1()
+    table_1 = example.table_1()
     assert table_1.thrust_nn == pytest.approx(0.08923, abs=5e-6)
     assert table_1.torque_nn == pytest.approx(0.003950, abs=5e-7)
     assert 1.25 * table_1.thrust_nu == pytest.approx(-4.1558, abs=5e-5)
@@ -39,24 +40,24 @@ def test_constants_in_radians():
 
 def test_the_two_dampings_disagree_for_table_1_and_agree_near_26_kg_m():
     factors = {"axial_flow_factor": 0.25, "wake_fraction": 0.2, "thrust_deduction": 0.1}
-    assert p.table_1("surge").flow_damping_quadratic == pytest.approx(2777.8, abs=0.05)
-    assert p.table_1("momentum").flow_damping_quadratic == pytest.approx(144.9, abs=0.05)
+    assert example.table_1("surge").flow_damping_quadratic == pytest.approx(2777.8, abs=0.05)
+    assert example.table_1("momentum").flow_damping_quadratic == pytest.approx(144.9, abs=0.05)
     assert p.surge_flow_damping(0.2, 26.08, **factors)[1] == pytest.approx(144.9, rel=1e-3)
 
 
 def test_open_water_lines_come_back():
     advance = np.linspace(0.0, 0.6, 7)
     np.testing.assert_allclose(
-        p.thrust_coefficient(p.table_1(), advance, 1025.0), 0.4243 - 0.9435 * advance, atol=1e-12
+        p.thrust_coefficient(example.table_1(), advance, 1025.0), 0.4243 - 0.9435 * advance, atol=1e-12
     )
     np.testing.assert_allclose(
-        p.torque_coefficient(p.table_1(), advance, 1025.0), 0.0626 - 0.1212 * advance, atol=1e-12
+        p.torque_coefficient(example.table_1(), advance, 1025.0), 0.0626 - 0.1212 * advance, atol=1e-12
     )
 
 
 def test_open_water_efficiency_stays_below_one_while_the_propeller_drives():
     advance = np.linspace(0.0, 0.4243 / 0.9435, 50)
-    efficiency = p.open_water_efficiency(p.table_1(), advance, 1025.0)
+    efficiency = p.open_water_efficiency(example.table_1(), advance, 1025.0)
     assert np.all((efficiency >= -1e-12) & (efficiency < 0.5))
 
 

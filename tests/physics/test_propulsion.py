@@ -7,15 +7,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from missionplan.physics import cruise
 from missionplan.physics import propeller as p
+from missionplan.physics import propeller_example as example
 from missionplan.physics import propulsion as pr
 
-HULL = p.TABLE_1_RESISTANCE
+HULL = example.TABLE_1_RESISTANCE
 
 
 def held(shaft_rate, duration, step=0.02):
     """Run table 1's vehicle with an endless flywheel on the shaft, its flow settled at the start."""
-    propeller = replace(p.table_1(), shaft_inertia=np.inf)
+    propeller = replace(example.table_1(), shaft_inertia=np.inf)
     flow = p.steady_axial_flow(propeller, shaft_rate, 0.0)
     return pr.simulate_propulsion(
         propeller, HULL, np.zeros(round(duration / step)), step, (shaft_rate, float(flow), 0.0)
@@ -24,24 +26,24 @@ def held(shaft_rate, duration, step=0.02):
 
 @pytest.mark.parametrize("torque", [2.0, -5.0])
 def test_steady_state_of_the_stepped_model_is_the_closed_form(torque):
-    propeller = p.table_1()
+    propeller = example.table_1()
     run = pr.simulate_propulsion(propeller, HULL, np.full(6000, torque), 0.02)
     rate, flow, speed = run.shaft_rate[-1], run.axial_flow[-1], run.speed[-1]
     assert run.torque[-1] == pytest.approx(torque, rel=1e-6)
     assert flow == pytest.approx(float(p.steady_axial_flow(propeller, rate, speed)), rel=1e-6)
-    surge = pr.quasi_steady_surge(propeller, HULL, abs(rate))
+    surge = cruise.quasi_steady_surge(propeller, HULL, abs(rate))
     assert abs(speed) == pytest.approx(float(surge.speed), rel=1e-6)
     assert flow == pytest.approx(propeller.flow_ratio * speed, rel=1e-6)
 
 
 def test_a_run_astern_mirrors_a_run_ahead():
-    ahead, astern = (pr.simulate_propulsion(p.table_1(), HULL, np.full(500, q), 0.02) for q in (5.0, -5.0))
+    ahead, astern = (pr.simulate_propulsion(example.table_1(), HULL, np.full(500, q), 0.02) for q in (5.0, -5.0))
     np.testing.assert_array_equal(ahead.speed, -astern.speed)
 
 
 def test_shaft_work_pays_for_every_motion():
-    propeller, step = p.table_1(), 0.005
-    torque = pr.eq_36_torque(step, 40.0)
+    propeller, step = example.table_1(), 0.005
+    torque = example.eq_36_torque(step, 40.0)
     run = pr.simulate_propulsion(propeller, HULL, torque, step)
     work = np.sum(torque * (run.shaft_rate[1:] + run.shaft_rate[:-1]) / 2.0) * step
     kinetic = 0.5 * (propeller.shaft_inertia * run.shaft_rate[-1] ** 2 + HULL.mass * run.speed[-1] ** 2)
@@ -51,7 +53,7 @@ def test_shaft_work_pays_for_every_motion():
 
 def test_halving_the_step_divides_the_error_by_sixteen():
     def end(step):
-        return pr.simulate_propulsion(p.table_1(), HULL, np.full(round(2.0 / step), 5.0), step).shaft_rate[-1]
+        return pr.simulate_propulsion(example.table_1(), HULL, np.full(round(2.0 / step), 5.0), step).shaft_rate[-1]
 
     coarse, middle, fine = end(0.02), end(0.01), end(0.005)
     assert (coarse - middle) / (middle - fine) == pytest.approx(16.0, rel=0.2)
@@ -59,20 +61,20 @@ def test_halving_the_step_divides_the_error_by_sixteen():
 
 def test_trials_run_side_by_side():
     torque = np.array([5.0, -5.0, 2.5])
-    together = pr.simulate_propulsion(p.table_1(), HULL, np.tile(torque, (300, 1)), 0.02)
-    alone = pr.simulate_propulsion(p.table_1(), HULL, np.full(300, -5.0), 0.02)
+    together = pr.simulate_propulsion(example.table_1(), HULL, np.tile(torque, (300, 1)), 0.02)
+    alone = pr.simulate_propulsion(example.table_1(), HULL, np.full(300, -5.0), 0.02)
     np.testing.assert_allclose(together.speed[:, 1], alone.speed, rtol=1e-12)
 
 
 def test_too_long_a_step_is_refused():
     with pytest.raises(FloatingPointError, match="step of 2"):
-        pr.simulate_propulsion(p.table_1(), HULL, np.full(200, 500.0), 2.0)
+        pr.simulate_propulsion(example.table_1(), HULL, np.full(200, 500.0), 2.0)
 
 
 def test_speeding_up_against_the_stepped_model():
     """Same cruising speed; the stepped flow in the disc runs ahead of (1 + a)(1 - w)u at first and costs thrust."""
     run = held(40.0, 40.0)
-    closed = pr.speed_up(p.table_1(), HULL, 40.0, run.time[1:])
+    closed = cruise.speed_up(example.table_1(), HULL, 40.0, run.time[1:])
     assert run.speed[-1] == pytest.approx(closed.speed[-1], rel=1e-4)
     np.testing.assert_allclose(run.speed[1:], closed.speed, atol=0.10 * run.speed[-1])
     travelled = np.trapezoid(run.speed, run.time)
@@ -82,17 +84,18 @@ def test_speeding_up_against_the_stepped_model():
 @given(rate=st.floats(5.0, 100.0), time=st.floats(0.1, 200.0))
 def test_speeding_up_integrates(rate, time):
     h = 1e-4 * time
-    now, before, after = (pr.speed_up(p.table_1(), HULL, rate, t) for t in (time, time - h, time + h))
+    now, before, after = (cruise.speed_up(example.table_1(), HULL, rate, t) for t in (time, time - h, time + h))
     assert (after.distance - before.distance) / (2 * h) == pytest.approx(float(now.speed), rel=1e-4, abs=1e-9)
     assert (after.work - before.work) / (2 * h) == pytest.approx(
-        float(pr.shaft_power(p.table_1(), rate, now.speed)), rel=1e-3
+        float(cruise.shaft_power(example.table_1(), rate, now.speed)), rel=1e-3
     )
 
 
 def test_distance_lost_is_the_limit_of_speeding_up():
-    cruise = pr.quasi_steady_surge(p.table_1(), HULL, 40.0).speed
-    far = pr.speed_up(p.table_1(), HULL, 40.0, 1000.0)
-    assert cruise * 1000.0 - far.distance == pytest.approx(float(pr.distance_lost(p.table_1(), HULL, 40.0)), rel=1e-9)
+    steady = cruise.quasi_steady_surge(example.table_1(), HULL, 40.0).speed
+    far = cruise.speed_up(example.table_1(), HULL, 40.0, 1000.0)
+    lost = float(cruise.distance_lost(example.table_1(), HULL, 40.0))
+    assert steady * 1000.0 - far.distance == pytest.approx(lost, rel=1e-9)
 
 
 @settings(max_examples=30)
@@ -101,20 +104,20 @@ def test_cruise_speed_and_shaft_rate_are_inverse(rate, exponent):
     def drag(speed):
         return 300.0 * speed**exponent
 
-    speed = pr.cruise_speed(p.table_1(), rate, drag)
-    assert pr.shaft_rate_for(p.table_1(), drag(speed), speed) == pytest.approx(rate, rel=1e-8)
+    speed = cruise.cruise_speed(example.table_1(), rate, drag)
+    assert cruise.shaft_rate_for(example.table_1(), drag(speed), speed) == pytest.approx(rate, rel=1e-8)
 
 
 def test_a_true_vehicle_like_the_believed_one_errs_only_by_its_start():
-    error = pr.speed_error(p.table_1(), HULL, 40.0, 300.0)
-    assert error == pytest.approx(-float(pr.distance_lost(p.table_1(), HULL, 40.0)) / 300.0, rel=1e-9)
+    error = cruise.speed_error(example.table_1(), HULL, 40.0, 300.0)
+    assert error == pytest.approx(-float(cruise.distance_lost(example.table_1(), HULL, 40.0)) / 300.0, rel=1e-9)
 
 
 def test_more_drag_makes_the_inferred_speed_too_high():
-    errors = pr.speed_error(p.table_1(), HULL, 40.0, 1e6, drag_factor=np.array([0.9, 1.0, 1.2]))
+    errors = cruise.speed_error(example.table_1(), HULL, 40.0, 1e6, drag_factor=np.array([0.9, 1.0, 1.2]))
     assert errors[0] > 0.0 > errors[2]
     assert errors[1] == pytest.approx(0.0, abs=1e-4)
-    thrust = pr.speed_error(p.table_1(), HULL, 40.0, 1e6, thrust_factor=1.2)
+    thrust = cruise.speed_error(example.table_1(), HULL, 40.0, 1e6, thrust_factor=1.2)
     assert thrust > 0.0
 
 
@@ -123,14 +126,14 @@ def test_following_a_measured_run_gives_its_flow(given):
     step, every = 0.005, 20
     at = step * np.arange(3000)
     torque = 4.0 + 4.0 * np.sin(0.8 * at) - 3.0 * np.cos(2.3 * at)
-    run = pr.simulate_propulsion(p.table_1("momentum"), HULL, torque, step)
+    run = pr.simulate_propulsion(example.table_1("momentum"), HULL, torque, step)
     pick = slice(0, -1, every)
     drive = {"shaft_rate": run.shaft_rate[pick]} if given == "rate" else {"motor_torque": torque[::every]}
-    rate, flow = pr.respond(p.table_1("momentum"), run.time[pick], run.speed[pick], **drive)
+    rate, flow = pr.propeller_response(example.table_1("momentum"), run.time[pick], run.speed[pick], **drive)
     np.testing.assert_allclose(rate, run.shaft_rate[pick], atol=2e-3 * run.shaft_rate.max())
     np.testing.assert_allclose(flow, run.axial_flow[pick], atol=0.01 * run.axial_flow.max())
 
 
 def test_following_needs_one_drive():
     with pytest.raises(ValueError, match="either"):
-        pr.respond(p.table_1(), np.arange(3.0), np.zeros(3))
+        pr.propeller_response(example.table_1(), np.arange(3.0), np.zeros(3))

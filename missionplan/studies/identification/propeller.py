@@ -10,7 +10,7 @@ from missionplan.datasets.tank import PropellerGeometry, PropellerSettings, Tank
 from missionplan.errors import InputError, Problem
 from missionplan.physics.drag import disc_area
 from missionplan.physics.propeller import Propeller, thrust
-from missionplan.physics.propulsion import respond
+from missionplan.physics.propulsion import propeller_response
 from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import Parameter, adds_something, derived, fit
 
@@ -118,7 +118,9 @@ class TransientRun:
     def axial_flow(self, values: Array) -> Array:
         """Thrust with the flow in the disc on its own."""
         propeller = self.propeller(values)
-        rate, flow = respond(propeller, self.time, self.speed, shaft_rate=self.shaft_rate, motor_torque=self.torque)
+        rate, flow = propeller_response(
+            propeller, self.time, self.speed, shaft_rate=self.shaft_rate, motor_torque=self.torque
+        )
         return np.asarray(thrust(propeller, rate, flow))
 
     def quasi_steady(self, values: Array) -> Array:
@@ -126,7 +128,7 @@ class TransientRun:
         propeller = self.propeller(values)
         if self.shaft_rate is None:
             unloaded = self.propeller(np.array([*values, 1.0]))
-            rate, _ = respond(unloaded, self.time, self.speed, motor_torque=self.torque)
+            rate, _ = propeller_response(unloaded, self.time, self.speed, motor_torque=self.torque)
         else:
             rate = self.shaft_rate
         return np.asarray(thrust(propeller, rate, propeller.flow_ratio * self.speed))
