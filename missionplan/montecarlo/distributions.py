@@ -6,7 +6,6 @@ Drawing through normals makes common random numbers, correlations (a Cholesky fa
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import cast
@@ -16,12 +15,10 @@ from scipy.special import ndtr, ndtri
 from typing_extensions import override
 
 from missionplan.arrays import Array
+from missionplan.montecarlo.restricted_normal import restricted_cdf, restricted_moments, restricted_normal
 
 NEGLIGIBLE = 1e-20
 """Probability of a draw that no run will ever see."""
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(200)
-_NORMAL_REACH = 12.0  # standard deviations beyond which a normal holds nothing that a float can tell
 
 
 class NormalTransform(ABC):
@@ -32,7 +29,7 @@ class NormalTransform(ABC):
         """Transform standard normals, any shape, into draws of the same shape."""
 
     @abstractmethod
-    def mass_below(self, value: float) -> float:
+    def cdf(self, value: float) -> float:
         """Probability of a draw at or below a value."""
 
     @property
@@ -72,7 +69,7 @@ class Normal(NormalTransform):
         return self.mean + self.sd * z
 
     @override
-    def mass_below(self, value: float) -> float:
+    def cdf(self, value: float) -> float:
         return float(ndtr((value - self.mean) / self.sd)) if self.sd > 0.0 else float(self.mean <= value)
 
 
@@ -100,21 +97,21 @@ class TruncatedNormal(NormalTransform):
     @property
     def mean(self) -> float:
         """Mean after any truncation."""
-        return _restricted_moments(Normal(self.parent_mean, self.parent_sd).from_normal, *self._bounds)[0]
+        return restricted_moments(Normal(self.parent_mean, self.parent_sd).from_normal, *self._bounds)[0]
 
     @property
     def sd(self) -> float:
         """Standard deviation after any truncation."""
-        return _restricted_moments(Normal(self.parent_mean, self.parent_sd).from_normal, *self._bounds)[1]
+        return restricted_moments(Normal(self.parent_mean, self.parent_sd).from_normal, *self._bounds)[1]
 
     @override
     def from_normal(self, z: Array) -> Array:
-        inside = self.parent_mean + self.parent_sd * _restricted(z, *self._bounds)
+        inside = self.parent_mean + self.parent_sd * restricted_normal(z, *self._bounds)
         return np.clip(inside, self.low, self.high)
 
     @override
-    def mass_below(self, value: float) -> float:
-        return _restricted_mass_below((value - self.parent_mean) / self.parent_sd, *self._bounds)
+    def cdf(self, value: float) -> float:
+        return restricted_cdf((value - self.parent_mean) / self.parent_sd, *self._bounds)
 
 
 @dataclass(frozen=True)
@@ -139,7 +136,7 @@ class Uniform(NormalTransform):
         return self.low + (self.high - self.low) * ndtr(z)
 
     @override
-    def mass_below(self, value: float) -> float:
+    def cdf(self, value: float) -> float:
         return min(1.0, max(0.0, (value - self.low) / (self.high - self.low)))
 
 
@@ -165,7 +162,7 @@ class LogNormal(NormalTransform):
         return self.median * np.exp(math.log(self.factor) * z)
 
     @override
-    def mass_below(self, value: float) -> float:
+    def cdf(self, value: float) -> float:
         return float(ndtr(math.log(value / self.median) / math.log(self.factor))) if value > 0.0 else 0.0
 
 
@@ -200,7 +197,7 @@ class Choices(NormalTransform):
         return ordered[index]
 
     @override
-    def mass_below(self, value: float) -> float:
+    def cdf(self, value: float) -> float:
         return sum(choice <= value for choice in self.values) / len(self.values)
 
     @property
@@ -237,21 +234,21 @@ class Truncated(NormalTransform):
     @property
     def mean(self) -> float:
         """Mean after any truncation."""
-        return _restricted_moments(self.parent.from_normal, *self._bounds)[0]
+        return restricted_moments(self.parent.from_normal, *self._bounds)[0]
 
     @property
     def sd(self) -> float:
         """Standard deviation after any truncation."""
-        return _restricted_moments(self.parent.from_normal, *self._bounds)[1]
+        return restricted_moments(self.parent.from_normal, *self._bounds)[1]
 
     @override
     def from_normal(self, z: Array) -> Array:
-        return np.clip(self.parent.from_normal(_restricted(z, *self._bounds)), self.low, self.high)
+        return np.clip(self.parent.from_normal(restricted_normal(z, *self._bounds)), self.low, self.high)
 
     @override
-    def mass_below(self, value: float) -> float:
+    def cdf(self, value: float) -> float:
         low, high = self._bounds
-        return _restricted_mass_below(float(ndtri(self.parent.mass_below(value))), low, high)
+        return restricted_cdf(float(ndtri(self.parent.cdf(value))), low, high)
 
 
 Distribution = Normal | TruncatedNormal | Uniform | LogNormal | Choices | Truncated
@@ -273,33 +270,6 @@ def sd_of(quantity: Quantity) -> float:
 
 def _tails(distribution: Distribution, low: float, high: float) -> tuple[float, float]:
     """Probabilities strictly below `low` and above `high`."""
-    below = distribution.mass_below(math.nextafter(low, -math.inf)) if low > -math.inf else 0.0
-    above = 1.0 - distribution.mass_below(high) if high < math.inf else 0.0
+    below = distribution.cdf(math.nextafter(low, -math.inf)) if low > -math.inf else 0.0
+    above = 1.0 - distribution.cdf(high) if high < math.inf else 0.0
     return below, above
-
-
-def _restricted(z: Array, low: float, high: float) -> Array:
-    """Map standard normals to normals restricted to an interval, through their probabilities."""
-    if low > 0.0:  # the lower tail holds the digits that the upper one rounds away
-        return -_restricted(-z, -high, -low)
-    p_low, p_high = ndtr(low), ndtr(high)
-    restricted: Array = ndtri(p_low + (p_high - p_low) * ndtr(z))
-    return np.clip(restricted, low, high)
-
-
-def _restricted_mass_below(z: float, low: float, high: float) -> float:
-    if low > 0.0:
-        return 1.0 - _restricted_mass_below(-z, -high, -low)
-    return float((ndtr(min(max(z, low), high)) - ndtr(low)) / (ndtr(high) - ndtr(low)))
-
-
-def _restricted_moments(transform: Callable[[Array], Array], low: float, high: float) -> tuple[float, float]:
-    """Mean and sd of a transform of a normal restricted to an interval, by Gauss–Legendre quadrature."""
-    start, end = max(low, min(high, 0.0) - _NORMAL_REACH), min(high, max(low, 0.0) + _NORMAL_REACH)
-    z = 0.5 * (start + end) + 0.5 * (end - start) * _NODES
-    nearest = min(max(0.0, start), end)
-    weight = _WEIGHTS * np.exp(0.5 * (nearest**2 - z**2))
-    weight /= weight.sum()
-    values = transform(z)
-    mean = float(weight @ values)
-    return mean, math.sqrt(float(weight @ (values - mean) ** 2))

@@ -73,14 +73,14 @@ class QuantileSketch:
             counts[start : start + part.counts.size] += part.counts
         return QuantileSketch(first, counts)
 
-    def used(self) -> tuple[Integers, Integers]:
+    def bins_in_use(self) -> tuple[Integers, Integers]:
         """Give the numbers of the bins in use, ascending, and their counts."""
         used = np.flatnonzero(self.counts)
         return used + self.first, self.counts[used]
 
     @classmethod
-    def of_used(cls, bins: Integers, counts: Integers) -> "QuantileSketch":
-        """Make a sketch of what `used` gives."""
+    def from_bins(cls, bins: Integers, counts: Integers) -> "QuantileSketch":
+        """Make a sketch of what `bins_in_use` gives."""
         if not bins.size:
             return EMPTY_SKETCH
         spread = np.zeros(int(bins[-1] - bins[0]) + 1, dtype=np.int64)
@@ -89,9 +89,9 @@ class QuantileSketch:
 
     def bounds(self) -> tuple[Array, Array]:
         """Give the ends of each bin in use, ascending, shape (k,) each."""
-        return _bounds(self.used()[0])
+        return _bounds(self.bins_in_use()[0])
 
-    def below(self, limits: Array, low: float = -math.inf, high: float = math.inf) -> Array:
+    def count_below(self, limits: Array, low: float = -math.inf, high: float = math.inf) -> Array:
         """Count the values below each limit, ascending or not, as if each bin were evenly filled between low and high.
 
         Parameters

@@ -237,12 +237,12 @@ class RunningStatistic:
         low, high = float(self.moments.low), float(self.moments.high)
         return [min(max(value, low), high) if math.isfinite(value) else value for value in values]
 
-    def below(self, limits: Array) -> Array:
+    def count_below(self, limits: Array) -> Array:
         """Count the values below some limits, as if each bin of the sketch were evenly filled: a count may be broken.
 
         A bin's part that lies beyond the lowest or the highest value holds none.
         """
-        return self.sketch.below(limits, float(self.moments.low), float(self.moments.high))
+        return self.sketch.count_below(limits, float(self.moments.low), float(self.moments.high))
 
     def statistic(self) -> Statistic:
         """Give what is reported."""

@@ -34,13 +34,13 @@ def test_two_parts_merged_are_the_whole(values, cut):
 def test_neighbouring_and_distant_bins_merge(gap):
     low, high = 1.0, 1.0 + gap / 1024.0
     merged = QuantileSketch.of(np.full(3, high)).merge(QuantileSketch.of(np.full(2, low)))
-    bins, counts = merged.used()
+    bins, counts = merged.bins_in_use()
     assert np.diff(bins).tolist() == ([gap] if gap else [])
     assert counts.tolist() == ([2, 3] if gap else [5])
 
 
 def test_bins_in_use_make_the_sketch_again():
     sketch = QuantileSketch.of(np.array([-3.0, 0.0, 2.0, 2.0, 900.0]))
-    again = QuantileSketch.of_used(*sketch.used())
+    again = QuantileSketch.from_bins(*sketch.bins_in_use())
     assert again.first == sketch.first
     assert again.counts.tolist() == sketch.counts.tolist()

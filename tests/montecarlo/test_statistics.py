@@ -107,7 +107,7 @@ def test_the_middle_of_a_bin_is_within_half_a_thousandth_of_what_it_holds(values
 
 @given(arrays(float, st.integers(1, 60), elements=VALUES), st.lists(VALUES, min_size=1, max_size=9))
 def test_values_below_a_limit_are_counted_but_for_those_in_its_bin(values, limits):
-    found = RunningStatistic.of(values).below(np.array(limits))
+    found = RunningStatistic.of(values).count_below(np.array(limits))
     for limit, below in zip(limits, found, strict=True):
         width = max(1.001 * abs(limit) / 1024.0, 2.0**-29)
         assert np.count_nonzero(values < limit - width) - 1e-9 <= below
@@ -116,7 +116,7 @@ def test_values_below_a_limit_are_counted_but_for_those_in_its_bin(values, limit
 
 def test_within_a_bin_values_are_taken_to_lie_evenly():
     running = RunningStatistic.of(np.array([1024.0, 1024.2, 1024.6, 1024.8, 2000.0]))
-    assert running.below(np.array([1024.0, 1024.25, 1024.5, 1025.0, 1500.0])) == pytest.approx([0, 1, 2, 4, 4])
+    assert running.count_below(np.array([1024.0, 1024.25, 1024.5, 1025.0, 1500.0])) == pytest.approx([0, 1, 2, 4, 4])
 
 
 @pytest.mark.parametrize(("value", "trials"), [(0.0, 1), (12.5, 4096), (-3.0, 7)])

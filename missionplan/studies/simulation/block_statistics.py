@@ -76,7 +76,7 @@ class BlockStatistics:
         flat["statistic/names"] = np.array(found.names)
         for field in fields(Moments):
             flat[f"moments/{field.name}"] = getattr(found.moments, field.name)
-        used = [sketch.used() for sketch in found.sketches]
+        used = [sketch.bins_in_use() for sketch in found.sketches]
         flat["sketch/sizes"] = np.array([len(counts) for _, counts in used])
         flat["sketch/bins"] = np.concatenate([bins for bins, _ in used])
         flat["sketch/counts"] = np.concatenate([counts for _, counts in used])
@@ -89,7 +89,7 @@ class BlockStatistics:
         counts = {name: Count(successes, trials) for name, (successes, trials) in numbers}
         ends = np.cumsum(flat["sketch/sizes"])[:-1]
         bins, held = (np.split(flat[f"sketch/{name}"], ends) for name in ("bins", "counts"))
-        sketches = tuple(map(QuantileSketch.of_used, bins, held))
+        sketches = tuple(map(QuantileSketch.from_bins, bins, held))
         statistics = RunningStatistics(tuple(flat["statistic/names"].tolist()), _moments(flat), sketches)
         sample = {name: np.asarray(values, dtype=float) for name, values in with_prefix(flat, "sample/").items()}
         return cls(statistics, counts, sample)

@@ -156,7 +156,7 @@ def histogram_from_sketch(running: RunningStatistic) -> Histogram:
     margin = max(high - low, 1e-6 * max(abs(low), 1.0)) * 1e-3
     edges = np.linspace(low - margin, high + margin, BINS + 1)
     below = np.empty(BINS + 1)
-    below[0], below[1:-1], below[-1] = 0.0, running.below(edges[1:-1]), running.moments.count
+    below[0], below[1:-1], below[-1] = 0.0, running.count_below(edges[1:-1]), running.moments.count
     return Histogram(edges, below[1:] - below[:-1])
 
 
@@ -165,7 +165,7 @@ def _integer_counts(running: RunningStatistic) -> tuple[Array, Integers] | None:
     starts, ends = running.sketch.bounds()
     values = 0.5 * (starts + ends)
     rounded = np.round(values)
-    return (rounded, running.sketch.used()[1]) if np.all(np.abs(values - rounded) <= 1e-3 * np.abs(rounded)) else None
+    return (rounded, running.sketch.bins_in_use()[1]) if np.all(np.abs(values - rounded) <= 1e-3 * np.abs(rounded)) else None
 
 
 def simulation_tracks(mission: Mission, tracks: MapTracks) -> Tracks:

@@ -1,0 +1,41 @@
+"""The standard normal distribution restricted to an interval: draws, distribution function, moments of a transform."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from missionplan.arrays import Array
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(200)
+_NORMAL_REACH = 12.0
+"""Standard deviations beyond which the normal has no weight in double precision."""
+
+
+def restricted_normal(z: Array, low: float, high: float) -> Array:
+    """Map standard normals to normals restricted to [low, high], through their probabilities (inverse transform)."""
+    if low > 0.0:  # the lower tail holds the digits that the upper one rounds away
+        return -restricted_normal(-z, -high, -low)
+    p_low, p_high = ndtr(low), ndtr(high)
+    restricted: Array = ndtri(p_low + (p_high - p_low) * ndtr(z))
+    return np.clip(restricted, low, high)
+
+
+def restricted_cdf(z: float, low: float, high: float) -> float:
+    """Distribution function at `z` of a standard normal restricted to [low, high]."""
+    if low > 0.0:
+        return 1.0 - restricted_cdf(-z, -high, -low)
+    return float((ndtr(min(max(z, low), high)) - ndtr(low)) / (ndtr(high) - ndtr(low)))
+
+
+def restricted_moments(transform: Callable[[Array], Array], low: float, high: float) -> tuple[float, float]:
+    """Mean and standard deviation of a transform of a restricted normal, by 200-point Gauss–Legendre quadrature."""
+    start, end = max(low, min(high, 0.0) - _NORMAL_REACH), min(high, max(low, 0.0) + _NORMAL_REACH)
+    z = 0.5 * (start + end) + 0.5 * (end - start) * _NODES
+    nearest = min(max(0.0, start), end)
+    weight = _WEIGHTS * np.exp(0.5 * (nearest**2 - z**2))
+    weight /= weight.sum()
+    values = transform(z)
+    mean = float(weight @ values)
+    return mean, math.sqrt(float(weight @ (values - mean) ** 2))
