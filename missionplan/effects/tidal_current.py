@@ -49,7 +49,7 @@ class TidalCurrent(TransitEffect):
         return total
 
 
-def resolvable(duration: float) -> tuple[str, ...]:
+def resolvable_constituents(duration: float) -> tuple[str, ...]:
     """Name the constituents that a record can tell apart.
 
     Rayleigh's criterion: two constituents need a record as long as their beat (14.8 days for M2 and S2, 13.7 days for

@@ -9,7 +9,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.distributions import mean_of, sd_of
-from missionplan.phases.mooring.forces import DescentHooks, SteadySink
+from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
 from missionplan.physics.anchor import AnchorProblem, Construction, Part, dry_mass
 from missionplan.physics.buoyancy import flooded_mass
 from missionplan.physics.mooring import layer_thicknesses, required_terminal_velocity
@@ -66,7 +66,7 @@ def worst_case_weight(means: "Scenario", phase: MoorPhase) -> float:
     """
     speeds, thicknesses = design_current(means, phase)
     over_ground = float(required_terminal_velocity(speeds, thicknesses, means[f"{phase.name}.radius"]))
-    sink = SteadySink.at(over_ground, DescentHooks(means.descent_effects), float(means["site.depth"]))
+    sink = SteadyDescent.at(over_ground, DescentHooks(means.descent_effects), float(means["site.depth"]))
     law = anchor_drag(means["vehicle.anchor.diameter"], means["vehicle.anchor.drag_coefficient"], means.water.density)
     weight = float(sink.wet_weight(means.vehicle_drag(sink.through_water) + law(sink.through_water)))
     weight += float(means["vehicle.net_buoyancy"]) if phase.carry_net_buoyancy else 0.0

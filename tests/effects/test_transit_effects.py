@@ -12,7 +12,7 @@ from missionplan.effects.current_shear import CurrentShear
 from missionplan.effects.inertial_current import InertialCurrent
 from missionplan.effects.speed_scale import SpeedScale
 from missionplan.effects.surface_drift import SurfaceDrift
-from missionplan.effects.tidal_current import PERIODS, TidalCurrent, resolvable
+from missionplan.effects.tidal_current import PERIODS, TidalCurrent, resolvable_constituents
 from missionplan.phases.hooks import Leg
 
 
@@ -82,7 +82,7 @@ def test_tide_is_the_mean_over_the_leg():
     [(0.1, ()), (0.5, ("m2",)), (2.0, ("m2", "k1")), (14.0, ("m2", "k1", "o1")), (15.0, ("m2", "s2", "k1", "o1"))],
 )
 def test_constituents_by_record_length(days, names):
-    assert resolvable(days * 86400.0) == names
+    assert resolvable_constituents(days * 86400.0) == names
 
 
 def test_shear_acts_at_the_middle_of_the_leg():

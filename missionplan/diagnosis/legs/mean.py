@@ -14,7 +14,7 @@ from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parame
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.legs.modulation import modulation
 from missionplan.effects import CATALOGUE, effects_of
-from missionplan.effects.tidal_current import resolvable
+from missionplan.effects.tidal_current import resolvable_constituents
 from missionplan.phases.hooks import Leg, TransitEffect
 from missionplan.results.diagnosis import Causes
 
@@ -98,7 +98,7 @@ class TransitMean:
             why["inertial-current"] = "needs the latitude: site.origin in the mission, or positions by latitude"
         if not self.data.has_surface_time:
             why["surface-drift"] = "needs the time at the surface before each fix: column surface_s"
-        if not resolvable(self._span):
+        if not resolvable_constituents(self._span):
             why["tidal-current"] = "needs a record of at least half a tidal period"
         if np.hypot(*self.leg.along.mean(axis=1)) > MAX_MEAN_HEADING:
             why["compass-deviation"] = "needs headings over at least half the compass"
@@ -122,7 +122,7 @@ class TransitMean:
         found: list[Coordinate] = []
         for name in self.candidates:
             if name == "tidal-current":
-                tides = resolvable(self._span)
+                tides = resolvable_constituents(self._span)
                 names = [key for key in CATALOGUE[name].parameters if key.split("_")[0] in tides]
                 found += coordinates_of(CATALOGUE[name], names)
             elif name == "current-shear":

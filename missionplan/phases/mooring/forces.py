@@ -187,7 +187,7 @@ _LATE = 1e6
 
 
 @dataclass(frozen=True)
-class SteadySink:
+class SteadyDescent:
     """Both bodies sinking steadily: what Eqs. 14–15 balance, with the effects that last.
 
     Attributes
@@ -208,7 +208,7 @@ class SteadySink:
     weight_factor: Scalars
 
     @classmethod
-    def at(cls, speed: float, hooks: DescentHooks, site_depth: float) -> "SteadySink":
+    def at(cls, speed: float, hooks: DescentHooks, site_depth: float) -> "SteadyDescent":
         """Sink at a speed over the ground [m/s] to a depth [m]."""
         through_water = speed - hooks.water_velocity
         depths = np.linspace(0.01, 0.99, 50, dtype=np.float64) * site_depth

@@ -1,6 +1,6 @@
 """What the vehicle does about its drift: where it aims instead of straight at the nominal end of the leg.
 
-Each way is a small class: `offset` says by how much to aim off, `learn` takes in what the fixes of a leg have shown.
+Each way is a small class: `offset` says by how much to aim off, `update` takes in what the fixes of a leg have shown.
 What is learnt travels beside it as a tuple of arrays with trials last, so that the transit can drop trials that have
 arrived. Briggs et al., Eqs. 21–23 do not converge as printed: see `AsPrinted`.
 """
@@ -18,7 +18,7 @@ Memory = tuple[Array, ...]
 
 
 @dataclass(frozen=True)
-class LegAhead:
+class PlannedLeg:
     """What the vehicle knows before it dives.
 
     Attributes
@@ -46,7 +46,7 @@ class LegAhead:
 
 
 @dataclass(frozen=True)
-class LegBehind:
+class CompletedLeg:
     """What the fixes at the end of a leg have shown.
 
     Attributes
@@ -82,14 +82,14 @@ class Compensation(ABC):
         return ()
 
     @abstractmethod
-    def offset(self, memory: Memory, leg: LegAhead) -> Array:
+    def offset(self, memory: Memory, leg: PlannedLeg) -> Array:
         """Displacement to be aimed off: what is expected over the coming leg and its surfacing, shape (2, n) [m]."""
 
-    def short(self, memory: Memory, leg: LegAhead) -> Array:
+    def undershoot(self, memory: Memory, leg: PlannedLeg) -> Array:
         """By how much of that the leg is to end short of its nominal end, on purpose: shape (2, 1) or (2, n) [m]."""
         return np.zeros((2, 1))
 
-    def learn(self, memory: Memory, leg: LegBehind) -> Memory:
+    def update(self, memory: Memory, leg: CompletedLeg) -> Memory:
         """Take in what the fixes of a leg have shown."""
         return memory
 
@@ -102,12 +102,12 @@ class LastLeg(Compensation):
         return np.zeros((2, trials)), np.zeros((2, trials))
 
     @override
-    def offset(self, memory: Memory, leg: LegAhead) -> Array:
+    def offset(self, memory: Memory, leg: PlannedLeg) -> Array:
         velocity, drift = memory
         return velocity * leg.duration + drift
 
     @override
-    def learn(self, memory: Memory, leg: LegBehind) -> Memory:
+    def update(self, memory: Memory, leg: CompletedLeg) -> Memory:
         return leg.velocity_error, leg.surface_drift
 
 
@@ -134,14 +134,14 @@ class RunningMean(Compensation):
         return np.zeros((2, trials)), np.zeros((2, trials)), np.zeros((2, trials)), np.zeros((1, trials))
 
     @override
-    def offset(self, memory: Memory, leg: LegAhead) -> Array:
+    def offset(self, memory: Memory, leg: PlannedLeg) -> Array:
         weighted, weight, drift, legs = memory
         _, axes = np.linalg.eigh(self.covariance)
         mean = weighted / np.where(weight > 0.0, weight, 1.0)
         return _rotated(axes, mean) * leg.duration + drift / np.maximum(legs, 1.0)
 
     @override
-    def learn(self, memory: Memory, leg: LegBehind) -> Memory:
+    def update(self, memory: Memory, leg: CompletedLeg) -> Memory:
         weighted, weight, drift, legs = memory
         variances, axes = np.linalg.eigh(self.covariance)
         variances = np.maximum(variances, 0.0)
@@ -179,7 +179,7 @@ class Forecast(Compensation):
     surfacing_time: float
 
     @override
-    def offset(self, memory: Memory, leg: LegAhead) -> Array:
+    def offset(self, memory: Memory, leg: PlannedLeg) -> Array:
         under_way = self.under_way(leg.t, leg.duration, leg.fix, leg.nominal) * leg.duration
         return under_way + self.at_surface(leg.t + leg.duration, leg.fix + leg.nominal)
 
@@ -211,11 +211,11 @@ class AsPrinted(Compensation):
         return (np.zeros((2, trials)),)
 
     @override
-    def offset(self, memory: Memory, leg: LegAhead) -> Array:
+    def offset(self, memory: Memory, leg: PlannedLeg) -> Array:
         return memory[0]
 
     @override
-    def learn(self, memory: Memory, leg: LegBehind) -> Memory:
+    def update(self, memory: Memory, leg: CompletedLeg) -> Memory:
         return (leg.miss,)
 
 

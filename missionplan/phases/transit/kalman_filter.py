@@ -18,7 +18,7 @@ from scipy.special import erfc
 from typing_extensions import override
 
 from missionplan.arrays import Array, Scalars
-from missionplan.phases.transit.compensation import Compensation, Forecast, LegAhead, LegBehind, Memory
+from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Forecast, Memory, PlannedLeg
 
 STEADY, SURFACE, PERSISTENT, WAVES = 0, 2, 4, 6
 """Where each part of the state begins: two components each, and four for each frequency of a tide."""
@@ -106,12 +106,12 @@ class DriftFilter(Compensation):
         return state, np.repeat(self.model.prior[:, :, None], trials, axis=2), np.full(trials, -1.0)
 
     @override
-    def offset(self, memory: Memory, leg: LegAhead) -> Array:
+    def offset(self, memory: Memory, leg: PlannedLeg) -> Array:
         velocity, surface = self.expected(memory, leg)
-        wanted = leg.nominal - self.short(memory, leg) - surface
+        wanted = leg.nominal - self.undershoot(memory, leg) - surface
         return leg.nominal - wanted + velocity * time_over_ground(wanted, velocity, _speed(leg), leg.duration)
 
-    def expected(self, memory: Memory, leg: LegAhead) -> tuple[Array, Array]:
+    def expected(self, memory: Memory, leg: PlannedLeg) -> tuple[Array, Array]:
         """Mean velocity expected over the coming leg [m/s] and displacement at the surface [m], shape (2, n) each."""
         state, _, last = memory
         state = state * self._kept(last, leg.t + 0.5 * leg.duration)
@@ -119,7 +119,7 @@ class DriftFilter(Compensation):
         surface = self.forecast.at_surface(leg.t + leg.duration, leg.fix + leg.nominal) + state[SURFACE : SURFACE + 2]
         return velocity + self.forecast.under_way(leg.t, leg.duration, leg.fix, leg.nominal), surface
 
-    def spread(self, memory: Memory, leg: LegAhead) -> tuple[Array, Array]:
+    def spread(self, memory: Memory, leg: PlannedLeg) -> tuple[Array, Array]:
         """Standard deviation of where the coming leg ends by its fix, along and across it, shape (n,) each [m]."""
         model, (_, covariance, last) = self.model, memory
         middle = leg.t + 0.5 * leg.duration
@@ -140,7 +140,7 @@ class DriftFilter(Compensation):
         return found[0], found[1]
 
     @override
-    def short(self, memory: Memory, leg: LegAhead) -> Array:
+    def undershoot(self, memory: Memory, leg: PlannedLeg) -> Array:
         """How far short of the target it pays to end, beyond what the plan stops short by itself."""
         along, across = self.spread(memory, leg)
         price = _speed(leg) * self.forecast.surfacing_time
@@ -152,7 +152,7 @@ class DriftFilter(Compensation):
         return kept
 
     @override
-    def learn(self, memory: Memory, leg: LegBehind) -> Memory:
+    def update(self, memory: Memory, leg: CompletedLeg) -> Memory:
         model, (state, covariance, last) = self.model, memory
         moved = leg.duration > 0.0
         seconds, middle = np.where(moved, leg.duration, 1.0), leg.t + 0.5 * leg.duration
@@ -196,7 +196,7 @@ class DriftFilter(Compensation):
         return added
 
 
-def _speed(leg: LegAhead) -> Array:
+def _speed(leg: PlannedLeg) -> Array:
     """Speed through the water, 0 for a trial that does not move, shape (n,) [m/s]."""
     return np.asarray(np.hypot(*leg.nominal) / np.where(leg.duration > 0.0, leg.duration, 1.0))
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.phases.state import TrialState, select_trials
-from missionplan.phases.transit.compensation import LegAhead, LegBehind, Memory
+from missionplan.phases.transit.compensation import CompletedLeg, Memory, PlannedLeg
 from missionplan.phases.transit.ground_velocity import GroundVelocity, leg_normals
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import (
@@ -98,8 +98,8 @@ class LegLoop:
             duration = self._duration(length, moving)
             error = (surfaced - aim) / np.where(duration > 0.0, duration, 1.0)
             drift, miss = self._fix - surfaced, self._fix - nominal_end
-            behind = LegBehind(error, duration, drift, miss, started, dived, course)
-            self._memory = self._way.learn(self._memory, behind)
+            behind = CompletedLeg(error, duration, drift, miss, started, dived, course)
+            self._memory = self._way.update(self._memory, behind)
         self._judge()
 
     def finish(self) -> FinalState:
@@ -140,7 +140,7 @@ class LegLoop:
         """Adjust the nominal course in place (Eq. 22) and give its length."""
         assert self._way is not None
         duration, radius = self._duration(length, self._moving), self._plan.arrival_radius
-        ahead = LegAhead(self._now(), self._fix + self._goal, course, duration, self._goal, radius)
+        ahead = PlannedLeg(self._now(), self._fix + self._goal, course, duration, self._goal, radius)
         offset = self._way.offset(self._memory, ahead)
         course -= offset if self._moving is None else offset * self._moving
         return _norm(course)

@@ -9,8 +9,8 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.parallel_blocks import Backend
-from missionplan.phases.mooring.forces import DescentHooks, SteadySink
-from missionplan.phases.mooring.profile import follow
+from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
+from missionplan.phases.mooring.profile import descent_profile
 from missionplan.physics.anchor import AnchorDesign, solve_anchor
 from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
 from missionplan.physics.mooring import required_terminal_velocity, required_terminal_velocity_vector
@@ -180,7 +180,7 @@ class _Study:
         wrong = design is not None and not design.feasible
         dive = dive_with(self.means, self.moor, weight)
         place, t_start = start_of(self.means, self.moor)
-        profile = follow(
+        profile = descent_profile(
             dive,
             effects=self.means.descent_effects,
             release_time=float(self.means[f"{self.moor.name}.release_time"]),
@@ -230,14 +230,14 @@ class _Study:
 
     def _drag(self, speed: float) -> DragBuildUp:
         """Drag by its sources at a speed through the water, with the effects' factor."""
-        sink = SteadySink.at(speed, self._hooks, float(self.means["site.depth"]))
+        sink = SteadyDescent.at(speed, self._hooks, float(self.means["site.depth"]))
         parts = self.means.vehicle_drag.build_up(speed, self._anchor_drag)
         factor = float(sink.drag_factor)
         return replace(parts, **{name: float(value) * factor for name, value in vars(parts).items()})
 
     def _balanced_speed(self, weight: float) -> float:
         """Speed through the water at which the drag balances the wet weight (Eq. 15, or with the buoyancy) [m/s]."""
-        sink = SteadySink.at(self.required_velocity, self._hooks, float(self.means["site.depth"]))
+        sink = SteadyDescent.at(self.required_velocity, self._hooks, float(self.means["site.depth"]))
         pull = weight * float(sink.weight_factor) - float(sink.lift)
         pull -= float(self.means["vehicle.net_buoyancy"]) if self.moor.carry_net_buoyancy else 0.0
         factor = float(sink.drag_factor)

@@ -13,7 +13,7 @@ from typing_extensions import override
 
 from missionplan.arrays import Array
 from missionplan.phases.transit.analytic.expectation import MAX_RATIO
-from missionplan.phases.transit.compensation import Compensation, LegAhead, LegBehind, Memory
+from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
 from missionplan.studies.leg_length.paired_trials import PILOT_BLOCK, LegsAtSpeed, run_plans
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
@@ -55,21 +55,21 @@ class _RecordingCompensation(Compensation):
         return (np.zeros(trials), np.zeros((2, trials)), *own)
 
     @override
-    def offset(self, memory: Memory, leg: LegAhead) -> Array:
+    def offset(self, memory: Memory, leg: PlannedLeg) -> Array:
         duration, short, *own = memory
         np.copyto(duration, leg.duration)
         if self.inner is None:
             return np.zeros((2, 1))
-        np.copyto(short, self.inner.short(tuple(own), leg))
+        np.copyto(short, self.inner.undershoot(tuple(own), leg))
         return self.inner.offset(tuple(own), leg)
 
     @override
-    def learn(self, memory: Memory, leg: LegBehind) -> Memory:
+    def update(self, memory: Memory, leg: CompletedLeg) -> Memory:
         duration, short, *own = memory
         moved = leg.duration > 0.0
         self.durations.append(duration[moved])
         self.squared_misses.append(np.sum((leg.miss + short)[:, moved] ** 2, axis=0))
-        return (duration, short, *(self.inner.learn(tuple(own), leg) if self.inner else ()))
+        return (duration, short, *(self.inner.update(tuple(own), leg) if self.inner else ()))
 
 
 def fit_leg_spread(scenario: SweepScenario, seed: int) -> LegSpread:

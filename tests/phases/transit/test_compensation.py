@@ -5,9 +5,9 @@ from transit_examples import FixedNormals, normals, run, start
 from missionplan.phases.currents import LayeredCurrent
 from missionplan.phases.transit.compensation import (
     AsPrinted,
+    CompletedLeg,
     Forecast,
     LastLeg,
-    LegBehind,
     RunningMean,
     compensation_named,
 )
@@ -19,7 +19,7 @@ STILL = Forecast(None, np.zeros(2), 0.0, 60.0)
 
 def behind(velocity_error, seconds):
     zero = np.zeros((2, 1))
-    return LegBehind(velocity_error, np.array([seconds]), zero, zero, np.zeros(1), zero, zero)
+    return CompletedLeg(velocity_error, np.array([seconds]), zero, zero, np.zeros(1), zero, zero)
 
 
 def two_layers():
@@ -95,7 +95,7 @@ def test_running_mean_weights_short_legs_less():
     memory = way.begin(1)
     legs = [(np.array([[0.1], [0.0]]), 100.0), (np.array([[0.3], [0.2]]), 1000.0), (np.array([[9.0], [9.0]]), 0.0)]
     for velocity, seconds in legs:
-        memory = way.learn(memory, behind(velocity, seconds))
+        memory = way.update(memory, behind(velocity, seconds))
     weights = [1.0 / (sigma**2 + 2.0 * fix**2 / seconds**2) for _, seconds in legs[:2]]
     expected = (0.1 * weights[0] + 0.3 * weights[1]) / sum(weights)
 
@@ -112,7 +112,7 @@ def test_running_mean_of_correlated_errors_is_generalised_least_squares():
     errors, times = np.array([[0.1, -0.05], [0.02, 0.07], [0.0, 0.01]]), [200.0, 900.0, 400.0]
     information, weighted = np.zeros((2, 2)), np.zeros(2)
     for error, seconds in zip(errors, times, strict=True):
-        memory = way.learn(memory, behind(error[:, None], seconds))
+        memory = way.update(memory, behind(error[:, None], seconds))
         weight = np.linalg.inv(covariance + 2.0 * fix**2 / seconds**2 * np.eye(2))
         information, weighted = information + weight, weighted + weight @ error
 
@@ -126,9 +126,9 @@ def test_measured_velocity_error_is_from_the_aim_to_the_fix_on_surfacing():
     class Listening(LastLeg):
         heard = None
 
-        def learn(self, memory, leg):
+        def update(self, memory, leg):
             self.heard = self.heard or leg
-            return super().learn(memory, leg)
+            return super().update(memory, leg)
 
     way, trials = Listening(), 3
     draws = TransitNormals(

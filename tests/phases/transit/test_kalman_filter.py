@@ -11,7 +11,7 @@ from transit_examples import run, start
 from missionplan.effects.inertial_current import EARTH_ROTATION, InertialCurrent
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.phases.hooks import Leg
-from missionplan.phases.transit.compensation import Forecast, LegAhead, LegBehind, RunningMean
+from missionplan.phases.transit.compensation import CompletedLeg, Forecast, PlannedLeg, RunningMean
 from missionplan.phases.transit.kalman_filter import (
     LEFT_OVER,
     PERSISTENT,
@@ -48,12 +48,12 @@ def model(**changes):
 
 def behind(velocity_error, seconds, drift, t):
     zero = np.zeros((2, 1))
-    return LegBehind(velocity_error[:, None], np.array([seconds]), drift[:, None], zero, np.array([t]), zero, zero)
+    return CompletedLeg(velocity_error[:, None], np.array([seconds]), drift[:, None], zero, np.array([t]), zero, zero)
 
 
 def ahead(t, seconds, nominal=(0.0, 0.0)):
     zero, nominal = np.zeros((2, 1)), np.array(nominal)[:, None]
-    return LegAhead(np.array([t]), zero, nominal, np.array([seconds]), nominal, 0.0)
+    return PlannedLeg(np.array([t]), zero, nominal, np.array([seconds]), nominal, 0.0)
 
 
 def wide_prior(size):
@@ -119,7 +119,9 @@ def test_the_estimate_is_the_conditional_mean_of_the_model(fix_error):
     way = DriftFilter(STILL, told)
     memory = way.begin(1)
     for i in range(legs):
-        memory = way.learn(memory, behind(seen[4 * i : 4 * i + 2], durations[i], seen[4 * i + 2 : 4 * i + 4], times[i]))
+        memory = way.update(
+            memory, behind(seen[4 * i : 4 * i + 2], durations[i], seen[4 * i + 2 : 4 * i + 4], times[i])
+        )
     velocity, drift = way.expected(memory, ahead(times[-1], durations[-1]))
     assert velocity[:, 0] == pytest.approx(rows[-1] @ best, rel=1e-5)
     assert drift[:, 0] == pytest.approx(best[SURFACE : SURFACE + 2], rel=1e-5)
@@ -136,7 +138,7 @@ def test_the_estimate_is_the_conditional_mean_of_the_model(fix_error):
 def test_without_anything_uncertain_it_is_the_forecast():
     forecast = Forecast(None, np.array([0.03, -0.04]), 0.0, 60.0)
     way = DriftFilter(forecast, model())
-    memory = way.learn(way.begin(1), behind(np.array([0.2, 0.1]), 500.0, np.array([9.0, 9.0]), 0.0))
+    memory = way.update(way.begin(1), behind(np.array([0.2, 0.1]), 500.0, np.array([9.0, 9.0]), 0.0))
     leg = ahead(600.0, 300.0)
     velocity, drift = way.expected(memory, leg)
     assert velocity * leg.duration + drift == pytest.approx(forecast.offset((), leg))
@@ -151,7 +153,7 @@ def test_what_is_expected_takes_the_vehicle_where_it_was_to_go(velocity, nominal
     speed = 0.9
     way = DriftFilter(Forecast(None, velocity[:, 0], 0.0, 60.0), model())
     seconds = np.hypot(*nominal) / speed
-    leg = LegAhead(np.zeros(1), np.zeros((2, 1)), nominal, seconds, nominal, 0.0)
+    leg = PlannedLeg(np.zeros(1), np.zeros((2, 1)), nominal, seconds, nominal, 0.0)
     steered = nominal - way.offset(way.begin(1), leg)
     assert steered + velocity * np.hypot(*steered) / speed == pytest.approx(nominal, abs=1e-6)
 
@@ -205,11 +207,11 @@ def test_a_plan_that_stops_short_by_itself_is_kept():
     way = DriftFilter(STILL, model())
     memory, seconds, nominal = way.begin(1), np.array([300.0]), np.array([[300.0], [0.0]])
     zero = np.zeros((2, 1))
-    to_centre = way.offset(memory, LegAhead(zero[0], zero, nominal, seconds, nominal, 50.0))[0, 0]
+    to_centre = way.offset(memory, PlannedLeg(zero[0], zero, nominal, seconds, nominal, 50.0))[0, 0]
     assert 20.0 < to_centre < 50.0
     for planned in (10.0, 45.0):
         goal = nominal + np.array([[planned], [0.0]])
-        found = way.offset(memory, LegAhead(zero[0], zero, nominal, seconds, goal, 50.0))
+        found = way.offset(memory, PlannedLeg(zero[0], zero, nominal, seconds, goal, 50.0))
         assert found == pytest.approx(np.array([[max(to_centre - planned, 0.0)], [0.0]]), abs=1e-9)
 
 
@@ -221,7 +223,7 @@ def test_with_a_wide_prior_on_a_steady_drift_it_is_the_weighted_mean():
     memory, known = way.begin(1), mean.begin(1)
     for t, velocity in ((0.0, [0.1, -0.2]), (800.0, [0.05, 0.3]), (1900.0, [-0.02, 0.0])):
         leg = behind(np.array(velocity), 600.0, np.zeros(2), t)
-        memory, known = way.learn(memory, leg), mean.learn(known, leg)
+        memory, known = way.update(memory, leg), mean.update(known, leg)
     leg = ahead(3000.0, 400.0)
     velocity, _ = way.expected(memory, leg)
     assert velocity * leg.duration == pytest.approx(mean.offset(known, leg), rel=1e-6)
@@ -230,7 +232,7 @@ def test_with_a_wide_prior_on_a_steady_drift_it_is_the_weighted_mean():
 def test_a_trial_that_did_not_move_learns_nothing():
     way = DriftFilter(STILL, model(prior=np.eye(WAVES)))
     before = way.begin(1)
-    after = way.learn(before, behind(np.array([9.0, 9.0]), 0.0, np.array([9.0, 9.0]), 100.0))
+    after = way.update(before, behind(np.array([9.0, 9.0]), 0.0, np.array([9.0, 9.0]), 100.0))
     for old, new in zip(before, after, strict=True):
         np.testing.assert_array_equal(old, new)
 
@@ -241,7 +243,7 @@ def test_variances_shrink_with_every_fix_and_stay_positive():
     memory = way.begin(1)
     for number in range(30):
         before = np.diag(memory[1][:, :, 0])
-        memory = way.learn(memory, behind(np.array([0.1, 0.0]), 500.0, np.array([1.0, 2.0]), 600.0 * number))
+        memory = way.update(memory, behind(np.array([0.1, 0.0]), 500.0, np.array([1.0, 2.0]), 600.0 * number))
         covariance = memory[1][:, :, 0]
         assert np.all(np.diag(covariance) <= before + 1e-9)
         assert np.linalg.eigvalsh(covariance).min() > -1e-9
