@@ -165,7 +165,11 @@ def _integer_counts(running: RunningStatistic) -> tuple[Array, Integers] | None:
     starts, ends = running.sketch.bounds()
     values = 0.5 * (starts + ends)
     rounded = np.round(values)
-    return (rounded, running.sketch.bins_in_use()[1]) if np.all(np.abs(values - rounded) <= 1e-3 * np.abs(rounded)) else None
+    return (
+        (rounded, running.sketch.bins_in_use()[1])
+        if np.all(np.abs(values - rounded) <= 1e-3 * np.abs(rounded))
+        else None
+    )
 
 
 def simulation_tracks(mission: Mission, tracks: MapTracks) -> Tracks:
