@@ -1,7 +1,14 @@
 """Errors that reach a user as a message and an exit status, never as a traceback."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+KeyPath = tuple[str | int, ...]
+"""Where a value stands in a file: keys of mappings and indices of lists, from the outside in."""
+
+_LONGEST = 60
+"""Characters of a value that a message shows."""
 
 
 @dataclass(frozen=True)
@@ -19,7 +26,7 @@ class Problem:
     key : str
         Key path, such as ``phases[0].transit.speed``, or a column, or an option.
     hint : str
-        The nearest valid key, or what would mend it.
+        The nearest valid key, or how to correct it.
     """
 
     message: str
@@ -34,8 +41,29 @@ class Problem:
         return ": ".join(parts) + (f" ({self.hint})" if self.hint else "")
 
 
+@dataclass(frozen=True)
+class LocalProblem:
+    """One thing wrong with a value, where the place of that value in a file is not known yet.
+
+    Attributes
+    ----------
+    path : tuple of (str or int)
+        Key path below the value; empty for the value itself.
+    message, hint : str
+        See `Problem`.
+    """
+
+    path: KeyPath
+    message: str
+    hint: str = ""
+
+    def within(self, outer: KeyPath) -> "LocalProblem":
+        """Return the same problem, its path starting further out."""
+        return replace(self, path=(*outer, *self.path))
+
+
 class MissionplanError(Exception):
-    """Base of the errors that a command reports in words."""
+    """Base of the errors that a command reports as a message."""
 
     exit_status = 1
 
@@ -52,3 +80,23 @@ class InputError(MissionplanError):
 
 class RunError(MissionplanError):
     """The run itself failed (exit status 1)."""
+
+
+def key_path(path: KeyPath) -> str:
+    """Return a key path as users write it: ``phases[0].transit.speed``."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
+    return text
+
+
+def shown(value: object) -> str:
+    """Return a value as messages show it, cut where it is long."""
+    text = repr(value)
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+
+
+def did_you_mean(name: str, known: Iterable[str], before: str = "") -> str:
+    """Return a hint at the known name nearest to the one given, with `before` in front; empty where none is near."""
+    close = get_close_matches(name, list(known), n=1)
+    return f"{before}did you mean {close[0]}?" if close else ""

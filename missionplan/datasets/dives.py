@@ -15,7 +15,7 @@ from missionplan.datasets.reading import (
     read_quantity,
 )
 from missionplan.errors import InputError, Problem
-from missionplan.mission.schema.mission import Mission
+from missionplan.mission import Mission
 
 COLUMNS = {"text": ("run",), "numeric": ("t_s", "depth_m", "pitch_deg", "density_kg_m3")}
 RUN_KEYS = {"anchor_wet_weight": "N", "line_length": "m", "depth": "m"}

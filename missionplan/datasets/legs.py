@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.datasets.reading import RawDataset, problems_of, read_dataset
 from missionplan.errors import InputError, Problem
+from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
-from missionplan.mission.schema.mission import Mission
 from missionplan.mission.schema.site import Geographic
 
 PLANAR = ("x_start_m", "y_start_m", "x_dr_m", "y_dr_m", "x_end_m", "y_end_m")

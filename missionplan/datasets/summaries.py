@@ -9,7 +9,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.datasets.reading import problems_of, read_dataset, read_quantity
 from missionplan.errors import InputError, Problem
-from missionplan.mission.schema.mission import Mission
+from missionplan.mission import Mission
 from missionplan.montecarlo.distributions import mean_of
 
 COLUMNS = {"text": ("run", "quantity"), "numeric": ("value", "sd")}

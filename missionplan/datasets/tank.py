@@ -14,11 +14,11 @@ from pydantic import Field, PlainValidator, ValidationError, model_validator
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission.reading.documents import Document, load_document, read_text
-from missionplan.mission.reading.load import translate
+from missionplan.mission.reading.validation_errors import problems_of
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.section import FileSection, complain
+from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.section import FileSection, invalid
 from missionplan.mission.schema.site import WaterSection
-from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.physics.water import sea_water
 
@@ -84,7 +84,7 @@ class OscillationSettings(_Common):
     def _identifiable(self) -> "OscillationSettings":
         missing = [key for key in ("stiffness", "mass") if getattr(self, key) is None]
         if missing:
-            raise complain(
+            raise invalid(
                 f"missing {' and '.join(missing)}: stiffness, mass and added mass cannot be found together from "
                 "frequencies (only k/(m + m_ad) acts), so the first two must be given"
             )
@@ -256,7 +256,7 @@ def _settings(document: Document, model: type[Settings], problems: list[Problem]
     try:
         return model.model_validate(document.data)
     except ValidationError as error:
-        problems += translate(error.errors(include_url=False), document, model)
+        problems += problems_of(error, document, model)
         return None
 
 

@@ -1,17 +1,14 @@
 """The gain for the plan: what the planner would choose with the base and with the extended model."""
 
 import math
-import tempfile
 from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from missionplan.datasets.reading import TANK
 from missionplan.errors import MissionplanError
-from missionplan.mission import Mission, load
+from missionplan.mission import Mission
 from missionplan.montecarlo.parallel_map import parallel_map
-from missionplan.results.base import to_yaml
 from missionplan.results.sweep import SweepCurve
 from missionplan.studies.anchor.size_anchor import worst_case_anchor
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
@@ -45,25 +42,11 @@ def decide(kind: str, base: Mission, extended: Mapping[str, Any], *, seed: int, 
     if kind in TANK and not (base.moors and base.vehicle and base.vehicle.anchor):
         return {"before": {}, "after": {}, "reason": "no mooring's anchor, whose choice the tank's data could change"}
     try:
-        after = load_data(extended)
+        after = Mission.from_data(extended)
         choose = _leg_length if kind == "transit" else _anchor
         return choose(base, after, seed, jobs)
     except MissionplanError as error:
         return {"before": {}, "after": {}, "reason": str(error)}
-
-
-def load_data(data: Mapping[str, Any]) -> Mission:
-    """Load a mission from its data, as `simulate` would from the file that is written.
-
-    Raises
-    ------
-    InputError
-        When it is no mission.
-    """
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "mission.yaml"
-        path.write_text(to_yaml(data), encoding="utf-8")
-        return load(path, allow_outside=True)
 
 
 def _leg_length(base: Mission, extended: Mission, seed: int, jobs: int) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """The YAML edge: mission files in, validated missions in SI out."""
 
-from missionplan.mission.reading.load import load
-from missionplan.mission.schema.mission import Mission
+from missionplan.mission.loading import load
+from missionplan.mission.mission import Mission
 
 __all__ = ["Mission", "load"]

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from missionplan.errors import InputError, Problem
-from missionplan.mission.schema.mission import Mission, Navigation
+from missionplan.mission.mission import Mission
+from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.mission.schema.site import Geographic, Site
 from missionplan.mission.schema.transition import Manoeuvring, TransitionPhase

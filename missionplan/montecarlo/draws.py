@@ -1,15 +1,18 @@
 """Draws of a mission's named quantities for one block of trials, with correlations."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, LocalProblem, Problem, did_you_mean, key_path
 from missionplan.montecarlo.distributions import Distribution, Quantity
 from missionplan.montecarlo.streams import BLOCK, stream
+
+LEAST_EIGENVALUE = 1e-10
+"""Of a matrix of correlations that can be factored reliably."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +48,7 @@ class JointDistribution:
         Raises
         ------
         InputError
-            When the correlations are impossible (see `correlation_factor`).
+            With everything that is wrong with the correlations (see `correlation_problems`).
         """
         marginals = {name: quantity for name, quantity in quantities.items() if isinstance(quantity, Distribution)}
         return cls(marginals, *correlation_factor(quantities, correlations))
@@ -89,41 +92,62 @@ def correlation_factor(
     Raises
     ------
     InputError
-        When a quantity is unknown or not uncertain, a pair is given twice or ties a quantity to itself, a
-        coefficient is not between -1 and 1, or no joint distribution has these correlations.
+        With everything that is wrong with the correlations (see `correlation_problems`).
     """
-    problems = [problem for number, pair in enumerate(correlations) for problem in _problems(quantities, number, pair)]
+    problems = correlation_problems(quantities, correlations)
+    if problems:
+        raise InputError(
+            [Problem(each.message, key=key_path(("correlations", *each.path)), hint=each.hint) for each in problems]
+        )
+    tied, matrix = _matrix(correlations)
+    return tied, np.asarray(np.linalg.cholesky(matrix), dtype=np.float64)
+
+
+def correlation_problems(quantities: Mapping[str, Quantity], correlations: Sequence[Correlation]) -> list[LocalProblem]:
+    """List what is wrong with correlations, by key path below them.
+
+    A quantity is unknown or not uncertain, a pair is given twice or ties a quantity to itself, a coefficient is not
+    between -1 and 1, or no joint distribution has these correlations together.
+    """
+    uncertain = [name for name, quantity in quantities.items() if isinstance(quantity, Distribution)]
+    problems = [
+        problem.within((number,))
+        for number, correlation in enumerate(correlations)
+        for problem in _pair_problems(quantities, uncertain, correlation)
+    ]
     pairs = [frozenset(correlation.between) for correlation in correlations]
     for number, pair in enumerate(pairs):
         if pair in pairs[:number]:
-            problems.append(Problem("this pair is given twice", key=f"correlations[{number}].between"))
-    if problems:
-        raise InputError(problems)
+            problems.append(LocalProblem((number, "between"), "this pair is given twice"))
+    if problems or not correlations:
+        return problems
+    smallest = float(np.linalg.eigvalsh(_matrix(correlations)[1])[0])
+    if smallest >= LEAST_EIGENVALUE:
+        return []
+    message = f"no quantities can have these correlations together: the matrix's smallest eigenvalue is {smallest:.3g}"
+    return [LocalProblem((), message, "make them smaller")]
+
+
+def _matrix(correlations: Sequence[Correlation]) -> tuple[list[str], Array]:
+    """Return the names in alphabetical order, and the matrix of their correlations."""
     tied = sorted(set(chain.from_iterable(correlation.between for correlation in correlations)))
     matrix = np.eye(len(tied))
     for correlation in correlations:
         row, column = (tied.index(name) for name in correlation.between)
         matrix[row, column] = matrix[column, row] = correlation.rho
-    try:
-        return tied, np.asarray(np.linalg.cholesky(matrix), dtype=np.float64)
-    except np.linalg.LinAlgError as error:
-        smallest = float(np.linalg.eigvalsh(matrix)[0])
-        message = (
-            f"no quantities can have these correlations together: the matrix's smallest eigenvalue is {smallest:.3g}"
-        )
-        raise InputError([Problem(message, key="correlations", hint="make them smaller")]) from error
+    return tied, matrix
 
 
-def _problems(quantities: Mapping[str, Quantity], number: int, correlation: Correlation) -> list[Problem]:
-    key = f"correlations[{number}]"
-    problems = []
-    for name in correlation.between:
+def _pair_problems(
+    quantities: Mapping[str, Quantity], uncertain: Sequence[str], correlation: Correlation
+) -> Iterator[LocalProblem]:
+    for side, name in enumerate(correlation.between):
+        hint = did_you_mean(name, uncertain)
         if name not in quantities:
-            problems.append(Problem(f"no quantity is named {name!r}", key=f"{key}.between"))
-        elif not isinstance(quantities[name], Distribution):
-            problems.append(Problem(f"{name} is a fixed value, expected a distribution", key=f"{key}.between"))
+            yield LocalProblem(("between", side), f"no quantity is named {name!r}", hint)
+        elif name not in uncertain:
+            yield LocalProblem(("between", side), f"{name} is a fixed value, expected a distribution", hint)
     if correlation.between[0] == correlation.between[1]:
-        problems.append(Problem("ties a quantity to itself", key=f"{key}.between"))
+        yield LocalProblem(("between",), "ties a quantity to itself")
     if not -1.0 < correlation.rho < 1.0:
-        problems.append(Problem(f"given {correlation.rho:g}, expected between -1 and 1", key=f"{key}.rho"))
-    return problems
+        yield LocalProblem(("rho",), f"given {correlation.rho:g}, expected between -1 and 1")

@@ -10,7 +10,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, Effect
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
-from missionplan.mission.schema.mission import Navigation
+from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.mission.schema.site import Geographic, Position
 from missionplan.mission.views import TransitMission, required, required_origin

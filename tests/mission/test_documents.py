@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from missionplan.errors import InputError
-from missionplan.mission.reading.documents import MAX_DEPTH, key_path, load_document
+from missionplan.errors import InputError, key_path
+from missionplan.mission.reading.documents import MAX_DEPTH, load_document
 
 
 def write(tmp_path: Path, text: str) -> Path:

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic_core import PydanticCustomError
 
-from missionplan.mission.units import QuantityError, QuantityParser, parse_number_with_unit
+from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.distributions import Choices, LogNormal, Normal, TruncatedNormal, Uniform
 
 
@@ -73,7 +74,7 @@ def test_distributions(value: dict[str, Any], expected: object) -> None:
 def test_all_problems_of_a_distribution_are_reported() -> None:
     with pytest.raises(PydanticCustomError) as caught:
         QuantityParser("s")({"mean": 10, "sd": "3 m"})
-    assert [below for below, _ in (caught.value.context or {})["problems"]] == [("mean",), ("sd",)]
+    assert [problem.path for problem in (caught.value.context or {})["problems"]] == [("mean",), ("sd",)]
 
 
 @pytest.mark.parametrize(

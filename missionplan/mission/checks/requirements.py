@@ -1,12 +1,12 @@
 """What requirements may ask for: the quantities and events of each kind of phase, and their units."""
 
-from difflib import get_close_matches
-from typing import Any
+from collections.abc import Sequence
 
-from pydantic_core import PydanticCustomError
-
+from missionplan.errors import LocalProblem, did_you_mean
+from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.mission.schema.phases import Phase
-from missionplan.mission.units import QuantityParser
+from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.units import QuantityError
 
 EVENTS: dict[str, tuple[str, ...]] = {
     "transit": ("arrived",),
@@ -41,42 +41,72 @@ QUANTITIES: dict[str, dict[str, str]] = {
 }
 """Quantities by kind of phase, with the SI unit in which they are compared."""
 
+_BOUNDS = ("at_most", "at_least")
 
-def check_requirement(item: dict[str, Any], phases: tuple[Phase, ...]) -> tuple[dict[str, Any], list[tuple[str, str]]]:
-    """Check one requirement against the phases of the mission and read its bound.
 
-    Parameters
-    ----------
-    item : dict
-        The requirement's `quantity`, `at_most`, `at_least`.
-    phases : tuple
-        Phases of the mission.
+def read_requirements(
+    requirements: Sequence[Requirement], phases: Sequence[Phase]
+) -> tuple[tuple[Requirement, ...], list[LocalProblem]]:
+    """Read the bounds of requirements, whose units follow from the kinds of the phases that they name.
 
     Returns
     -------
-    bounds, problems : dict, list of (key, message)
-        `at_most` or `at_least` in SI; what is wrong, by key of the requirement.
+    requirements, problems : tuple of Requirement, list of LocalProblem
+        Those that are right, with bounds in SI; what is wrong with the others.
+    """
+    read: list[Requirement] = []
+    problems: list[LocalProblem] = []
+    for index, requirement in enumerate(requirements):
+        try:
+            read.append(_with_bound(requirement, phases))
+        except QuantityError as error:
+            problems += [problem.within(("requirements", index)) for problem in error.problems]
+    return tuple(read), problems
+
+
+def quantity_unit(quantity: str, phases: Sequence[Phase]) -> str | None:
+    """Return the SI unit of a phase's quantity, such as ``moor.offset``; None for an event.
+
+    Raises
+    ------
+    QuantityError
+        When the mission has no such phase, or the phase no such quantity.
     """
     kinds = {phase.name: phase.kind for phase in phases} | {"total": "total"}
-    phase, _, name = str(item.get("quantity", "")).partition(".")
+    phase, _, name = quantity.partition(".")
     if phase not in kinds:
-        return {}, [("quantity", f"given {phase!r}, expected a phase: {', '.join(kinds)}{_near(phase, list(kinds))}")]
-    kind = kinds[phase]
-    events, quantities = EVENTS[kind], QUANTITIES[kind]
-    bounds = [key for key in ("at_most", "at_least") if item.get(key) is not None]
+        hint = did_you_mean(phase, kinds, before="; ")
+        raise QuantityError(f"given {phase!r}, expected a phase: {', '.join(kinds)}{hint}", ("quantity",))
+    events, quantities = EVENTS[kinds[phase]], QUANTITIES[kinds[phase]]
     if name in events:
-        return {}, [(key, f"{name} happens or not: give its probability alone") for key in bounds]
+        return None
     if name not in quantities:
         known = [*events, *quantities]
-        return {}, [("quantity", f"given {name!r}, expected one of {', '.join(known)}{_near(name, known)}")]
-    if len(bounds) != 1:
-        return {}, [("quantity", f"{name} needs either at_most or at_least")]
+        hint = did_you_mean(name, known, before="; ")
+        raise QuantityError(f"given {name!r}, expected one of {', '.join(known)}{hint}", ("quantity",))
+    return quantities[name]
+
+
+def _with_bound(requirement: Requirement, phases: Sequence[Phase]) -> Requirement:
+    """Read one requirement's bound.
+
+    Raises
+    ------
+    QuantityError
+        With the keys of the requirement that are wrong.
+    """
+    unit = quantity_unit(requirement.quantity, phases)
+    name = requirement.quantity.partition(".")[2]
+    given = [key for key in _BOUNDS if getattr(requirement, key) is not None]
+    if unit is None:
+        if given:
+            message = f"{name} happens or not: give its probability alone"
+            raise QuantityError([LocalProblem((key,), message) for key in given])
+        return requirement
+    if len(given) != 1:
+        raise QuantityError(f"{name} needs either at_most or at_least", ("quantity",))
     try:
-        return {bounds[0]: QuantityParser(quantities[name], fixed=True)(item[bounds[0]])}, []
-    except PydanticCustomError as error:
-        return {}, [(bounds[0], str((error.context or {})["words"]))]
-
-
-def _near(name: str, known: list[str]) -> str:
-    close = get_close_matches(name, known, n=1)
-    return f"; did you mean {close[0]}?" if close else ""
+        bound = QuantityParser(unit, fixed=True).parse(getattr(requirement, given[0]))
+    except QuantityError as error:
+        raise QuantityError([problem.within((given[0],)) for problem in error.problems]) from None
+    return requirement.model_copy(update={given[0]: bound})

@@ -1,43 +1,51 @@
 """YAML with line marks, loaded safely: bounded in size, depth and nodes, duplicate keys refused."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, KeyPath, LocalProblem, Problem, did_you_mean, key_path
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 24
 MAX_NODES = 50_000
 """Nodes after aliases are expanded: a file of a few lines can otherwise unfold to billions."""
 
-Path_ = tuple[str | int, ...]
-"""Key path into a document: mapping keys and list indices."""
-
 
 @dataclass
 class Document:
-    """Plain data of a YAML file and, for each key path, the file and line it stands on."""
+    """Plain data of a YAML file and where each value stands.
+
+    Attributes
+    ----------
+    data
+        Mappings, lists and scalars.
+    marks : dict
+        File and line of each key path; empty where the data come from no file.
+    """
 
     data: Any
-    marks: dict[Path_, tuple[str, int]] = field(default_factory=dict)
+    marks: dict[KeyPath, tuple[str, int | None]] = field(default_factory=dict)
 
-    def mark(self, path: Path_) -> tuple[str, int | None]:
+    def mark(self, path: KeyPath) -> tuple[str, int | None]:
         """File and line of a key path, or of its nearest ancestor that stands in a file."""
         for length in range(len(path), -1, -1):
             if path[:length] in self.marks:
                 return self.marks[path[:length]]
         return "", None
 
-    def problem(self, path: Path_, message: str, hint: str = "") -> Problem:
+    def problem(self, path: KeyPath, message: str, hint: str = "") -> Problem:
         """Build a problem that points at a key path."""
         file, line = self.mark(path)
         return Problem(message, file, line, key_path(path), hint)
 
-    def graft(self, path: Path_, other: "Document") -> None:
+    def located(self, problem: LocalProblem, within: KeyPath = ()) -> Problem:
+        """Return the problem of a value at `within` with its file, line and whole key path."""
+        return self.problem((*within, *problem.path), problem.message, problem.hint)
+
+    def graft(self, path: KeyPath, other: "Document") -> None:
         """Put another document in the place of the value at `path`."""
         parent = self.data
         for key in path[:-1]:
@@ -47,16 +55,15 @@ class Document:
             self.marks[path + inner] = mark
 
 
-def key_path(path: Path_) -> str:
-    """Write a key path as users do: ``phases[0].transit.speed``."""
-    text = ""
-    for part in path:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
-    return text
-
-
 def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
-    """Read a UTF-8 text file, in words when it cannot be read.
+    """Read a UTF-8 text file.
+
+    Parameters
+    ----------
+    path : Path
+    shown : str
+        How messages name the file.
+    max_bytes : int
 
     Raises
     ------
@@ -78,15 +85,13 @@ def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
 
 
 def _nearest_file(path: Path) -> str:
-    """What may have been meant, or the outermost folder that is not there and what that may have been."""
-    from difflib import get_close_matches
-
+    """Hint at the file that was meant, or at the outermost folder that is missing."""
     missing = path
     while missing.parent != missing and not missing.parent.is_dir():
         missing = missing.parent
-    close = get_close_matches(missing.name, [entry.name for entry in missing.parent.iterdir()], n=1)
+    hint = did_you_mean(missing.name, [entry.name for entry in missing.parent.iterdir()])
     parts = [] if missing == path else [f"there is no folder {missing}"]
-    return "; ".join(parts + [f"did you mean {each}?" for each in close])
+    return "; ".join([*parts, hint] if hint else parts)
 
 
 def load_document(path: Path, shown: str | None = None) -> Document:
@@ -102,7 +107,7 @@ def load_document(path: Path, shown: str | None = None) -> Document:
     Raises
     ------
     InputError
-        All problems of the file's syntax: duplicate keys, keys that are no text, too deep, too large.
+        With all problems of the file's syntax: duplicate keys, keys that are not text, too deep, too large.
     """
     shown = str(path) if shown is None else shown
     text = read_text(path, shown)
@@ -125,7 +130,7 @@ def load_document(path: Path, shown: str | None = None) -> Document:
 
 
 def _check_depth(text: str, shown: str) -> None:
-    """Walk the event stream, which does not recurse, before anything that does."""
+    """Refuse deep nesting from the event stream, before any function that recurses."""
     depth = 0
     for event in yaml.parse(text, Loader=yaml.SafeLoader):
         if isinstance(event, yaml.CollectionStartEvent):
@@ -141,16 +146,24 @@ _COLLECTIONS = ("tag:yaml.org,2002:map", "tag:yaml.org,2002:seq")
 
 
 class _Builder:
-    """Turns a node tree into plain data, counting nodes as aliases unfold."""
+    """Turns a node tree into plain data, counting nodes as aliases unfold.
+
+    Attributes
+    ----------
+    marks : dict
+        File and line of each key path.
+    problems : list of Problem
+    """
 
     def __init__(self, shown: str) -> None:
         self.shown = shown
-        self.marks: dict[Path_, tuple[str, int]] = {}
+        self.marks: dict[KeyPath, tuple[str, int | None]] = {}
         self.problems: list[Problem] = []
         self._nodes = 0
         self._scalars = yaml.SafeLoader("")
 
-    def build(self, node: yaml.Node, path: Path_) -> Any:
+    def build(self, node: yaml.Node, path: KeyPath) -> object:
+        """Return the data of a node, a None for each value that has a problem."""
         self._nodes += 1
         line = node.start_mark.line + 1
         if self._nodes > MAX_NODES or len(path) > MAX_DEPTH:
@@ -166,7 +179,7 @@ class _Builder:
             return [self.build(child, (*path, index)) for index, child in enumerate(node.value)]
         return self._scalar(node, path)
 
-    def _scalar(self, node: yaml.Node, path: Path_) -> Any:
+    def _scalar(self, node: yaml.Node, path: KeyPath) -> object:
         try:
             str(node.value).encode()  # an escape may spell half a character, which no file can hold
             return self._scalars.construct_object(node)
@@ -176,8 +189,8 @@ class _Builder:
             self.problems.append(Problem(f"cannot be read: {words}", self.shown, line, key_path(path)))
             return None
 
-    def _mapping(self, node: yaml.MappingNode, path: Path_) -> Mapping[str, Any]:
-        result: dict[str, Any] = {}
+    def _mapping(self, node: yaml.MappingNode, path: KeyPath) -> dict[str, object]:
+        result: dict[str, object] = {}
         first_line: dict[str, int] = {}
         for key_node, value_node in node.value:
             key, line = key_node.value, key_node.start_mark.line + 1

@@ -1,14 +1,13 @@
 """The `effects:` section: effects of the catalogue with their parameters in SI."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
-from typing import Any
-
-from pydantic_core import PydanticCustomError
 
 from missionplan.effects import CATALOGUE
-from missionplan.mission.schema.section import complain
-from missionplan.mission.units import QuantityParser
+from missionplan.errors import LocalProblem, did_you_mean
+from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.section import all_invalid, invalid
+from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.distributions import Quantity
 
 
@@ -20,48 +19,57 @@ class EffectEntry:
     parameters: dict[str, Quantity]
 
 
-def read_effects(value: Any) -> tuple[EffectEntry, ...]:
-    """Read the list; for pydantic.
+def read_effects(value: object) -> tuple[EffectEntry, ...]:
+    """Read the list as a pydantic validator does.
 
     Raises
     ------
     PydanticCustomError
-        With one entry of ``ctx['problems']`` for each key that is wrong.
+        With one `LocalProblem` in ``ctx['problems']`` for each key that is wrong.
     """
     if not isinstance(value, list | tuple):
-        raise complain("expected a list of effects, each as `effect-id: {parameter: quantity}`")
-    problems: list[tuple[tuple[str | int, ...], str]] = []
-    entries = [_read_entry(item, index, problems) for index, item in enumerate(value)]
-    if problems:
-        raise PydanticCustomError("effects", "{words}", {"words": problems[0][1], "problems": problems})
-    return tuple(entry for entry in entries if entry is not None)
-
-
-def _read_entry(item: Any, index: int, problems: list[tuple[tuple[str | int, ...], str]]) -> EffectEntry | None:
-    if isinstance(item, EffectEntry):
-        return item
-    if not isinstance(item, dict) or len(item) != 1 or not isinstance(next(iter(item.values())), dict):
-        problems.append(((index,), "expected one effect in each item, as `effect-id: {parameter: quantity}`"))
-        return None
-    effect, given = next(iter(item.items()))
-    if effect not in CATALOGUE:
-        problems.append(((index, effect), f"no effect of that name{_did_you_mean(effect, list(CATALOGUE))}"))
-        return None
-    known = CATALOGUE[effect].parameters
-    parameters: dict[str, Quantity] = {}
-    for name, text in given.items():
-        if name not in known:
-            words = f"{effect} has no such parameter; it has {', '.join(known)}{_did_you_mean(name, list(known))}"
-            problems.append(((index, effect, name), words))
-            continue
+        raise invalid("expected a list of effects, each as `effect-id: {parameter: quantity}`")
+    entries: list[EffectEntry] = []
+    problems: list[LocalProblem] = []
+    for index, item in enumerate(value):
         try:
-            parameters[name] = QuantityParser(known[name].unit, low=known[name].low, high=known[name].high)(text)
-        except PydanticCustomError as error:
-            for below, words in (error.context or {})["problems"]:
-                problems.append(((index, effect, name, *below), words))
+            entries.append(item if isinstance(item, EffectEntry) else _entry(item))
+        except QuantityError as error:
+            problems += [problem.within((index,)) for problem in error.problems]
+    if problems:
+        raise all_invalid(problems)
+    return tuple(entries)
+
+
+def _entry(item: object) -> EffectEntry:
+    """Read one item of the list.
+
+    Raises
+    ------
+    QuantityError
+        With every key that is wrong.
+    """
+    if not isinstance(item, Mapping) or len(item) != 1 or not isinstance(next(iter(item.values())), Mapping):
+        raise QuantityError("expected one effect in each item, as `effect-id: {parameter: quantity}`")
+    ((effect, given),) = item.items()
+    if effect not in CATALOGUE:
+        hint = did_you_mean(str(effect), CATALOGUE, before="; ")
+        raise QuantityError(f"no effect of that name{hint}", (effect,))
+    parameters: dict[str, Quantity] = {}
+    problems: list[LocalProblem] = []
+    for name, text in given.items():
+        try:
+            parameters[name] = _parameter(effect, name, text)
+        except QuantityError as error:
+            problems += [problem.within((effect, name)) for problem in error.problems]
+    if problems:
+        raise QuantityError(problems)
     return EffectEntry(effect, parameters)
 
 
-def _did_you_mean(name: str, known: list[str]) -> str:
-    close = get_close_matches(name, known, n=1)
-    return f"; did you mean {close[0]}?" if close else ""
+def _parameter(effect: str, name: str, text: object) -> Quantity:
+    known = CATALOGUE[effect].parameters
+    if name not in known:
+        hint = did_you_mean(str(name), known, before="; ")
+        raise QuantityError(f"{effect} has no such parameter; it has {', '.join(known)}{hint}")
+    return QuantityParser(known[name].unit, low=known[name].low, high=known[name].high).parse(text)

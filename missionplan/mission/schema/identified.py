@@ -1,13 +1,13 @@
 """What `identify` finds, as a vehicle file carries it: drag, added mass, propulsion and thrusters."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import Discriminator, PlainValidator, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.section import FileSection, complain
+from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.section import FileSection, invalid
 from missionplan.mission.schema.transition import TunnelThrusterSection
-from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import Quantity
 
 _Area = Annotated[float, PlainValidator(QuantityParser("m^2", low=0.0, open_low=True, fixed=True))]
@@ -33,7 +33,7 @@ class MeasuredDrag(FileSection):
         if "exponent" in self.model_fields_set:
             for key in ("at_reynolds", "length"):
                 if getattr(self, key) is None:
-                    raise complain("missing; an exponent needs it", (key,))
+                    raise invalid("missing; an exponent needs it", (key,))
         return self
 
 
@@ -72,7 +72,7 @@ class StaticThruster(FileSection):
     deadband: _Volts = 0.0
 
 
-def _kind(value: Any) -> str:
+def _kind(value: object) -> str:
     tunnel = isinstance(value, TunnelThrusterSection) or (isinstance(value, dict) and "diameter" in value)
     return "<tunnel>" if tunnel else "<static>"
 

@@ -2,15 +2,15 @@
 
 import itertools
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.section import FileSection, complain
+from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.section import FileSection, invalid
 from missionplan.mission.schema.site import Position
 from missionplan.mission.schema.transition import TransitionPhase
-from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import Quantity
 
 _FORCE = QuantityParser("N", low=0.0, open_low=True)
@@ -25,7 +25,7 @@ class LegTableSection(FileSection):
     def _increasing(self) -> "LegTableSection":
         left = [row[0] for row in self.table]
         if not left or any(b <= a for a, b in itertools.pairwise(left)):
-            raise complain("expected rows with increasing distance left", ("table",))
+            raise invalid("expected rows with increasing distance left", ("table",))
         return self
 
 
@@ -35,7 +35,7 @@ DMax = Annotated[
 ]
 
 
-def _has_table(value: Any) -> bool:
+def _has_table(value: object) -> bool:
     return isinstance(value, dict) and "table" in value
 
 
@@ -56,7 +56,7 @@ class TransitPhase(FileSection):
     def _one_of_speed_and_shaft_rate(self) -> "TransitPhase":
         given = self.model_fields_set & {"speed", "shaft_rate"}
         if len(given) != 1:
-            raise complain("expected exactly one of speed and shaft_rate" if given else "missing", ("speed",))
+            raise invalid("expected exactly one of speed and shaft_rate" if given else "missing", ("speed",))
         return self
 
 
@@ -91,7 +91,7 @@ class PhaseEntry(FileSection):
     @model_validator(mode="after")
     def _exactly_one(self) -> "PhaseEntry":
         if len(self.model_fields_set) != 1:
-            raise complain(f"expected one of the phases {', '.join(type(self).model_fields)} in each item")
+            raise invalid(f"expected one of the phases {', '.join(type(self).model_fields)} in each item")
         return self
 
     @property

@@ -1,11 +1,13 @@
 """Types of the quantities that mission files hold: each an SI float or a distribution of one."""
 
-from typing import Annotated, Any
+from dataclasses import replace
+from typing import Annotated
 
 from pydantic import PlainValidator
-from pydantic_core import PydanticCustomError
 
-from missionplan.mission.units import QuantityParser
+from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.section import all_invalid
+from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.distributions import Quantity
 
 Length = Annotated[Quantity, PlainValidator(QuantityParser("m"))]
@@ -41,16 +43,16 @@ Probability = Annotated[float, PlainValidator(QuantityParser("", low=0.0, high=1
 
 
 def or_word(parser: QuantityParser, *words: str) -> PlainValidator:
-    """Accept one of some words, or a quantity."""
+    """Return a validator that takes one of some words, or a quantity."""
 
-    def read(value: Any) -> Quantity | str:
+    def read(value: object) -> Quantity | str:
         if isinstance(value, str) and value in words:
             return value
         try:
-            return parser(value)
-        except PydanticCustomError as error:
-            context = error.context or {}
-            problems = [(below, f"{text} (or {', '.join(words)})") for below, text in context["problems"]]
-            raise PydanticCustomError("quantity", "{words}", {**context, "problems": problems}) from None
+            return parser.parse(value)
+        except QuantityError as error:
+            also = f" (or {', '.join(words)})"
+            problems = [replace(problem, message=problem.message + also) for problem in error.problems]
+            raise all_invalid(problems) from None
 
     return PlainValidator(read)

@@ -1,7 +1,11 @@
-"""Base of every section of a mission file."""
+"""Base of every section of a mission file, and the errors that its validators raise."""
+
+from collections.abc import Sequence
 
 from pydantic import BaseModel, ConfigDict
 from pydantic_core import PydanticCustomError
+
+from missionplan.errors import KeyPath, LocalProblem
 
 
 class FileSection(BaseModel):
@@ -10,6 +14,11 @@ class FileSection(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True, arbitrary_types_allowed=True)
 
 
-def complain(message: str, below: tuple[str | int, ...] = ()) -> PydanticCustomError:
-    """Error of a section, or of a key below it, in words."""
-    return PydanticCustomError("section", "{words}", {"words": message, "problems": [(below, message)]})
+def invalid(message: str, below: KeyPath = ()) -> PydanticCustomError:
+    """Return the error of a section, or of a key below it."""
+    return all_invalid([LocalProblem(below, message)])
+
+
+def all_invalid(problems: Sequence[LocalProblem]) -> PydanticCustomError:
+    """Return the error of a section with several problems; `validation_errors` takes them from its context."""
+    return PydanticCustomError("section", "{words}", {"words": problems[0].message, "problems": list(problems)})

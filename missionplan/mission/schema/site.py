@@ -1,12 +1,12 @@
 """Where the mission is: origin, depth, water and current."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import Discriminator, PlainValidator, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.section import FileSection, complain
-from missionplan.mission.units import QuantityParser
+from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.section import FileSection, invalid
 
 _LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
 Latitude = Annotated[float, PlainValidator(_LATITUDE)]
@@ -41,7 +41,7 @@ class WaterSection(FileSection):
         by_value = self.density is not None and self.viscosity is not None
         given = sum(value is not None for value in (self.temperature, self.salinity, self.density, self.viscosity))
         if given != 2 or not (by_state or by_value):
-            raise complain("expected {temperature, salinity} or {density, viscosity}")
+            raise invalid("expected {temperature, salinity} or {density, viscosity}")
         return self
 
 
@@ -59,7 +59,7 @@ class CurrentFile(FileSection):
     file: str
 
 
-def _current_tag(value: Any) -> str:
+def _current_tag(value: object) -> str:
     return "<file>" if isinstance(value, dict | CurrentFile) else "<layers>"
 
 

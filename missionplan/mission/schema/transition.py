@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field, PlainValidator, model_validator
 
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.section import FileSection, complain
-from missionplan.mission.units import QuantityParser
+from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.section import FileSection, invalid
 from missionplan.montecarlo.distributions import Quantity
 
 
@@ -63,7 +63,7 @@ class DerivativesSection(FileSection):
     def _steers(self) -> "DerivativesSection":
         for key in ("z_uud", "m_uud"):
             if getattr(self, key) >= 0.0:
-                raise complain("missing or not negative; sternplanes push the stern up and the nose down", (key,))
+                raise invalid("missing or not negative; sternplanes push the stern up and the nose down", (key,))
         return self
 
 
@@ -141,7 +141,7 @@ class TransitionGrid(FileSection):
     def _shown_is_run(self) -> "TransitionGrid":
         for key in ("deceleration", "steepness", "mid_speed"):
             if getattr(self, f"shown_{key}") not in getattr(self, key):
-                raise complain(f"expected one of the values of {key}", (f"shown_{key}",))
+                raise invalid(f"expected one of the values of {key}", (f"shown_{key}",))
         return self
 
 

@@ -6,9 +6,9 @@ from pydantic import Field
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, Thruster
+from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection
 from missionplan.mission.schema.transition import Manoeuvring
-from missionplan.mission.units import QuantityParser
 from missionplan.montecarlo.distributions import Quantity
 
 _FORM_FACTOR = QuantityParser("", low=0.0, open_low=True)

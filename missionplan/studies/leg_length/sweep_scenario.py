@@ -7,7 +7,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.schema.mission import Navigation
+from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.mission.schema.site import Position
 from missionplan.mission.views import TransitMission

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.mission import Mission
 from missionplan.mission.checks.requirements import EVENTS, QUANTITIES
-from missionplan.mission.schema.mission import Requirement
+from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.montecarlo.quantile_sketch import QuantileSketch
 from missionplan.montecarlo.running_statistics import RunningStatistics
 from missionplan.montecarlo.statistics import Count, Moments

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.checks.requirements import check_requirement
+from missionplan.mission.checks.requirements import quantity_unit
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.studies.simulation.block_statistics import SCALES, BlockStatistics, requirement_key
 
@@ -79,8 +79,7 @@ class Precision:
 
 def _unit(quantity: str, mission: Mission) -> str | None:
     """Unit of a quantity's bound; None for an event."""
-    _, problems = check_requirement({"quantity": quantity}, mission.phases)
-    wrong = [words for _, words in problems if "needs either" not in words]
-    if wrong:
-        raise InputError([Problem(words, key=_OPTION) for words in wrong])
-    return requirement_key(mission, quantity)[1]
+    try:
+        return quantity_unit(quantity, mission.phases)
+    except QuantityError as error:
+        raise InputError([Problem(str(error), key=_OPTION)]) from None

@@ -8,8 +8,8 @@ from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.model_factory import transit_model
 from missionplan.diagnosis.pipeline import run_pipeline
-from missionplan.diagnosis.plan_gain import load_data
 from missionplan.effects import CATALOGUE
+from missionplan.mission import Mission
 from missionplan.report.render import render_report
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
@@ -171,7 +171,7 @@ def test_parameters_and_extended_mission(quick, legs):
     east, north = found.best.parameters
     assert (east.name, north.name, east.unit) == ("east", "north", "m/s")
     assert abs(east.value - 0.08) < 3.0 * east.sd
-    extended = load_data(found.extended)
+    extended = Mission.from_data(found.extended)
     assert [entry.effect for entry in extended.effects] == ["mean-current"]
     assert extended.effects[0].parameters["east"].mean == pytest.approx(east.value, rel=1e-3)
     assert extended.effects[0].parameters["east"].sd == pytest.approx(east.sd, rel=1e-3)
@@ -181,7 +181,7 @@ def test_parameters_and_extended_mission(quick, legs):
 def test_a_diagnosis_of_the_extended_mission_finds_nothing_more(folder, transit_mission, legs):
     place = folder(KIND, legs(error=lambda t, heading: np.array([[0.08], [-0.05]]) + 0.0 * t))
     first = diagnose(transit_mission, place, plan=False)
-    second = diagnose(load_data(first.extended), place, plan=False)
+    second = diagnose(Mission.from_data(first.extended), place, plan=False)
     assert second.verdict == "adequate"
 
 

@@ -5,9 +5,8 @@ import pytest
 import yaml
 
 from missionplan.diagnosis.diagnose import diagnose
-from missionplan.diagnosis.plan_gain import load_data
 from missionplan.errors import InputError
-from missionplan.mission import load
+from missionplan.mission import Mission, load
 from missionplan.report.render import render_report
 
 PHASE = {"from": ["0 m", "0 m"], "to": ["1 km", "0 m"], "speed": "1 m/s", "d_max": "1 km", "arrival_radius": "50 m"}
@@ -42,7 +41,7 @@ def test_drag_goes_into_the_vehicle_at_full_size(tmp_path):
     base = mission(tmp_path, drag={"coefficient": 0.8, "area": "0.4 m^2"})
     found = diagnose(base, towed(tmp_path / "data", 0.4, 0.0))
     assert found.causes == ("drag-bias",)
-    drag = load_data(found.extended).vehicle.drag
+    drag = Mission.from_data(found.extended).vehicle.drag
     assert drag.coefficient.mean == pytest.approx(0.8 * 1.4, rel=0.01)
     assert drag.area == 0.4
     assert "effects" not in found.extended
@@ -52,7 +51,7 @@ def test_reynolds_number_goes_with_it(tmp_path):
     base = mission(tmp_path, drag={"coefficient": 0.8, "area": "0.4 m^2"})
     found = diagnose(base, towed(tmp_path / "data", 0.0, -0.2))
     assert found.causes == ("reynolds-drag",)
-    drag = load_data(found.extended).vehicle.drag
+    drag = Mission.from_data(found.extended).vehicle.drag
     assert drag.exponent.mean == pytest.approx(-0.2, abs=0.02)
     assert drag.length == pytest.approx(0.6)
     rendered = render_report(found)

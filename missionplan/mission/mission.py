@@ -1,0 +1,194 @@
+"""The mission: what a mission file says, validated and in SI, with distributions kept as distributions."""
+
+import copy
+from collections.abc import Mapping
+from datetime import datetime
+from pathlib import Path
+from typing import cast
+
+from pydantic import BaseModel, Field, PrivateAttr, ValidationError, field_validator
+
+from missionplan.errors import InputError, LocalProblem
+from missionplan.mission.checks.correlations import check_correlations
+from missionplan.mission.checks.phases import check_phases
+from missionplan.mission.checks.requirements import read_requirements
+from missionplan.mission.checks.site import check_site
+from missionplan.mission.reading.documents import Document
+from missionplan.mission.reading.includes import include_files
+from missionplan.mission.reading.validation_errors import in_order, problems_of
+from missionplan.mission.schema.effects import EffectEntry, read_effects
+from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarlo, Requirement
+from missionplan.mission.schema.navigation import Navigation
+from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
+from missionplan.mission.schema.section import FileSection
+from missionplan.mission.schema.site import Site
+from missionplan.mission.schema.sweep import SweepSection
+from missionplan.mission.schema.transition import TransitionPhase
+from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
+from missionplan.montecarlo.distributions import Distribution, NormalTransform, Quantity
+
+
+class Mission(FileSection):
+    """A mission file, validated. All in SI; quantities are floats or distributions."""
+
+    name: str = ""
+    start: datetime | None = None
+    vehicle: Vehicle | None = None
+    site: Site | None = None
+    navigation: Navigation | None = None
+    entries: tuple[PhaseEntry, ...] = Field(default=(), alias="phases")
+    sweep: SweepSection = SweepSection()
+    monte_carlo: MonteCarlo = MonteCarlo()
+    energy: EnergyBudget | None = None
+    requirements: tuple[Requirement, ...] = ()
+    correlations: tuple[CorrelationSection, ...] = ()
+    effects: tuple[EffectEntry, ...] = ()
+
+    _raw: dict[str, object] = PrivateAttr(default_factory=dict)
+    _file: str = PrivateAttr(default="")
+
+    @field_validator("effects", mode="plain")
+    @classmethod
+    def _read_effects(cls, value: object) -> tuple[EffectEntry, ...]:
+        return read_effects(value)
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, object], *, file: str = "") -> "Mission":
+        """Validate a mission's data, such as another mission's `raw` with changes, as `load` does a file's.
+
+        Parameters
+        ----------
+        data : mapping
+            What a mission file holds; copied. Paths in it (`vehicle`, `site.current.file`) may point anywhere and are
+            relative to the working directory.
+        file : str
+            How messages name the mission.
+
+        Raises
+        ------
+        InputError
+            With every problem: key path, what was given, what was expected.
+        """
+        document = Document(copy.deepcopy(dict(data)), {(): (file, None)})
+        return cls.from_document(document, Path(), allow_outside=True, file=file)
+
+    @classmethod
+    def from_document(cls, document: Document, folder: Path, *, allow_outside: bool, file: str) -> "Mission":
+        """Validate a document, whose included files are put in their places.
+
+        Parameters
+        ----------
+        document : Document
+        folder : Path
+            To which paths in the document are relative.
+        allow_outside : bool
+            Whether included files may lie outside that folder.
+        file : str
+            How messages name the mission.
+
+        Raises
+        ------
+        InputError
+            With every problem, where the document has them with file and line.
+        """
+        if not isinstance(document.data, dict):
+            raise InputError([document.problem((), "expected a mapping of sections such as `phases:`")])
+        problems = include_files(document, folder, allow_outside=allow_outside)
+        try:
+            mission = cls.model_validate(document.data)
+        except ValidationError as error:
+            raise InputError(in_order([*problems, *problems_of(error, document, cls)])) from None
+        requirements, wrong = read_requirements(mission.requirements, mission.phases)
+        problems += [document.located(problem) for problem in (*mission._contradictions(), *wrong)]
+        if problems:
+            raise InputError(in_order(problems))
+        mission = mission.model_copy(update={"requirements": requirements})
+        mission._raw, mission._file = document.data, file
+        return mission
+
+    def _contradictions(self) -> list[LocalProblem]:
+        """List what is wrong between sections that are each valid."""
+        return [
+            *check_phases(self.phases, self.site, self.vehicle, self.navigation, self.sweep),
+            *check_site(self.site, self.phases),
+            *check_correlations(self.correlations, self.quantities()),
+        ]
+
+    @property
+    def phases(self) -> tuple[Phase, ...]:
+        """Phases in the order of the file."""
+        return tuple(entry.phase for entry in self.entries)
+
+    @property
+    def transits(self) -> tuple[TransitPhase, ...]:
+        """The transits among the phases."""
+        return tuple(phase for phase in self.phases if isinstance(phase, TransitPhase))
+
+    @property
+    def moors(self) -> tuple[MoorPhase, ...]:
+        """The moorings among the phases."""
+        return tuple(phase for phase in self.phases if isinstance(phase, MoorPhase))
+
+    @property
+    def transitions(self) -> tuple[TransitionPhase, ...]:
+        """The transitions among the phases."""
+        return tuple(phase for phase in self.phases if isinstance(phase, TransitionPhase))
+
+    @property
+    def budget(self) -> EnergyBudget | None:
+        """Energy budget: the mission's own, else the vehicle's."""
+        return self.energy or (self.vehicle.energy if self.vehicle else None)
+
+    @property
+    def file(self) -> str:
+        """Path of the mission file, as given."""
+        return self._file
+
+    @property
+    def raw(self) -> Mapping[str, object]:
+        """The file's own data with includes in place, as it is written to `mission.yaml` of a report."""
+        return self._raw
+
+    def quantities(self) -> dict[str, Quantity]:
+        """Every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed``."""
+        found: dict[str, Quantity] = {}
+        for name, value in self:
+            if name == "entries":
+                for phase in self.phases:
+                    _collect(phase, phase.name, found)
+            elif name != "sweep":
+                _collect(value, name, found)
+        return found
+
+    def notices(self) -> tuple[str, ...]:
+        """What the reader should know: distributions that were cut at the physical range of their quantity."""
+        return tuple(
+            f"{path}: {value.mass_cut:.2g} of the distribution lies outside the physical range and was cut off"
+            for path, value in self.uncertain().items()
+            if value.mass_cut > 1e-12
+        )
+
+    def uncertain(self) -> dict[str, Distribution]:
+        """The quantities that are distributions, by key path."""
+        return {path: value for path, value in self.quantities().items() if isinstance(value, Distribution)}
+
+
+_QUANTITY = (float, NormalTransform)
+"""What every distribution is, rather than their union: it is asked of every value of a mission."""
+
+
+def _collect(value: object, path: str, found: dict[str, Quantity]) -> None:
+    if value is None or isinstance(value, bool | str):
+        return
+    if isinstance(value, _QUANTITY):
+        found[path] = cast("Quantity", value)
+    elif isinstance(value, EffectEntry):
+        for name, parameter in value.parameters.items():
+            found[f"{path}.{value.effect}.{name}"] = parameter
+    elif isinstance(value, BaseModel):
+        given = type(value).model_fields
+        for name, inner in value:
+            _collect(inner, f"{path}.{given[name].alias or name}", found)
+    elif isinstance(value, tuple):
+        for index, inner in enumerate(value):
+            _collect(inner, path if isinstance(inner, EffectEntry) else f"{path}[{index}]", found)

@@ -1,0 +1,81 @@
+"""Files that a mission file names: the vehicle's, put in its place, and the current's, whose path is resolved."""
+
+import os.path
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+
+from missionplan.errors import InputError, KeyPath, Problem, shown
+from missionplan.mission.reading.documents import Document, load_document
+
+
+def include_files(document: Document, folder: Path, *, allow_outside: bool) -> list[Problem]:
+    """Put the vehicle file in its place and resolve the path of the current's file.
+
+    Parameters
+    ----------
+    document : Document
+        Of a mission; changed.
+    folder : Path
+        To which paths are relative.
+    allow_outside : bool
+        Whether files may lie outside the folder's tree.
+
+    Returns
+    -------
+    list of Problem
+        A vehicle with a problem is taken out of the document.
+    """
+    files = _Files(document, folder, allow_outside)
+    vehicle = document.data.get("vehicle")
+    if isinstance(vehicle, str) and not files.include(vehicle, ("vehicle",)):
+        del document.data["vehicle"]
+    site = document.data.get("site")
+    current = site.get("current") if isinstance(site, dict) else None
+    if isinstance(current, dict) and isinstance(current.get("file"), str):
+        target = files.resolve(current["file"], ("site", "current", "file"))
+        current["file"] = str(target or current["file"])
+    return files.problems
+
+
+@dataclass
+class _Files:
+    """Files that a document may name, and the problems with those that it names."""
+
+    document: Document
+    folder: Path
+    allow_outside: bool
+    problems: list[Problem] = field(default_factory=list)
+
+    def include(self, name: str, path: KeyPath) -> bool:
+        """Put a file's document in the place of its name; False where that cannot be done."""
+        target = self.resolve(name, path)
+        if target is None:
+            return False
+        try:
+            self.document.graft(path, load_document(target, str(self.folder / name)))
+        except InputError as error:
+            self.problems += error.problems
+            return False
+        return True
+
+    def resolve(self, name: str, path: KeyPath) -> Path | None:
+        """Absolute path of a file that the document names at `path`; None where it may not be read."""
+        given = f"given {shown(name)}"
+        if "\0" in name:
+            self._refuse(path, f"{given}; no file's name holds a null character")
+            return None
+        target = (self.folder / name).resolve()
+        if not self.allow_outside and not target.is_relative_to(self.folder.resolve()):
+            message = f"{given}, which lies outside the mission file's folder"
+            self._refuse(path, message, "--allow-outside permits it")
+            return None
+        if not os.path.isfile(target):  # noqa: PTH113 - raises nothing where a name is too long
+            near = get_close_matches(target.name, [entry.name for entry in target.parent.glob("*")], n=1)
+            hint = f"did you mean {Path(name).parent / near[0]}?" if near else ""
+            self._refuse(path, f"{given}; there is no such file", hint)
+            return None
+        return target
+
+    def _refuse(self, path: KeyPath, message: str, hint: str = "") -> None:
+        self.problems.append(self.document.problem(path, message, hint))

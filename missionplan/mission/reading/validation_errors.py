@@ -1,0 +1,115 @@
+"""Pydantic's errors as problems of a document: with lines, key paths, and the nearest valid key."""
+
+from collections.abc import Sequence
+from difflib import get_close_matches
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from missionplan.errors import KeyPath, Problem, shown
+from missionplan.mission.reading.documents import Document
+from missionplan.mission.schema.quantity_parser import QuantityParser
+
+_MESSAGES = {
+    "Input should be a valid dictionary or instance of ": "expected a mapping",
+    "Input should be a valid tuple": "expected a list",
+    "Input should be a valid list": "expected a list",
+    "Input should be a valid integer": "expected a whole number",
+    "Input should be a valid string": "expected text",
+}
+"""Messages of this project by how pydantic's start."""
+
+
+def problems_of(error: ValidationError, document: Document, model: type[BaseModel]) -> list[Problem]:
+    """List the problems of a document that a model refused.
+
+    A missing key is left out where an unknown one is probably the same with a typing error.
+    """
+    problems: list[Problem] = []
+    mistyped: set[KeyPath] = set()
+    missing: list[KeyPath] = []
+    for detail in error.errors(include_url=False):
+        path = tuple(part for part in detail["loc"] if not str(part).startswith("<"))  # the tags of unions
+        context = detail.get("ctx") or {}
+        if "problems" in context:
+            problems += [document.located(problem, path) for problem in context["problems"]]
+        elif detail["type"] == "missing":
+            missing.append(path)
+        elif detail["type"] == "extra_forbidden":
+            problem, meant = _unknown_key(path, document, model)
+            problems.append(problem)
+            mistyped.add((*path[:-1], meant))
+        else:
+            problems.append(document.problem(path, f"given {_shown(detail['input'])}, {_message(detail['msg'])}"))
+    for path in missing:
+        if path not in mistyped:
+            problems.append(document.problem(path, f"missing; expected {_expected(path, model)}"))
+    return problems
+
+
+def in_order(problems: Sequence[Problem]) -> list[Problem]:
+    """Sort problems by file and line."""
+    return sorted(problems, key=lambda problem: (problem.file, problem.line or 0))
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, dict):
+        return "a mapping"
+    return "a list" if isinstance(value, list | tuple) else shown(value)
+
+
+def _message(message: str) -> str:
+    """Return this project's words for a message of pydantic's."""
+    for start, words in _MESSAGES.items():
+        if message.startswith(start):
+            return words
+    return message.replace("Input should be", "expected").replace("Field required", "missing")
+
+
+def _fields(path: KeyPath, model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Fields of the section at `path`, by the names that a file uses; none where no section has that path."""
+    current = model
+    for part in path:
+        if isinstance(part, int):
+            continue
+        field = _by_name(current).get(part)
+        section = _section_in(field.annotation) if field is not None else None
+        if section is None:
+            return {}
+        current = section
+    return _by_name(current)
+
+
+def _by_name(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    return {field.alias or name: field for name, field in model.model_fields.items() if name != "kind"}
+
+
+def _section_in(annotation: object) -> type[BaseModel] | None:
+    """Return the section that an annotation holds, inside unions, tuples and Annotated."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    for inner in getattr(annotation, "__args__", ()):
+        found = _section_in(inner)
+        if found is not None:
+            return found
+    return None
+
+
+def _unknown_key(path: KeyPath, document: Document, model: type[BaseModel]) -> tuple[Problem, str]:
+    """Return the problem of a key that no section has there, and the key that was probably meant."""
+    known = list(_fields(path[:-1], model))
+    close = get_close_matches(str(path[-1]), known, n=1)
+    hint = f"did you mean {close[0]}?" if close else f"known here: {', '.join(known)}"
+    return document.problem(path, "unknown key", hint), close[0] if close else ""
+
+
+def _expected(path: KeyPath, model: type[BaseModel]) -> str:
+    field = _fields(path[:-1], model).get(str(path[-1]))
+    if field is None:
+        return "a value here"
+    for item in field.metadata:
+        parser = getattr(item, "func", None)
+        if isinstance(parser, QuantityParser):
+            return parser.expected
+    section = _section_in(field.annotation)
+    return f"a mapping with {', '.join(_by_name(section))}" if section else "a value here"

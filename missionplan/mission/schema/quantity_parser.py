@@ -1,0 +1,167 @@
+"""Quantities of a mission file: text with a unit, or a distribution of such texts, to SI floats or distributions."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from missionplan.errors import LocalProblem, shown
+from missionplan.mission.schema.section import all_invalid
+from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.montecarlo.distributions import (
+    Choices,
+    Distribution,
+    LogNormal,
+    Normal,
+    Quantity,
+    TruncatedNormal,
+    Uniform,
+)
+
+_FORMS: dict[frozenset[str], str] = {
+    frozenset({"mean", "sd"}): "normal",
+    frozenset({"mean", "sd", "low"}): "truncated",
+    frozenset({"mean", "sd", "high"}): "truncated",
+    frozenset({"mean", "sd", "low", "high"}): "truncated",
+    frozenset({"low", "high"}): "uniform",
+    frozenset({"median", "factor"}): "log-normal",
+    frozenset({"choices"}): "choices",
+}
+_FORMS_IN_WORDS = "{mean, sd}, {mean, sd, low, high}, {low, high}, {median, factor} or {choices}"
+
+
+@dataclass(frozen=True)
+class QuantityParser:
+    """Reads one quantity, or a distribution of it, and checks it against its physical range.
+
+    Attributes
+    ----------
+    unit : str
+        SI unit of the result (temperatures in degC); empty for bare numbers.
+    low, high : float
+        Physical range in that unit.
+    open_low : bool
+        Whether `low` itself is excluded.
+    fixed : bool
+        Whether distributions are refused.
+    """
+
+    unit: str
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+    fixed: bool = False
+
+    def __call__(self, value: object) -> Quantity:
+        """Read a value as a pydantic validator does.
+
+        Raises
+        ------
+        PydanticCustomError
+            With one `LocalProblem` in ``ctx['problems']`` for each key that is wrong.
+        """
+        try:
+            return self.parse(value)
+        except QuantityError as error:
+            raise all_invalid(error.problems) from None
+
+    def parse(self, value: object) -> Quantity:
+        """Read a value.
+
+        Raises
+        ------
+        QuantityError
+            With every key that is wrong.
+        """
+        return self._distribution(value) if isinstance(value, Mapping) else self._constant(value)
+
+    @property
+    def expected(self) -> str:
+        """What a user should write."""
+        return f"a quantity in {self.unit}" if self.unit else "a number"
+
+    def _constant(self, value: object) -> float:
+        result = parse_number_with_unit(value, self.unit)
+        if not (self.low < result if self.open_low else self.low <= result) or result > self.high:
+            raise QuantityError(f"given {shown(value)}, expected {self._range_in_words()}")
+        return result
+
+    def _range_in_words(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        relation = "more than" if self.open_low else "at least"
+        parts = [f"{relation} {self.low:g}{unit}"] if self.low > -math.inf else []
+        parts += [f"at most {self.high:g}{unit}"] if self.high < math.inf else []
+        return " and ".join(parts)
+
+    def _distribution(self, value: Mapping[str, object]) -> Quantity:
+        if self.fixed:
+            raise QuantityError("given a distribution, expected a fixed value here")
+        form = _FORMS.get(frozenset(value))
+        if form is None:
+            raise QuantityError(f"given the keys {', '.join(value) or 'none'}; a distribution is {_FORMS_IN_WORDS}")
+        if form == "choices":
+            return self._choices(value["choices"])
+        numbers: dict[str, float] = {}
+        problems: list[LocalProblem] = []
+        for key, given in value.items():
+            unit = "" if key == "factor" else self.unit
+            try:
+                numbers[key] = parse_number_with_unit(given, unit, difference=key == "sd")
+            except QuantityError as error:
+                problems.append(LocalProblem((key,), str(error)))
+        if problems:
+            raise QuantityError(problems)
+        return self._within_range(_build(form, numbers))
+
+    def _choices(self, values: object) -> Choices:
+        if not isinstance(values, list) or not values:
+            raise QuantityError(f"given {shown(values)}, expected a list of values", ("choices",))
+        numbers: list[float] = []
+        problems: list[LocalProblem] = []
+        for index, given in enumerate(values):
+            try:
+                numbers.append(self._constant(given))
+            except QuantityError as error:
+                problems.append(LocalProblem(("choices", index), str(error)))
+        if problems:
+            raise QuantityError(problems)
+        return Choices(tuple(numbers))
+
+    def _within_range(self, distribution: Distribution) -> Distribution:
+        if not self.low <= distribution.mean <= self.high:
+            message = f"the distribution's mean is {distribution.mean:g} {self.unit}, expected {self._range_in_words()}"
+            raise QuantityError(message)
+        if self.low == -math.inf and self.high == math.inf:
+            return distribution
+        return distribution.truncated(self.low, self.high)
+
+
+def _build(form: str, numbers: Mapping[str, float]) -> Distribution:
+    """Build a distribution from numbers in SI.
+
+    Raises
+    ------
+    QuantityError
+        When a spread is not positive or the bounds are in the wrong order.
+    """
+    low, high = numbers.get("low", -math.inf), numbers.get("high", math.inf)
+    if numbers.get("sd", 1.0) < 0.0:
+        raise QuantityError(f"given {numbers['sd']:g}, expected a positive spread", ("sd",))
+    if low >= high:
+        raise QuantityError(f"given low {low:g} and high {high:g}, expected low below high", ("low",))
+    if form == "normal":
+        return Normal(numbers["mean"], numbers["sd"])
+    if form == "uniform":
+        return Uniform(low, high)
+    if form == "log-normal":
+        return _log_normal(numbers["median"], numbers["factor"])
+    if numbers["sd"] == 0.0:
+        raise QuantityError("given 0, expected a positive spread between bounds", ("sd",))
+    return TruncatedNormal(numbers["mean"], numbers["sd"], low, high)
+
+
+def _log_normal(median: float, factor: float) -> LogNormal:
+    if factor <= 1.0:
+        raise QuantityError(f"given {factor:g}, expected a factor above 1", ("factor",))
+    if median <= 0.0:
+        raise QuantityError(f"given {median:g}, expected a positive median", ("median",))
+    return LogNormal(median, factor)
