@@ -1,17 +1,17 @@
-"""Which cases: everything about case number i follows from the seed and i."""
+"""Choice of cases: everything about case number i follows from the seed and i."""
 
 from collections.abc import Iterator
 
-from . import dives, transits
+from . import dives, legs
 from .case import Case
 
 KINDS = ("descent", "transit")
 SCENARIOS = ("control", "single", "weak", "pair", "outside", "tie")
-CYCLE = (
+SCENARIO_CYCLE = (
     *("single", "control", "single", "pair", "single", "control", "weak", "single", "outside", "pair"),
     *("single", "control", "single", "tie", "single", "control", "weak", "pair", "outside", "single"),
 )
-"""Scenarios of twenty cases of one kind in a row."""
+"""Scenarios of twenty consecutive cases of one kind."""
 
 
 def draw_case(seed: int, kind: str, scenario: str, effect: str | None = None) -> Case:
@@ -20,25 +20,26 @@ def draw_case(seed: int, kind: str, scenario: str, effect: str | None = None) ->
     Parameters
     ----------
     seed : int
-        Everything is drawn from it: effect, sizes, geometry, nuisances, sensors.
+        Seed of everything: effect, sizes, geometry, nuisances, sensors.
     kind : str
         ``descent`` or ``transit``.
     scenario : str
         ``control`` (no effect), ``single`` (one, well above the nuisances), ``weak`` (a quarter of that), ``pair``,
-        ``outside`` (not in the catalogue) or ``tie`` (nothing in the data can tell it from another cause).
+        ``outside`` (not in the catalogue) or ``tie`` (indistinguishable from another cause in these data).
     effect : str, optional
-        Instead of the effect drawn, for ``single``, ``weak`` and ``outside``.
+        Effect for ``single``, ``weak`` and ``outside``, instead of a random one.
     """
     if kind not in KINDS or scenario not in SCENARIOS:
         raise ValueError(f"no cases of kind {kind!r}, scenario {scenario!r}")
-    maker = dives if kind == "descent" else transits
+    maker = dives if kind == "descent" else legs
     return maker.draw(seed, scenario, effect)
 
 
 def plan(count: int, seed: int, kind: str | None = None) -> list[tuple[int, str, str]]:
-    """Arguments of ``draw_case`` for ``count`` cases, both kinds in turn unless one is named."""
+    """Return arguments of ``draw_case`` for ``count`` cases, both kinds in turn unless one is given."""
     kinds = (kind,) if kind else KINDS
-    return [(seed + i, kinds[i % len(kinds)], CYCLE[i // len(kinds) % len(CYCLE)]) for i in range(count)]
+    cycle = SCENARIO_CYCLE
+    return [(seed + i, kinds[i % len(kinds)], cycle[i // len(kinds) % len(cycle)]) for i in range(count)]
 
 
 def cases(count: int, seed: int, kind: str | None = None) -> Iterator[Case]:

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import binom
 
-from . import dive_outside, leg_outside
+from .dives import outside as dive_outside
+from .legs import outside as leg_outside
 from .tool import Outcome
 
 STUDIED = dive_outside.STUDIED | leg_outside.STUDIED

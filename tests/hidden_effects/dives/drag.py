@@ -1,4 +1,4 @@
-"""Drag and masses of the vehicle and its anchor, from Briggs et al., Eqs. 2-14, for one speed at a time."""
+"""Drag and masses of the vehicle and its anchor from Briggs et al., Eqs. 2-14, for one speed at a time."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ GRAVITY = 9.80665
 
 @dataclass(frozen=True)
 class Craft:
-    """What the base mission says of vehicle, anchor and water (SI)."""
+    """Vehicle, anchor and water as in the base mission (SI)."""
 
     length: float
     diameter: float
@@ -27,22 +27,22 @@ class Craft:
 
     @property
     def vehicle_mass(self) -> float:
-        """Mass with the spheroid's added mass, a share of the mass displaced [kg]."""
+        """Mass with the spheroid's added mass, a fraction of the displaced mass [kg]."""
         displaced = self.mass + self.net_buoyancy / GRAVITY
         return self.mass + spheroid_share(self.length / self.diameter) * displaced
 
     @property
     def anchor_mass(self) -> float:
-        """Flooded mass with half a sphere's and half a disc's added mass, 2.38 ρ r³ [kg]."""
+        """Flooded mass with the added mass of half a sphere and half a disc, 2.38 ρ r³ [kg]."""
         return self.anchor_flooded_mass + 2.38 * self.density * (self.anchor_diameter / 2.0) ** 3
 
     def anchor_drag(self, speed: float) -> float:
-        """Eq. 2 [N]."""
+        """Drag of the anchor, Eq. 2 [N]."""
         area = math.pi * self.anchor_diameter**2 / 4.0
         return 0.5 * self.density * speed * abs(speed) * area * self.anchor_drag_coefficient
 
     def vehicle_drag(self, speed: float) -> float:
-        """Eqs. 3-13 [N]."""
+        """Drag of the vehicle, Eqs. 3-13 [N]."""
         pressure = 0.5 * self.density * speed * abs(speed)
         ratio = self.diameter / self.length
         first = {"briggs": 2.643, "hoerner": 1.0}
@@ -61,7 +61,7 @@ class Craft:
         return self.appendage_factor * (body + fin)
 
     def drag(self, speed: float) -> float:
-        """Both bodies, Eq. 14 [N]."""
+        """Drag of both bodies, Eq. 14 [N]."""
         return self.vehicle_drag(speed) + self.anchor_drag(speed)
 
     def terminal_speed(self, wet_weight: float) -> float:
@@ -74,12 +74,12 @@ class Craft:
 
 
 def friction(reynolds: float) -> float:
-    """ITTC-57 line, held at its value at Re = 10⁴ below that (it is singular at Re = 100)."""
+    """ITTC-57 line, constant below Re = 10⁴ (it is singular at Re = 100)."""
     return 0.075 / (math.log10(max(reynolds, 1e4)) - 2.0) ** 2
 
 
 def spheroid_share(fineness: float) -> float:
-    """Lamb's k₁: axial added mass of a prolate spheroid over the mass it displaces."""
+    """Lamb's k₁: axial added mass of a prolate spheroid over its displaced mass."""
     e = math.sqrt(1.0 - 1.0 / fineness**2)
     alpha = 2.0 * (1.0 - e * e) / e**3 * (math.atanh(e) - e)
     return alpha / (2.0 - alpha)

@@ -1,0 +1,75 @@
+"""Draw a descent case: effects, plan, log and mission files."""
+
+import numpy as np
+
+from ..case import Case
+from .catalogue import CATALOGUE
+from .files import measure, mission_files
+from .outside import OUTSIDE, STUDIED
+from .strength import draw_hidden
+from .trials import Plan, draw_nuisances, draw_plan
+
+BLIND_SHARE = 0.75
+"""Share of the cases outside the catalogue whose effects were not used in development."""
+NEAR_TIES = ({"line-payout", "clock-offset"}, {"drag-bias", "depth-scale"}, {"drag-bias", "vertical-current"})
+"""Never drawn as a pair: one can cancel or mimic the other."""
+
+
+def draw(seed: int, scenario: str, effect: str | None = None) -> Case:
+    """Draw a descent case; deterministic for its arguments."""
+    base = [seed, 1, sum(map(ord, scenario))]
+    names = _pick_effects(np.random.default_rng(base), scenario)
+    if effect is not None:
+        names = (effect,)
+    scale = 0.25 if scenario == "weak" else 1.0
+    for attempt in range(20):
+        shape, hiding, noise_rng = np.random.default_rng([*base, attempt]).spawn(3)
+        plan = draw_plan(shape, scenario, names)
+        noise = draw_nuisances(shape, scenario)
+        hidden = draw_hidden(plan, noise, names, hiding, scale, scenario == "tie")
+        if hidden is not None:
+            break
+    else:
+        raise RuntimeError(f"no plan shows {names} (seed {seed})")
+    header, rows, stated = measure(plan, noise, hidden.effects, noise_rng)
+    inside = scenario != "outside"
+    mission, vehicle = mission_files(plan, shape)
+    return Case(
+        seed=seed,
+        kind="descent",
+        scenario=scenario,
+        truth=names if inside else (),
+        ties=_ties(plan, names),
+        outside="" if inside else names[0],
+        parameters=hidden.parameters if inside else {},
+        strength=hidden.strength,
+        mission=mission,
+        vehicle=vehicle,
+        dataset=stated,
+        header=header,
+        rows=rows,
+        notes={"sizes": hidden.sizes, "nuisances": vars(noise), "attempt": attempt},
+    )
+
+
+def _pick_effects(rng: np.random.Generator, scenario: str) -> tuple[str, ...]:
+    if scenario == "control":
+        return ()
+    if scenario == "outside":
+        blind = rng.random() < BLIND_SHARE
+        return (str(rng.choice([name for name in OUTSIDE if (name in STUDIED) != blind])),)
+    if scenario == "tie":
+        return (str(rng.choice(["line-payout", "clock-offset"])),)
+    while True:
+        names = tuple(sorted(str(name) for name in rng.choice(list(CATALOGUE), 1 + (scenario == "pair"), False)))
+        if not any(tie <= set(names) for tie in NEAR_TIES):
+            return names
+
+
+def _ties(plan: Plan, names: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
+    """With one line length a pay-out delay and a clock offset are the same."""
+    same_line = len({dive.line for dive in plan.dives}) == 1
+    if not (same_line and {"line-payout", "clock-offset"} & set(names)):
+        return ()
+    swap = {"line-payout": "clock-offset", "clock-offset": "line-payout"}
+    return (tuple(sorted(swap.get(name, name) for name in names)),)

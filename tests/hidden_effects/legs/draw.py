@@ -1,0 +1,71 @@
+"""Draw a transit case: effects, survey, log and mission file."""
+
+import numpy as np
+
+from ..case import Case
+from .catalogue import CATALOGUE
+from .files import columns, mission_file
+from .outside import OUTSIDE
+from .strength import draw_hidden
+from .survey import RANDOM, draw_survey, with_scaled_nuisances
+
+TIES = {"compass-bias": ("compass-deviation", "mean-current"), "speed-scale": ("mean-current",)}
+"""Effects that on a single heading cannot be distinguished from an effect."""
+
+
+def draw(seed: int, scenario: str, effect: str | None = None) -> Case:
+    """Draw a transit case; deterministic for its arguments."""
+    base = [seed, 2, sum(map(ord, scenario))]
+    names = _pick_effects(np.random.default_rng(base), scenario)
+    if effect is not None:
+        names = (effect,)
+    scale = 0.25 if scenario == "weak" else 1.0
+    for attempt in range(30):
+        shape, hiding = np.random.default_rng([*base, attempt]).spawn(2)
+        survey = draw_survey(shape, scenario, names)
+        if scenario == "control":
+            survey = with_scaled_nuisances(survey, shape)
+        hidden = draw_hidden(survey, names, hiding, [*base, attempt, 7], scale)
+        if hidden is not None:
+            break
+    else:
+        raise RuntimeError(f"no survey shows {names} (seed {seed})")
+    inside = scenario != "outside"
+    header, rows, dataset = columns(survey, hidden.log, shape, "surface-drift" in names)
+    return Case(
+        seed=seed,
+        kind="transit",
+        scenario=scenario,
+        truth=names if inside else (),
+        ties=tuple((rival,) for rival in TIES[names[0]]) if scenario == "tie" else (),
+        outside="" if inside else names[0],
+        parameters=hidden.parameters if inside else {},
+        strength=hidden.strength,
+        mission=mission_file(survey, shape),
+        vehicle=None,
+        dataset=dataset,
+        header=header,
+        rows=rows,
+        notes={
+            "sizes": hidden.sizes,
+            "sigma": survey.sigma,
+            "fix": survey.fix,
+            "pattern": survey.pattern,
+            "legs": int(survey.planned.size),
+            "latitude": survey.latitude,
+            "attempt": attempt,
+        },
+    )
+
+
+def _pick_effects(rng: np.random.Generator, scenario: str) -> tuple[str, ...]:
+    if scenario == "control":
+        return ()
+    if scenario == "outside":
+        return (str(rng.choice(list(OUTSIDE))),)
+    if scenario == "tie":
+        return (str(rng.choice(["compass-bias", "speed-scale"])),)
+    while True:
+        names = tuple(sorted(str(name) for name in rng.choice(list(CATALOGUE), 1 + (scenario == "pair"), False)))
+        if len(RANDOM & set(names)) < 2:
+            return names
