@@ -1,4 +1,4 @@
-"""``python -m tests.hidden_effects``: draw cases, ask the tool, print what came out."""
+"""``python -m tests.hidden_effects``: draw cases, run the tool on them, print the figures."""
 
 import argparse
 import json
@@ -13,11 +13,11 @@ from pathlib import Path
 
 from . import score
 from .cases import KINDS, draw_case, plan
-from .tool import Outcome, ask, why_not
+from .tool import Outcome, diagnose, unavailable_reason
 
 
 def _one(folder: Path, truths: Path, in_process: bool, jobs: int, arguments: tuple[int, str, str]) -> Outcome:
-    return ask(draw_case(*arguments), folder, truths, in_process, jobs)
+    return diagnose(draw_case(*arguments), folder, truths, in_process, jobs)
 
 
 def _strength(arguments: tuple[int, str, str]) -> tuple[str, str, str, float]:
@@ -28,19 +28,21 @@ def _strength(arguments: tuple[int, str, str]) -> tuple[str, str, str, float]:
 def _parse(words: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m tests.hidden_effects", description=__doc__)
     parser.add_argument("--cases", type=int, default=400)
-    parser.add_argument("--seed", type=int, default=1_000_000, help="of the first case; the others follow on")
+    parser.add_argument(
+        "--seed", type=int, default=1_000_000, help="seed of the first case; the others are consecutive"
+    )
     parser.add_argument("--kind", choices=KINDS, help="only this kind")
     parser.add_argument("--scenario", help="only this scenario (fewer cases then)")
-    parser.add_argument("--jobs", type=int, default=2, help="cases at a time; only a case by itself has every core")
-    parser.add_argument("--in-process", action="store_true", help="run the command line without a new process each")
+    parser.add_argument("--jobs", type=int, default=2, help="cases at a time; with 1 a case uses every core")
+    parser.add_argument("--in-process", action="store_true", help="run the command line without a new process per case")
     parser.add_argument("--keep", type=Path, help="keep cases, reports and truths in this new folder")
-    parser.add_argument("--json", type=Path, help="write the figures to this file as well")
-    parser.add_argument("--strengths", action="store_true", help="only say how far each case's effect moves its data")
+    parser.add_argument("--json", type=Path, help="also write the figures to this file")
+    parser.add_argument("--strengths", action="store_true", help="only print the strength of each case's effect")
     return parser.parse_args(words)
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run the study; 0 when no figure asked for is refuted, else 1."""
+    """Run the study; return 0 if no target is refuted, else 1."""
     options = _parse(words)
     drawn = plan(options.cases, options.seed, options.kind)
     drawn = [each for each in drawn if options.scenario in (None, each[2])]
@@ -50,7 +52,7 @@ def main(words: Sequence[str] | None = None) -> int:
             for kind, scenario, name, value in sorted(each_of(_strength, drawn)):
                 print(f"{kind:<8} {scenario:<8} {name:<44} {value:8.1f}")
             return 0
-        if reason := why_not():
+        if reason := unavailable_reason():
             print(reason, file=sys.stderr)
             return 2
         root = options.keep or Path(scratch)
@@ -62,7 +64,7 @@ def main(words: Sequence[str] | None = None) -> int:
             outcomes.append(outcome)
             print(f"\r{len(outcomes)}/{len(drawn)}", end="", file=sys.stderr, flush=True)
         print(file=sys.stderr)
-    print(score.text(outcomes))
+    print(score.page(outcomes))
     by_kind = {kind: score.figures([o for o in outcomes if o.case.kind == kind]) for kind in KINDS}
     if options.json:
         options.json.write_text(json.dumps({kind: [asdict(f) for f in fs] for kind, fs in by_kind.items()}, indent=1))

@@ -1,4 +1,4 @@
-"""A case as plain data, and how it is written: what the tool sees in one folder, the truth in another."""
+"""A case as plain data, written in two folders: the tool's input and the truth."""
 
 import csv
 import json
@@ -16,23 +16,23 @@ class Case:
     Attributes
     ----------
     seed, kind, scenario
-        What it was drawn from; ``draw_case`` with these gives it again.
+        Arguments of ``draw_case`` that reproduce it.
     truth : tuple of str
         Effects of the catalogue that are in the data, sorted; empty for a control and for an outside effect.
     ties : tuple of tuple of str
-        Sets of causes that no analysis of these data could tell from the truth.
+        Sets of causes that are indistinguishable from the truth in these data.
     outside : str
         Name of the effect outside the catalogue, or empty.
     parameters : dict
-        ``"effect.parameter"`` → true value (SI), where the contract's parametrisation means the same thing.
+        ``"effect.parameter"`` → true value (SI), where the contract has the same parameter.
     strength : float
-        How far the effect moves the data, in standard errors under the nuisances' covariance.
+        Strength of the effect in standard errors under the nuisances' covariance.
     mission, vehicle, dataset : dict
-        Contents of the YAML files; the vehicle is None when inline or not needed.
+        Contents of the YAML files; the vehicle is None if inline or not needed.
     header, rows
-        The CSV.
+        Contents of the CSV file.
     notes : dict
-        Sizes and nuisances, for a reader of ``truth.json``.
+        Sizes and nuisances, for readers of ``truth.json``.
     """
 
     seed: int
@@ -52,15 +52,15 @@ class Case:
 
     @property
     def name(self) -> str:
-        """For folders and messages."""
+        """Name for folders and messages."""
         return f"{self.kind}-{self.scenario}-{self.seed}"
 
     def accepts(self, causes: list[str]) -> bool:
-        """Whether these causes are the truth, or exactly tied with it."""
+        """Whether these causes are the truth or exactly tied with it."""
         return tuple(sorted(causes)) in {self.truth, *self.ties}
 
     def write(self, folder: Path, truth_folder: Path) -> tuple[Path, Path]:
-        """Write what the tool may see and, elsewhere, the truth; return the paths of mission and data set."""
+        """Write the tool's input and, elsewhere, the truth; return the paths of mission and data set."""
         data = folder / "data"
         data.mkdir(parents=True)
         truth_folder.mkdir(parents=True, exist_ok=True)

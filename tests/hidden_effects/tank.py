@@ -1,6 +1,6 @@
-"""Tank experiments with an effect hidden in them, from the papers' formulas written afresh.
+"""Tank experiments with hidden effects, from the papers' formulas implemented again.
 
-``python -m tests.hidden_effects.tank --cases 200`` asks the tool and prints how often it is right.
+``python -m tests.hidden_effects.tank --cases 200`` runs the tool and prints how often it is right.
 """
 
 import argparse
@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from .case import Case
-from .tool import Outcome, ask
+from .tool import Outcome, diagnose
 
 EFFECTS = {
     "drag": ("drag-bias", "reynolds-drag"),
@@ -21,11 +21,11 @@ EFFECTS = {
     "thruster": ("jet-suction", "thrust-asymmetry"),
     "propeller-transient": ("axial-flow",),
 }
-HONEST = {"drag-bias": 0.02, "reynolds-drag": 0.01, "added-mass": 0.03, "quadratic-damping": 0.02}
-"""What an experimenter is unsure of anyway, and what a control may hold: one standard deviation of each effect."""
-HONEST |= {"jet-suction": 0.05, "thrust-asymmetry": 0.01}
-LEAST, MOST = 5.0, 20.0
-"""Sizes of the effects in standard errors, what is honestly unsure counted with the sensor's noise."""
+PRIOR_SD = {"drag-bias": 0.02, "reynolds-drag": 0.01, "added-mass": 0.03, "quadratic-damping": 0.02}
+"""Prior uncertainty of an experimenter, also present in controls: one standard deviation of each effect."""
+PRIOR_SD |= {"jet-suction": 0.05, "thrust-asymmetry": 0.01}
+SMALLEST, LARGEST = 5.0, 20.0
+"""Sizes of the effects in standard errors, which include the prior uncertainty and the sensor's noise."""
 MISSION = {
     "name": "Base of the tank cases",
     "site": {"water": {"density": "1000 kg/m^3", "viscosity": "1.01e-6 m^2/s"}},
@@ -40,7 +40,7 @@ Model = Callable[[dict[str, float]], np.ndarray]
 
 
 class Rig:
-    """One experiment: its settings and columns, and the clean reading for sizes of the effects and of the nuisances."""
+    """One experiment: data set keys and columns, and the noise-free reading for sizes of effects and nuisances."""
 
     def __init__(self, dataset: dict, columns: dict[str, np.ndarray], read: Model, noise: float | np.ndarray) -> None:
         self.dataset, self.columns, self.read = dataset, columns, read
@@ -51,7 +51,7 @@ class Rig:
 
 
 def towing(rng: np.random.Generator) -> Rig:
-    """A model at half size towed at a dozen speeds; force ½ρAC_D U²(1 + b)(U/U₀)^p about the middle of the speeds."""
+    """A half-scale model towed at a dozen speeds or more: force ½ρAC_D U²(1 + b)(U/U₀)^p, U₀ their geometric mean."""
     speed = np.round(np.geomspace(0.2, rng.uniform(1.0, 1.6), int(rng.integers(12, 25))), 4)
     area, coefficient = rng.uniform(0.05, 0.15), rng.uniform(0.4, 2.2)
     middle = float(np.exp(np.mean(np.log(speed))))
@@ -71,7 +71,7 @@ def towing(rng: np.random.Generator) -> Rig:
 
 
 def springs(rng: np.random.Generator) -> Rig:
-    """A model let go on springs, by symplectic steps a two-hundredth of a period long."""
+    """A model released on springs, by symplectic steps of 1/200 period."""
     mass, stiffness = rng.uniform(15.0, 30.0), rng.uniform(2500.0, 5000.0)
     start, linear, every = rng.uniform(0.03, 0.07), rng.uniform(0.1, 0.3), 24
     step = 2.0 * math.pi * math.sqrt(mass / stiffness) / 200.0
@@ -100,7 +100,7 @@ def springs(rng: np.random.Generator) -> Rig:
 
 
 def jets(rng: np.random.Generator) -> Rig:
-    """A tunnel thruster both ways, at rest and under way: K₃n|n|·exp(-c ρA u²/|K₃n²|), less astern."""
+    """A tunnel thruster in both directions, at rest and under way: K₃n|n|·exp(-c ρA u²/|K₃n²|), less astern."""
     rates = np.linspace(900.0, 2400.0, 4)
     command, speed = (grid.ravel() for grid in np.meshgrid(np.r_[-rates, rates] / 60.0, [0.0, 0.3, 0.5, 0.7]))
     constant, width = rng.uniform(0.01, 0.04), rng.uniform(0.06, 0.1)
@@ -119,7 +119,7 @@ def jets(rng: np.random.Generator) -> Rig:
 
 
 def blades(rng: np.random.Generator) -> Rig:
-    """A propeller at a swinging shaft rate behind a hull that gathers way; the flow in the disc by small Euler steps."""
+    """A propeller at an oscillating shaft rate behind an accelerating hull; the flow in the disc by small Euler steps."""
     count, step, a, w = 120, 0.06, 0.2, 0.15
     width, level, slope = 0.3, rng.uniform(0.35, 0.5), rng.uniform(-1.0, -0.7)
     time = step * np.arange(count)
@@ -146,7 +146,7 @@ def blades(rng: np.random.Generator) -> Rig:
         rate = np.interp(np.arange(count * fine) * step / fine, time, turns(time))
         way = np.interp(np.arange(count * fine) * step / fine, time, speed)
         n0, u0 = rate[0], (1.0 - w) * way[0]
-        # settled at the start: thrust = d|u|(u - u0) solved for u
+        # steady at the start: thrust = d|u|(u - u0) solved for u
         b, c = 1000.0 * width**3 * n0 * k1 / (1.0 + a), 1000.0 * width**4 * k0 * n0**2
         d = 2000.0 * disc
         flow = ((d * u0 + b) + math.sqrt((d * u0 + b) ** 2 + 4.0 * d * c)) / (2.0 * d)
@@ -170,27 +170,27 @@ RIGS = {"drag": towing, "free-oscillation": springs, "thruster": jets, "propelle
 
 
 def strength(rig: Rig, effect: str, size: float, others: tuple[str, ...]) -> float:
-    """Size of an effect over its standard error: noise, nuisances, and what is honestly unsure of it and the others.
+    """Return an effect's size over its standard error, from noise, nuisances and the prior uncertainty of all effects.
 
-    By derivatives at its size. An effect that is there or not (no honest doubt) counts by how far it moves the data.
+    By derivatives at its size. An effect without prior uncertainty (present or absent) counts by the change of the data.
     """
     here = rig.read({effect: size})
-    unsure = {name: HONEST[name] for name in others if name in HONEST and name != effect}
+    unsure = {name: PRIOR_SD[name] for name in others if name in PRIOR_SD and name != effect}
     columns = [
         (rig.read({effect: size, name: 1e-3 * sd}) - here) / 1e-3 for name, sd in (rig.nuisances | unsure).items()
     ]
     white = np.stack(columns, axis=1) / rig.noise[:, None] if columns else np.zeros((len(here), 0))
-    step = 1e-3 * HONEST.get(effect, 0.0)
+    step = 1e-3 * PRIOR_SD.get(effect, 0.0)
     moved = (rig.read({effect: size + step}) - here) / step if step else here - rig.read({})
     moved = moved / rig.noise
     pulled = white.T @ moved
     inside = pulled @ np.linalg.solve(np.eye(white.shape[1]) + white.T @ white, pulled)
     length = math.sqrt(max(float(moved @ moved - inside), 1e-30))
-    return abs(size) / math.hypot(1.0 / length, HONEST[effect]) if step else length
+    return abs(size) / math.hypot(1.0 / length, PRIOR_SD[effect]) if step else length
 
 
-def sized(rig: Rig, effect: str, wanted: float, others: tuple[str, ...]) -> float:
-    """Size at which an effect has a strength, by halving."""
+def size_for(rig: Rig, effect: str, wanted: float, others: tuple[str, ...]) -> float:
+    """Return the size at which an effect has the wanted strength, by bisection."""
     low, high = 0.0, {"drag-bias": 2.0, "reynolds-drag": 0.6, "added-mass": 2.0, "jet-suction": 8.0}.get(effect, 0.9)
     high = 8.0 if effect == "quadratic-damping" else high
     for _ in range(40):
@@ -203,12 +203,14 @@ def draw(seed: int, kind: str, effect: str | None) -> Case:
     """Draw an experiment of a kind with one effect, or with none."""
     rng = np.random.default_rng([seed, list(RIGS).index(kind)])
     rig = RIGS[kind](rng)
-    sizes = {name: HONEST[name] * rng.standard_normal() for name in EFFECTS[kind] if name in HONEST and name != effect}
+    sizes = {
+        name: PRIOR_SD[name] * rng.standard_normal() for name in EFFECTS[kind] if name in PRIOR_SD and name != effect
+    }
     reached = 0.0
     if effect == "axial-flow":
         sizes[effect] = float(np.exp(rng.normal(0.0, 0.7)))
     elif effect is not None:
-        sizes[effect] = sized(rig, effect, rng.uniform(LEAST, MOST), EFFECTS[kind])
+        sizes[effect] = size_for(rig, effect, rng.uniform(SMALLEST, LARGEST), EFFECTS[kind])
         if effect in ("drag-bias", "reynolds-drag", "thrust-asymmetry") and rng.random() < 0.3:
             sizes[effect] = -0.7 * sizes[effect] if -0.7 * sizes[effect] > -0.6 else sizes[effect]
     if effect is not None:
@@ -241,14 +243,14 @@ def cases(count: int, seed: int) -> list[Case]:
 
 
 def summary(outcomes: list[Outcome]) -> tuple[str, float, float]:
-    """What came out, the share of false alarms and the share of right causes at five standard errors or more."""
+    """Return a text, the share of false alarms and the share of right causes at five standard errors or more."""
     controls = [o for o in outcomes if not o.case.truth]
-    strong = [o for o in outcomes if o.case.truth and o.case.strength >= LEAST]
+    strong = [o for o in outcomes if o.case.truth and o.case.strength >= SMALLEST]
     alarms = [o for o in controls if o.diagnosis.get("verdict") != "adequate"]
     right = [o for o in strong if o.case.accepts(o.diagnosis.get("causes", []))]
     missed = [o for o in outcomes if o in alarms or (o in strong and o not in right)]
-    lines = [f"false alarms: {len(alarms)} of {len(controls)} (asked: 3 %)"]
-    lines.append(f"right cause at {LEAST:g} standard errors or more: {len(right)} of {len(strong)} (asked: 95 %)")
+    lines = [f"false alarms: {len(alarms)} of {len(controls)} (target: 3 %)"]
+    lines.append(f"right cause at {SMALLEST:g} standard errors or more: {len(right)} of {len(strong)} (target: 95 %)")
     for o in missed:
         found, verdict = o.diagnosis.get("causes"), o.diagnosis.get("verdict")
         lines.append(f"  {o.case.name} {o.case.truth} at {o.case.strength:.1f}: {verdict} {found} {o.error[:200]}")
@@ -256,17 +258,17 @@ def summary(outcomes: list[Outcome]) -> tuple[str, float, float]:
 
 
 def main() -> int:
-    """Run the study; 0 when both figures are reached."""
+    """Run the study; return 0 if both targets are met."""
     parser = argparse.ArgumentParser(prog="python -m tests.hidden_effects.tank", description=__doc__)
     parser.add_argument("--cases", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         seen, truths = Path(scratch) / "seen", Path(scratch) / "truths"
-        text, alarms, right = summary(
-            [ask(case, seen, truths, in_process=True) for case in cases(options.cases, options.seed)]
+        page, alarms, right = summary(
+            [diagnose(case, seen, truths, in_process=True) for case in cases(options.cases, options.seed)]
         )
-    print(text)
+    print(page)
     return int(alarms > 0.03 or right < 0.95)
 
 

@@ -1,6 +1,6 @@
-"""The tool on some forty hidden-effect cases, and the scoring on diagnoses made up by hand.
+"""The tool on forty hidden-effect cases, and the scoring on hand-made diagnoses.
 
-Thresholds stand on the aggregate: a figure fails when so few cases as these are enough to refute what is asked.
+Thresholds apply to the aggregate: a figure fails if these few cases are enough to refute its target.
 """
 
 import dataclasses
@@ -14,30 +14,32 @@ import pytest
 from . import score
 from .case import Case
 from .cases import KINDS, cases
-from .tool import Outcome, ask, why_not
+from .tool import Outcome, diagnose, unavailable_reason
 
 FAST_SEED = 20_000
 
 
 @pytest.fixture(scope="module", params=KINDS)
 def outcomes(request, tmp_path_factory):
-    if reason := why_not():
+    if reason := unavailable_reason():
         pytest.skip(reason)
     folder = tmp_path_factory.mktemp(request.param)
     drawn = cases(20, FAST_SEED, request.param)
-    ask_one = partial(ask, folder=folder / "seen", truth_folder=folder / "truth", in_process=True)
-    # fresh interpreters, each imported once and kept, one for each core
+    diagnose_one = partial(diagnose, folder=folder / "seen", truth_folder=folder / "truth", in_process=True)
+    # fresh interpreters, one per core, each imports the tool once
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        return list(pool.map(ask_one, drawn))
+        return list(pool.map(diagnose_one, drawn))
 
 
-def test_no_figure_asked_for_is_refuted(outcomes):
+def test_no_target_is_refuted(outcomes):
     figures = score.figures(outcomes)
-    refuted = [f"{each.name}: {each.value:.3f} of {each.cases}, asked {each.asked}" for each in figures if each.refuted]
-    # times belong to the study on a quiet machine
-    assert not [line for line in refuted if not line.startswith("time")], score.text(outcomes)
+    refuted = [
+        f"{each.name}: {each.value:.3f} of {each.cases}, target {each.target}" for each in figures if each.refuted
+    ]
+    # times are judged only in the study on an idle machine
+    assert not [line for line in refuted if not line.startswith("time")], score.page(outcomes)
     ratios = [each.value for each in figures if each.name.startswith("held-out RMSE")]
-    assert max(ratios) < 1.0, score.text(outcomes)
+    assert max(ratios) < 1.0, score.page(outcomes)
 
 
 def _case(scenario: str, *truth: str, ties=(), outside: str = "", **parameters: float) -> Case:
@@ -86,7 +88,7 @@ def test_scores_singles_controls_and_ties():
     )
     assert found["false alarms without an effect"].value == 0.5
     assert found["right cause claimed, modulo exact ties"].value == 0.5
-    assert found["truth in the 95 % set"].value == 0.5
+    assert found["true cause in the 95 % set"].value == 0.5
     assert found["mean size of the 95 % set"].value == 1.0
     assert found["90 % intervals cover"].value == 1.0
     assert found["held-out RMSE, extended / base, median"].value == 0.4
@@ -106,9 +108,9 @@ def test_scores_pairs_weak_and_outside():
         Outcome(_case("outside", outside="eddy"), _diagnosis("explained", "drag-bias"), 1.0),
         Outcome(_case("outside", outside="eddy"), _diagnosis("adequate"), 1.0),
     )
-    assert found["two effects: exact"].value == 0.5
-    assert found["two effects: at least one"].value == 1.0
-    assert found["wrong name asserted on a weak effect"].value == pytest.approx(1 / 3)
+    assert found["two effects: both claimed"].value == 0.5
+    assert found["two effects: at least one claimed"].value == 1.0
+    assert found["wrong cause claimed for a weak effect"].value == pytest.approx(1 / 3)
     assert found["outside the catalogue, blind: flagged"].value == 0.5
     assert found["outside the catalogue, blind: flagged by the verdict"].value == 0.25
 
@@ -141,7 +143,7 @@ def test_few_cases_do_not_refute_by_chance():
     assert score.Figure("x", 20.0, 5, high=15.0, is_share=False).refuted
 
 
-def test_kinds_weigh_in_the_held_out_error_as_in_the_trial_it_was_asked_from():
+def test_kinds_weigh_in_the_held_out_error_as_in_the_trial_of_the_target():
     ratios = {"descent": (0.1, 0.2, 0.3), "transit": (0.7, 0.8, 0.8, 0.8, 0.9)}
     outcomes = [
         Outcome(
@@ -155,13 +157,13 @@ def test_kinds_weigh_in_the_held_out_error_as_in_the_trial_it_was_asked_from():
     name = "held-out RMSE, extended / base, median"
     assert _figures(*outcomes)[name].value == 0.3
     assert _figures(*outcomes[3:])[name].value == 0.8
-    assert _figures(*outcomes[3:])[name].asked == "–"
+    assert _figures(*outcomes[3:])[name].target == "–"
 
 
 def test_page_shows_confusion_and_figures():
     outcome = Outcome(_case("single", "drag-bias"), _diagnosis("partly-explained", "drag-bias"), 1.0)
     failed = dataclasses.replace(outcome, diagnosis={}, error="exit status 1: why")
-    page = score.text([outcome, failed])
+    page = score.page([outcome, failed])
     assert "drag-bias …" in page
     assert "right cause claimed" in page
     assert "exit status 1: why" in page

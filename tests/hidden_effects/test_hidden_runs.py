@@ -1,4 +1,4 @@
-"""Running a tool over cases, with a stand-in that always finds nothing."""
+"""Running a tool over cases, with a stand-in that never finds an effect."""
 
 import pytest
 
@@ -35,18 +35,18 @@ def stand_in(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("in_process", [True, False])
-def test_asks_by_the_command_line(stand_in, tmp_path, in_process):
-    assert tool.why_not() == ""
-    leg = tool.ask(draw_case(1, "transit", "control"), tmp_path / "seen", tmp_path / "truth", in_process)
+def test_runs_the_command_line(stand_in, tmp_path, in_process):
+    assert tool.unavailable_reason() == ""
+    leg = tool.diagnose(draw_case(1, "transit", "control"), tmp_path / "seen", tmp_path / "truth", in_process)
     assert (leg.diagnosis["verdict"], leg.error) == ("adequate", "")
-    dive = tool.ask(draw_case(1, "descent", "control"), tmp_path / "seen", tmp_path / "truth", in_process)
+    dive = tool.diagnose(draw_case(1, "descent", "control"), tmp_path / "seen", tmp_path / "truth", in_process)
     assert dive.error.startswith("exit status 2")
     assert "no descents today" in dive.error
 
 
-def test_says_why_it_cannot_ask(monkeypatch):
+def test_says_why_it_is_unavailable(monkeypatch):
     monkeypatch.setattr(tool, "PROGRAM", "no_such_tool_anywhere")
-    assert "does not exist" in tool.why_not()
+    assert "does not exist" in tool.unavailable_reason()
 
 
 def test_study_prints_and_judges(stand_in, tmp_path, capsys):

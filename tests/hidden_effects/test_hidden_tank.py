@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from . import tank
-from .tool import ask, why_not
+from .tool import diagnose, unavailable_reason
 
 
 @pytest.fixture(scope="module")
 def tool():
-    """Asked once whether it is there: its start takes as long as a diagnosis."""
-    if reason := why_not():
+    """Checked once: starting the tool takes as long as a diagnosis."""
+    if reason := unavailable_reason():
         pytest.skip(reason)
 
 
@@ -19,8 +19,8 @@ def test_towing_is_half_rho_a_c_u_squared():
     speed, force = rig.columns["speed_m_s"], rig.read({})
     assert np.ptp(force / speed**2) == pytest.approx(0.0, abs=1e-9)
     assert rig.read({"drag-bias": 0.3}) == pytest.approx(1.3 * force)
-    bent = rig.read({"reynolds-drag": -0.2}) / force
-    assert np.polyfit(np.log(speed), np.log(bent), 1)[0] == pytest.approx(-0.2)
+    changed = rig.read({"reynolds-drag": -0.2}) / force
+    assert np.polyfit(np.log(speed), np.log(changed), 1)[0] == pytest.approx(-0.2)
 
 
 def test_springs_swing_at_their_frequency_and_die_away():
@@ -46,18 +46,18 @@ def test_jets_push_less_under_way_and_astern():
 
 
 def test_a_strength_is_one_where_the_size_is_its_standard_error():
-    """Drag bias with its own doubt b and n readings of relative noise s: 1/√(s²/n + b²), the exponent orthogonal."""
+    """Drag bias with prior uncertainty b and n readings of relative noise s: 1/√(s²/n + b²), the exponent orthogonal."""
     rig = tank.towing(np.random.default_rng(4))
     count = len(rig.noise)
     share = rig.noise[0] / rig.read({})[0]
-    expected = 0.1 / np.hypot(1.1 * share / np.sqrt(count) / 1.1, tank.HONEST["drag-bias"])
+    expected = 0.1 / np.hypot(1.1 * share / np.sqrt(count) / 1.1, tank.PRIOR_SD["drag-bias"])
     assert tank.strength(rig, "drag-bias", 0.1, tank.EFFECTS["drag"]) == pytest.approx(expected, rel=0.01)
 
 
 def test_same_seed_same_case():
     first, second = (tank.draw(7, "thruster", "jet-suction") for _ in range(2))
     assert first.rows == second.rows
-    assert first.strength >= tank.LEAST * 0.999
+    assert first.strength >= tank.SMALLEST * 0.999
 
 
 EVERY = [(kind, effect) for kind, effects in tank.EFFECTS.items() for effect in (*effects, None)]
@@ -71,7 +71,7 @@ EVERY = [(kind, effect) for kind, effects in tank.EFFECTS.items() for effect in 
 @pytest.mark.usefixtures("tool")
 def test_the_tool_finds_what_is_there_and_nothing_else(kind, effect, seed, tmp_path):
     case = tank.draw(seed, kind, effect)
-    outcome = ask(case, tmp_path / "seen", tmp_path / "truth", in_process=True)
+    outcome = diagnose(case, tmp_path / "seen", tmp_path / "truth", in_process=True)
     assert outcome.error == ""
     assert outcome.diagnosis["causes"] == list(case.truth)
     assert outcome.diagnosis["verdict"] == ("explained" if effect else "adequate")

@@ -1,4 +1,4 @@
-"""The tool under test, reached through its command line and nothing else."""
+"""The tool under test, run only through its command line."""
 
 import contextlib
 import importlib.util
@@ -21,7 +21,7 @@ PROGRAM = "missionplan"
 
 @dataclass(frozen=True)
 class Outcome:
-    """A case with what the tool said of it; ``error`` is empty when it said something."""
+    """A case with its diagnosis by the tool; ``error`` is empty if the tool succeeded."""
 
     case: Case
     diagnosis: dict[str, Any]
@@ -30,7 +30,7 @@ class Outcome:
 
 
 def run_cli(arguments: list[str], in_process: bool) -> tuple[int, str]:
-    """Exit status and what was written to standard error, with the tail of standard output."""
+    """Return exit status and standard error, with the tail of standard output."""
     if not in_process:
         environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
         command = [sys.executable, "-m", PROGRAM, *arguments]
@@ -51,23 +51,23 @@ def run_cli(arguments: list[str], in_process: bool) -> tuple[int, str]:
     return status, out.getvalue()[-500:] + err.getvalue()
 
 
-def why_not() -> str:
-    """Why the tool cannot be asked for a diagnosis yet; empty when it can."""
+def unavailable_reason() -> str:
+    """Return why the tool cannot diagnose; empty if it can."""
     if importlib.util.find_spec(PROGRAM) is None or importlib.util.find_spec(f"{PROGRAM}.__main__") is None:
         return f"`python -m {PROGRAM}` does not exist"
     status, text = run_cli(["diagnose", "--help"], in_process=False)
     return "" if status == 0 else f"`{PROGRAM} diagnose` does not exist (exit status {status}): {text[-200:]}"
 
 
-def ask(case: Case, folder: Path, truth_folder: Path, in_process: bool = False, jobs: int = 1) -> Outcome:
-    """Write the case, run ``diagnose`` on it in so many processes (0: one a core) and read what it found."""
+def diagnose(case: Case, folder: Path, truth_folder: Path, in_process: bool = False, jobs: int = 1) -> Outcome:
+    """Write the case, run ``diagnose`` on it with `jobs` processes (0: one per core) and read its result."""
     mission, data = case.write(folder / case.name, truth_folder)
     report = folder / f"{case.name}-report"
     begin = time.perf_counter()
     try:
         options = ["--out", str(report), "--json", "--jobs", str(jobs)]
         status, text = run_cli(["diagnose", str(mission), str(data), *options], in_process)
-    except Exception as fault:  # a crash of the tool is a result, not the end of the study
+    except Exception as fault:  # a crash of the tool is a result and does not end the study
         return Outcome(case, {}, time.perf_counter() - begin, f"{type(fault).__name__}: {fault}")
     seconds = time.perf_counter() - begin
     found = report / "diagnosis.json"
