@@ -121,7 +121,7 @@ def _builder(mission: Mission) -> tuple[Callable[[Array, Array], Dive], tuple[De
 
     def build(weights: Array, lines: Array) -> Dive:
         own = {f"{moor.name}.anchor_wet_weight": weights, f"{moor.name}.line_length": lines}
-        here = Scenario(mission, None, {**scenario.draws, "site.depth": 0.0, **own})
+        here = Scenario(mission, {**scenario.draws, "site.depth": 0.0, **own})
         return dive_of(here, moor.model_copy(update={"anchor_wet_weight": float(weights[0])}))
 
     return build, tuple(effect for effect in _given(mission) if isinstance(effect, DescentEffect))

@@ -1,7 +1,5 @@
 """The anchor that a mission asks for: its worst-case wet weight, and its mass once it is built and flooded."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
@@ -14,12 +12,10 @@ from missionplan.physics.anchor import AnchorProblem, Construction, Part, dry_ma
 from missionplan.physics.buoyancy import flooded_mass
 from missionplan.physics.mooring import layer_thicknesses, required_terminal_velocity
 from missionplan.physics.vehicle_drag import anchor_drag
-
-if TYPE_CHECKING:
-    from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.scenario import Scenario
 
 
-def design_current(means: "Scenario", phase: MoorPhase) -> tuple[Array, Array]:
+def design_current(means: Scenario, phase: MoorPhase) -> tuple[Array, Array]:
     """Worst current of each layer, and the layers' thicknesses.
 
     Returns
@@ -49,7 +45,7 @@ def design_current(means: "Scenario", phase: MoorPhase) -> tuple[Array, Array]:
     return np.array(speeds, dtype=float), thicknesses
 
 
-def worst_case_weight(means: "Scenario", phase: MoorPhase) -> float:
+def worst_case_weight(means: Scenario, phase: MoorPhase) -> float:
     """Wet weight that takes the vehicle down within the radius in the worst current, all layers aligned (Eqs. 1, 15).
 
     Parameters
@@ -75,7 +71,7 @@ def worst_case_weight(means: "Scenario", phase: MoorPhase) -> float:
     return weight
 
 
-def anchor_problem(means: "Scenario") -> AnchorProblem:
+def anchor_problem(means: Scenario) -> AnchorProblem:
     """Geometry and materials of the mission's anchor, at their means.
 
     Raises
@@ -103,6 +99,6 @@ def anchor_problem(means: "Scenario") -> AnchorProblem:
     )
 
 
-def anchor_flooded_mass(means: "Scenario", weight: Scalars) -> Scalars:
+def anchor_flooded_mass(means: Scenario, weight: Scalars) -> Scalars:
     """Mass with the water inside of the anchor built for a wet weight [N], without added mass [kg]."""
     return flooded_mass(dry_mass(anchor_problem(means), weight), weight)

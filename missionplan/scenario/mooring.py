@@ -4,11 +4,11 @@ from missionplan.arrays import Scalars
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.mooring import MoorPlan
-from missionplan.physics.added_mass import anchor_added_mass, lamb_axial_coefficient
-from missionplan.physics.buoyancy import displaced_mass
+from missionplan.physics.added_mass import anchor_added_mass
 from missionplan.physics.vehicle_drag import anchor_drag
 from missionplan.scenario.anchor_weight import anchor_flooded_mass, worst_case_weight
 from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.vehicle import surge_added_mass
 
 
 def moor_plan(scenario: Scenario, phase: MoorPhase) -> MoorPlan:
@@ -34,10 +34,6 @@ def dive_of(scenario: Scenario, phase: MoorPhase) -> Dive:
     """
     water, drag, diameter = scenario.water, scenario.vehicle_drag, scenario["vehicle.anchor.diameter"]
     weight = wet_weight_of(scenario, phase)
-    displaced = displaced_mass(scenario["vehicle.mass"], scenario["vehicle.net_buoyancy"])
-    fraction = scenario.get("vehicle.hull.added_mass", lamb_axial_coefficient(drag.hull.length / drag.hull.diameter))
-    if "vehicle.added_mass.surge" in scenario.draws:
-        fraction = scenario["vehicle.added_mass.surge"] / displaced
     flooded = scenario.draws.get("vehicle.anchor.flooded_mass")
     return Dive(
         wet_weight=weight,
@@ -45,7 +41,7 @@ def dive_of(scenario: Scenario, phase: MoorPhase) -> Dive:
         anchor_added_mass=scenario.get("vehicle.anchor.added_mass", anchor_added_mass(diameter / 2.0, water.density)),
         anchor_drag=anchor_drag(diameter, scenario["vehicle.anchor.drag_coefficient"], water.density),
         vehicle_mass=scenario["vehicle.mass"],
-        vehicle_added_mass=fraction * displaced,
+        vehicle_added_mass=surge_added_mass(drag.hull, scenario.draws),
         net_buoyancy=scenario["vehicle.net_buoyancy"],
         vehicle_drag=drag,
         line_length=scenario[f"{phase.name}.line_length"],

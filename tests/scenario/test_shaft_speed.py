@@ -12,7 +12,6 @@ from missionplan.mission import load
 from missionplan.physics.cruise import distance_lost, shaft_rate_for, speed_error
 from missionplan.physics.propeller import Resistance, from_open_water
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.shaft_speed import moving_mass
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate
 
@@ -104,7 +103,7 @@ def test_turns_a_minute_are_turns(tmp_path):
 
 
 def test_each_leg_gathers_way(tmp_path):
-    assert moving_mass(Scenario.at_means(mission(tmp_path))) == 63.0
+    assert Scenario.at_means(mission(tmp_path)).propelled.moving_mass == 63.0
     with_it, without = simulate(mission(tmp_path)), simulate(mission(tmp_path, propulsion=None))
     assert duration(without) == pytest.approx(1000.0 + 4 * 60.0)
     assert duration(with_it) - duration(without) == pytest.approx(4 * LOST / 1.0, rel=1e-9)

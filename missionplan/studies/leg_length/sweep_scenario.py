@@ -120,7 +120,7 @@ class SweepScenario:
 
     def environment(self, drawn: Scenario) -> Environment:
         """Build current, compensation and effects from the draws of a block."""
-        return Environment(drawn.current, drawn.compensation(self.phase), drawn.effects_under_way(self.phase))
+        return drawn.environment(self.phase)
 
     def normals(self, seed: int, block: int) -> TransitNormals:
         """Open the streams of the legs, the same for every σ_v and every d_max."""

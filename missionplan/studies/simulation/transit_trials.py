@@ -6,7 +6,7 @@ from missionplan.arrays import Array
 from missionplan.mission.schema.phases import TransitPhase
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.ground_velocity import random_part
-from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, TransitRecord, column
+from missionplan.phases.transit.plan import Normals, TransitNormals, TransitPlan, TransitRecord, column
 from missionplan.phases.transit.transit import transit
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.scenario.transit_streams import transit_normals
@@ -32,7 +32,7 @@ def transit_trials(block: TrialBlock, phase: TransitPhase, state: TrialState) ->
     """
     scenario = block.scenario
     plan, normals = scenario.transit_plan(phase), transit_normals(scenario, phase, block.seed, block.block)
-    environment = Environment(scenario.current, scenario.compensation(phase), scenario.effects_under_way(phase))
+    environment = scenario.environment(phase)
     after, record = transit(plan, state, normals, environment, tracked=min(block.tracked, state.trials))
     kept, exhausted = end_exhausted(after, scenario.capacity)
     goal, arrived = column(plan.goal), record.arrived & ~exhausted

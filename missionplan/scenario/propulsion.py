@@ -1,0 +1,85 @@
+"""Transits of a vehicle with a propeller: speed from shaft rate, setting off from rest, speed inferred wrongly."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.arrays import Scalars
+from missionplan.effects.speed_scale import SpeedScale
+from missionplan.mission.schema.phases import TransitPhase
+from missionplan.physics.cruise import cruise_speed, distance_lost, shaft_power, shaft_rate_for, speed_error
+from missionplan.physics.propeller import Propeller, Resistance
+from missionplan.physics.vehicle_drag import VehicleDrag
+from missionplan.scenario.vehicle import Draws, surge_added_mass
+
+LONG_AGO = 1e9
+"""A leg so long that setting off does not count [s]."""
+
+
+@dataclass(frozen=True)
+class PropelledVehicle:
+    """A vehicle with a propeller, with the draws of a block.
+
+    Attributes
+    ----------
+    propeller : Propeller
+    drag : VehicleDrag
+        Drag [N] from speed [m/s].
+    draws : mapping
+        Quantities of the mission by key path.
+    """
+
+    propeller: Propeller
+    drag: VehicleDrag
+    draws: Draws
+
+    def speeds(self, transits: Iterable[TransitPhase]) -> dict[str, Scalars]:
+        """Speeds through the water of the transits that give a shaft rate, by the key path of the speed [m/s]."""
+        return {
+            f"{phase.name}.speed": _scalar(
+                cruise_speed(self.propeller, self.draws[f"{phase.name}.shaft_rate"], self.drag)
+            )
+            for phase in transits
+            if phase.shaft_rate is not None
+        }
+
+    def length_lost(self, speed: Scalars) -> Scalars | None:
+        """Distance by which a leg falls short while the vehicle gathers way [m]; None without the vehicle's mass."""
+        if "vehicle.mass" not in self.draws:
+            return None
+        force = self.drag(speed)
+        resistance = Resistance(mass=self.moving_mass, linear=0.0, quadratic=force / speed**2)
+        return _scalar(distance_lost(self.propeller, resistance, shaft_rate_for(self.propeller, force, speed)))
+
+    @property
+    def moving_mass(self) -> Scalars:
+        """Mass and added mass of the egress vehicle in surge [kg]."""
+        return self.draws["vehicle.mass"] + surge_added_mass(self.drag.hull, self.draws)
+
+    def inferred_speed(self, speed: Scalars) -> tuple[SpeedScale, ...]:
+        """Return the error of a speed [m/s] that is inferred from the shaft rate; none where thrust and drag are right.
+
+        The vehicle assumes the speed that its file's propeller and drag give; the true ones are `thrust_factor` and
+        `drag_factor` times as large. Gathering way is not in it: the vehicle's clock allows for that.
+        """
+        path = "vehicle.propulsion"
+        thrust, drag = self.draws[f"{path}.thrust_factor"], self.draws[f"{path}.drag_factor"]
+        if np.all(np.equal(thrust, 1.0)) and np.all(np.equal(drag, 1.0)):
+            return ()
+        force = self.drag(speed)
+        resistance = Resistance(mass=1.0, linear=0.0, quadratic=force / speed**2)
+        rate = shaft_rate_for(self.propeller, force, speed)
+        error = speed_error(self.propeller, resistance, rate, LONG_AGO, thrust_factor=thrust, drag_factor=drag)
+        return (SpeedScale(_scalar(error / speed)),)
+
+    def power(self, speed: Scalars) -> Scalars:
+        """Electrical power that holds a speed [m/s]: shaft power over the motor's efficiency [W]."""
+        rate = shaft_rate_for(self.propeller, self.drag(speed), speed)
+        return shaft_power(self.propeller, rate, speed) / self.draws["vehicle.propulsion.motor_efficiency"]
+
+
+def _scalar(value: Scalars) -> Scalars:
+    """Return a float where nothing was drawn."""
+    array = np.asarray(value)
+    return float(array) if array.ndim == 0 else array
