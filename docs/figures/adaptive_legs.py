@@ -14,7 +14,7 @@ DISTANCE, SPEED, ARRIVAL_RADIUS, SURFACING_TIME = 7408.0, 1.25, 50.0, 90.0
 
 
 def teeth() -> None:
-    """Cost against d_max, and what it is made of."""
+    """Cost and expected legs against d_max."""
     ratios = np.linspace(0.18, 1.06, 353)
     figure, (cost, legs) = plt.subplots(2, 1, sharex=True, figsize=(6.0, 5.4))
     for sigma in (0.015, 0.035, 0.055):
@@ -35,7 +35,7 @@ def teeth() -> None:
 
 
 def policy() -> None:
-    """Best legs: where each aims, against the distance left, and the cost beside a fixed d_max."""
+    """Aim of the best legs against the distance left, and their cost compared with a fixed d_max."""
     figure, (aims, costs) = plt.subplots(1, 2, figsize=(8.0, 3.7))
     left = np.geomspace(ARRIVAL_RADIUS, DISTANCE, 400)
     for sigma in (0.015, 0.035, 0.055):

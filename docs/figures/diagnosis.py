@@ -1,4 +1,4 @@
-"""Figures of docs/diagnosis.md: two gliders (where their data lie beside the project) and Table I of Briggs et al."""
+"""Figures of docs/diagnosis.md: two gliders (if their data are beside the repository) and Table I of Briggs et al."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ MEASURED = PROJECT.parent / "shared" / "data"
 
 
 def main() -> None:
-    """Write the figures whose data are here."""
+    """Write the figures of the data sets that are available."""
     table = PROJECT / "missions"
     cases = {
         "modena": (MEASURED / "modena" / "mission.yaml", MEASURED / "modena"),

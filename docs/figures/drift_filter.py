@@ -1,18 +1,18 @@
-"""Make the figure and the table of `docs/drift-filter.md`: `python docs/figures/drift_filter.py` (some minutes).
+"""Make the figure and the tables of `docs/drift-filter.md`: `python docs/figures/drift_filter.py` (some minutes).
 
-The table goes to standard output.
+The tables go to standard output.
 """
 
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import matplotlib.pyplot as plt
 import numpy as np
+import yaml
 
-from missionplan import load
+from missionplan import Mission
 from missionplan.phases.transit.analytic.policy import best_legs
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, run_plans
@@ -20,19 +20,19 @@ from missionplan.studies.leg_length.policy_search import replace_first_leg
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 FOLDER = Path(__file__).parent
-WAYS = ("none", "forecast", "last-leg", "mean", "filter")
+MODES = ("none", "forecast", "last-leg", "mean", "filter")
 CURRENTS = (0.0, 0.1, 0.2, 0.3)
 TIMES = (60.0, 600.0, 3600.0, 21600.0, 1e7)
 SHARES = np.linspace(0.1, 1.0, 19)
 SIGMAS = (0.01, 0.02, 0.035, 0.06, 0.1)
 TRIALS = 4096
 MISSION = """
-name: An unknown mean current and an error that persists
+name: An unknown mean current and a persistent error
 navigation:
   velocity_error: {{mean: [{component}, {component}], sigma: 0.02 m/s}}
   surfacing_time: 90 s
   fix_error: 3 m
-  drift_compensation: {way}
+  drift_compensation: {mode}
 phases:
   - transit: {{from: [0 m, 0 m], to: [8 km, 0 m], speed: 1 m/s, d_max: 2 km, arrival_radius: 50 m}}
 effects:
@@ -42,7 +42,7 @@ effects:
 
 @dataclass(frozen=True)
 class Cell:
-    """Costs of each way with the legs that suit it best, and how much more the filter costs than the best other [%]."""
+    """Costs of each mode with its own best legs, and the filter's excess over the best other mode [%]."""
 
     costs: tuple[float, ...]
     excess: float
@@ -50,19 +50,19 @@ class Cell:
 
 
 def cell(current: float, time: float, trials: int = TRIALS, *, fixed: bool = False) -> Cell:
-    """Run every way on the same trials.
+    """Run every compensation mode on the same trials.
 
     Parameters
     ----------
     current : float
-        Root mean square of the unknown mean current, normal on each axis and cut at 2.5 deviations [m/s].
+        Root mean square of the unknown mean current, normal on each axis, truncated at 2.5 sd [m/s].
     time : float
-        Correlation time of the error that persists [s].
+        Correlation time of the persistent error [s].
     trials : int
     fixed : bool
-        Whether a fixed d_max is all that may be chosen.
+        Whether only fixed d_max are allowed.
     """
-    best = [_best(way, current, time, trials, fixed) for way in WAYS]
+    best = [_best(mode, current, time, trials, fixed) for mode in MODES]
     others = min(best[:-1], key=lambda costs: float(costs.mean()))
     excess = best[-1] - others
     return Cell(
@@ -73,7 +73,7 @@ def cell(current: float, time: float, trials: int = TRIALS, *, fixed: bool = Fal
 
 
 def family(scenario: SweepScenario, fixed: bool) -> list[LegsAtSpeed]:
-    """Fixed d_max; unless these are all, legs that adapt, for several errors and with first legs of several lengths."""
+    """Fixed d_max and, unless `fixed`, adaptive legs for several errors with first legs of several lengths."""
     lengths = [float(share * scenario.distance) for share in SHARES]
     plans: list[float | LegTable] = [*lengths]
     if fixed:
@@ -85,20 +85,18 @@ def family(scenario: SweepScenario, fixed: bool) -> list[LegsAtSpeed]:
 
 @cache
 def tables(distance: float, speed: float, arrival_radius: float, surfacing_time: float) -> list[LegTable]:
-    """Best legs for several velocity errors, with the spread that fixes of 3 m give."""
+    """Best legs for several velocity errors, with the spread due to fix errors of 3 m."""
     base = 3.0 * np.sqrt(2.0)
     return [best_legs(distance, speed, arrival_radius, sigma, surfacing_time, base).legs for sigma in SIGMAS]
 
 
-def _best(way: str, current: float, time: float, trials: int, fixed: bool) -> np.ndarray:
-    """Costs of the trials with the legs that are best for a way [%]."""
+def _best(mode: str, current: float, time: float, trials: int, fixed: bool) -> np.ndarray:
+    """Costs of the trials with the best legs of a mode [%]."""
     sd = current / np.sqrt(2.0)
     spread = f"{{mean: 0 m/s, sd: {sd:.6f} m/s, low: {-2.5 * sd:.6f} m/s, high: {2.5 * sd:.6f} m/s}}"
     component = spread if current else "0 m/s"
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "mission.yaml"
-        path.write_text(MISSION.format(component=component, way=way, time=time), encoding="utf-8")
-        scenario = replace(SweepScenario.of(load(path)), sigmas=(None,))
+    mission = Mission.from_data(yaml.safe_load(MISSION.format(component=component, mode=mode, time=time)))
+    scenario = replace(SweepScenario.of(mission), sigmas=(None,))
     runs = run_plans(scenario, family(scenario, fixed), seed=1, block=0, size=trials)
     costs = [100.0 * run.cost for run in runs if run.arrived.all()]
     return min(costs, key=lambda values: float(values.mean()))
@@ -114,21 +112,21 @@ def main() -> None:
 
 def print_table(grid: dict[tuple[float, float], Cell]) -> None:
     """Print a grid as Markdown."""
-    print("| mean current, m/s | persists for, s | " + " | ".join(WAYS) + " | filter less the best other |")
-    print("|" + "---|" * (len(WAYS) + 3))
+    print("| mean current, m/s | persists for, s | " + " | ".join(MODES) + " | filter less the best other |")
+    print("|" + "---|" * (len(MODES) + 3))
     for (current, time), found in grid.items():
         costs = " | ".join(f"{cost:.2f} %" for cost in found.costs)
         print(f"| {current:g} | {time:g} | {costs} | {found.excess:+.3f} ± {found.excess_error:.3f} % |")
 
 
 def draw(grid: dict[tuple[float, float], Cell]) -> None:
-    """Draw what each way costs more than the filter against persistence, a panel for each mean current."""
+    """Draw the excess cost of each mode over the filter against persistence, a panel for each mean current."""
     figure, panels = plt.subplots(1, len(CURRENTS), sharey=True, figsize=(9.0, 3.4))
     for axes, current in zip(panels, CURRENTS, strict=True):
         filtered = np.array([grid[current, time].costs[-1] for time in TIMES])
-        for number, way in enumerate(WAYS[:-1]):
+        for number, mode in enumerate(MODES[:-1]):
             costs = np.array([grid[current, time].costs[number] for time in TIMES])
-            axes.plot(TIMES, costs - filtered, ".-" if way != "forecast" else ".:", label=way)
+            axes.plot(TIMES, costs - filtered, ".-" if mode != "forecast" else ".:", label=mode)
         axes.axhline(0.0, color="0.3", linewidth=1.0)
         axes.annotate(f"filter {filtered.min():.1f} to {filtered.max():.1f} %", (60.0, -0.055), fontsize=8)
         axes.set(title=f"mean current {current:g} m/s", xscale="log", xlabel="error persists for [s]")

@@ -41,8 +41,8 @@ def blanke() -> list[Figure]:
     thrusts, torques = fig_5.subplots(2, 1, sharex=True)
     thrusts.plot(run.time, run.thrust, color=BLUE)
     thrusts.set_ylabel("thrust [N]")
-    torques.plot(run.time, run.torque, color=BLUE, label="asked by the water")
-    torques.plot(run.time[1:], torque, color=GREY, linestyle=":", label="of the motor")
+    torques.plot(run.time, run.torque, color=BLUE, label="propeller (hydrodynamic)")
+    torques.plot(run.time[1:], torque, color=GREY, linestyle=":", label="motor")
     torques.set_ylabel("torque [N m]")
     torques.set_xlabel("time [s]")
     torques.legend(loc="lower right")
@@ -86,14 +86,14 @@ def tunnel_factors() -> Figure:
         )
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.set_xlabel("speed ratio $u/u_j$")
-    axes.set_ylabel("share of the value at rest")
+    axes.set_ylabel("ratio to the value at rest")
     axes.legend()
     alt = "Force and moment factors fall with the speed ratio; the aft thruster's moment changes sign near one half."
     return to_figure(figure, "tunnel-factors", alt)
 
 
 def main() -> None:
-    """Write every figure beside this file."""
+    """Write every figure to this folder."""
     with style():
         figures = [("", figure) for figure in (*blanke(), avila_step_response(), tunnel_factors())]
         for name in ("avila-drag", "avila-added-mass"):
