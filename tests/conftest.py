@@ -1,4 +1,4 @@
-"""What all tests share: settings of hypothesis, and missions and data set folders that tests write."""
+"""Shared by all tests: hypothesis settings, missions, and data set folders."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.mission import load
 from missionplan.phases.mooring.depth_sensor import simulate_readings
 
-# no test is timed: a loaded machine is slow
+# no time limits: a busy machine is slow
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("untimed")
 
@@ -72,7 +72,7 @@ def descent_mission(mission):
 
 @pytest.fixture
 def folder(tmp_path):
-    """Write a data set folder from dataset.yaml's keys and a table (or the CSV's text)."""
+    """Write a data set folder from the keys of dataset.yaml and a table (or the text of the CSV)."""
 
     def write(keys, table):
         place = tmp_path / "data"
@@ -92,7 +92,7 @@ def legs():
 
 
 def make_legs(n=48, seed=1, sigma=0.03, error=None):
-    """Legs on a wandering course with independent errors, and what `error(t, heading)` adds [m/s]."""
+    """Legs with random headings, independent velocity errors and an additional `error(t, heading)` [m/s]."""
     rng = np.random.default_rng(seed)
     duration = rng.uniform(500.0, 1100.0, n)
     t = np.concatenate([[0.0], np.cumsum(duration + 120.0)[:-1]])
@@ -116,7 +116,7 @@ WEIGHTS, LINES = np.array([9.0, 12.0, 16.0, 20.0]), np.array([3.0, 5.0, 7.0, 4.0
 
 @pytest.fixture
 def measured(descent_mission):
-    """Bind the mission to dives of the phase with one effect, each late by its own, or averaged by the logger."""
+    """Bind the mission to simulated dives with one effect, each with its own delay or averaged by the logger."""
 
     def make(name=None, weights=WEIGHTS, lines=LINES, late=None, averaged=0.0, **parameters):
         rng = np.random.default_rng(8)

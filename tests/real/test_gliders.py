@@ -1,4 +1,4 @@
-"""Navigation logs of two gliders; read where they lie beside the project, skipped elsewhere."""
+"""Navigation logs of two gliders, shared beside the repository; skipped if absent."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ def diagnosed():
     def run(name):
         folder = DATA / name
         if not folder.is_dir():
-            pytest.skip(f"the measured data are not here: {folder}")
+            pytest.skip(f"no measured data: {folder}")
         return diagnose(load(folder / "mission.yaml"), folder, plan=False)
 
     return run

@@ -14,7 +14,7 @@ from missionplan.phases.transition import simulation as tr
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.transition import manoeuvre, transition_phase, transition_vehicle
 
-MISSION = Path(__file__).parents[2] / "missions" / "autosub-transition.yaml"
+MISSION = Path(__file__).parents[3] / "missions" / "autosub-transition.yaml"
 
 
 @pytest.fixture(scope="module")
