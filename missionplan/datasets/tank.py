@@ -14,7 +14,7 @@ from pydantic import Field, PlainValidator, ValidationError, model_validator
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission.reading.documents import Document, load_document, read_text
-from missionplan.mission.reading.validation_errors import problems_of
+from missionplan.mission.reading.validation_errors import validation_problems
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, invalid
@@ -256,7 +256,7 @@ def _settings(document: Document, model: type[Settings], problems: list[Problem]
     try:
         return model.model_validate(document.data)
     except ValidationError as error:
-        problems += problems_of(error, document, model)
+        problems += validation_problems(error, document, model)
         return None
 
 

@@ -15,7 +15,7 @@ from missionplan.mission.checks.requirements import read_requirements
 from missionplan.mission.checks.site import check_site
 from missionplan.mission.reading.documents import Document
 from missionplan.mission.reading.includes import include_files
-from missionplan.mission.reading.validation_errors import in_order, problems_of
+from missionplan.mission.reading.validation_errors import in_order, validation_problems
 from missionplan.mission.schema.effects import EffectEntry, read_effects
 from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarlo, Requirement
 from missionplan.mission.schema.navigation import Navigation
@@ -97,7 +97,7 @@ class Mission(FileSection):
         try:
             mission = cls.model_validate(document.data)
         except ValidationError as error:
-            raise InputError(in_order([*problems, *problems_of(error, document, cls)])) from None
+            raise InputError(in_order([*problems, *validation_problems(error, document, cls)])) from None
         requirements, wrong = read_requirements(mission.requirements, mission.phases)
         problems += [document.located(problem) for problem in (*mission._contradictions(), *wrong)]
         if problems:
@@ -150,7 +150,7 @@ class Mission(FileSection):
         return self._raw
 
     def quantities(self) -> dict[str, Quantity]:
-        """Every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed``."""
+        """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI]."""
         found: dict[str, Quantity] = {}
         for name, value in self:
             if name == "entries":
@@ -161,7 +161,7 @@ class Mission(FileSection):
         return found
 
     def notices(self) -> tuple[str, ...]:
-        """What the reader should know: distributions that were cut at the physical range of their quantity."""
+        """Return a note for each distribution that was cut at the physical range of its quantity."""
         return tuple(
             f"{path}: {value.mass_cut:.2g} of the distribution lies outside the physical range and was cut off"
             for path, value in self.uncertain().items()
@@ -169,15 +169,16 @@ class Mission(FileSection):
         )
 
     def uncertain(self) -> dict[str, Distribution]:
-        """The quantities that are distributions, by key path."""
+        """Return the quantities that are distributions, by key path."""
         return {path: value for path, value in self.quantities().items() if isinstance(value, Distribution)}
 
 
 _QUANTITY = (float, NormalTransform)
-"""What every distribution is, rather than their union: it is asked of every value of a mission."""
+"""Base class of every distribution rather than their union: the check runs on every value of a mission."""
 
 
 def _collect(value: object, path: str, found: dict[str, Quantity]) -> None:
+    """Add the quantities in a value of a mission to those found, by key path."""
     if value is None or isinstance(value, bool | str):
         return
     if isinstance(value, _QUANTITY):

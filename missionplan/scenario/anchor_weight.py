@@ -1,4 +1,4 @@
-"""The anchor that a mission asks for: its worst-case wet weight, and its mass once it is built and flooded."""
+"""The anchor of a mooring: its wet weight for the worst current, and its mass once it is built and flooded."""
 
 import numpy as np
 
@@ -16,7 +16,13 @@ from missionplan.scenario.scenario import Scenario
 
 
 def design_current(means: Scenario, phase: MoorPhase) -> tuple[Array, Array]:
-    """Worst current of each layer, and the layers' thicknesses.
+    """Return the worst current of each layer and the layers' thicknesses.
+
+    Parameters
+    ----------
+    means : Scenario
+        At the means.
+    phase : MoorPhase
 
     Returns
     -------
@@ -26,27 +32,28 @@ def design_current(means: Scenario, phase: MoorPhase) -> tuple[Array, Array]:
     Raises
     ------
     InputError
-        When there is neither, as with a current from a file.
+        When the mission lacks what a mooring needs, or has no layers and not one `design_current`, as with a current
+        from a file.
     """
     site, given = MooringMission.of(means.mission).site, phase.design_current
     depth = float(means["site.depth"])
-    written = site.current if isinstance(site.current, tuple) else ()
-    if not written:
+    if not isinstance(site.current, tuple) or not site.current:
         if given is None or isinstance(given, tuple):
-            raise InputError(
-                [Problem("sizing the anchor needs one `design_current` where the site has no layers", key=phase.name)]
-            )
+            message = "sizing the anchor needs one `design_current` where the site has no layers"
+            raise InputError([Problem(message, key=phase.name)])
         return np.array([given]), np.array([depth])
-    thicknesses = layer_thicknesses(np.array([mean_of(layer.down_to) for layer in written]), depth)
+    thicknesses = layer_thicknesses(np.array([mean_of(layer.down_to) for layer in site.current]), depth)
     if given is None:
-        speeds = [abs(mean_of(layer.speed)) + 2.0 * sd_of(layer.speed) for layer in written]
+        speeds = [abs(mean_of(layer.speed)) + 2.0 * sd_of(layer.speed) for layer in site.current]
     else:
-        speeds = list(given) if isinstance(given, tuple) else [given] * len(written)
+        speeds = list(given) if isinstance(given, tuple) else [given] * len(site.current)
     return np.array(speeds, dtype=float), thicknesses
 
 
 def worst_case_weight(means: Scenario, phase: MoorPhase) -> float:
-    """Wet weight that takes the vehicle down within the radius in the worst current, all layers aligned (Eqs. 1, 15).
+    """Return the wet weight that takes the vehicle down within the radius in the worst current (Eqs. 1, 15).
+
+    The layers' currents all flow the same way.
 
     Parameters
     ----------
@@ -58,13 +65,18 @@ def worst_case_weight(means: Scenario, phase: MoorPhase) -> float:
     -------
     float
         Drag at the required terminal velocity with the mission's effects, and the vehicle's net buoyancy where the
-        phase says so [N].
+        phase has `carry_net_buoyancy` [N].
+
+    Raises
+    ------
+    InputError
+        When there is no current to size the anchor for; see also `design_current`.
     """
     speeds, thicknesses = design_current(means, phase)
     over_ground = float(required_terminal_velocity(speeds, thicknesses, means[f"{phase.name}.radius"]))
-    sink = SteadyDescent.at(over_ground, DescentHooks(means.descent_effects), float(means["site.depth"]))
+    steady = SteadyDescent.at(over_ground, DescentHooks(means.descent_effects), float(means["site.depth"]))
     law = anchor_drag(means["vehicle.anchor.diameter"], means["vehicle.anchor.drag_coefficient"], means.water.density)
-    weight = float(sink.wet_weight(means.vehicle_drag(sink.through_water) + law(sink.through_water)))
+    weight = float(steady.wet_weight(means.vehicle_drag(steady.through_water) + law(steady.through_water)))
     weight += float(means["vehicle.net_buoyancy"]) if phase.carry_net_buoyancy else 0.0
     if weight <= 0.0:
         raise InputError([Problem("no current to size the anchor for", key=f"{phase.name}.anchor_wet_weight")])
@@ -72,7 +84,7 @@ def worst_case_weight(means: Scenario, phase: MoorPhase) -> float:
 
 
 def anchor_problem(means: Scenario) -> AnchorProblem:
-    """Geometry and materials of the mission's anchor, at their means.
+    """Return geometry and materials of the mission's anchor, at their means.
 
     Raises
     ------
@@ -100,5 +112,5 @@ def anchor_problem(means: Scenario) -> AnchorProblem:
 
 
 def anchor_flooded_mass(means: Scenario, weight: Scalars) -> Scalars:
-    """Mass with the water inside of the anchor built for a wet weight [N], without added mass [kg]."""
+    """Return the mass of the anchor built for a wet weight [N], with the water inside, without added mass [kg]."""
     return flooded_mass(dry_mass(anchor_problem(means), weight), weight)

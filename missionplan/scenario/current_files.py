@@ -3,13 +3,16 @@
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from xarray import DataArray, Dataset
 
 CSV_COLUMNS = ("t_s", "depth_m", "east_m_s", "north_m_s")
 
@@ -53,7 +56,7 @@ class CurrentField:
 
 
 def read_current_csv(path: Path) -> CurrentSeries:
-    """Read columns ``t_s, depth_m, east_m_s, north_m_s``: every depth at every time.
+    """Read a CSV file with the columns ``t_s, depth_m, east_m_s, north_m_s``, every depth at every time.
 
     Raises
     ------
@@ -77,7 +80,7 @@ def read_current_csv(path: Path) -> CurrentSeries:
     table = values.pivot_table(index="t_s", columns="depth_m", values=["east_m_s", "north_m_s"], aggfunc="mean")
     if values.duplicated(["t_s", "depth_m"]).any():
         row = int(np.flatnonzero(values.duplicated(["t_s", "depth_m"]))[0])
-        raise InputError([Problem("the time and depth of this row stand twice", shown, row + 2)])
+        raise InputError([Problem("this row has the time and depth of an earlier one", shown, row + 2)])
     if table.isna().to_numpy().any():
         raise InputError([Problem("every depth must be given at every time", shown)])
     return CurrentSeries(
@@ -108,14 +111,13 @@ def read_current_netcdf(path: Path, start: datetime | None) -> CurrentField:
     Parameters
     ----------
     path : Path
-        The file.
-    start : datetime
-        The mission's start, UTC; required.
+    start : datetime or None
+        The mission's start, UTC.
 
     Raises
     ------
     InputError
-        When xarray is not installed, a variable is missing, or the grid is not regular.
+        When the mission has no start, xarray is not installed, a variable is missing, or the grid is not regular.
     """
     shown = str(path)
     if start is None:
@@ -132,7 +134,7 @@ def read_current_netcdf(path: Path, start: datetime | None) -> CurrentField:
         raise InputError([Problem(f"cannot be read as NetCDF: {error}", shown)]) from None
 
 
-def _field(dataset: Any, start: datetime, shown: str) -> CurrentField:
+def _field(dataset: "Dataset", start: datetime, shown: str) -> CurrentField:
     found = {key: _variable(dataset, key, shown) for key in _NAMES}
     axes = [found["time"], found["depth"], found["latitude"], found["longitude"]]
     if any(axis.ndim != 1 for axis in axes):
@@ -155,12 +157,12 @@ def _field(dataset: Any, start: datetime, shown: str) -> CurrentField:
     return CurrentField(*coordinates, *values)
 
 
-def _variable(dataset: Any, key: str, shown: str) -> Any:
+def _variable(dataset: "Dataset", key: str, shown: str) -> "DataArray":
     for name in _NAMES[key]:
         if name in dataset.variables:
             return dataset[name]
-    for name in dataset.variables:
-        if dataset[name].attrs.get("standard_name") in _STANDARD_NAMES.get(key, ()):
-            return dataset[name]
+    for other in dataset.variables:
+        if dataset[other].attrs.get("standard_name") in _STANDARD_NAMES.get(key, ()):
+            return dataset[other]
     message = f"has no variable for {key}; looked for {', '.join(_NAMES[key])}"
     raise InputError([Problem(message, shown)])

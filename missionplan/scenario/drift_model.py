@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from missionplan.phases.currents import Current
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.transit.compensation import Forecast
 from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE, WAVES, DriftModel
+
+_Effect = TypeVar("_Effect", bound=TransitEffect)
 
 
 @dataclass(frozen=True)
@@ -69,9 +72,8 @@ def drift_model(
         Standard deviation of a fix, each axis, with effects [m].
     """
     tides = [name for name in PERIODS if any(_has_constituent(effect, name) for effect in sample.effects)]
-    turns = any(isinstance(effect, InertialCurrent) for effect in sample.effects)
-    persistent = [effect for effect in sample.effects if isinstance(effect, PersistentError)]
-    walks = [effect.rate for effect in sample.effects if isinstance(effect, RandomWalk)]
+    turns = bool(_effects(sample, InertialCurrent))
+    persistent, walks = _effects(sample, PersistentError), _effects(sample, RandomWalk)
     states = _states(sample, forecast, tides, turns=turns)
     return DriftModel(
         mean=states.mean(axis=1),
@@ -79,10 +81,14 @@ def drift_model(
         tides=tuple(2.0 * np.pi / PERIODS[name] for name in tides),
         turning=2.0 * EARTH_ROTATION * float(np.sin(latitude)) if turns else 0.0,
         persistence=float(np.mean(persistent[0].time)) if persistent else 1.0,
-        walk=float(np.sqrt(sum(np.mean(np.square(rate)) for rate in walks))),
+        walk=float(np.sqrt(sum(np.mean(np.square(walk.rate)) for walk in walks))),
         covariance=covariance,
         fix_error=fix_error,
     )
+
+
+def _effects(sample: DriftSample, kind: type[_Effect]) -> list[_Effect]:
+    return [effect for effect in sample.effects if isinstance(effect, kind)]
 
 
 def _states(sample: DriftSample, forecast: Forecast, tides: Sequence[str], *, turns: bool) -> Array:

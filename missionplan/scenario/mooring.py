@@ -1,4 +1,4 @@
-"""A mission's moorings as the parameters of the model: the draws of a block in, SI numbers and arrays out."""
+"""Parameters of a mission's moorings."""
 
 from missionplan.arrays import Scalars
 from missionplan.mission.schema.phases import MoorPhase
@@ -12,7 +12,7 @@ from missionplan.scenario.vehicle import surge_added_mass
 
 
 def moor_plan(scenario: Scenario, phase: MoorPhase) -> MoorPlan:
-    """What a mooring is told."""
+    """Return the parameters of one mooring."""
     name = phase.name
     return MoorPlan(
         dive=dive_of(scenario, phase),
@@ -28,7 +28,7 @@ def moor_plan(scenario: Scenario, phase: MoorPhase) -> MoorPlan:
 
 
 def dive_of(scenario: Scenario, phase: MoorPhase) -> Dive:
-    """Bodies, line and depth of a mooring's descent.
+    """Return bodies, line and depth of a mooring's descent.
 
     An anchor that the mission describes by its construction is built once, from the means of its parts.
     """
@@ -50,7 +50,7 @@ def dive_of(scenario: Scenario, phase: MoorPhase) -> Dive:
 
 
 def wet_weight_of(scenario: Scenario, phase: MoorPhase) -> Scalars:
-    """Wet weight of the anchor [N]: the mission's, or the one that `sized` asks for."""
+    """Return the wet weight of the anchor: the mission's, or where it is `sized` the worst case's [N]."""
     if phase.anchor_wet_weight == "sized":
         return worst_case_weight(scenario.means, phase)
     return scenario[f"{phase.name}.anchor_wet_weight"]

@@ -16,12 +16,12 @@ NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 
 
 def recorded_current(mission: Mission) -> Current | None:
-    """Read the current's file of a mission; None where it has none.
+    """Read the file of a mission's current; None where it has none.
 
     Raises
     ------
     InputError
-        When it cannot be read, or a NetCDF field has no `start` or no `site.origin` to be placed by.
+        When it cannot be read, or the mission lacks the `start` or the `site.origin` that a NetCDF field needs.
     """
     source = current_file(mission)
     if source is None:
@@ -34,16 +34,17 @@ def recorded_current(mission: Mission) -> Current | None:
 
 
 def current_file(mission: Mission) -> Path | None:
-    """Path of the current's file; None where the mission has none."""
+    """Return the path of the current's file; None where the mission has none."""
     written = mission.site.current if mission.site else ()
     return Path(written.file) if isinstance(written, CurrentFile) else None
 
 
 def placed(field: CurrentField, origin: Geographic) -> FieldCurrent:
-    """Put a field into the local plane of the origin.
+    """Return a field in the local plane of the origin.
 
-    Its rows lie where the origin's meridian crosses them, its columns where the origin's parallel does. D m to the
-    north and east of it a node is then wrong by D² tan(latitude)/R, 12 m at 10 km and 37°: little beside the grid.
+    Each row of the grid keeps the north coordinate of its point on the origin's meridian, each column the east
+    coordinate of its point on the origin's parallel. At a distance D to the north and east the error is
+    D² tan(latitude)/R: 12 m at 10 km and 37°, little beside the spacing of the grid.
     """
     same = np.full_like
     _, north = to_plane(field.latitude, same(field.latitude, origin.longitude), origin)

@@ -1,7 +1,5 @@
-"""A mission's transition phase as the parameters of the model: the draws of a block in, SI numbers and arrays out."""
+"""Parameters of a mission's transitions from survey speed to hover."""
 
-from missionplan.errors import InputError, Problem
-from missionplan.mission import Mission
 from missionplan.mission.schema.transition import Manoeuvring, TransitionPhase, TunnelThrusterSection
 from missionplan.mission.views import TransitionMission
 from missionplan.phases.transition.plan import Manoeuvre, SternplaneControl, ThrusterControl, TransitionVehicle
@@ -10,39 +8,14 @@ from missionplan.physics.vehicle_dynamics import Body, Derivatives
 from missionplan.scenario.scenario import Scenario
 
 
-def check_transition(mission: Mission) -> list[tuple[str, str]]:
-    """List the keys that a transition needs and the mission lacks, with the reason."""
-    vehicle, site = mission.vehicle, mission.site
-    missing = [] if site and site.water is not None else [("site.water", "a transition needs it")]
-    if vehicle is None:
-        return [*missing, ("vehicle", "a transition needs it")]
-    missing += [] if vehicle.manoeuvring else [("vehicle.manoeuvring", "a transition needs it")]
-    missing += [] if vehicle.mass is not None else [("vehicle.mass", "a transition needs it")]
-    return missing
-
-
-def transition_phase(mission: Mission, name: str | None = None) -> TransitionPhase:
-    """Find the mission's transition of that name; by default its first.
+def transition_vehicle(scenario: Scenario, phase: TransitionPhase) -> TransitionVehicle:
+    """Return body, thrusters and controls of a transition, as drawn.
 
     Raises
     ------
     InputError
-        When it has none, or lacks what it needs.
+        When the mission lacks what a transition needs.
     """
-    found = [phase for phase in mission.phases if isinstance(phase, TransitionPhase) and name in (None, phase.name)]
-    if not found:
-        words = (
-            "the mission has no transition phase" if name is None else f"given {name!r}, which is no transition phase"
-        )
-        raise InputError([Problem(words, mission.file, key="phases")])
-    missing = check_transition(mission)
-    if missing:
-        raise InputError([Problem(f"missing; {words}", mission.file, key=key) for key, words in missing])
-    return found[0]
-
-
-def transition_vehicle(scenario: Scenario, phase: TransitionPhase) -> TransitionVehicle:
-    """Vehicle, thrusters and controls of a transition, with the block's draws."""
     mission = TransitionMission.of(scenario.mission)
     written = mission.manoeuvring
     return TransitionVehicle(
@@ -72,7 +45,7 @@ def _tunnel_thruster(scenario: Scenario, written: TunnelThrusterSection, path: s
 
 
 def _body(scenario: Scenario, written: Manoeuvring) -> Body:
-    """Body of the vehicle file; length and mass at their means, as the derivatives are made dimensionless by them."""
+    """Return the rigid body; length and mass at their means, as the derivatives are made dimensionless by them."""
     means = scenario.means
     return Body(
         length=float(means["vehicle.hull.length"]),
@@ -87,7 +60,7 @@ def _body(scenario: Scenario, written: Manoeuvring) -> Body:
 
 
 def manoeuvre(scenario: Scenario, phase: TransitionPhase) -> Manoeuvre:
-    """What the phase asks of the vehicle, with the block's draws."""
+    """Return the manoeuvre that the phase prescribes, as drawn."""
     return Manoeuvre(
         start_speed=phase.start_speed,
         deceleration=scenario[f"{phase.name}.deceleration"],

@@ -30,8 +30,8 @@ def test_marks_carry_the_line_of_each_key(tmp_path: Path) -> None:
 def test_duplicate_keys_are_all_reported(tmp_path: Path) -> None:
     found = problems_of(tmp_path, "a: 1\na: 2\nb: {c: 1, c: 2}\n")
     assert found == [
-        "mission.yaml:2: a: the key stands twice; first on line 1",
-        "mission.yaml:3: b.c: the key stands twice; first on line 3",
+        "mission.yaml:2: a: duplicate key; first on line 1",
+        "mission.yaml:3: b.c: duplicate key; first on line 3",
     ]
 
 
@@ -42,7 +42,7 @@ def test_aliases_that_explode_are_refused_quickly(tmp_path: Path) -> None:
 
 
 def test_an_alias_of_itself_is_refused(tmp_path: Path) -> None:
-    assert "unfolds" in problems_of(tmp_path, "a: &a [*a]\n")[0]
+    assert "expands" in problems_of(tmp_path, "a: &a [*a]\n")[0]
 
 
 @pytest.mark.parametrize("opening", ["[", "{a: ", "- "])

@@ -1,1 +1,1 @@
-"""From a file's text to a `Mission`: YAML with line marks, includes, and problems in words."""
+"""YAML with line marks (`documents`), included files, and validation errors as problems with file and line."""

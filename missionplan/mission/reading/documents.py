@@ -1,4 +1,4 @@
-"""YAML with line marks, loaded safely: bounded in size, depth and nodes, duplicate keys refused."""
+"""YAML with line marks, loaded safely: limits on size, depth and nodes, no duplicate keys."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +11,7 @@ from missionplan.errors import InputError, KeyPath, LocalProblem, Problem, did_y
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 24
 MAX_NODES = 50_000
-"""Nodes after aliases are expanded: a file of a few lines can otherwise unfold to billions."""
+"""Nodes after aliases are expanded, or a file of a few lines could expand to billions."""
 
 
 @dataclass
@@ -146,7 +146,7 @@ _COLLECTIONS = ("tag:yaml.org,2002:map", "tag:yaml.org,2002:seq")
 
 
 class _Builder:
-    """Turns a node tree into plain data, counting nodes as aliases unfold.
+    """Turns a node tree into plain data, counting nodes as aliases are expanded.
 
     Attributes
     ----------
@@ -167,7 +167,7 @@ class _Builder:
         self._nodes += 1
         line = node.start_mark.line + 1
         if self._nodes > MAX_NODES or len(path) > MAX_DEPTH:
-            message = f"unfolds to more than {MAX_NODES} values (aliases that repeat aliases?)"
+            message = f"expands to more than {MAX_NODES} values (aliases of aliases?)"
             raise InputError([Problem(message, self.shown, line)])
         self.marks.setdefault(path, (self.shown, line))
         if not isinstance(node, yaml.ScalarNode) and node.tag not in _COLLECTIONS:
@@ -200,7 +200,7 @@ class _Builder:
                 continue
             here = (*path, key)
             if key in result:
-                message = f"the key stands twice; first on line {first_line[key]}"
+                message = f"duplicate key; first on line {first_line[key]}"
                 self.problems.append(Problem(message, self.shown, line, key_path(here)))
                 continue
             first_line[key] = line

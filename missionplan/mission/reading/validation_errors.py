@@ -20,7 +20,7 @@ _MESSAGES = {
 """Messages of this project by how pydantic's start."""
 
 
-def problems_of(error: ValidationError, document: Document, model: type[BaseModel]) -> list[Problem]:
+def validation_problems(error: ValidationError, document: Document, model: type[BaseModel]) -> list[Problem]:
     """List the problems of a document that a model refused.
 
     A missing key is left out where an unknown one is probably the same with a typing error.

@@ -1,1 +1,4 @@
-"""What a mission file may hold, section by section, in SI once validated. Read first `mission`."""
+"""Sections of a mission file, in SI once validated.
+
+Read first `section` and `quantities` (on `quantity_parser`), then `phases`, `site`, `navigation` and `vehicle`.
+"""

@@ -1,4 +1,4 @@
-"""What `identify` finds, as a vehicle file carries it: drag, added mass, propulsion and thrusters."""
+"""Results of `identify` as sections of a vehicle file: drag, added mass, propulsion and thrusters."""
 
 from typing import Annotated
 
@@ -20,7 +20,7 @@ _FixedNumber = Annotated[float, PlainValidator(QuantityParser("", low=0.0, open_
 
 
 class MeasuredDrag(FileSection):
-    """Drag of the egress vehicle from the tank, in place of Eqs. 3 to 13; against Re where an exponent is given."""
+    """Measured drag of the egress vehicle, in place of Briggs et al., Eqs. 3 to 13; a power of Re given an exponent."""
 
     coefficient: q.PositiveNumber
     area: _Area
@@ -29,7 +29,7 @@ class MeasuredDrag(FileSection):
     length: q.FixedLength | None = None
 
     @model_validator(mode="after")
-    def _whole(self) -> "MeasuredDrag":
+    def _exponent_is_scaled(self) -> "MeasuredDrag":
         if "exponent" in self.model_fields_set:
             for key in ("at_reynolds", "length"):
                 if getattr(self, key) is None:
@@ -48,7 +48,8 @@ class MeasuredAddedMass(FileSection):
 class Propulsion(FileSection):
     """A propeller by its open-water lines K_T = α₀ + α₁J and K_Q = β₀ + β₁J (Blanke et al., Eq. 19).
 
-    `thrust_factor` and `drag_factor`: true thrust and drag over this file's, from which speed is inferred.
+    `thrust_factor` and `drag_factor` are the true thrust and drag over this file's, from which the vehicle infers its
+    speed.
     """
 
     diameter: q.FixedLength

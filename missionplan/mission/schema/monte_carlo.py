@@ -1,4 +1,4 @@
-"""Trials, correlations of what is drawn, and probabilities that the mission must reach."""
+"""Trials of the Monte Carlo, correlations of the quantities drawn, and requirements."""
 
 from typing import Annotated
 
@@ -10,14 +10,14 @@ from missionplan.montecarlo.draws import Correlation
 
 
 class MonteCarlo(FileSection):
-    """How many trials, from which seed."""
+    """Number of trials, and seed of their draws."""
 
     trials: Annotated[int, Field(ge=1, le=1_000_000_000)] = 10_000
     seed: Annotated[int, Field(ge=0, lt=2**64)] = 1
 
 
 class Requirement(FileSection):
-    """A probability that the mission must reach.
+    """A probability that the mission must have.
 
     The unit of `at_most` and `at_least` follows from the quantity's phase: the section keeps them as written, and
     `checks.requirements` reads them [SI].

@@ -1,4 +1,4 @@
-"""How the vehicle navigates: its velocity error, fixes and drift compensation."""
+"""Navigation by dead reckoning: velocity error, surfacings for fixes, drift compensation."""
 
 from typing import Annotated, Literal, cast
 
@@ -47,7 +47,7 @@ class VelocityErrorSection(FileSection):
 
 
 class Navigation(FileSection):
-    """What the vehicle does not know of its motion, and how it surfaces for fixes."""
+    """Navigation by dead reckoning, with surfacings for fixes."""
 
     velocity_error: VelocityErrorSection
     surfacing_time: q.Duration

@@ -1,4 +1,4 @@
-"""Phases of a mission as the file writes them."""
+"""Phases of a mission as they are written in its file."""
 
 import itertools
 import math
@@ -82,7 +82,7 @@ class MoorPhase(FileSection):
 
 
 class PhaseEntry(FileSection):
-    """One item of `phases`: a single key that says the kind."""
+    """One item of `phases`: a single key, the kind of the phase."""
 
     transit: TransitPhase | None = None
     moor: MoorPhase | None = None
@@ -97,9 +97,7 @@ class PhaseEntry(FileSection):
     @property
     def phase(self) -> "Phase":
         """The phase itself."""
-        phase = self.transit or self.moor or self.transition
-        assert phase is not None
-        return phase
+        return next(phase for phase in (self.transit, self.moor, self.transition) if phase is not None)
 
 
 Phase = TransitPhase | MoorPhase | TransitionPhase

@@ -1,4 +1,4 @@
-"""Types of the quantities that mission files hold: each an SI float or a distribution of one."""
+"""Types of the quantities in mission files: each a float in SI or a distribution."""
 
 from dataclasses import replace
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""What `sweep-dmax` varies: lengths of legs and velocity errors."""
+"""Values that `sweep-dmax` tries: greatest lengths of legs and velocity errors."""
 
 from typing import Annotated, Literal
 
@@ -40,14 +40,14 @@ SweepDMax = Annotated[
 
 
 class SweepSection(FileSection):
-    """What `sweep-dmax` sweeps."""
+    """Values that `sweep-dmax` tries, and on which transit."""
 
     d_max: SweepDMax = SweepGrid.model_validate({"from": 0.02, "to": 1.0, "points": 99, "of": "distance"})
     sigma: tuple[q.FixedSpeed, ...] | None = None
     phase: str | None = None
 
     def d_max_values(self, distance: float) -> Array:
-        """Lengths of the grid for a transit of `distance` [m]."""
+        """Return the lengths of the grid for a transit of `distance`, shape (k,) [m]."""
         if isinstance(self.d_max, SweepGrid):
             values = np.linspace(self.d_max.start, self.d_max.stop, self.d_max.points)
             return values * distance if self.d_max.of else values

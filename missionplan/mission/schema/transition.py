@@ -1,4 +1,4 @@
-"""What the transition from survey speed to hover needs: derivatives, controls, tunnel thrusters, and the phase."""
+"""The transition from survey speed to hover: derivatives, controls, tunnel thrusters, and the phase."""
 
 from typing import Annotated, Literal
 
@@ -34,7 +34,7 @@ Deceleration = PlainValidator(QuantityParser("m/s^2", low=0.0, open_low=True))
 
 
 class DerivativesSection(FileSection):
-    """Hydrodynamic derivatives of Palmer et al., Eqs. 4 to 6, dimensionless; what is not given is nought."""
+    """Hydrodynamic derivatives of Palmer et al., Eqs. 4 to 6, dimensionless; 0 where not given."""
 
     x_uu: _Plain = 0.0
     x_ww: _Plain = 0.0
@@ -60,7 +60,7 @@ class DerivativesSection(FileSection):
     m_qdot: _Plain = 0.0
 
     @model_validator(mode="after")
-    def _steers(self) -> "DerivativesSection":
+    def _sternplanes_act(self) -> "DerivativesSection":
         for key in ("z_uud", "m_uud"):
             if getattr(self, key) >= 0.0:
                 raise invalid("missing or not negative; sternplanes push the stern up and the nose down", (key,))
@@ -122,11 +122,11 @@ class TunnelThrusterSection(FileSection):
 
 
 class TransitionGrid(FileSection):
-    """What `sweep-transition` runs: every combination; Table 2 of Palmer et al. unless said otherwise.
+    """Grid of `sweep-transition`, which runs every combination; default: Table 2 of Palmer et al.
 
-    Variants with suction and with a pair are run at `shown_deceleration` alone, as in the paper; histories are shown
-    at it, at `shown_steepness` and `shown_mid_speed`. The pair is the vehicle's first thruster twice,
-    `pair_spacing` apart (default: half the hull's length).
+    Variants with suction and with a pair are run at `shown_deceleration` alone, as in the paper. Time histories are
+    shown at `shown_deceleration`, `shown_steepness` and `shown_mid_speed`. The pair is the vehicle's first thruster
+    twice, `pair_spacing` apart (default: half the hull's length).
     """
 
     deceleration: tuple[Annotated[float, _fixed("m/s^2", open_low=True)], ...] = (0.005, 0.0075, 0.01, 0.0125, 0.015)
@@ -146,7 +146,7 @@ class TransitionGrid(FileSection):
 
 
 class TransitionPhase(FileSection):
-    """From survey speed to hover; `thrusters` says how many of the vehicle's are used, and whether suction pitches."""
+    """From survey speed to hover; `suction_moment`: whether the thrusters' suction pitches the vehicle."""
 
     kind: Literal["transition"] = Field(default="transition", exclude=True)
     name: str = "transition"

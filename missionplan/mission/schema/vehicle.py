@@ -42,7 +42,7 @@ class Front(FileSection):
 
 
 class Tube(FileSection):
-    """Tube between front and back; its length is what the sizing finds."""
+    """Tube between front and back; its length follows from the wet weight."""
 
     mass_per_length: q.MassPerLength
     density: q.Density
@@ -57,13 +57,13 @@ class Back(FileSection):
 
 
 class TrimSection(FileSection):
-    """Trim ring; its mass and place are what the sizing finds."""
+    """Trim ring; its mass and position follow from the wet weight."""
 
     density: q.Density
 
 
 class ConstructionSection(FileSection):
-    """What the anchor is made of."""
+    """Parts and materials of the anchor."""
 
     front: Front
     tube: Tube
@@ -72,7 +72,7 @@ class ConstructionSection(FileSection):
 
 
 class Anchor(FileSection):
-    """The false nose."""
+    """The anchor, the vehicle's false nose until it is released."""
 
     diameter: q.PositiveLength
     drag_coefficient: q.PositiveNumber = 0.2
@@ -83,7 +83,7 @@ class Anchor(FileSection):
 
 
 class EnergyBudget(FileSection):
-    """Hotel load over all time, propulsion under way, surfacings, and what the battery holds."""
+    """Hotel load over all time, propulsion under way, each surfacing, and the energy in the battery."""
 
     hotel: q.Power = 0.0
     propulsive_efficiency: q.Efficiency = 0.45

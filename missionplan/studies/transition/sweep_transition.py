@@ -11,6 +11,7 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.transition import TransitionGrid
+from missionplan.mission.views import TransitionMission
 from missionplan.phases.transition.plan import History, Manoeuvre, TransitionRecord, TransitionVehicle, energy_until
 from missionplan.phases.transition.simulation import simulate_transition
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
@@ -19,7 +20,7 @@ from missionplan.physics.vehicle_dynamics import level_trim
 from missionplan.results.base import Provenance
 from missionplan.results.transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.transition import manoeuvre, transition_phase, transition_vehicle
+from missionplan.scenario.transition import manoeuvre, transition_vehicle
 
 SAMPLE = 1.0
 """Interval of the histories [s]."""
@@ -45,7 +46,7 @@ def sweep_transition(mission: Mission, *, phase: str | None = None, time_step: f
         When the mission lacks what a transition needs.
     """
     started = time.perf_counter()
-    written = transition_phase(mission, phase)
+    written = TransitionMission.of(mission).transition(phase)
     scenario = Scenario.at_means(mission)
     vehicle = replace(transition_vehicle(scenario, written), suction_moment=False)
     if not vehicle.thrusters:

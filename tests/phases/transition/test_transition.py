@@ -12,7 +12,7 @@ import missionplan
 from missionplan.phases.transition import plan as plan
 from missionplan.phases.transition import simulation as tr
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.transition import manoeuvre, transition_phase, transition_vehicle
+from missionplan.scenario.transition import manoeuvre, transition_vehicle
 
 MISSION = Path(__file__).parents[3] / "missions" / "autosub-transition.yaml"
 
@@ -20,13 +20,13 @@ MISSION = Path(__file__).parents[3] / "missions" / "autosub-transition.yaml"
 @pytest.fixture(scope="module")
 def vehicle():
     mission = missionplan.load(MISSION)
-    return transition_vehicle(Scenario.at_means(mission), transition_phase(mission))
+    return transition_vehicle(Scenario.at_means(mission), mission.transitions[0])
 
 
 @pytest.fixture(scope="module")
 def asked():
     mission = missionplan.load(MISSION)
-    return replace(manoeuvre(Scenario.at_means(mission), transition_phase(mission)), after=110.0)
+    return replace(manoeuvre(Scenario.at_means(mission), mission.transitions[0]), after=110.0)
 
 
 @given(speed=st.floats(0, 3), mid=st.floats(0.3, 2), steepness=st.floats(0.01, 1))
