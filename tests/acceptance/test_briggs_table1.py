@@ -18,7 +18,7 @@ from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import descend
 from missionplan.scenario.anchor_weight import worst_case_weight
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.anchor.trials import dive_with
+from missionplan.studies.anchor.dive_trials import dive_with
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 FOOT = 0.3048

@@ -1,4 +1,4 @@
 """Anchors: which one to build, and how often it is enough.
 
-Read first `size_anchor`, then `trials` (dives with one anchor) and `search` (the lightest anchor that does).
+Read first `size_anchor`, then `sizing` (one anchor), `dive_trials` (dives with it) and `lightest_anchor` (the search).
 """

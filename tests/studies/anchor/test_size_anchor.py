@@ -6,9 +6,9 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.studies.anchor.search import lightest_anchor
+from missionplan.studies.anchor.dive_trials import AnchorTrials
+from missionplan.studies.anchor.lightest_anchor import lightest_anchor
 from missionplan.studies.anchor.size_anchor import size_anchor, worst_case_anchor
-from missionplan.studies.anchor.trials import AnchorTrials
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 
@@ -166,7 +166,7 @@ def test_effects_on_readings_leave_the_plan_alone(tmp_path, mission):
 def test_everything_missing_is_said_at_once():
     with pytest.raises(InputError) as caught:
         size_anchor(load(MISSIONS / "fig8.yaml"))
-    assert {problem.key for problem in caught.value.problems} >= {"phases", "vehicle", "site"}
+    assert {problem.key for problem in caught.value.problems} >= {"phases", "vehicle", "site.depth"}
 
 
 def test_a_probability_must_be_one(mission):
@@ -177,7 +177,7 @@ def test_a_probability_must_be_one(mission):
 def test_search_passes_the_shares_on():
     """A made-up mooring: within from 10 N, striking from 12 N."""
 
-    class ProbabilitiesOf:
+    class Probabilities:
         def __init__(self, weight, line):
             edge = 12.0 if line is None else 12.0 * line / 5.0
 
@@ -188,7 +188,7 @@ def test_search_passes_the_shares_on():
             self.struck = share(float(weight >= edge))
             self.good = share(float(10.0 <= weight < edge))
 
-    assert lightest_anchor(ProbabilitiesOf, 0.9, 11.0, 5.0).weight == pytest.approx(10.0, rel=2e-3)
+    assert lightest_anchor(Probabilities, 0.9, 11.0, 5.0).weight == pytest.approx(10.0, rel=2e-3)
 
 
 def test_the_worst_case_by_itself_is_the_anchor_sized(mission):

@@ -6,18 +6,21 @@ from dataclasses import dataclass
 
 from missionplan.results.anchor import DiveProbabilities
 
-_HEAVIEST = 10.0
-"""Times the worst-case anchor, which sinks three times as fast: what drifts too far then drifted before."""
-_LONGEST = 20.0
-"""Times the given line."""
+MAX_WEIGHT_RATIO = 10.0
+"""Heaviest anchor tried over the worst-case one; it sinks three times as fast, so that drift before the descent is
+what is left."""
+MAX_LINE_RATIO = 20.0
+"""Longest line tried over the given one."""
+WEIGHT_STEP = 1.02
+"""Ratio of the weights tried where heavier anchors strike more often."""
 
 ProbabilitiesOf = Callable[[float, float | None], DiveProbabilities]
 """Probabilities of a wet weight [N] with a line [m], None for the mission's own."""
 
 
 @dataclass(frozen=True)
-class Found:
-    """Outcome of the search.
+class LightestAnchor:
+    """Result of the search.
 
     Attributes
     ----------
@@ -38,12 +41,14 @@ class Found:
     line_weight: float | None = None
 
 
-def lightest_anchor(probabilities: ProbabilitiesOf, required: float, start: float, line_length: float) -> Found:
+def lightest_anchor(
+    probabilities: ProbabilitiesOf, required: float, start: float, line_length: float
+) -> LightestAnchor:
     """Search wet weights for the lightest that reaches a probability.
 
-    On common random numbers the share of trials within the radius only rises with the weight, and so does the share
-    of trials that strike; so the lightest candidate is where the first reaches the probability, and from there on the
-    second is all that can spoil it.
+    On common random numbers (Law 2015, Simulation Modeling and Analysis, sect. 11.2) the share of trials within the
+    radius only rises with the weight, and so does the share of trials that strike. The lightest candidate is therefore
+    the weight at which the first reaches the probability; from there on only strikes can prevent it.
 
     Parameters
     ----------
@@ -64,25 +69,30 @@ def lightest_anchor(probabilities: ProbabilitiesOf, required: float, start: floa
     )
     line, weight = _shortest_line(probabilities, required, start, line_length)
     if line is None:
-        reason += f"; no line up to {_LONGEST:g} times as long mends it"
-    return Found(None, first.best, reason, line, weight)
+        reason += f"; no line up to {MAX_LINE_RATIO:g} times as long prevents it"
+    return LightestAnchor(None, first.best, reason, line, weight)
 
 
 def _lightest(
     probabilities: ProbabilitiesOf, required: float, start: float, line: float | None, resolution: float = 1.001
-) -> Found:
-    """Lightest weight, to a ratio, with one line; neither weight nor reason where striking is what fails."""
-    heaviest = start * _HEAVIEST
-    if probabilities(heaviest, line).within.value < required:
-        share = probabilities(heaviest, line).within.value
-        words = (
+) -> LightestAnchor:
+    """Lightest weight, to a ratio, with one line; neither weight nor reason where strikes prevent it."""
+    heaviest = start * MAX_WEIGHT_RATIO
+    share = probabilities(heaviest, line).within.value
+    if share < required:
+        reason = (
             f"even an anchor of {heaviest:.0f} N comes down within the radius in {100 * share:.1f} % of dives: "
             "the drift before the line is taut takes the rest"
         )
-        return Found(None, share, words)
-    light = _bisect(
-        lambda weight: probabilities(weight, line).within.value >= required, start / _HEAVIEST, heaviest, resolution
-    )
+        return LightestAnchor(None, share, reason)
+
+    def is_within(weight: float) -> bool:
+        return probabilities(weight, line).within.value >= required
+
+    def is_good(weight: float) -> bool:
+        return probabilities(weight, line).good.value >= required
+
+    light = _bisect(is_within, start / MAX_WEIGHT_RATIO, heaviest, resolution)
     best, weight = 0.0, light
     while weight <= heaviest:
         found = probabilities(weight, line)
@@ -90,38 +100,40 @@ def _lightest(
         if found.good.value >= required:
             break
         if 1.0 - found.struck.value < required:
-            return Found(None, best)
-        weight *= 1.02
+            return LightestAnchor(None, best)
+        weight *= WEIGHT_STEP
     if weight > light:
-        weight = _bisect(
-            lambda value: probabilities(value, line).good.value >= required, weight / 1.02, weight, resolution
-        )
-    return Found(weight, probabilities(weight, line).good.value)
+        weight = _bisect(is_good, weight / WEIGHT_STEP, weight, resolution)
+    return LightestAnchor(weight, probabilities(weight, line).good.value)
 
 
 def _shortest_line(
     probabilities: ProbabilitiesOf, required: float, start: float, given: float
 ) -> tuple[float | None, float | None]:
+    """Shortest line with which an anchor reaches the probability, and its wet weight; None where none does."""
     weights: dict[float, float] = {}
 
-    def does(length: float) -> bool:
+    def is_enough(length: float) -> bool:
         found = _lightest(probabilities, required, start, length, 1.02)
         if found.weight is not None:
             weights[length] = found.weight
         return found.weight is not None
 
-    long = given
-    while not does(long):
-        long *= 1.25
-        if long > given * _LONGEST:
+    length = given
+    while not is_enough(length):
+        length *= 1.25
+        if length > given * MAX_LINE_RATIO:
             return None, None
-    line = _bisect(does, long / 1.25, long, 1.02)
-    return line, weights[line]
+    shortest = _bisect(is_enough, length / 1.25, length, 1.02)
+    return shortest, weights[shortest]
 
 
-def _bisect(does: Callable[[float], bool], low: float, high: float, resolution: float) -> float:
-    """Least value, to a ratio, for which a condition that stays true once it is holds; it holds at `high`."""
+def _bisect(holds: Callable[[float], bool], low: float, high: float, resolution: float) -> float:
+    """Least value, to a ratio, at which a condition holds that holds at `high` and above that value.
+
+    Bisection of the logarithm (Press et al. 2007, Numerical Recipes, sect. 9.1).
+    """
     while high / low > resolution:
         middle = math.sqrt(low * high)
-        low, high = (low, middle) if does(middle) else (middle, high)
+        low, high = (low, middle) if holds(middle) else (middle, high)
     return high

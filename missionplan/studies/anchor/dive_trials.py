@@ -1,7 +1,7 @@
-"""Many dives with one anchor, on common random numbers whatever the anchor."""
+"""Many dives with one anchor, on random numbers common to all anchors."""
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import partial, reduce
 
 import numpy as np
 
@@ -21,12 +21,12 @@ from missionplan.scenario.mooring import dive_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 
 STEP = 0.2
-"""Of the integration [s]: the probabilities need no more than the tenth of a millisecond that it gives."""
+"""Of the integration [s]; times are then within a tenth of a millisecond, which is enough for probabilities."""
 
 
 @dataclass(frozen=True)
-class FanOut:
-    """How blocks are spread; see `run_blocks`."""
+class ParallelOptions:
+    """How blocks are distributed over processes; see `run_blocks`."""
 
     jobs: int = 1
     backend: Backend = "loky"
@@ -35,6 +35,8 @@ class FanOut:
 
 @dataclass(frozen=True)
 class _Totals:
+    """Merged dives; the statistics are of those that landed."""
+
     good: Count
     within: Count
     struck: Count
@@ -62,7 +64,7 @@ class AnchorTrials:
     recorded : Current or None
         The site's current where the mission reads it from a file.
     trials, seed : int
-    fan_out : FanOut
+    parallel : ParallelOptions
     """
 
     mission: Mission
@@ -70,17 +72,15 @@ class AnchorTrials:
     recorded: Current | None
     trials: int
     seed: int
-    fan_out: FanOut = FanOut()
+    parallel: ParallelOptions = ParallelOptions()
 
     def probabilities(self, weight: float, line_length: float | None = None) -> DiveProbabilities:
         """Estimate the probabilities of an anchor of a wet weight [N], with another line [m] if one is given."""
         task = partial(_block, self, weight, line_length)
-        out = self.fan_out
+        how = self.parallel
         blocks = range(block_count(self.trials))
-        totals: _Totals | None = None
-        for block in run_blocks(task, blocks, jobs=out.jobs, backend=out.backend, scheduler=out.scheduler):
-            totals = block if totals is None else totals.merge(block)
-        assert totals is not None
+        results = run_blocks(task, blocks, jobs=how.jobs, backend=how.backend, scheduler=how.scheduler)
+        totals = reduce(_Totals.merge, results)
         return DiveProbabilities(
             good=totals.good.probability(),
             within=totals.within.probability(),
@@ -91,6 +91,7 @@ class AnchorTrials:
 
 
 def _block(study: AnchorTrials, weight: float, line_length: float | None, block: int) -> _Totals:
+    """Dive with one block of trials."""
     size = block_size(study.trials, block)
     scenario = Scenario.drawn(study.mission, study.recorded, seed=study.seed, block=block, size=size)
     dive = dive_with(scenario, study.phase, weight)
@@ -133,7 +134,7 @@ def dive_with(scenario: Scenario, phase: MoorPhase, weight: float) -> Dive:
 
 
 def start_of(scenario: Scenario, phase: MoorPhase) -> tuple[Array, float]:
-    """Place [m] and time [s] of a mooring's last fix in the plan: the goal of the transits before, at their speeds."""
+    """Planned position [m] and time [s] of a mooring's last fix: the goal of the transits before, at their speeds."""
     place, time = np.zeros(2), 0.0
     means = scenario.means
     for earlier in scenario.mission.phases:

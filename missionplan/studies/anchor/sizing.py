@@ -1,0 +1,145 @@
+"""One anchor of a mooring: its construction, nominal dive and probabilities; and the lightest that is enough."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from missionplan.mission.schema.phases import MoorPhase
+from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
+from missionplan.phases.mooring.profile import descent_profile
+from missionplan.physics.anchor import AnchorDesign, solve_anchor
+from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
+from missionplan.physics.mooring import required_terminal_velocity, required_terminal_velocity_vector
+from missionplan.physics.vehicle_drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
+from missionplan.results.anchor import DesignLayer, ProbableAnchor, SizedAnchor
+from missionplan.scenario.anchor_weight import anchor_problem, design_current
+from missionplan.scenario.scenario import STILL_WATER, Scenario
+from missionplan.studies.anchor.dive_trials import AnchorTrials, dive_with, start_of
+from missionplan.studies.anchor.lightest_anchor import lightest_anchor
+
+
+@dataclass(frozen=True)
+class AnchorSizer:
+    """Sizes anchors of a mooring.
+
+    Attributes
+    ----------
+    moor : MoorPhase
+    means : Scenario
+        The mission at its means.
+    trials : AnchorTrials
+        Its dives.
+    """
+
+    moor: MoorPhase
+    means: Scenario
+    trials: AnchorTrials
+
+    @property
+    def radius(self) -> float:
+        """Radius of the mooring at its mean [m]."""
+        return float(self.means[f"{self.moor.name}.radius"])
+
+    @property
+    def line_length(self) -> float:
+        """Length of the line at its mean [m]."""
+        return float(self.means[f"{self.moor.name}.line_length"])
+
+    @property
+    def design_layers(self) -> tuple[DesignLayer, ...]:
+        """Thickness and worst current of each layer."""
+        speeds, thicknesses = design_current(self.means, self.moor)
+        return tuple(DesignLayer(float(h), float(v)) for h, v in zip(thicknesses, speeds, strict=True))
+
+    @property
+    def required_velocity(self) -> float:
+        """Terminal velocity needed over the ground (Briggs et al., Eq. 1) [m/s]."""
+        speeds, thicknesses = design_current(self.means, self.moor)
+        return float(required_terminal_velocity(speeds, thicknesses, self.radius))
+
+    @property
+    def vector_velocity(self) -> float | None:
+        """The same with the layers' own directions; None where the design current has none [m/s]."""
+        speeds, thicknesses = design_current(self.means, self.moor)
+        paths = [f"site.current[{index}].toward" for index in range(len(speeds))]
+        if any(path not in self.means.draws for path in paths):
+            return None
+        toward = np.array([float(self.means[path]) for path in paths])
+        return float(required_terminal_velocity_vector(speeds, toward, thicknesses, self.radius))
+
+    @property
+    def _hooks(self) -> DescentHooks:
+        return DescentHooks(self.means.descent_effects)
+
+    def sized(self, weight: float) -> SizedAnchor:
+        """Anchor of a wet weight [N]: its construction, nominal dive and probabilities."""
+        design = self._design(weight)
+        dive = dive_with(self.means, self.moor, weight)
+        position, t_start = start_of(self.means, self.moor)
+        profile = descent_profile(
+            dive,
+            effects=self.means.descent_effects,
+            release_time=float(self.means[f"{self.moor.name}.release_time"]),
+            current=self.means.current or STILL_WATER,
+            position=position,
+            t_start=t_start,
+        )
+        speed = self._balanced_speed(weight)
+        return SizedAnchor(
+            wet_weight=weight,
+            terminal_velocity=speed,
+            drag=self._drag(speed),
+            design=design,
+            remedies=find_remedies(design) if design is not None else (),
+            buildable=buildable_weights(design.problem) if design is not None and not design.feasible else None,
+            dive=dive,
+            profile=profile,
+            probabilities=self.trials.probabilities(weight),
+        )
+
+    def probable(self, required: float, worst_case: float) -> ProbableAnchor:
+        """Lightest anchor that reaches a probability, searched from the worst-case weight [N]."""
+        start = worst_case + max(float(self.means["vehicle.net_buoyancy"]), 0.0)
+        found = lightest_anchor(self.trials.probabilities, required, start, self.line_length)
+        anchor = self.sized(found.weight) if found.weight is not None else None
+        return ProbableAnchor(required, anchor, found.reason, found.best, found.line_length, found.line_weight)
+
+    def notes(self, anchor: SizedAnchor) -> tuple[str, ...]:
+        """Where the model leaves its range for an anchor, one sentence each."""
+        fineness = anchor.design.length / (2.0 * anchor.design.problem.radius) if anchor.design else None
+        notes = range_notes(self.means.vehicle_drag, anchor.terminal_velocity, fineness)
+        buoyancy = float(self.means["vehicle.net_buoyancy"])
+        if anchor.wet_weight > buoyancy:
+            return notes
+        note = (
+            f"The anchor's {anchor.wet_weight:.2f} N do not overcome the vehicle's net buoyancy of {buoyancy:.2f} N, "
+            "which Eq. 15 leaves out; `carry_net_buoyancy: true` in the mooring adds it."
+        )
+        return (note, *notes)
+
+    def _design(self, weight: float) -> AnchorDesign | None:
+        anchor = self.means.mission.vehicle.anchor if self.means.mission.vehicle else None
+        if anchor is None or anchor.construction is None:
+            return None
+        return solve_anchor(anchor_problem(self.means), weight)
+
+    def _drag(self, speed: float) -> DragBuildUp:
+        """Drag by its sources at a speed through the water, with the effects' factor."""
+        descent = SteadyDescent.at(speed, self._hooks, float(self.means["site.depth"]))
+        parts = self.means.vehicle_drag.build_up(speed, self._anchor_drag)
+        factor = float(descent.drag_factor)
+        return replace(parts, **{name: float(value) * factor for name, value in vars(parts).items()})
+
+    def _balanced_speed(self, weight: float) -> float:
+        """Speed through the water at which the drag balances the wet weight (Eq. 15, or with the buoyancy) [m/s]."""
+        descent = SteadyDescent.at(self.required_velocity, self._hooks, float(self.means["site.depth"]))
+        pull = weight * float(descent.weight_factor) - float(descent.lift)
+        pull -= float(self.means["vehicle.net_buoyancy"]) if self.moor.carry_net_buoyancy else 0.0
+        factor = float(descent.drag_factor)
+        return float(terminal_velocity(lambda v: factor * (self.means.vehicle_drag(v) + self._anchor_drag(v)), pull))
+
+    @property
+    def _anchor_drag(self) -> QuadraticDrag:
+        path = "vehicle.anchor"
+        diameter, coefficient = self.means[f"{path}.diameter"], self.means[f"{path}.drag_coefficient"]
+        return anchor_drag(diameter, coefficient, self.means.water.density)
