@@ -171,7 +171,7 @@ class TransitionRecord:
         Share of the thrusters' energy up to the end of the run spent beyond the force minimum, where the model of
         their force has not been checked.
     history : History
-        Sampled every `sample` seconds.
+        Sampled every `sample` seconds; at the start alone where that is not given.
     """
 
     depth_excursion: Array
@@ -183,7 +183,7 @@ class TransitionRecord:
     out_of_range: Array
     end_energy: Array
     end_time: float
-    history: History | None
+    history: History
 
 
 def energy_until(history: History, end: Scalars) -> Array:

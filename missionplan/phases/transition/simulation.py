@@ -73,7 +73,7 @@ def simulate_transition(
     time_step : float
         Of the Runge-Kutta and of the controllers [s].
     sample : float, optional
-        Interval of the histories, a multiple of the step [s]; default: none are kept.
+        Interval of the histories, a multiple of the step [s]; default: of the start alone.
 
     Returns
     -------
@@ -98,8 +98,7 @@ def simulate_transition(
     if not np.all(np.isfinite(run.state)):
         raise FloatingPointError(f"a transition diverged at a step of {time_step} s")
     time: Array = every * time_step * np.arange(len(samples), dtype=float) - manoeuvre.before
-    history = History(time, *np.moveaxis(np.array(samples), 1, 0)) if sample else None
-    return run.record(history)
+    return run.record(History(time, *np.moveaxis(np.array(samples), 1, 0)))
 
 
 class _Run:
@@ -261,7 +260,7 @@ class _Run:
         if steady:
             self.pitch_sums += np.array([np.ones_like(pitch), pitch, pitch**2])
 
-    def record(self, history: History | None) -> TransitionRecord:
+    def record(self, history: History) -> TransitionRecord:
         """Sum up the run."""
         hovers = self.hover_time < self.time
         count, total, squares = self.pitch_sums

@@ -89,5 +89,5 @@ def test_energy_until_the_end_is_the_end_energy(vehicle, asked):
     assert np.isnan(plan.energy_until(record.history, np.nan)).all()
 
 
-def test_no_history_unless_asked(vehicle, asked):
-    assert tr.simulate_transition(vehicle, replace(asked, after=101.0), time_step=0.5).history is None
+def test_no_history_after_the_start_unless_asked(vehicle, asked):
+    assert tr.simulate_transition(vehicle, replace(asked, after=101.0), time_step=0.5).history.time.size == 1
