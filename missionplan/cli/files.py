@@ -40,7 +40,7 @@ def compare(
 ) -> None:
     """Two reports of one command: what changed in the mission, what in the results, and is it more than noise."""
     from missionplan.store.folder import check_new_folder
-    from missionplan.studies.compare import compare
+    from missionplan.studies.comparison.compare import compare
 
     folder = out or report_folder(second.resolve().name, "compare")
     check_new_folder(folder, force=force)

@@ -11,6 +11,7 @@ from missionplan.arrays import Array
 from missionplan.effects.compass_bias import CompassBias
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, load
+from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.streams import stream
 from missionplan.phases.hooks import Leg
@@ -19,10 +20,11 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.store.folder import write_atomically
 
 COMPASS_BIAS = math.radians(3.0)
-"""What the sea trial holds and the mission does not know: the course made is this much clockwise of that steered."""
+"""Compass error of the sea trial, unknown to the mission: the course made, clockwise of that steered [rad]."""
 LEGS = 32
+"""Legs of the sea trial."""
 SIDE = 400.0
-"""Of the square about the origin whose corners the sea trial steers for [m]."""
+"""Side of the square about the origin whose corners the sea trial steers for [m]."""
 
 _TEXTS = {"mission.yaml": "mission.yaml", "vehicle.yaml": "vehicle.yaml", "dataset.yaml": "sea-trial/dataset.yaml"}
 _LOG = "sea-trial/legs.csv"
@@ -34,7 +36,7 @@ def init(folder: str | Path = ".") -> tuple[Path, ...]:
     Parameters
     ----------
     folder : str or Path
-        Where to; made if absent. Other files in it are left alone.
+        Created if absent. Other files in it are left alone.
 
     Returns
     -------
@@ -63,12 +65,11 @@ def init(folder: str | Path = ".") -> tuple[Path, ...]:
 
 
 def sea_trial(mission: Mission, *, legs: int = LEGS, compass_bias: float = COMPASS_BIAS, seed: int = 7) -> pd.DataFrame:
-    """Make up a navigation log: a square sailed round and round, with a compass that is off.
+    """Simulate a navigation log: a square sailed round and round, with a biased compass.
 
-    On each leg the vehicle steers from its fix for the next corner, by dead reckoning through still water. What
-    moves it besides is the mission's mean current at the depth of its first transit, a velocity error drawn once a
-    leg, and the compass's bias; every fix has its error. At the surface it drifts with the current for the mission's
-    surfacing time.
+    On each leg the vehicle steers from its fix for the next corner, by dead reckoning through still water. It is also
+    moved by the mission's mean current at the depth of its first transit, a velocity error drawn once a leg, and the
+    compass's bias; every fix has its error. At the surface it drifts with the current for the mission's surfacing time.
 
     Parameters
     ----------
@@ -84,8 +85,8 @@ def sea_trial(mission: Mission, *, legs: int = LEGS, compass_bias: float = COMPA
     DataFrame
         Columns of a data set of kind ``transit``.
     """
-    transit, navigation = mission.transits[0], mission.navigation
-    assert navigation is not None
+    checked = TransitMission.of(mission)
+    transit, navigation = checked.transit(), checked.navigation
     draws = stream(seed, "sea-trial", 0).standard_normal((legs, 3, 2))
     errors = draws[:, 0] @ np.linalg.cholesky(navigation.velocity_error.covariance).T
     fixes = draws[:, 1:] * mean_of(navigation.fix_error)
@@ -117,5 +118,5 @@ def _mean_current(mission: Mission, depth: float) -> Array:
 
 
 def _columns(time: float, duration: float, start: Array, along: Array) -> tuple[Array, Array, Array, Array]:
-    """One leg as arrays over legs."""
+    """One leg as arrays over legs, shape (1,) and (2, 1)."""
     return np.array([time]), np.array([duration]), start[:, None], along[:, None]

@@ -3,7 +3,6 @@
 import math
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.results.comparison import ChangedValue
@@ -11,7 +10,7 @@ from missionplan.results.comparison import ChangedValue
 _TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
 
 
-def changes(first: Any, second: Any) -> tuple[ChangedValue, ...]:
+def changed_values(first: object, second: object) -> tuple[ChangedValue, ...]:
     """List the values that differ, by key path with phases by name; ``75 ft`` and ``22.86 m`` are the same."""
     one, two = dict(_leaves(first, "")), dict(_leaves(second, ""))
     return tuple(
@@ -21,7 +20,7 @@ def changes(first: Any, second: Any) -> tuple[ChangedValue, ...]:
     )
 
 
-def _leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
+def _leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
     if isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _leaves(inner, f"{path}.{key}" if path else str(key))
@@ -33,7 +32,7 @@ def _leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
         yield path, value
 
 
-def _phase_name(entry: Any) -> tuple[str, Any] | None:
+def _phase_name(entry: object) -> tuple[str, object] | None:
     """Name and section of an item of `phases`."""
     if isinstance(entry, Mapping) and len(entry) == 1:
         ((kind, section),) = entry.items()
@@ -42,7 +41,7 @@ def _phase_name(entry: Any) -> tuple[str, Any] | None:
     return None
 
 
-def _same(first: Any, second: Any) -> bool:
+def _same(first: object, second: object) -> bool:
     if first == second:
         return True
     if not (isinstance(first, str) and isinstance(second, str)):
@@ -57,5 +56,5 @@ def _same(first: Any, second: Any) -> bool:
     return math.isclose(one, two, rel_tol=1e-12)
 
 
-def _shown(value: Any) -> str:
+def _shown(value: object) -> str:
     return "" if value is None else str(value)

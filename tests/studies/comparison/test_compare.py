@@ -11,7 +11,8 @@ from scipy.stats import norm
 from missionplan.errors import InputError
 from missionplan.report.render import render_report, terminal_view
 from missionplan.results.base import to_yaml
-from missionplan.studies.compare import compare, holm
+from missionplan.studies.comparison.compare import compare
+from missionplan.studies.comparison.significance import holm
 
 MISSION = {
     "name": "Bay",

@@ -1,0 +1,95 @@
+"""The numbers of a summary.json that can be compared, with their standard errors."""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Literal, NamedTuple, TypeGuard
+
+SECTIONS = {
+    "simulate": ("phases", "total", "requirements"),
+    "sweep-dmax": ("sweep",),
+    "size-anchor": ("anchor", "descent", "odds", "probable"),
+}
+"""Sections that are compared, by the command that made the reports."""
+_IDENTIFYING = ("name", "sigma_m_s", "d_max_m", "quantity")
+"""Keys that identify the items of a list."""
+_NOT_RESULTS = ("required", "at_most", "at_least", "met", "undecided")
+_NOISY = {"sweep-dmax": ("sweep",), "size-anchor": ("probable",)}
+"""Sections whose plain numbers result from a search over noisy values."""
+_MAX_DEPTH = 20
+
+
+class SummaryNumber(NamedTuple):
+    """A number of a summary.
+
+    Attributes
+    ----------
+    kind : {'mean', 'probability', 'number'}
+    value : float
+    error : float
+        Standard error; nan where it is not known, or follows from the number of trials (a probability's).
+    """
+
+    kind: Literal["mean", "probability", "number"]
+    value: float
+    error: float
+
+
+KeyPath = tuple[str, ...]
+
+
+def summary_numbers(summary: Mapping[str, object], command: str) -> dict[tuple[str, str], SummaryNumber]:
+    """Numbers of a summary by group and key, such as ``moor`` and ``offset_m``."""
+    found = {}
+    for section in SECTIONS[command]:
+        error = math.nan if section in _NOISY.get(command, ()) else 0.0
+        for path, number in _walk(summary.get(section), (section,), error):
+            found[_group_and_key(path)] = number
+    return found
+
+
+def _walk(value: object, path: KeyPath, error: float) -> Iterator[tuple[KeyPath, SummaryNumber]]:
+    if len(path) > _MAX_DEPTH:
+        return
+    if isinstance(value, Mapping):
+        yield from _walk_mapping(value, path, error)
+    elif isinstance(value, list):
+        for item in value:
+            if isinstance(item, Mapping):
+                name = ", ".join(_shown(item[key]) for key in (*_IDENTIFYING, "at_most", "at_least") if key in item)
+                named = {key: inner for key, inner in item.items() if key not in _IDENTIFYING}
+                yield from _walk(named, (*path, name), error)
+    elif _is_number(value):
+        yield path, SummaryNumber("number", float(value), error)
+
+
+def _walk_mapping(value: Mapping[str, object], path: KeyPath, error: float) -> Iterator[tuple[KeyPath, SummaryNumber]]:
+    """Read a mapping that may be a statistic, a probability or a point of a sweep."""
+    is_cost = "mean" not in value
+    estimate, standard_error = value.get("cost" if is_cost else "mean"), value.get("standard_error")
+    if _is_number(estimate) and _is_number(standard_error):
+        yield (*path, "cost") if is_cost else path, SummaryNumber("mean", float(estimate), float(standard_error))
+        if is_cost and _is_number(d_max := value.get("d_max_m")):
+            yield (*path, "d_max_m"), SummaryNumber("number", float(d_max), error)
+    elif set(value) == {"value", "low", "high"}:
+        if _is_number(probability := value["value"]):
+            yield path, SummaryNumber("probability", float(probability), math.nan)
+    else:
+        for key, inner in value.items():
+            if key not in _NOT_RESULTS:
+                yield from _walk(inner, (*path, str(key)), error)
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _shown(value: object) -> str:
+    return f"{value:.6g}" if _is_number(value) else str(value)
+
+
+def _group_and_key(path: KeyPath) -> tuple[str, str]:
+    """The parts of the path that a reader needs."""
+    if path[0] == "requirements":
+        return "requirement", path[1]
+    kept = [part for part in path if part not in ("phases", "quantities", "events")]
+    return ", ".join(kept[:-1]) or kept[-1], kept[-1]
