@@ -4,7 +4,7 @@ import argparse
 import json
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from dataclasses import asdict
@@ -55,15 +55,25 @@ def main(words: Sequence[str] | None = None) -> int:
         if reason := unavailable_reason():
             print(reason, file=sys.stderr)
             return 2
-        root = options.keep or Path(scratch)
-        cases, truths = root / "cases", root / "truths"
-        cases.mkdir(parents=True)
-        outcomes = []
-        tool_jobs = 0 if options.jobs == 1 else 1
-        for outcome in each_of(partial(_one, cases, truths, options.in_process, tool_jobs), drawn):
-            outcomes.append(outcome)
-            print(f"\r{len(outcomes)}/{len(drawn)}", end="", file=sys.stderr, flush=True)
-        print(file=sys.stderr)
+        outcomes = _diagnose_all(options, drawn, each_of, options.keep or Path(scratch))
+    return _judge(options, outcomes)
+
+
+def _diagnose_all(
+    options: argparse.Namespace, drawn: Sequence[tuple[int, str, str]], each_of: Callable, root: Path
+) -> list[Outcome]:
+    cases, truths = root / "cases", root / "truths"
+    cases.mkdir(parents=True)
+    outcomes = []
+    tool_jobs = 0 if options.jobs == 1 else 1
+    for outcome in each_of(partial(_one, cases, truths, options.in_process, tool_jobs), drawn):
+        outcomes.append(outcome)
+        print(f"\r{len(outcomes)}/{len(drawn)}", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+    return outcomes
+
+
+def _judge(options: argparse.Namespace, outcomes: Sequence[Outcome]) -> int:
     print(score.page(outcomes))
     by_kind = {kind: score.figures([o for o in outcomes if o.case.kind == kind]) for kind in KINDS}
     if options.json:
