@@ -1,18 +1,41 @@
 """Monte-Carlo mission planning for a self-mooring AUV, and a diagnosis of what the plan's model gets wrong.
 
-Every command of the command line is one public function here; names are imported when first used, so that
-``import missionplan`` stays cheap.
+Every command of the command line is one public function here. Names are imported when first used, so that
+``import missionplan`` stays quick.
 """
 
 from importlib import import_module
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING
 
 from missionplan.rendering import Rendered, register_renderer
 
+if TYPE_CHECKING:
+    from missionplan.diagnosis.diagnose import diagnose
+    from missionplan.mission import Mission, load
+    from missionplan.studies.anchor.size_anchor import size_anchor
+    from missionplan.studies.identification.identify import identify
+    from missionplan.studies.leg_length.plan_legs import plan_legs
+    from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+    from missionplan.studies.simulation.simulate import simulate
+    from missionplan.studies.transition.sweep_transition import sweep_transition
+
 __version__ = version("missionplan")
 
-_PUBLIC = {
+__all__ = [
+    "Mission",
+    "__version__",
+    "diagnose",
+    "identify",
+    "load",
+    "plan_legs",
+    "simulate",
+    "size_anchor",
+    "sweep_dmax",
+    "sweep_transition",
+]
+
+_MODULES = {
     "Mission": "missionplan.mission",
     "diagnose": "missionplan.diagnosis.diagnose",
     "identify": "missionplan.studies.identification.identify",
@@ -23,20 +46,23 @@ _PUBLIC = {
     "sweep_dmax": "missionplan.studies.leg_length.sweep_dmax",
     "sweep_transition": "missionplan.studies.transition.sweep_transition",
 }
+"""Module of each public name, imported when the name is first used."""
 
-__all__ = ["__version__", *_PUBLIC]
 
-
-def __getattr__(name: str) -> Any:
-    if name in _PUBLIC:
-        return getattr(import_module(_PUBLIC[name]), name)
+def __getattr__(name: str) -> object:
+    if name in _MODULES:
+        return getattr(import_module(_MODULES[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-def _render(result: Any) -> Rendered:
+def _render(result: object) -> Rendered:
     """Render with `missionplan.report`, imported when the first result is saved."""
-    rendered: Rendered = import_module("missionplan.report.render").render_report(result)
-    return rendered
+    from missionplan.report.render import render_report
+    from missionplan.results.base import Result
+
+    if not isinstance(result, Result):
+        raise TypeError(f"{type(result).__name__} is not the result of a study")
+    return render_report(result)
 
 
 register_renderer(_render)

@@ -1,10 +1,10 @@
-"""How a result becomes a report: the package names the renderer once, so that results need not know any report."""
+"""How a result becomes a report: the package registers its renderer, so that results need not import reports."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
-Renderer = Callable[[Any], "Rendered"]
+Renderer = Callable[[object], "Rendered"]
+"""Renders a result of any study."""
 
 
 @dataclass(frozen=True)
@@ -20,11 +20,11 @@ _registered: list[Renderer] = []
 
 
 def register_renderer(renderer: Renderer) -> None:
-    """Name the function that renders every result; the last one named is used."""
+    """Register the function that renders every result; the last one registered is used."""
     _registered[:] = [renderer]
 
 
-def render(result: Any) -> Rendered:
+def render(result: object) -> Rendered:
     """Render a result with the registered renderer.
 
     Raises

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import missionplan
-from missionplan.report.leg_length.sweep import cost_figure
+from missionplan.report.leg_length.sweep_figures import cost_figure
 from missionplan.report.page import style
 
 ROOT = Path(__file__).parents[2]

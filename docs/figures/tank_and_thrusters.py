@@ -14,8 +14,8 @@ from missionplan.physics import propeller_example as example
 from missionplan.physics import propulsion, tank
 from missionplan.physics import tunnel_thruster as tunnel
 from missionplan.report import identification as pictures
-from missionplan.report import transition as transition_pictures
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, style, to_figure
+from missionplan.report.transition.figures import all_figures
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.transition.sweep_transition import sweep_transition
 
@@ -100,7 +100,7 @@ def main() -> None:
             analysis = identify(MISSIONS / "measured" / name).analysis
             figures += [("avila-", pictures.panel_figure(panel)) for panel in analysis.panels]
         sweep = sweep_transition(missionplan.load(MISSIONS / "autosub-transition.yaml"))
-        figures += [("transition-", figure) for figure in transition_pictures.all_figures(sweep)]
+        figures += [("transition-", figure) for figure in all_figures(sweep)]
     for prefix, figure in figures:
         (HERE / f"{prefix}{figure.name}.svg").write_text(figure.svg)
 

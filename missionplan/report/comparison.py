@@ -1,24 +1,31 @@
-"""Report of two runs side by side."""
+"""Report of `compare`: two runs side by side."""
 
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 
-from missionplan.report.numbers import Unit, number, plain, unit_for, with_error
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.report.display_units import Unit, unit_for
+from missionplan.report.numbers import number, with_error
 from missionplan.report.page import BLUE, INK, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.wording import in_words
 from missionplan.results.comparison import ChangedValue, ComparedNumber, Comparison
 
 _MOST_ROWS = 60
+"""Rows of a table."""
 _MOST_DOTS = 16
+"""Numbers in the figure."""
 _PERCENT = Unit("%", 0.01)
 
 
 def page(comparison: Comparison) -> Page:
-    """Lay out the report."""
+    """Build the page of a comparison."""
     folders = [shlex.quote(run.folder) for run in comparison.runs]
     return Page(
         title=f"Two runs of {comparison.compared}: {comparison.provenance.mission}",
-        answer=_answer(comparison),
-        figure=_dots(comparison),
+        answer=answer(comparison),
+        figure=changes_figure(comparison),
         numbers=_numbers(comparison),
         sections=[*_runs(comparison), *_changes(comparison), *_differences(comparison)],
         rerun=f"missionplan compare {' '.join(folders)}",
@@ -26,32 +33,41 @@ def page(comparison: Comparison) -> Page:
 
 
 def terminal(comparison: Comparison) -> Terminal:
-    """Give the answer, the changes of the mission, and the numbers that changed."""
+    """Build the terminal's view: the answer, the changes of the mission, and the numbers that changed."""
     changes = [
         (change.path, change.first or "–", change.second or "–", "")
         for change in (*comparison.mission_changes, *comparison.option_changes, *comparison.requirement_changes)
     ]
     rows = [_row(comparison, difference) for difference in comparison.changed[:_MOST_ROWS]]
     columns = ("what changed", "first", "second", "change")
-    return Terminal(_answer(comparison), columns, [*changes, *((row[0], *row[2:]) for row in rows)])
+    return Terminal(answer(comparison), columns, [*changes, *((row[0], *row[2:]) for row in rows)])
 
 
-def _answer(comparison: Comparison) -> str:
+def answer(comparison: Comparison) -> str:
+    """Write how many numbers changed, which changed most clearly, and which requirements are judged differently."""
+    sentences = [_numbers_in_words(comparison), *map(_requirement_change, comparison.requirement_changes)]
+    return " ".join(sentences)
+
+
+def _numbers_in_words(comparison: Comparison) -> str:
     judged = [item for item in comparison.differences if item.verdict in ("changed", "within noise", "same")]
     changed = comparison.changed
     if changed:
         largest = max(changed, key=_importance)
         words = f"{len(changed)} of {len(judged)} numbers changed by more than Monte-Carlo noise, most clearly "
-        answer = f"{words}{_name(comparison, largest)} ({_shown_change(comparison, largest)})."
-    elif any(item.verdict == "within noise" for item in judged):
-        answer = "No number changed by more than Monte-Carlo noise."
-    else:
-        answer = "The results are the same."
-    flips = [
-        f"{plain(change.path)} was {change.first or 'not asked'} and is {change.second or 'not asked'}"
-        for change in comparison.requirement_changes
-    ]
-    return " ".join([answer, *(f"{flip[:1].upper()}{flip[1:]}." for flip in flips)])
+        return f"{words}{_name(comparison, largest)} ({_shown_change(comparison, largest)})."
+    if any(item.verdict == "within noise" for item in judged):
+        return "No number changed by more than Monte-Carlo noise."
+    return "The results are the same."
+
+
+def _requirement_change(change: ChangedValue) -> str:
+    name = in_words(change.path)
+    if not change.first:
+        return f"The new requirement on {name} is {change.second}."
+    if not change.second:
+        return f"The requirement on {name}, which was {change.first}, has been dropped."
+    return f"The requirement on {name} was {change.first} and is now {change.second}."
 
 
 def _importance(difference: ComparedNumber) -> float:
@@ -66,28 +82,41 @@ def _name(comparison: Comparison, difference: ComparedNumber) -> str:
     if difference.group == "requirement":
         return f"{_requirement(comparison, difference.key)} (requirement)"
     group = difference.group if difference.group not in ("sweep", "anchor") else ""
-    return plain(f"{group}.{difference.key}".lstrip(".")) if group != difference.key else plain(difference.key)
+    return in_words(f"{group}.{difference.key}".lstrip(".")) if group != difference.key else in_words(difference.key)
 
 
 def _requirement(comparison: Comparison, key: str) -> str:
     """Write a requirement with its limit as the mission does; in SI where the mission has several on a quantity."""
     quantity, _, limit = key.partition(", ")
-    written = (comparison.provenance.data["second"] or {}).get("requirements") or ()
-    alike = [item for item in written if isinstance(item, Mapping) and item.get("quantity") == quantity]
+    alike = [item for item in _requirements(comparison) if item.get("quantity") == quantity]
     if limit and len(alike) == 1:
-        bounds = (
-            f"{bound.replace('_', ' ')} {alike[0][bound]}" for bound in ("at_most", "at_least") if bound in alike[0]
-        )
-        limit = next(bounds, limit)
-    return f"{plain(quantity)} {limit}".strip()
+        limit = _limit(alike[0]) or limit
+    return f"{in_words(quantity)} {limit}".strip()
+
+
+def _requirements(comparison: Comparison) -> list[Mapping[str, object]]:
+    written = _mission(comparison).get("requirements")
+    return [item for item in written if isinstance(item, Mapping)] if isinstance(written, list | tuple) else []
+
+
+def _mission(comparison: Comparison) -> Mapping[str, object]:
+    """Data of the second run's mission."""
+    data = comparison.provenance.data["second"]
+    return data if isinstance(data, Mapping) else {}
+
+
+def _limit(requirement: Mapping[str, object]) -> str:
+    for bound in ("at_most", "at_least"):
+        if bound in requirement:
+            return f"{bound.replace('_', ' ')} {requirement[bound]}"
+    return ""
 
 
 def _unit(comparison: Comparison, difference: ComparedNumber) -> Unit:
     if difference.kind == "probability":
         return _PERCENT
-    data = comparison.provenance.data["second"] or {}
     typical = difference.first if difference.first is not None else difference.second
-    return unit_for(difference.group, difference.key, data, typical=abs(typical or 0.0))
+    return unit_for(difference.group, difference.key, _mission(comparison), typical=abs(typical or 0.0))
 
 
 def _shown_change(comparison: Comparison, difference: ComparedNumber) -> str:
@@ -119,10 +148,8 @@ def _count(items: Sequence[object], noun: str) -> str:
     return f"{len(items) or 'no'} {noun}{'' if len(items) == 1 else 's'}"
 
 
-def _dots(comparison: Comparison) -> Figure | None:
-    """Show the changes in standard errors, the clearest first."""
-    from matplotlib.figure import Figure as MatplotlibFigure
-
+def changes_figure(comparison: Comparison) -> Figure | None:
+    """Draw the changes in standard errors, the clearest first; None where no number is noisy."""
     noisy = [item for item in comparison.differences if item.standard_error and item.change is not None]
     shown = sorted(noisy, key=_importance, reverse=True)[:_MOST_DOTS]
     if not shown:
@@ -132,16 +159,12 @@ def _dots(comparison: Comparison) -> Figure | None:
     axes.axvspan(-1.96, 1.96, color=BLUE, alpha=0.15, linewidth=0.0)
     axes.axvline(0.0, color=INK, linewidth=0.8)
     scores = [(item.change or 0.0) / (item.standard_error or 1.0) for item in shown]
-    clearest = _name(comparison, shown[0])
-    for row, (item, score) in enumerate(zip(shown, scores, strict=True)):
-        axes.plot(score, row, "o", color=ORANGE if item.verdict == "changed" else BLUE, markersize=6)
-        axes.text(
-            0.01, row - 0.22, _name(comparison, item), transform=axes.get_yaxis_transform(), va="bottom", fontsize=9
-        )
+    _draw_scores(axes, scores, [(_name(comparison, item), item.verdict == "changed") for item in shown])
     reach = 1.1 * max(3.0, *(abs(score) for score in scores))
     axes.set(yticks=[], ylim=(len(shown) - 0.5, -0.8), xlim=(-reach, reach))
     axes.set_xlabel("second − first, in standard errors of the difference")
     axes.grid(visible=False, axis="y")
+    clearest = _name(comparison, shown[0])
     return to_figure(
         figure,
         "changes",
@@ -151,22 +174,30 @@ def _dots(comparison: Comparison) -> Figure | None:
     )
 
 
+def _draw_scores(axes: Axes, scores: Sequence[float], labels: Sequence[tuple[str, bool]]) -> None:
+    """Draw a dot per score, labelled; orange where the second of its label says that it is more than noise."""
+    for row, (score, (name, changed)) in enumerate(zip(scores, labels, strict=True)):
+        axes.plot(score, row, "o", color=ORANGE if changed else BLUE, markersize=6)
+        axes.text(0.01, row - 0.22, name, transform=axes.get_yaxis_transform(), va="bottom", fontsize=9)
+
+
 def _runs(comparison: Comparison) -> Iterator[PageSection]:
     rows = [
         (run.folder, run.created[:16].replace("T", " "), run.version, number(run.trials), f"{run.seed}")
         for run in comparison.runs
     ]
     columns = ("folder", "made (UTC)", "missionplan", "trials", "seed")
-    heading = "Both runs are of one mission" if not comparison.mission_changes else "The runs are of different missions"
-    yield PageSection(heading, [Table(columns, rows, words=3)])
+    heading = "The missions of the two runs differ" if comparison.mission_changes else "Both runs are of one mission"
+    yield PageSection(heading, [Table(columns, rows, text_columns=3)])
 
 
 def _changes(comparison: Comparison) -> Iterator[PageSection]:
-    for noun, changes in (("mission", comparison.mission_changes), ("run", comparison.option_changes)):
+    groups = (("value", "mission", comparison.mission_changes), ("option", "run", comparison.option_changes))
+    for noun, whole, changes in groups:
         if changes:
-            heading = f"{_count(changes, 'value')} of the {noun} {'is' if len(changes) == 1 else 'are'} different"
+            heading = f"{_count(changes, noun)} of the {whole} {'differs' if len(changes) == 1 else 'differ'}"
             yield PageSection(
-                heading, [Table(("key", "first", "second"), [_change(item) for item in changes], words=3)]
+                heading, [Table(("key", "first", "second"), [_change(item) for item in changes], text_columns=3)]
             )
 
 
@@ -180,10 +211,10 @@ def _differences(comparison: Comparison) -> Iterator[PageSection]:
     if changed:
         yield PageSection(f"{_count(changed, 'number')} changed", [_table(comparison, changed)])
     if rest:
-        yield PageSection("What did not change, or cannot be told", [_table(comparison, rest)])
+        yield PageSection("What did not change, or cannot be judged", [_table(comparison, rest)])
 
 
 def _table(comparison: Comparison, items: Sequence[ComparedNumber]) -> Table:
     many = f"The first {_MOST_ROWS} of {len(items)}; all are in differences.csv." if len(items) > _MOST_ROWS else ""
     columns = ("number", "verdict", "first", "second", "change ± standard error")
-    return Table(columns, [_row(comparison, item) for item in items[:_MOST_ROWS]], many, words=2)
+    return Table(columns, [_row(comparison, item) for item in items[:_MOST_ROWS]], many, text_columns=2)

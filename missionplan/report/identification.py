@@ -1,14 +1,19 @@
-"""Pictures of `identify`: each fit over its data, with the residuals below."""
+"""Report of `identify`: the parameters, and each fit over its data with the residuals below."""
 
 import math
-from typing import TYPE_CHECKING
+import shlex
+from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.page import (
     BLUE,
+    GREEN,
     GREY,
     ORANGE,
+    PINK,
     Block,
     Figure,
     Listing,
@@ -19,33 +24,50 @@ from missionplan.report.page import (
     to_figure,
 )
 from missionplan.results.base import to_yaml
-from missionplan.results.identification import FitPanel, FittedModel, Identification, IdentifiedParameter
+from missionplan.results.identification import FitCurve, FitPanel, FittedModel, Identification, IdentifiedParameter
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-MANY = 60
-"""Points above which they are drawn small and without bars."""
+_MANY = 60
+"""Number of points above which they are drawn small and without error bars."""
 
 
 def page(result: Identification) -> Page:
-    """Lay out the result as a page."""
+    """Build the page of an identification."""
     figures = [panel_figure(panel) for panel in result.analysis.panels]
-    numbers = [(estimate.symbol, in_words(estimate)) for estimate in result.estimates[:4]]
     sections = [PageSection(_fits_heading(result.fits), [parameter_table(result), *result.analysis.remarks])]
     if len(figures) > 1:
-        sections.append(PageSection("The fit drawn over the other readings", list[Block](figures[1:])))
+        sections.append(PageSection("The fit against the other readings", list[Block](figures[1:])))
     fragment = "Paste this into the vehicle file; it is also in vehicle-fragment.yaml."
     sections.append(
-        PageSection("What the vehicle file takes from it", [fragment, Listing(to_yaml(result.analysis.fragment))])
+        PageSection("What to write in the vehicle file", [fragment, Listing(to_yaml(result.analysis.fragment))])
     )
     if result.source:
         sections.append(PageSection("Where the data come from", [result.source]))
-    return Page(f"Identification: {result.name}", result.analysis.answer, figures[0], numbers, sections)
+    return Page(
+        title=f"Identification: {result.name}",
+        answer=result.analysis.answer,
+        figure=figures[0],
+        numbers=_numbers(result),
+        sections=sections,
+        rerun=f"missionplan identify {shlex.quote(result.provenance.file)}",
+    )
+
+
+def _numbers(result: Identification) -> list[tuple[str, str]]:
+    """The first parameters; those that share a symbol, such as a model's and the full-size vehicle's, by name."""
+    shown = result.estimates[:4]
+    symbols = [estimate.symbol for estimate in shown]
+    return [
+        (estimate.symbol if symbols.count(estimate.symbol) == 1 else _name_in_words(estimate), with_error(estimate))
+        for estimate in shown
+    ]
+
+
+def _name_in_words(estimate: IdentifiedParameter) -> str:
+    return estimate.name.replace("_", " ")
 
 
 def terminal(result: Identification) -> Terminal:
-    """Lay out the result for a terminal."""
+    """Build the terminal's view of an identification."""
     rows = [
         (e.name, significant(e.value, e.sd), significant(e.sd, e.sd), _interval(e), e.unit) for e in result.estimates
     ]
@@ -53,9 +75,7 @@ def terminal(result: Identification) -> Terminal:
 
 
 def panel_figure(panel: FitPanel) -> Figure:
-    """Draw data with their errors, the fits over them, and the residuals of the preferred fit below."""
-    from matplotlib.figure import Figure as MatplotlibFigure
-
+    """Draw data with their errors, the fitted models over them, and the residuals of the preferred one below."""
     has_residuals = bool(np.any(panel.y != panel.fitted))
     figure = MatplotlibFigure(figsize=(6.0, 4.4 if has_residuals else 3.2))
     if has_residuals:
@@ -69,20 +89,15 @@ def panel_figure(panel: FitPanel) -> Figure:
     return to_figure(figure, panel.name, panel.alt)
 
 
-def _draw_data(axes: "Axes", panel: FitPanel) -> None:
-    many = len(panel.x) > MANY
+def _draw_data(axes: Axes, panel: FitPanel) -> None:
+    many = len(panel.x) > _MANY
     if many or np.all(np.isnan(panel.y_sd)):
         axes.plot(panel.x, panel.y, ".", color=GREY, markersize=3 if many else 7, label="measured", zorder=2)
     else:
         axes.errorbar(
             panel.x, panel.y, panel.y_sd, fmt="o", color=GREY, markersize=4, capsize=2, label="measured", zorder=3
         )
-    colours = [BLUE, ORANGE, "#009E73", "#CC79A7"]
-    for curve, colour, dash in zip(panel.curves, colours, ("-", "--", ":", "-."), strict=False):
-        if curve.dots:
-            axes.plot(curve.x, curve.y, "s", color=colour, markersize=4, label=curve.label)
-        else:
-            axes.plot(curve.x, curve.y, dash, color=colour, label=curve.label, zorder=4)
+    _draw_curves(axes, panel.curves)
     if panel.ticks:
         axes.set_xticks(panel.x, panel.ticks)
         axes.margins(x=0.25)
@@ -92,10 +107,18 @@ def _draw_data(axes: "Axes", panel: FitPanel) -> None:
     axes.set_ylabel(panel.y_label)
 
 
-def _draw_residuals(axes: "Axes", panel: FitPanel) -> None:
+def _draw_curves(axes: Axes, curves: Sequence[FitCurve]) -> None:
+    for curve, colour, dash in zip(curves, (BLUE, ORANGE, GREEN, PINK), ("-", "--", ":", "-."), strict=False):
+        if curve.dots:
+            axes.plot(curve.x, curve.y, "s", color=colour, markersize=4, label=curve.label)
+        else:
+            axes.plot(curve.x, curve.y, dash, color=colour, label=curve.label, zorder=4)
+
+
+def _draw_residuals(axes: Axes, panel: FitPanel) -> None:
     residual = panel.y - panel.fitted
     axes.axhline(0.0, color=BLUE, linewidth=1.0)
-    if len(panel.x) > MANY or np.all(np.isnan(panel.y_sd)):
+    if len(panel.x) > _MANY or np.all(np.isnan(panel.y_sd)):
         axes.plot(panel.x, residual, ".", color=GREY, markersize=3)
     else:
         axes.errorbar(panel.x, residual, panel.y_sd, fmt="o", color=GREY, markersize=4, capsize=2)
@@ -103,11 +126,11 @@ def _draw_residuals(axes: "Axes", panel: FitPanel) -> None:
 
 
 def parameter_table(result: Identification) -> Table:
-    """Parameters of every fit and what follows from the preferred one."""
-    groups = [(fit.name, fit.estimates) for fit in result.fits] + [("follows", result.analysis.derived)]
+    """Tabulate the parameters of every fitted model and those derived from the preferred one."""
+    groups = [(fit.name, fit.estimates) for fit in result.fits] + [("derived", result.analysis.derived)]
     rows = [
         (
-            f"{e.symbol} ({e.name.replace('_', ' ')})",
+            f"{e.symbol} ({_name_in_words(e)})",
             group,
             significant(e.value, e.sd),
             significant(e.sd, e.sd),
@@ -121,14 +144,14 @@ def parameter_table(result: Identification) -> Table:
     return Table(columns, rows, "The first model is the preferred one.")
 
 
-def _fits_heading(fits: tuple[FittedModel, ...]) -> str:
+def _fits_heading(fits: Sequence[FittedModel]) -> str:
     if len(fits) == 1:
         return f"The data give {fits[0].name}"
-    return f"The data ask for {fits[0].name}, not {fits[1].name}"
+    return f"The data support {fits[0].name}, not {fits[1].name}"
 
 
-def in_words(estimate: IdentifiedParameter) -> str:
-    """Write a parameter with its error and unit, rounded to what the error supports."""
+def with_error(estimate: IdentifiedParameter) -> str:
+    """Write a parameter with its error and unit, to two figures of the error."""
     unit = f" {estimate.unit}" if estimate.unit else ""
     if not math.isfinite(estimate.sd):
         return f"{estimate.value:.4g}{unit}"
@@ -142,7 +165,7 @@ def _interval(estimate: IdentifiedParameter) -> str:
 
 
 def significant(value: float, sd: float) -> str:
-    """Round a value to two figures of its standard deviation."""
+    """Round a value to two significant figures of its standard deviation."""
     if not math.isfinite(sd) or sd <= 0.0:
         return f"{value:.4g}"
     digits = 1 - math.floor(math.log10(sd))

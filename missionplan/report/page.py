@@ -1,13 +1,13 @@
-"""One self-contained HTML page: what a report is made of, before and after rendering."""
+"""The parts of a report, and their rendering as one self-contained HTML page."""
 
 import io
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader
 from markupsafe import Markup
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as MatplotlibFigure
 
 INK, GRID = "#222222", "#dddddd"
-"""Colours of the figure style that the page replaces by its own, light or dark."""
+"""Colours of the figure style, which the page replaces by those of its light or dark theme."""
 
 BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = (
     "#0072B2",
@@ -30,16 +30,15 @@ BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = (
     "#56B4E9",
     "#666666",
 )
-"""Okabe–Ito colours, in the order of the style's cycle."""
-
+"""Okabe–Ito colours, in the order of the figure style's cycle."""
 
 _LARGEST = 1.7
-"""Pixels of the page to a point of a figure: 10 pt come out as 17 px."""
+"""Largest scale of a figure on the page [px/pt]: text of 10 pt is then 17 px high, as the page's."""
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure: file name without ending, SVG text, what is to be seen (alt text), and a caption."""
+    """A figure: file name without suffix, SVG text, alternative text for readers who cannot see it, and a caption."""
 
     name: str
     svg: str
@@ -49,17 +48,17 @@ class Figure:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of ready text: column heads, rows, and a caption. The first `words` columns hold words, not numbers."""
+    """A table of formatted text. The first `text_columns` columns hold words, the others numbers."""
 
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
     caption: str = ""
-    words: int = 1
+    text_columns: int = 1
 
 
 @dataclass(frozen=True)
 class Listing:
-    """Text in fixed pitch: a mission file, a command."""
+    """Text in a monospaced font: part of a mission file, a command."""
 
     text: str
 
@@ -70,7 +69,7 @@ Block = str | Figure | Table | Listing
 
 @dataclass(frozen=True)
 class PageSection:
-    """A heading that is a finding, and what shows it."""
+    """A heading that states a finding, and the blocks that show it."""
 
     heading: str
     blocks: Sequence[Block]
@@ -78,24 +77,26 @@ class PageSection:
 
 @dataclass(frozen=True)
 class Page:
-    """A report: the answer in a sentence, the figure that shows it, the numbers that matter, then sections.
+    """A report: the answer in a sentence, the figure that shows it, the main numbers, then sections.
 
     Attributes
     ----------
     title : str
-        What was asked.
+        The question.
     answer : str
-        The answer, in a sentence or two of plain words.
+        The answer in a sentence or two.
     figure : Figure or None
-        The one figure that shows it.
+        The figure that shows the answer.
     numbers : sequence of (label, value)
-        Two or three numbers, with their intervals and units.
+        Two or three main numbers, with intervals and units.
     sections : sequence of PageSection
         Everything else.
     verdict : str
-        "good", "bad" or "" : how the answer is marked.
+        How the answer is marked: "good", "bad" or "".
     rerun : str
-        The command that makes the result again, where it is not the study's own with the folder's `mission.yaml`.
+        The command that reproduces the result, where it is not the study's own on the folder's `mission.yaml`.
+    files : mapping
+        Files for other programs, by name.
     """
 
     title: str
@@ -105,11 +106,12 @@ class Page:
     sections: Sequence[PageSection]
     verdict: str = ""
     rerun: str = ""
+    files: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Terminal:
-    """The same result for a terminal: a sentence and a compact table."""
+    """A result for a terminal: a sentence and a compact table."""
 
     sentence: str
     columns: Sequence[str]
@@ -118,7 +120,7 @@ class Terminal:
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Use the project's figure style, without a display and without touching the caller's settings."""
+    """Apply the project's figure style, leaving the caller's matplotlib settings alone."""
     import matplotlib as mpl
 
     path = files("missionplan.report") / "style.mplstyle"
@@ -127,16 +129,16 @@ def style() -> Iterator[None]:
 
 
 def to_figure(figure: "MatplotlibFigure", name: str, alt: str, caption: str = "") -> Figure:
-    """Turn a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot) into SVG text."""
+    """Convert a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot) to SVG text."""
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     return Figure(name, buffer.getvalue(), alt, caption)
 
 
 def inline(figure: Figure) -> Markup:
-    """SVG for inlining: ids of its own, the page's colours, alternative text, scaling with the column.
+    """Prepare a figure's SVG for inlining: ids of its own, the page's colours, alternative text.
 
-    It grows no larger than makes its text the size of the page's.
+    It scales with the column, until its text has the size of the page's.
     """
     svg = figure.svg[figure.svg.index("<svg") :]
     svg = re.sub(r'\b(id="|xlink:href="#|href="#|url\(#)', rf"\1{figure.name}-", svg)
@@ -156,7 +158,7 @@ def inline(figure: Figure) -> Markup:
 
 
 def render_page(page: Page, provenance: Provenance) -> Rendered:
-    """Render a page with its provenance at the end."""
+    """Render a page, with its provenance at the end."""
     environment = Environment(
         loader=PackageLoader("missionplan.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True
     )
@@ -173,14 +175,14 @@ def render_page(page: Page, provenance: Provenance) -> Rendered:
     )
     shown = [page.figure] if page.figure else []
     shown += [block for section in page.sections for block in section.blocks if isinstance(block, Figure)]
-    return Rendered(html, {figure.name: figure.svg for figure in shown})
+    return Rendered(html, {figure.name: figure.svg for figure in shown}, dict(page.files))
 
 
 def rerun_command(provenance: Provenance) -> str:
-    """Write the command that makes the result again from the folder's own `mission.yaml`."""
+    """Write the command that reproduces the result from the folder's own `mission.yaml`."""
     options = [f"--{name.replace('_', '-')} {value}" for name, value in provenance.options.items() if _is_given(value)]
     return " ".join(["missionplan", provenance.command, "mission.yaml", f"--seed {provenance.seed}", *options])
 
 
-def _is_given(value: Any) -> bool:
+def _is_given(value: object) -> bool:
     return value is not None and not isinstance(value, bool)

@@ -1,28 +1,34 @@
-"""Find the module that pictures a result, and render it."""
+"""Find the module that presents a result, and render the result with it."""
 
-from dataclasses import replace
 from importlib import import_module
-from types import ModuleType
+from typing import Protocol, cast
 
 from missionplan.rendering import Rendered
-from missionplan.report.page import Terminal, render_page, style
+from missionplan.report.page import Page, Terminal, render_page, style
 from missionplan.results.base import Result
 
 
+class ReportModule(Protocol):
+    """What each module named by `Result.report` has: the result as a page and for a terminal."""
+
+    def page(self, result: Result, /) -> Page:
+        """Build the page."""
+
+    def terminal(self, result: Result, /) -> Terminal:
+        """Build the view for a terminal."""
+
+
 def render_report(result: Result) -> Rendered:
-    """Render a result as one self-contained page, its figures, and what its module's `files` has for other programs."""
-    module = _module(result)
+    """Render a result as one self-contained page, its figures, and files for other programs."""
     with style():
-        page = module.page(result)
-    rendered = render_page(page, result.provenance)
-    return replace(rendered, files=module.files(result)) if hasattr(module, "files") else rendered
+        page = _module(result).page(result)
+    return render_page(page, result.provenance)
 
 
 def terminal_view(result: Result) -> Terminal:
-    """Render a result for a terminal."""
-    table: Terminal = _module(result).terminal(result)
-    return table
+    """Present a result for a terminal."""
+    return _module(result).terminal(result)
 
 
-def _module(result: Result) -> ModuleType:
-    return import_module(f"missionplan.report.{result.report}")
+def _module(result: Result) -> ReportModule:
+    return cast(ReportModule, import_module(f"missionplan.report.{result.report}"))

@@ -1,1 +1,4 @@
-"""Frozen results of the studies, with their tables."""
+"""Results of the studies as frozen data classes, with their summaries and tables.
+
+`base` has what all results share; every other module holds the result of one study.
+"""

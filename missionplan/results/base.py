@@ -1,4 +1,4 @@
-"""What every result of a study has: provenance, a summary, tables, and a folder to be saved in."""
+"""What every result of a study has: provenance, a summary, tables, and a folder to save it in."""
 
 import json
 import math
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import pandas as pd
 import yaml
@@ -22,18 +22,18 @@ _LIBRARIES = ("numpy", "scipy", "pandas", "matplotlib", "joblib", "pydantic", "p
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a result comes from: enough to make it again.
+    """Where a result comes from: enough to reproduce it.
 
     Attributes
     ----------
     command : str
-        The command line's name of the study.
+        Name of the study on the command line.
     mission : str
         The mission's name.
     file : str
         Mission file, as given.
     seed, trials : int
-        Of the Monte Carlo; zero trials where none was run.
+        Of the Monte Carlo; zero trials where none were run.
     options : Mapping
         The study's options.
     elapsed_s : float
@@ -41,7 +41,7 @@ class Provenance:
     data : Mapping
         The mission file's data with includes in place.
     notices : tuple of str
-        What the reader should know of the input: distributions truncated, values out of a model's range.
+        Notes on the input: truncated distributions, values outside a model's range.
     created : datetime
         When the study ended, UTC.
     """
@@ -51,13 +51,13 @@ class Provenance:
     file: str
     seed: int
     trials: int
-    options: Mapping[str, Any]
+    options: Mapping[str, object]
     elapsed_s: float
-    data: Mapping[str, Any]
+    data: Mapping[str, object]
     notices: tuple[str, ...] = ()
     created: datetime = field(default_factory=lambda: datetime.now(UTC))
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, object]:
         """Fields that every `summary.json` has."""
         return {
             "command": self.command,
@@ -79,12 +79,12 @@ class Result(ABC):
     """A study's answer. Subclasses are frozen data classes with a field `provenance`."""
 
     report: ClassVar[str]
-    """Module of `missionplan.report` that renders it."""
+    """Module of `missionplan.report` that renders the result."""
     provenance: Provenance
 
     @abstractmethod
-    def summary(self) -> dict[str, Any]:
-        """The dictionary of `summary.json`: SI, units ending the keys."""
+    def summary(self) -> dict[str, object]:
+        """Contents of `summary.json`: SI values, keys that end with the unit."""
 
     @abstractmethod
     def to_frame(self) -> pd.DataFrame:
@@ -100,16 +100,16 @@ class Result(ABC):
         Parameters
         ----------
         folder : str or Path
-            Where to; it must be absent or empty.
+            The report folder; it must be absent or empty.
         force : bool
-            Write over files of the same names.
+            Overwrite files of the same names.
 
         Raises
         ------
         InputError
-            When the folder holds something and `force` is not given.
+            When the folder is not empty and `force` is not given.
         RunError
-            When it cannot be written.
+            When the folder cannot be written.
         """
         folder = Path(folder)
         rendered = render(self)
@@ -127,12 +127,12 @@ class Result(ABC):
         return folder
 
 
-def to_json(summary: Mapping[str, Any]) -> str:
-    """Write a summary as JSON; a number that does not exist is null."""
+def to_json(summary: Mapping[str, object]) -> str:
+    """Write a summary as JSON; a number that is not finite becomes null."""
     return json.dumps(_plain(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def to_yaml(data: Mapping[str, Any]) -> str:
+def to_yaml(data: Mapping[str, object]) -> str:
     """Write a mission's data as YAML, keys in the order of the file."""
     return yaml.safe_dump(_plain(data), sort_keys=False, allow_unicode=True, width=120)
 
@@ -142,7 +142,8 @@ def to_csv(frame: pd.DataFrame) -> str:
     return str(frame.to_csv(index=False, lineterminator="\n"))
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
+    """Mappings, lists and numbers that JSON and YAML can hold; None for a number that is not finite."""
     if isinstance(value, Mapping):
         return {str(key): _plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):

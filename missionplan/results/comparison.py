@@ -1,7 +1,7 @@
-"""Answer of `compare`: what changed between two runs, in the mission and in its results."""
+"""Result of `compare`: what changed between two runs, in the mission and in its results."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import pandas as pd
 
@@ -17,7 +17,7 @@ class ComparedRun:
     Attributes
     ----------
     folder, mission, version, created : str
-        Report folder as given; mission's name; of missionplan; when it was made, UTC.
+        Report folder as given; the mission's name; version of missionplan; when the report was made, UTC.
     seed, trials : int
     """
 
@@ -31,7 +31,7 @@ class ComparedRun:
 
 @dataclass(frozen=True)
 class ChangedValue:
-    """A value of the mission file, or an option of the run, that differs; empty where one has no such value."""
+    """A value of the mission file, or an option of the run, that differs; empty where a run does not have it."""
 
     path: str
     first: str
@@ -40,23 +40,23 @@ class ChangedValue:
 
 @dataclass(frozen=True)
 class ComparedNumber:
-    """A number of the results, in both runs.
+    """A number of the results in both runs.
 
     Attributes
     ----------
     group, key : str
         Such as ``moor`` and ``offset_m``.
     kind : 'mean', 'probability' or 'number'
-        A number carries no standard error.
+        A plain number has no standard error.
     first, second : float or None
-        None where a run does not have it.
+        None where a run does not have the number.
     standard_error : float or None
-        Of second − first, the two runs taken as independent.
+        Of second − first, treating the two runs as independent.
     p_value : float or None
-        Of a difference at least as large by Monte-Carlo noise alone.
+        Probability of a difference at least as large by Monte-Carlo noise alone.
     verdict : str
-        ``changed``: more than noise, at 5 % for all numbers together (Holm's correction), or exactly different where
-        there is no noise; ``not judged``: a noisy number whose standard error is not known.
+        ``changed``: beyond noise, at 5 % for all numbers together (Holm's correction), or any difference where there
+        is no noise; ``not judged``: a noisy number whose standard error is not known.
     """
 
     group: str
@@ -70,17 +70,21 @@ class ComparedNumber:
 
     @property
     def change(self) -> float | None:
-        """Second minus first; None where a run does not have it."""
+        """Second minus first; None where a run does not have the number."""
         return None if self.first is None or self.second is None else self.second - self.first
 
-    def row(self) -> dict[str, Any]:
-        """Entry of `summary.json` and row of the table."""
-        names = ("group", "key", "kind", "first", "second")
-        rest = ("standard_error", "p_value", "verdict")
+    def row(self) -> dict[str, object]:
+        """Return the entry of `summary.json`, which is also the row of the table."""
         return {
-            **{name: getattr(self, name) for name in names},
+            "group": self.group,
+            "key": self.key,
+            "kind": self.kind,
+            "first": self.first,
+            "second": self.second,
             "change": self.change,
-            **{name: getattr(self, name) for name in rest},
+            "standard_error": self.standard_error,
+            "p_value": self.p_value,
+            "verdict": self.verdict,
         }
 
 
@@ -96,11 +100,11 @@ class Comparison(Result):
         The command that made both reports.
     runs : (ComparedRun, ComparedRun)
     mission_changes, option_changes : tuple of ChangedValue
-        By key path; seeds, trials, versions and options.
+        Values by key path; and seeds, trials, versions and options.
     differences : tuple of ComparedNumber
         In the order of the first summary.
     requirement_changes : tuple of ChangedValue
-        Requirements that one run meets and the other does not.
+        Requirements that one run meets and the other does not, or does not have.
     """
 
     report: ClassVar[str] = "comparison"
@@ -115,11 +119,11 @@ class Comparison(Result):
 
     @property
     def changed(self) -> tuple[ComparedNumber, ...]:
-        """Differences that are more than Monte-Carlo noise."""
+        """Numbers that differ by more than Monte-Carlo noise."""
         return tuple(difference for difference in self.differences if difference.verdict == "changed")
 
-    def summary(self) -> dict[str, Any]:
-        """The dictionary of `summary.json`."""
+    def summary(self) -> dict[str, object]:
+        """Return the contents of `summary.json`."""
         return {
             **self.provenance.summary(),
             "compared": self.compared,
@@ -131,9 +135,9 @@ class Comparison(Result):
         }
 
     def to_frame(self) -> pd.DataFrame:
-        """One row a number of the results."""
+        """One row per number of the results."""
         return pd.DataFrame([difference.row() for difference in self.differences])
 
     def files(self) -> dict[str, str | bytes]:
-        """`differences.csv`."""
+        """Return `differences.csv`."""
         return {"differences.csv": to_csv(self.to_frame())}

@@ -1,8 +1,8 @@
-"""What `identify` finds in a data set of the tank: parameters with errors, fits, and a fragment of a vehicle file."""
+"""Result of `identify`: parameters from tank data with their errors, fitted models, a fragment of a vehicle file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import pandas as pd
 
@@ -12,7 +12,7 @@ from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 
 @dataclass(frozen=True)
 class IdentifiedParameter:
-    """A parameter: SI `value`, standard deviation `sd`, 90 % interval from `low` to `high`, `unit` and symbol."""
+    """An estimated parameter: `value` and standard deviation `sd` in `unit`, 90 % interval from `low` to `high`."""
 
     name: str
     symbol: str
@@ -22,6 +22,11 @@ class IdentifiedParameter:
     high: float
     unit: str
 
+    def summary(self) -> dict[str, object]:
+        """Return the entry of `summary.json`, which is also a row of the table."""
+        names = ("name", "value", "sd", "low", "high", "unit")
+        return {name: getattr(self, name) for name in names}
+
 
 @dataclass(frozen=True)
 class FittedModel:
@@ -30,7 +35,7 @@ class FittedModel:
     Attributes
     ----------
     name : str
-        The model in words: "constant drag coefficient".
+        The model in words, such as "constant drag coefficient".
     estimates : tuple of IdentifiedParameter
         Its parameters.
     chi_squared : float
@@ -38,14 +43,14 @@ class FittedModel:
     degrees_of_freedom : int
         Data less parameters.
     widened : float
-        Factor by which the standard errors were widened for scatter beyond the stated errors, or for residuals
-        that follow one another; 1 for none.
+        Factor by which the standard errors were widened for scatter beyond the stated errors, or for
+        autocorrelated residuals; 1 for none.
     fitted : array, shape (points,)
         The model at the data.
     residual_sd : float
-        Root mean square of data less model, with the degrees of freedom taken off, in the data's unit.
+        Residual standard deviation: root of the residual sum of squares over the degrees of freedom [data's unit].
     covariance : array, shape (parameters, parameters)
-        Of the estimates, widened.
+        Of the estimates, widened likewise.
     """
 
     name: str
@@ -62,13 +67,23 @@ class FittedModel:
         return next(estimate for estimate in self.estimates if estimate.name == name)
 
     def __contains__(self, name: object) -> bool:
-        """Whether the fit has a parameter of that name."""
+        """Whether the model has a parameter of that name."""
         return any(estimate.name == name for estimate in self.estimates)
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of `summary.json`."""
+        return {
+            "model": self.name,
+            "chi_squared": self.chi_squared,
+            "degrees_of_freedom": self.degrees_of_freedom,
+            "widened": self.widened,
+            "parameters": [estimate.summary() for estimate in self.estimates],
+        }
 
 
 @dataclass(frozen=True)
 class FitCurve:
-    """A line to draw: a model between the data, or another set of points (`dots`)."""
+    """A line to draw over the data: a model, or another set of points where `dots` is true."""
 
     label: str
     x: Array
@@ -78,7 +93,7 @@ class FitCurve:
 
 @dataclass(frozen=True)
 class FitPanel:
-    """Data and fits that share two axes; `fitted` is the preferred model at the data, `ticks` name the places on x."""
+    """Data and fits on common axes; `fitted` is the preferred model at the data, `ticks` are labels of the x values."""
 
     name: str
     x_label: str
@@ -91,16 +106,36 @@ class FitPanel:
     alt: str
     ticks: tuple[str, ...] = ()
 
+    def residuals(self) -> pd.DataFrame:
+        """Data, preferred model and residuals, one row per point."""
+        residual = self.y - self.fitted
+        columns = {"panel": self.name, "x": self.x, "y": self.y, "fitted": self.fitted, "residual": residual}
+        return pd.DataFrame(columns)
+
 
 @dataclass(frozen=True)
 class TankAnalysis:
-    """What the fitting of one kind of data set hands to the result."""
+    """What the analysis of one data set gives: the answer in words, fitted models (the preferred one first), figures.
+
+    Attributes
+    ----------
+    answer : str
+        The main finding in a sentence.
+    fits : tuple of FittedModel
+    panels : tuple of FitPanel
+    remarks : tuple of str
+        On the quality of the data and the fits, in sentences.
+    fragment : mapping
+        Keys of a vehicle file.
+    derived : tuple of IdentifiedParameter
+        Parameters that follow from those of the preferred model.
+    """
 
     answer: str
     fits: tuple[FittedModel, ...]
     panels: tuple[FitPanel, ...]
     remarks: tuple[str, ...]
-    fragment: Mapping[str, Any]
+    fragment: Mapping[str, object]
     derived: tuple[IdentifiedParameter, ...] = ()
 
 
@@ -113,7 +148,7 @@ class Identification(Result):
     kind, name, source : str
         Of the data set.
     analysis : TankAnalysis
-        Fits (the preferred one first), panels, remarks and fragment.
+        Fitted models, figures, remarks and vehicle fragment.
     """
 
     report: ClassVar[str] = "identification"
@@ -125,77 +160,45 @@ class Identification(Result):
 
     @property
     def fits(self) -> tuple[FittedModel, ...]:
-        """Fits, the preferred one first."""
+        """Fitted models, the preferred one first."""
         return self.analysis.fits
 
     @property
     def estimates(self) -> tuple[IdentifiedParameter, ...]:
-        """Parameters of the preferred fit, then what follows from them."""
+        """Parameters of the preferred model, then those derived from them."""
         return (*self.fits[0].estimates, *self.analysis.derived)
 
     def __getitem__(self, name: str) -> IdentifiedParameter:
-        """Parameter of the preferred fit, or derived from it, by name."""
+        """Parameter of the preferred model, or derived from it, by name."""
         return next(estimate for estimate in self.estimates if estimate.name == name)
 
-    def summary(self) -> dict[str, Any]:
-        """The dictionary of `summary.json`; keys of parameters are their names, units beside them."""
+    def summary(self) -> dict[str, object]:
+        """Return the contents of `summary.json`; a parameter's unit stands beside its value, not in its key."""
         return {
             **self.provenance.summary(),
             "kind": self.kind,
             "dataset": self.name,
             "preferred": self.fits[0].name,
-            "parameters": [_entry(estimate) for estimate in self.estimates],
-            "fits": [
-                {
-                    "model": fit.name,
-                    "chi_squared": fit.chi_squared,
-                    "degrees_of_freedom": fit.degrees_of_freedom,
-                    "widened": fit.widened,
-                    "parameters": [_entry(estimate) for estimate in fit.estimates],
-                }
-                for fit in self.fits
-            ],
+            "parameters": [estimate.summary() for estimate in self.estimates],
+            "fits": [fit.summary() for fit in self.fits],
             "remarks": list(self.analysis.remarks),
             "vehicle_fragment": dict(self.analysis.fragment),
         }
 
     def to_frame(self) -> pd.DataFrame:
-        """Parameters of every fit, one a row."""
-        rows = [{"model": fit.name, **_entry(estimate)} for fit in self.fits for estimate in fit.estimates]
-        rows += [{"model": "derived", **_entry(estimate)} for estimate in self.analysis.derived]
+        """Parameters of every fitted model, one per row."""
+        rows = [{"model": fit.name, **estimate.summary()} for fit in self.fits for estimate in fit.estimates]
+        rows += [{"model": "derived", **estimate.summary()} for estimate in self.analysis.derived]
         return pd.DataFrame(rows)
 
     def residuals(self) -> pd.DataFrame:
         """Data, preferred model and residuals of every panel."""
-        frames = [
-            pd.DataFrame(
-                {
-                    "panel": panel.name,
-                    "x": panel.x,
-                    "y": panel.y,
-                    "fitted": panel.fitted,
-                    "residual": panel.y - panel.fitted,
-                }
-            )
-            for panel in self.analysis.panels
-        ]
-        return pd.concat(frames, ignore_index=True)
+        return pd.concat([panel.residuals() for panel in self.analysis.panels], ignore_index=True)
 
     def files(self) -> dict[str, str | bytes]:
-        """Tables and the vehicle fragment."""
+        """Return the tables and the vehicle fragment."""
         return {
             "parameters.csv": to_csv(self.to_frame()),
             "residuals.csv": to_csv(self.residuals()),
             "vehicle-fragment.yaml": to_yaml(self.analysis.fragment),
         }
-
-
-def _entry(estimate: IdentifiedParameter) -> dict[str, Any]:
-    return {
-        "name": estimate.name,
-        "value": estimate.value,
-        "sd": estimate.sd,
-        "low": estimate.low,
-        "high": estimate.high,
-        "unit": estimate.unit,
-    }

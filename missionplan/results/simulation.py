@@ -1,8 +1,8 @@
-"""Outcome of `simulate`: what each phase did over all trials, what fails the mission, and what uncertainty matters."""
+"""Result of `simulate`: each phase over all trials, what makes missions fail, and which uncertain inputs matter."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 import pandas as pd
@@ -20,7 +20,7 @@ class Histogram:
     Attributes
     ----------
     edges : array, shape (bins + 1,)
-        In SI.
+        In the quantity's unit.
     counts : array, shape (bins,)
         The first and last bin also hold what lies beyond them.
     """
@@ -31,20 +31,20 @@ class Histogram:
 
 @dataclass(frozen=True)
 class PhaseOutcome:
-    """What one phase did.
+    """One phase over all trials.
 
     Attributes
     ----------
     name, kind : str
         As in the mission; the whole mission is ``total``.
     quantities : mapping of str to Statistic
-        By the names of `summary.json`, units ending the name.
+        By the keys of `summary.json`, which end with the unit.
     events : mapping of str to Probability
-        Such as ``arrived``; of all trials, so that a trial that never came to the phase counts as no.
+        Such as ``arrived``; of all trials, so that a trial that never reached the phase counts as no.
     histograms : mapping of str to Histogram
         Of the quantities.
     start, end : Statistic
-        Mission time at which the phase began and ended, of the trials that came to it [s].
+        Mission time at which the phase began and ended, of the trials that reached it [s].
     """
 
     name: str
@@ -55,10 +55,17 @@ class PhaseOutcome:
     start: Statistic
     end: Statistic
 
+    def quantities_and_events(self) -> dict[str, object]:
+        """Return the part of `summary.json` that phases and the whole mission have in common."""
+        return {
+            "quantities": {name: statistic.summary() for name, statistic in self.quantities.items()},
+            "events": {name: probability.summary() for name, probability in self.events.items()},
+        }
+
 
 @dataclass(frozen=True)
 class Attrition:
-    """A step of the waterfall of P(success): the trials still good after it, and what was lost at it.
+    """One step on the way to P(success): the trials that fail at it, and those that have not failed by then.
 
     Attributes
     ----------
@@ -75,7 +82,7 @@ class Attrition:
 
 @dataclass(frozen=True)
 class RequirementOutcome:
-    """A requirement of the mission, judged.
+    """A requirement of the mission and whether it is met.
 
     Attributes
     ----------
@@ -88,11 +95,11 @@ class RequirementOutcome:
     unit : str
         SI unit of the limit.
     required : float
-        Probability asked for.
+        Probability required.
     probability : Probability
-        Reached, with its interval.
+        Probability reached, with its interval.
     met, undecided : bool
-        Whether value ≥ required; whether the interval holds both answers.
+        Whether value ≥ required; whether the required probability lies inside the interval.
     """
 
     quantity: str
@@ -104,9 +111,9 @@ class RequirementOutcome:
     met: bool
     undecided: bool
 
-    def summary(self) -> dict[str, Any]:
-        """Entry of `summary.json`."""
-        bound: dict[str, Any] = {self.bound: self.limit} if self.bound else {}
+    def summary(self) -> dict[str, object]:
+        """Return the entry of `summary.json`."""
+        bound = {str(self.bound): self.limit} if self.bound else {}
         return {
             "quantity": self.quantity,
             **bound,
@@ -119,7 +126,7 @@ class RequirementOutcome:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """How much one uncertain input matters for one key figure.
+    """Influence of one uncertain input on one key figure.
 
     Attributes
     ----------
@@ -128,7 +135,8 @@ class Sensitivity:
     rank_correlation : float
         Spearman's.
     first_order : float
-        First-order Sobol index, estimated from the given sample: share of the variance that knowing the input removes.
+        First-order Sobol index, estimated from the given sample: share of the variance that knowing the input would
+        remove.
     standard_error : float
         Of the index.
     """
@@ -142,7 +150,7 @@ class Sensitivity:
 
 @dataclass(frozen=True)
 class Tracks:
-    """Some trials in plan, for maps: the first of the run.
+    """Horizontal tracks of the first trials of the run, for maps.
 
     Attributes
     ----------
@@ -154,7 +162,7 @@ class Tracks:
     targets : mapping of str to ((east, north), radius)
         Goal and arrival circle of each phase [m].
     anchors : array, shape (2, trials)
-        Anchors on the seafloor, of every mooring one after another; nan where none [m].
+        Anchors on the seafloor, of one mooring after another; nan where there is none [m].
     origin : (latitude, longitude) or None
         Of the local plane [rad].
     """
@@ -168,26 +176,26 @@ class Tracks:
 
 @dataclass(frozen=True)
 class Outcome(Result):
-    """Answer of `simulate`.
+    """Result of `simulate`.
 
     Attributes
     ----------
     phases : tuple of PhaseOutcome
         In the mission's order.
     total : PhaseOutcome
-        Of the whole mission, event ``success``.
+        The whole mission, with the event ``success``.
     requirements : tuple of RequirementOutcome
     attrition : tuple of Attrition
-        What fails the mission, in order; ends at P(success).
+        Ways to fail, in the mission's order; the last `surviving` is P(success).
     sensitivities : tuple of Sensitivity
-        Most important first within each key figure.
+        By key figure, the most important first.
     tracks : Tracks
     arrivals : mapping of str to array, shape (2, m)
         True end position of each phase relative to its goal, of the first trials, for CEP circles [m].
     failed_blocks : tuple of str
-        Blocks that failed numerically, with seed and block, left out of everything above.
+        Blocks of trials that failed numerically, with seed and block; left out of everything above.
     trials_table : bytes or None
-        Parquet, one row a trial, on request.
+        Parquet, one row per trial, on request.
     """
 
     report: ClassVar[str] = "simulation.page"
@@ -208,14 +216,14 @@ class Outcome(Result):
         """Whether every requirement of the mission is met."""
         return all(requirement.met for requirement in self.requirements)
 
-    def summary(self) -> dict[str, Any]:
-        """The dictionary of `summary.json`."""
+    def summary(self) -> dict[str, object]:
+        """Return the contents of `summary.json`."""
         return {
             **self.provenance.summary(),
             "phases": [
-                {"name": phase.name, "kind": phase.kind, **_quantities_and_events(phase)} for phase in self.phases
+                {"name": phase.name, "kind": phase.kind, **phase.quantities_and_events()} for phase in self.phases
             ],
-            "total": _quantities_and_events(self.total),
+            "total": self.total.quantities_and_events(),
             "requirements": [requirement.summary() for requirement in self.requirements],
             "attrition": [
                 {"step": step.step, "lost": step.lost.summary(), "surviving": step.surviving.summary()}
@@ -226,7 +234,7 @@ class Outcome(Result):
         }
 
     def to_frame(self) -> pd.DataFrame:
-        """One row a quantity of each phase and of the whole mission."""
+        """One row per quantity of each phase and of the whole mission."""
         rows = [
             {"phase": phase.name, "quantity": name, **statistic.summary(), "trials": statistic.count}
             for phase in (*self.phases, self.total)
@@ -235,13 +243,6 @@ class Outcome(Result):
         return pd.DataFrame(rows)
 
     def files(self) -> dict[str, str | bytes]:
-        """`quantities.csv`, and `trials.parquet` where asked for."""
+        """Return `quantities.csv`, and `trials.parquet` where requested."""
         table = {"trials.parquet": self.trials_table} if self.trials_table is not None else {}
         return {"quantities.csv": to_csv(self.to_frame()), **table}
-
-
-def _quantities_and_events(phase: PhaseOutcome) -> dict[str, Any]:
-    return {
-        "quantities": {name: statistic.summary() for name, statistic in phase.quantities.items()},
-        "events": {name: probability.summary() for name, probability in phase.events.items()},
-    }

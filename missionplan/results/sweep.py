@@ -1,8 +1,9 @@
-"""The answer of a sweep of the maximum leg length: cost against d_max for each velocity error."""
+"""Result of `sweep-dmax`: cost against the maximum leg length d_max, for each velocity error."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import pandas as pd
@@ -21,14 +22,14 @@ class SweepPoint:
         Maximum leg length [m].
     d_max_over_distance : float
     cost : float
-        Mean of c = (t_f − t_nom)/t_nom (Briggs et al., Eq. 25) of the trials that arrived, the arrival surfacing not
-        charged; the analytic one where no trials were run. nan where no trial arrived.
+        Mean of c = (t_f − t_nom)/t_nom (Briggs et al., Eq. 25) over the trials that arrived, the surfacing on arrival
+        not charged; the analytic cost where no trials were run. nan where no trial arrived.
     standard_error : float
         Of `cost`; 0 where no trials were run.
     sd : float
-        Of the cost of a trial.
+        Of the cost, from trial to trial.
     surfacings : float
-        Mean number, the arrival's included, of the trials that arrived.
+        Mean number, that on arrival included, over the trials that arrived.
     arrived : Probability
         Of arriving within the mission's `max_legs`.
     cost_analytic : float or None
@@ -36,7 +37,7 @@ class SweepPoint:
     excess_error : float
         Standard error of the difference between this cost and the best one, on the same trials.
     as_good : bool
-        Whether it costs no more than the best by over two such standard errors.
+        Whether the cost exceeds the best one by no more than two such standard errors.
     """
 
     d_max: float
@@ -50,6 +51,33 @@ class SweepPoint:
     excess_error: float
     as_good: bool
 
+    def row(self) -> dict[str, object]:
+        """Return the row of the table."""
+        return {
+            "d_max_m": self.d_max,
+            "d_max_over_distance": self.d_max_over_distance,
+            "cost": self.cost,
+            "standard_error": self.standard_error,
+            "sd": self.sd,
+            "surfacings": self.surfacings,
+            "arrived": self.arrived.value,
+            "cost_analytic": np.nan if self.cost_analytic is None else self.cost_analytic,
+            "excess_standard_error": self.excess_error,
+            "as_good_as_best": self.as_good,
+        }
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``summary.json``."""
+        entry = {**self.row(), "arrived": self.arrived.summary()}
+        if self.cost_analytic is None:
+            del entry["cost_analytic"]
+        return entry
+
+    def cost_summary(self) -> dict[str, object]:
+        """Return the entry of ``summary.json`` for the best d_max and for one leg: the cost alone."""
+        row = self.row()
+        return {key: row[key] for key in ("d_max_m", "d_max_over_distance", "cost", "standard_error")}
+
 
 @dataclass(frozen=True)
 class SweepCurve:
@@ -62,9 +90,9 @@ class SweepCurve:
     points : tuple of SweepPoint
         By increasing d_max.
     best_index : int
-        Of the point of least cost, among those at which practically as many trials arrive as at any.
+        Index of the point of least cost, among those where practically as many trials arrive as anywhere.
     one_leg : SweepPoint
-        The naive choice: d_max the whole distance.
+        The naive choice: d_max equal to the whole distance.
     table : SweepPoint or None
         The transit's own table of legs, where it has one; its `d_max` is nan.
     """
@@ -82,7 +110,7 @@ class SweepCurve:
 
     @property
     def as_good(self) -> tuple[SweepPoint, ...]:
-        """Points that the trials cannot tell from the best."""
+        """Points that the trials cannot distinguish from the best."""
         return tuple(point for point in self.points if point.as_good)
 
 
@@ -118,6 +146,11 @@ class Sweep(Result):
         """t_nom = ‖x_f − x_0‖/U [s]."""
         return self.distance / self.speed
 
+    @property
+    def middle(self) -> SweepCurve:
+        """The curve that the answer is about: that of the middle velocity error."""
+        return sorted(self.curves, key=lambda curve: curve.sigma)[(len(self.curves) - 1) // 2]
+
     @cached_property
     def critical_points(self) -> tuple[float, ...]:
         """The d_max/L = 1/a (Briggs et al., Eq. 27) within the range swept."""
@@ -125,21 +158,21 @@ class Sweep(Result):
         return tuple(1.0 / a for a in range(1, int(1.0 / min(ratios)) + 1) if 1.0 / a <= max(ratios) + 1e-12)
 
     def saving(self, curve: SweepCurve) -> float:
-        """Time that the best d_max saves against one leg, on the mean [s]."""
+        """Mean time that the best d_max saves against a single leg [s]."""
         return (curve.one_leg.cost - curve.best.cost) * self.nominal_time
 
     def to_frame(self) -> pd.DataFrame:
-        """One row a velocity error and d_max."""
-        rows = [{"sigma_m_s": curve.sigma, **_row(point)} for curve in self.curves for point in curve.points]
+        """One row per velocity error and d_max."""
+        rows = [{"sigma_m_s": curve.sigma, **point.row()} for curve in self.curves for point in curve.points]
         frame = pd.DataFrame(rows)
         return frame if frame["cost_analytic"].notna().any() else frame.drop(columns="cost_analytic")
 
     def files(self) -> dict[str, str | bytes]:
-        """Give ``sweep.csv``."""
+        """Return ``sweep.csv``."""
         return {"sweep.csv": to_csv(self.to_frame())}
 
-    def summary(self) -> dict[str, Any]:
-        """Give the dictionary of ``summary.json``."""
+    def summary(self) -> dict[str, object]:
+        """Return the contents of ``summary.json``."""
         return {
             **self.provenance.summary(),
             "method": self.method,
@@ -149,47 +182,17 @@ class Sweep(Result):
             "sweep": [self._curve_summary(curve) for curve in self.curves],
         }
 
-    def _curve_summary(self, curve: SweepCurve) -> dict[str, Any]:
+    def _curve_summary(self, curve: SweepCurve) -> dict[str, object]:
         return {
             "sigma_m_s": curve.sigma,
-            "curve": [_point_summary(point) for point in curve.points],
-            "best": _short(curve.best),
-            "one_leg": _short(curve.one_leg),
+            "curve": [point.summary() for point in curve.points],
+            "best": curve.best.cost_summary(),
+            "one_leg": curve.one_leg.cost_summary(),
             "as_good_as_best": [point.d_max for point in curve.as_good],
             "saving_s": self.saving(curve),
-            **({} if curve.table is None else {"table": _table_summary(curve.table)}),
+            **({} if curve.table is None else {"table": _without_d_max(curve.table.summary())}),
         }
 
 
-def _row(point: SweepPoint) -> dict[str, Any]:
-    return {
-        "d_max_m": point.d_max,
-        "d_max_over_distance": point.d_max_over_distance,
-        "cost": point.cost,
-        "standard_error": point.standard_error,
-        "sd": point.sd,
-        "surfacings": point.surfacings,
-        "arrived": point.arrived.value,
-        "cost_analytic": np.nan if point.cost_analytic is None else point.cost_analytic,
-        "excess_standard_error": point.excess_error,
-        "as_good_as_best": point.as_good,
-    }
-
-
-def _point_summary(point: SweepPoint) -> dict[str, Any]:
-    row = _row(point)
-    if point.cost_analytic is None:
-        del row["cost_analytic"]
-    row["arrived"] = point.arrived.summary()
-    return row
-
-
-def _table_summary(point: SweepPoint) -> dict[str, Any]:
-    summary = _point_summary(point)
+def _without_d_max(summary: Mapping[str, object]) -> dict[str, object]:
     return {key: value for key, value in summary.items() if not key.startswith("d_max")}
-
-
-def _short(point: SweepPoint) -> dict[str, Any]:
-    keys = ("d_max_m", "d_max_over_distance", "cost", "standard_error")
-    row = _row(point)
-    return {key: row[key] for key in keys}

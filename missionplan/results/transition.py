@@ -1,8 +1,8 @@
-"""What `sweep-transition` finds: depth, pitch and energy of slowing down, over the grid of Palmer et al., Table 2."""
+"""Result of `sweep-transition`: depth, pitch and energy of slowing down, over the grid of Palmer et al., Table 2."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import pandas as pd
 
@@ -35,7 +35,7 @@ class TransitionSweep(Result):
     Attributes
     ----------
     cells : DataFrame
-        One run a row: `variant`, `deceleration_m_s2`, `steepness_m_s`, `mid_speed_m_s`, `depth_excursion_m`,
+        One run per row: `variant`, `deceleration_m_s2`, `steepness_m_s`, `mid_speed_m_s`, `depth_excursion_m`,
         `pitch_excursion_rad`, `hover_time_s`, `hover_pitch_rad`, `energy_common_wh` (option (a): until the slowest
         run of the set hovers), `energy_to_hover_wh` (option (b)), `energy_out_of_range` (share).
     unassisted : TimeHistory
@@ -50,7 +50,7 @@ class TransitionSweep(Result):
         `thrust_n`, `revolutions_per_s`, `power_w` of one thruster and `pair_power_w` at hover.
     """
 
-    report: ClassVar[str] = "transition"
+    report: ClassVar[str] = "transition.page"
     provenance: Provenance
     cells: pd.DataFrame
     shown_deceleration: float
@@ -78,8 +78,8 @@ class TransitionSweep(Result):
         least = int(cells["energy_common_wh"].to_numpy(dtype=float).argmin())
         return {str(name): float(value) for name, value in cells.iloc[least].items()}
 
-    def summary(self) -> dict[str, Any]:
-        """The dictionary of `summary.json`."""
+    def summary(self) -> dict[str, object]:
+        """Return the contents of `summary.json`."""
         return {
             **self.provenance.summary(),
             "saturation_speed_m_s": self.saturation_speed,
@@ -90,9 +90,9 @@ class TransitionSweep(Result):
         }
 
     def to_frame(self) -> pd.DataFrame:
-        """One run a row."""
+        """One run per row."""
         return self.cells.copy()
 
     def files(self) -> dict[str, str | bytes]:
-        """The table of all runs."""
+        """Return the table of all runs."""
         return {"transition.csv": to_csv(self.cells)}

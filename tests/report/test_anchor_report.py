@@ -66,5 +66,5 @@ def test_an_anchor_lighter_than_the_buoyancy_is_told_and_drawn_without_a_dive(tm
     shown = page(sizing)
     assert shown.verdict == "bad"
     assert "carry_net_buoyancy" in sizing.notes[0]
-    assert any(section.heading == "The anchor does not come down" for section in shown.sections)
+    assert any(section.heading == "The anchor does not reach the seafloor" for section in shown.sections)
     assert sizing.summary()["descent"]["offset_m"] != sizing.summary()["descent"]["offset_m"]  # nan

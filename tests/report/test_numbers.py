@@ -5,7 +5,8 @@ import math
 import pytest
 
 from missionplan.montecarlo.statistics import Statistic, wilson
-from missionplan.report.numbers import Unit, number, percent, span, split_key, unit_for, with_error
+from missionplan.report.display_units import Unit, split_key, unit_for
+from missionplan.report.numbers import number, percent, span, with_error
 
 MISSION = {
     "site": {"depth": "40 ft"},

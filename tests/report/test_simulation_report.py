@@ -13,6 +13,7 @@ from missionplan.montecarlo.statistics import wilson
 from missionplan.report.page import Figure, style
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
+from missionplan.report.simulation.sections import judged
 from missionplan.results.simulation import Attrition, Outcome
 
 
@@ -57,12 +58,12 @@ def test_the_commonest_of_many_failures_is_named_as_such(outcome):
 
 
 def test_requirements_are_judged_in_words(outcome):
-    judged = [simulation.judged(item) for item in outcome.requirements]
-    assert judged[2] == "not met"
+    verdicts = [judged(item) for item in outcome.requirements]
+    assert verdicts[2] == "not met"
     undecided = replace(outcome.requirements[0], undecided=True)
-    assert simulation.judged(undecided) == "met, but undecided"
+    assert judged(undecided) == "met, but undecided"
     words = terminal_view(replace(outcome, requirements=(undecided,))).sentence
-    assert "Its requirement is met; for 1 of them more trials would be needed to tell." in words
+    assert "Its requirement is met; more trials are needed to be sure." in words
 
 
 def test_limits_are_in_the_units_of_the_mission(page):
@@ -136,4 +137,4 @@ def test_the_folder_holds_what_the_contract_names_and_the_page_asks_for_nothing_
 
 
 def test_without_an_origin_there_is_no_place_on_earth():
-    assert simulation.files(example(origin=False)) == {}
+    assert render_report(example(origin=False)).files == {}

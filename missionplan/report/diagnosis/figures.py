@@ -4,8 +4,9 @@ import numpy as np
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.diagnosis.tank_figures import TANK_UNITS, tank_figure
-from missionplan.report.numbers import plain, split_key
+from missionplan.report.display_units import split_key
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.report.wording import in_words
 from missionplan.results.diagnosis import Diagnosis, DiscrepancyFound
 
 _MOST_PANELS = 9
@@ -89,7 +90,7 @@ def _numbers(diagnosis: Diagnosis) -> Figure:
         if diagnosis.causes:
             axes.plot(table["extended"], runs, "D", color=BLUE, fillstyle="none", label="extended")
         difference = ",\nmeasured less simulated" if table["less_simulated"].all() else ""
-        axes.set_xlabel(f"{plain(str(name)).capitalize()}{difference} ({split_key(str(name))[1]})")
+        axes.set_xlabel(f"{in_words(str(name)).capitalize()}{difference} ({split_key(str(name))[1]})")
         axes.margins(y=0.25)
     panels[0].invert_yaxis()
     shown = panels[0].get_legend_handles_labels()

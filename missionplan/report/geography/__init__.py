@@ -1,1 +1,1 @@
-"""Tracks and circles of error for other programs: GeoJSON, KML, and the view in plan that both draw."""
+"""Missions from above: what is drawn (`plan_view`), and its export as GeoJSON and KML."""

@@ -1,4 +1,4 @@
-"""Tracks and circles of error as KML 2.2 (OGC 07-147r2), for Google Earth and its like."""
+"""Tracks and circles of error as KML 2.2 (OGC 07-147r2), for Google Earth and other programs."""
 
 import re
 from xml.etree import ElementTree
@@ -21,8 +21,8 @@ _STYLES = {
     "CEP": ("ffe9b456", 2.0),
     "mooring-ellipse": ("ffa779cc", 2.0),
 }
-"""Colour of the line (alpha, blue, green, red: KML's order) and its width, by what is drawn."""
-_NO_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Colour (alpha, blue, green, red, as in KML) and width of the lines, by what they show."""
+_NOT_IN_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def track_kml(outcome: Outcome) -> str | None:
@@ -40,14 +40,7 @@ def track_kml(outcome: Outcome) -> str | None:
     for name, (colour, width) in _STYLES.items():
         _style(document, name, colour, width)
     _tracks(document, outcome, origin)
-    drawn = list(rings(outcome))
-    for phase, (goal, _) in outcome.tracks.targets.items():
-        folder = _add(document, "Folder")
-        _add(folder, "name", phase)
-        for ring in (ring for ring in drawn if ring.phase == phase):
-            _ring(folder, ring, origin)
-        point = _add(_placemark(folder, f"{phase}: goal"), "Point")
-        _add(point, "coordinates", _coordinates(np.array(goal)[:, None], origin))
+    _goals(document, outcome, origin)
     ElementTree.indent(root, " ")
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
@@ -62,6 +55,17 @@ def _tracks(document: Element, outcome: Outcome, origin: tuple[float, float]) ->
             line = _add(_placemark(folder, f"{kind}, trial {trial}", kind.replace(" ", "-")), "LineString")
             _add(line, "tessellate", "1")
             _add(line, "coordinates", _coordinates(points, origin))
+
+
+def _goals(document: Element, outcome: Outcome, origin: tuple[float, float]) -> None:
+    drawn = list(rings(outcome))
+    for phase, (goal, _) in outcome.tracks.targets.items():
+        folder = _add(document, "Folder")
+        _add(folder, "name", phase)
+        for ring in (ring for ring in drawn if ring.phase == phase):
+            _ring(folder, ring, origin)
+        point = _add(_placemark(folder, f"{phase}: goal"), "Point")
+        _add(point, "coordinates", _coordinates(np.array(goal)[:, None], origin))
 
 
 def _ring(folder: Element, ring: Ring, origin: tuple[float, float]) -> None:
@@ -95,5 +99,5 @@ def _add(parent: Element, tag: str, text: str | None = None) -> Element:
     """Add an element; characters that XML cannot hold are replaced."""
     child = ElementTree.SubElement(parent, tag)
     if text is not None:
-        child.text = _NO_XML.sub("\ufffd", text)
+        child.text = _NOT_IN_XML.sub("\ufffd", text)
     return child

@@ -1,4 +1,4 @@
-"""What is drawn of a mission in plan, on paper or on a globe: tracks, circles of error, ellipses of mooring."""
+"""A mission seen from above, for maps and globes: tracks, circles of error, mooring ellipses."""
 
 import math
 from collections.abc import Iterator
@@ -12,24 +12,25 @@ from missionplan.results.simulation import Outcome, Tracks
 SHARES = (0.5, 0.95)
 """Shares of the trials that circles and ellipses hold."""
 _LEAST_POINTS = 10
+"""Ends of a phase below which no share is drawn."""
 
 
 @dataclass(frozen=True)
 class Ring:
-    """A closed line about where the trials end up.
+    """A closed line about where the trials end.
 
     Attributes
     ----------
     kind : str
         ``arrival circle`` or ``CEP`` of a transit, ``mooring circle`` or ``mooring ellipse`` of a mooring.
     phase : str
-        The phase that it belongs to.
+        Name of the phase.
     share : float
-        Of the trials that it holds; nan for a circle that the mission sets.
+        Share of the trials inside; nan for a circle that the mission sets.
     radius : float
-        Of a circle; for an ellipse that of the circle of equal area [m].
+        Of a circle; for an ellipse, of the circle of equal area [m].
     line : array, shape (2, k)
-        East and north, counter-clockwise, the last point the first [m].
+        East and north, counter-clockwise, the last point equal to the first [m].
     """
 
     kind: str
@@ -40,7 +41,7 @@ class Ring:
 
 
 def rings(outcome: Outcome) -> Iterator[Ring]:
-    """Draw what the mission allows about every goal, and the CEP of the arrivals or the ellipse of the anchors."""
+    """Yield the circle that the mission allows about every goal, and the CEP of the arrivals or ellipses of anchors."""
     moors = [phase.name for phase in outcome.phases if phase.kind == "moor"]
     for name, (goal, radius) in outcome.tracks.targets.items():
         moored = name in moors
@@ -58,25 +59,26 @@ def rings(outcome: Outcome) -> Iterator[Ring]:
 
 
 def finite(points: Array) -> Array:
-    """Points of shape (2, n) that have both coordinates."""
+    """Return the points, shape (2, n), that have both coordinates."""
     return np.asarray(points[:, np.all(np.isfinite(points), axis=0)])
 
 
 def circular_error(misses: Array, share: float) -> float:
-    """Radius about the goal that holds `share` of the misses, shape (2, n) [m]."""
+    """Return the radius about the goal that holds `share` of the misses, shape (2, n) [m]."""
     return float(np.quantile(np.hypot(*misses), share))
 
 
 def circle(centre: tuple[float, float], radius: float, points: int = 72) -> Array:
-    """Closed circle, shape (2, points + 1), counter-clockwise."""
+    """Return a closed circle, shape (2, points + 1), counter-clockwise."""
     angle = np.linspace(0.0, 2.0 * math.pi, points + 1)
     return np.array(centre)[:, None] + radius * np.array([np.cos(angle), np.sin(angle)])
 
 
 def ellipse(points: Array, share: float) -> Array:
-    """Ellipse with the shape of the points' covariance, as large as holds `share` of them, shape (2, 73).
+    """Return the ellipse with the shape of the points' covariance that holds `share` of them, shape (2, 73).
 
-    For normal scatter its scale is √(−2 ln(1 − share)); taken from the points themselves it holds for any.
+    Its scale is the quantile of the points' Mahalanobis distances, so that it holds for any distribution; for a
+    normal one it is √(−2 ln(1 − share)).
     """
     centre = points.mean(axis=1, keepdims=True)
     values, vectors = np.linalg.eigh(np.cov(points))
@@ -86,21 +88,21 @@ def ellipse(points: Array, share: float) -> Array:
 
 
 def area(line: Array) -> float:
-    """Area inside a closed line; positive when it runs counter-clockwise [m²]."""
+    """Return the area inside a closed line (shoelace formula); positive when it runs counter-clockwise [m²]."""
     east, north = line - line[:, :1]
     return float(0.5 * np.sum(east[:-1] * north[1:] - east[1:] * north[:-1]))
 
 
 def track(tracks: Tracks, trial: int) -> Array:
-    """Way points of one trial, shape (2, k): points that a trial does not have are left out [m]."""
+    """Return the way points of one trial, shape (2, k); points that the trial does not have are left out [m]."""
     return finite(tracks.position[:, :, trial].T)
 
 
 def median_trial(tracks: Tracks) -> int:
-    """Find the trial in the middle of the crowd.
+    """Find the trial that is nearest to the median.
 
-    Of the trials that came furthest, the one whose ends of phases lie nearest to the medians of them all, each
-    phase by its own spread: a track that was sailed, as a point-by-point median is not.
+    Of the trials that completed most phases, it is the one whose ends of phases lie nearest to their medians, each
+    phase scaled by its own spread. Unlike a point-by-point median it is a track that a vehicle can take.
     """
     ends = np.array([_last(tracks.position[tracks.phase == phase]) for phase in np.unique(tracks.phase)])
     phases_done = np.all(np.isfinite(ends), axis=1).sum(axis=0)
@@ -112,7 +114,7 @@ def median_trial(tracks: Tracks) -> int:
 
 
 def _last(points: Array) -> Array:
-    """Last point that each trial has, shape (2, trials), of (points, 2, trials)."""
+    """Last point of each trial, shape (2, trials), among points of shape (points, 2, trials)."""
     has = np.all(np.isfinite(points), axis=1)
     last = len(points) - 1 - np.argmax(has[::-1], axis=0)
     return np.asarray(np.where(has.any(axis=0), points[last, :, np.arange(points.shape[2])].T, np.nan))

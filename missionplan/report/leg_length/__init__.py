@@ -1,1 +1,1 @@
-"""Reports of `sweep-dmax` and `plan-legs`."""
+"""Reports of `sweep-dmax` (`sweep`, `sweep_figures`) and of `plan-legs` (`plan`, `plan_figures`)."""

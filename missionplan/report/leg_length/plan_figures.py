@@ -1,6 +1,9 @@
 """Figures of a plan of legs: the policy, tracks of both plans, the saving when errors are not as planned."""
 
+from collections.abc import Callable
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
@@ -14,30 +17,8 @@ def policy_figure(plan: LegPlan) -> Figure:
     """Draw leg length, and where legs aim, against distance left."""
     figure = MatplotlibFigure(figsize=(6.0, 5.4))
     legs, aims = figure.subplots(2, 1)
-    table = LegTable(plan.left, plan.leg)
-    knots = plan.left[(plan.left > plan.arrival_radius) & (plan.left <= plan.distance)]
-    linear = np.union1d(np.linspace(plan.arrival_radius, plan.distance, 400), knots)
-    fine = np.union1d(np.geomspace(plan.arrival_radius, plan.distance, 400), knots)
-    colour, width = (GREY, 1.0) if plan.adapts else (BLUE, None)
-    legs.plot(linear / 1000.0, np.minimum(linear, plan.fixed_d_max) / 1000.0, color=colour, linewidth=width)
-    aims.plot(fine, _short(fine, np.minimum(fine, plan.fixed_d_max)), color=colour, linewidth=width)
-    if plan.adapts:
-        legs.plot(linear / 1000.0, table(linear) / 1000.0, color=BLUE)
-        legs.plot(knots / 1000.0, table(knots) / 1000.0, ".", color=BLUE, markersize=5)
-        aims.plot(fine, _short(fine, table(fine)), color=BLUE)
-    legs.set(xlabel="Distance left (km)", ylabel="Leg length (km)", xlim=(0.0, None), ylim=(0.0, None))
-    legs.annotate("best fixed d_max", (0.03, 0.9), xycoords="axes fraction", color=colour)
-    aims.axhline(plan.arrival_radius, color=ORANGE, linewidth=1.0, linestyle=(0, (4, 3)))
-    aims.annotate(
-        "arrival radius", (fine[-1], plan.arrival_radius), xytext=(0, 3), textcoords="offset points", ha="right",
-        color=ORANGE,
-    )  # fmt: skip
-    aims.set(xlabel="Distance left (m)", ylabel="Leg stops short of\nthe target by (m)", xscale="log", yscale="log")
-    for axis in (aims.xaxis, aims.yaxis):
-        low, high = axis.get_view_interval()
-        shown = "25" if high > 10.0 * low else "2468"
-        axis.set_major_formatter(lambda value, _: f"{value:g}")
-        axis.set_minor_formatter(lambda value, _, shown=shown: f"{value:g}" if f"{value:g}"[0] in shown else "")
+    _draw_lengths(legs, plan)
+    _draw_aims(aims, plan)
     plans = "Blue: the table, dots its knots; grey: the best fixed d_max" if plan.adapts else "The best fixed d_max"
     return to_figure(
         figure,
@@ -54,6 +35,54 @@ def policy_figure(plan: LegPlan) -> Figure:
     )
 
 
+def _draw_lengths(axes: Axes, plan: LegPlan) -> None:
+    """Draw leg length against distance left, on linear axes."""
+    knots = _knots(plan)
+    left = np.union1d(np.linspace(plan.arrival_radius, plan.distance, 400), knots)
+    colour, width = _fixed_look(plan)
+    axes.plot(left / 1000.0, np.minimum(left, plan.fixed_d_max) / 1000.0, color=colour, linewidth=width)
+    if plan.adapts:
+        table = LegTable(plan.left, plan.leg)
+        axes.plot(left / 1000.0, table(left) / 1000.0, color=BLUE)
+        axes.plot(knots / 1000.0, table(knots) / 1000.0, ".", color=BLUE, markersize=5)
+    axes.set(xlabel="Distance left (km)", ylabel="Leg length (km)", xlim=(0.0, None), ylim=(0.0, None))
+    axes.annotate("best fixed d_max", (0.03, 0.9), xycoords="axes fraction", color=colour)
+
+
+def _draw_aims(axes: Axes, plan: LegPlan) -> None:
+    """Draw how far short of the target legs are aimed, on logarithmic axes."""
+    left = np.union1d(np.geomspace(plan.arrival_radius, plan.distance, 400), _knots(plan))
+    colour, width = _fixed_look(plan)
+    axes.plot(left, _short(left, np.minimum(left, plan.fixed_d_max)), color=colour, linewidth=width)
+    if plan.adapts:
+        axes.plot(left, _short(left, LegTable(plan.left, plan.leg)(left)), color=BLUE)
+    radius = plan.arrival_radius
+    axes.axhline(radius, color=ORANGE, linewidth=1.0, linestyle=(0, (4, 3)))
+    axes.annotate(
+        "arrival radius", (left[-1], radius), xytext=(0, 3), textcoords="offset points", ha="right", color=ORANGE
+    )
+    axes.set(xlabel="Distance left (m)", ylabel="Leg stops short of\nthe target by (m)", xscale="log", yscale="log")
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = axis.get_view_interval()
+        axis.set_major_formatter(lambda value, _: f"{value:g}")
+        axis.set_minor_formatter(_with_first_digit("25" if high > 10.0 * low else "2468"))
+
+
+def _with_first_digit(digits: str) -> Callable[[float, float], str]:
+    """Label the ticks whose first digit is one of these, so that labels do not overlap."""
+    return lambda value, _: f"{value:g}" if f"{value:g}"[0] in digits else ""
+
+
+def _knots(plan: LegPlan) -> Array:
+    """Knots of the table within the transit's range [m]."""
+    return plan.left[(plan.left > plan.arrival_radius) & (plan.left <= plan.distance)]
+
+
+def _fixed_look(plan: LegPlan) -> tuple[str, float | None]:
+    """Colour and line width of the fixed d_max: thin and grey beside a table."""
+    return (GREY, 1.0) if plan.adapts else (BLUE, None)
+
+
 def _short(left: Array, leg: Array) -> Array:
     """How far short of the target legs are aimed, nan where they are not [m]."""
     return np.where(leg < left, left - leg, np.nan)
@@ -65,19 +94,8 @@ def tracks_figure(plan: LegPlan) -> Figure:
     plans += [("Table", plan.adaptive_tracks)] if plan.adapts else []
     figure = MatplotlibFigure(figsize=(6.0, 0.2 + 2.4 * len(plans)))
     rows = figure.subplots(len(plans), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    goal = np.array(plan.goal)
-    course = goal - plan.fixed_tracks[:, 0, 0]
-    along = course / np.hypot(*course)
-    across = np.array([-along[1], along[0]])
-    rim = np.linspace(0.0, 2.0 * np.pi, 73)
-    length = np.hypot(*course)
     for axes, (title, tracks) in zip(rows, plans, strict=True):
-        circle = (length + plan.arrival_radius * np.cos(rim), plan.arrival_radius * np.sin(rim))
-        axes.plot(circle[0] / 1000.0, circle[1], color=ORANGE, linewidth=1.0)
-        for number in range(tracks.shape[2]):
-            points = tracks[:, :, number] - plan.fixed_tracks[:, 0, :1]
-            points = points[:, ~np.isnan(points[0])]
-            axes.plot(along @ points / 1000.0, across @ points, ".-", linewidth=0.9, markersize=5)
+        _draw_tracks(axes, plan, tracks)
         axes.set(title=title, ylabel="Across (m, to port)")
     rows[-1].set(xlabel="Along the course (km)")
     number, both = plan.fixed_tracks.shape[2], ", with the same errors, by both plans" if plan.adapts else ""
@@ -90,6 +108,22 @@ def tracks_figure(plan: LegPlan) -> Figure:
             "Dots: at the surface; ellipse: the arrival circle."
         ),
     )
+
+
+def _draw_tracks(axes: Axes, plan: LegPlan, tracks: Array) -> None:
+    """Draw the arrival circle and tracks of shape (2, m, j), turned so that the course runs to the right."""
+    start = plan.fixed_tracks[:, 0, :1]
+    course = np.array(plan.goal) - start[:, 0]
+    length = np.hypot(*course)
+    along = course / length
+    across = np.array([-along[1], along[0]])
+    rim = np.linspace(0.0, 2.0 * np.pi, 73)
+    circle = (length + plan.arrival_radius * np.cos(rim), plan.arrival_radius * np.sin(rim))
+    axes.plot(circle[0] / 1000.0, circle[1], color=ORANGE, linewidth=1.0)
+    for number in range(tracks.shape[2]):
+        points = tracks[:, :, number] - start
+        points = points[:, ~np.isnan(points[0])]
+        axes.plot(along @ points / 1000.0, across @ points, ".-", linewidth=0.9, markersize=5)
 
 
 def cases_figure(plan: LegPlan) -> Figure:

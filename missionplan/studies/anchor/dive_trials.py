@@ -15,7 +15,7 @@ from missionplan.phases.currents import Current
 from missionplan.phases.hooks import surface_velocity
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import Dive
-from missionplan.results.anchor import DiveProbabilities
+from missionplan.results.sized_anchor import DiveProbabilities
 from missionplan.scenario.anchor_weight import anchor_flooded_mass
 from missionplan.scenario.mooring import dive_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario

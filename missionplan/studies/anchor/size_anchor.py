@@ -6,8 +6,9 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel_blocks import Backend
-from missionplan.results.anchor import AnchorSizing, ProbableAnchor, SizedAnchor
+from missionplan.results.anchor import AnchorSizing, ProbableAnchor
 from missionplan.results.base import Provenance
+from missionplan.results.sized_anchor import SizedAnchor
 from missionplan.scenario.anchor_weight import worst_case_weight
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current

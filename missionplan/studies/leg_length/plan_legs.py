@@ -10,7 +10,8 @@ from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import block_count
 from missionplan.results.base import Provenance
-from missionplan.results.legs import CandidatePlan, LegCase, LegPlan
+from missionplan.results.leg_cases import CandidatePlan, LegCase
+from missionplan.results.legs import LegPlan
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs
 from missionplan.studies.leg_length.plan_comparison import compare_plans
 from missionplan.studies.leg_length.robustness import PairedPlansTask, error_scenarios, leg_case

@@ -104,7 +104,7 @@ def test_two_shares_are_tested_as_pooled(report):
 
 def test_a_requirement_that_is_no_longer_met_is_told(report):
     comparison = compare(report(simulated()), report(simulated(met=False, seed=2)))
-    assert "Moor offset was met and is not met." in terminal_view(comparison).sentence
+    assert "The requirement on moor offset was met and is now not met." in terminal_view(comparison).sentence
 
 
 def test_what_changed_in_the_mission_is_named_by_key(report):

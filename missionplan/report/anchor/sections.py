@@ -1,0 +1,133 @@
+"""Sections of the report of a sizing."""
+
+from collections.abc import Iterator
+
+from missionplan.report.anchor.drawing import drawing
+from missionplan.report.anchor.drift import drift_figure
+from missionplan.report.anchor.figures import descent_profile, drag_bars
+from missionplan.report.anchor.numbers_table import numbers_table
+from missionplan.report.numbers import number, percent
+from missionplan.report.page import Block, PageSection, Table
+from missionplan.report.wording import capitalised
+from missionplan.results.anchor import AnchorSizing, ProbableAnchor
+from missionplan.results.sized_anchor import SizedAnchor
+
+_WORST_CASE = (
+    "The worst case takes every layer at its design speed and all of them aligned, but leaves out the release, the "
+    "pay-out of the line and the time to gather speed: its anchor can be too heavy or too light."
+)
+
+
+def problems(anchor: SizedAnchor) -> Iterator[PageSection]:
+    """List why the anchor cannot be built, where it cannot."""
+    if anchor.problems:
+        blocks: list[Block] = [f"{capitalised(problem)}." for problem in anchor.problems]
+        if anchor.design is not None and anchor.design.cylinder_length > 0.0:
+            blocks.append(drawing(anchor.design))
+        yield PageSection("Why it cannot be built, and what would allow it", blocks)
+
+
+def probable(sizing: AnchorSizing) -> Iterator[PageSection]:
+    """Present the anchor for the probability required, where one was given."""
+    if sizing.probable is None:
+        return
+    wanted = f"{100 * sizing.probable.required:g}\u00a0%"
+    found = sizing.probable.anchor
+    if found is None:
+        yield PageSection(f"No anchor reaches {wanted}", _why_none(sizing, sizing.probable))
+    else:
+        heading = f"For {wanted} the anchor weighs {found.wet_weight:.1f}\u00a0N"
+        problems = [f"{capitalised(problem)}." for problem in found.problems]
+        yield PageSection(heading, [_compared(sizing, found, wanted), _WORST_CASE, *problems])
+
+
+def _why_none(sizing: AnchorSizing, probable: ProbableAnchor) -> list[str]:
+    words = [f"{capitalised(probable.reason)}."]
+    if probable.line_length is not None:
+        words.append(
+            f"A line of {probable.line_length:.1f}\u00a0m, instead of {sizing.line_length:.1f}\u00a0m, "
+            f"with an anchor of {probable.line_anchor_weight:.1f}\u00a0N would do."
+        )
+    return words
+
+
+def _compared(sizing: AnchorSizing, found: SizedAnchor, wanted: str) -> str:
+    worst = sizing.anchor
+    difference = found.wet_weight - worst.wet_weight
+    return (
+        f"The lightest anchor that stays within {sizing.radius:.1f}\u00a0m without the vehicle striking in {wanted} of "
+        f"dives weighs {found.wet_weight:.1f}\u00a0N wet, {abs(difference):.1f}\u00a0N "
+        f"{'lighter' if difference < 0.0 else 'heavier'} than the worst-case anchor, which reaches "
+        f"{percent(worst.probabilities.good)}. It is {dive_in_words(found)}."
+    )
+
+
+def dive_in_words(anchor: SizedAnchor) -> str:
+    """Write where and when the nominal dive ends."""
+    if not anchor.touched_down:
+        return "it does not take the vehicle to the seafloor"
+    down = (
+        f"at the seafloor {anchor.descent_time:.0f}\u00a0s after separation, "
+        f"{anchor.offset:.0f}\u00a0m from the last fix"
+    )
+    if anchor.lowest_altitude > 0.0:
+        return f"{down}; the vehicle stops {anchor.lowest_altitude:.1f}\u00a0m above the bottom"
+    return f"{down}; the vehicle strikes the bottom: the line is {-anchor.lowest_altitude:.1f}\u00a0m too short"
+
+
+def probabilities(sizing: AnchorSizing) -> PageSection:
+    """Present how often dives stay within the radius and clear of the bottom."""
+    good = percent(sizing.anchor.probabilities.good)
+    heading = f"{good} of dives stay within {sizing.radius:.1f}\u00a0m and clear of the bottom"
+    return PageSection(heading, [_dives_in_words(sizing)])
+
+
+def _dives_in_words(sizing: AnchorSizing) -> str:
+    dives, trials = sizing.anchor.probabilities, sizing.provenance.trials
+    offset, lowest = dives.offset, dives.lowest_altitude.p05
+    if offset.count == 0:
+        return f"In none of {trials} dives drawn from the mission's distributions does the anchor reach the seafloor."
+    words = (
+        f"Over {trials} dives drawn from the mission's distributions the anchor comes down "
+        f"{number(offset.p50, offset.standard_error)}\u00a0m from the last fix in the median and "
+        f"{number(offset.p95, 2.0 * offset.standard_error)}\u00a0m at the 95th percentile. The vehicle "
+        f"strikes the seafloor in {percent(dives.struck)}"
+    )
+    return f"{words}; in one dive of twenty it stops within {lowest:.2f}\u00a0m of it." if lowest > 0.0 else f"{words}."
+
+
+def dive(sizing: AnchorSizing) -> Iterator[PageSection]:
+    """Draw the nominal dive, where it reaches the seafloor."""
+    anchor = sizing.anchor
+    if not anchor.touched_down:
+        yield PageSection("The anchor does not reach the seafloor", [_layers_in_words(sizing)])
+        return
+    if anchor.design is not None and anchor.design.feasible:
+        stops = f"The vehicle stops {anchor.lowest_altitude:.1f}\u00a0m above the bottom"
+        heading = stops if anchor.lowest_altitude > 0.0 else "The vehicle strikes the bottom"
+        yield PageSection(heading, [descent_profile(anchor)])
+    inside = "inside" if anchor.offset <= sizing.radius else "outside"
+    heading = f"The anchor comes down {anchor.offset:.1f}\u00a0m from the last fix, {inside} the radius"
+    yield PageSection(heading, [drift_figure(sizing), _layers_in_words(sizing)])
+
+
+def _layers_in_words(sizing: AnchorSizing) -> str:
+    layers = "; ".join(f"{layer.thickness:.1f}\u00a0m at {layer.speed:.2f}\u00a0m/s" for layer in sizing.layers)
+    required = f"{sizing.required_velocity:.3f}\u00a0m/s"
+    words = f"Sized for {layers}, all aligned (Eq. 1), which requires {required} downward over the ground."
+    if sizing.vector_velocity is not None:
+        words += f" With the layers' own directions {sizing.vector_velocity:.3f}\u00a0m/s would do."
+    return words
+
+
+def drag(sizing: AnchorSizing) -> PageSection:
+    """Draw where the drag comes from, with the notes on the formulae."""
+    anchor = sizing.anchor
+    share = float(anchor.drag.anchor) / float(anchor.drag.total)
+    heading = f"The vehicle makes {100 * (1 - share):.0f}\u00a0% of the drag, the anchor {100 * share:.0f}\u00a0%"
+    return PageSection(heading, [drag_bars(anchor), *sizing.notes])
+
+
+def all_numbers(sizing: AnchorSizing) -> PageSection:
+    """Tabulate every number of the anchors."""
+    return PageSection("All numbers", [Table(*numbers_table(sizing))])

@@ -1,0 +1,155 @@
+"""Sections of the report of a simulated mission."""
+
+import math
+from collections.abc import Iterator
+
+from missionplan.report.geography.plan_view import Ring, rings
+from missionplan.report.numbers import has_spread, number, percent, span, with_error
+from missionplan.report.page import Block, PageSection, Table
+from missionplan.report.simulation.close_ups import close_ups
+from missionplan.report.simulation.figures import timeline_figure
+from missionplan.report.simulation.histograms import histogram_figure
+from missionplan.report.simulation.maps import track_map
+from missionplan.report.simulation.quantities import (
+    failure_in_words,
+    range_in_words,
+    requirement_in_words,
+    requirement_on,
+    unit_of,
+    worst_step,
+)
+from missionplan.report.wording import capitalised, in_words
+from missionplan.results.simulation import Outcome, PhaseOutcome, RequirementOutcome
+
+_ALWAYS_DRAWN = {"moor": ("offset_m", "lowest_altitude_m"), "total": ("duration_s", "energy_wh")}
+"""Quantities whose distribution is drawn even without a requirement on them, by kind of phase."""
+
+
+def failed_blocks(outcome: Outcome) -> Iterator[PageSection]:
+    """Name the blocks of trials that failed numerically, if any."""
+    count = len(outcome.failed_blocks)
+    if count:
+        words = "1 block of trials" if count == 1 else f"{count} blocks of trials"
+        text = "They are left out of everything on this page. Each can be run again alone:"
+        yield PageSection(f"{words} failed numerically", [text, *outcome.failed_blocks])
+
+
+def requirements(outcome: Outcome) -> Iterator[PageSection]:
+    """Tabulate the requirements, where there are any."""
+    rows = [
+        (
+            requirement_in_words(outcome, item),
+            judged(item),
+            f"{100.0 * item.required:g}\u00a0%",
+            percent(item.probability),
+        )
+        for item in outcome.requirements
+    ]
+    if rows:
+        missed = [requirement_in_words(outcome, item) for item in outcome.requirements if not item.met]
+        heading = f"Not met: {'; '.join(missed)}" if missed else "Every requirement is met"
+        yield PageSection(heading, [Table(("requirement", "verdict", "required", "reached"), rows, text_columns=2)])
+
+
+def judged(requirement: RequirementOutcome) -> str:
+    """Write whether a requirement is met."""
+    words = "met" if requirement.met else "not met"
+    return f"{words}, but undecided" if requirement.undecided else words
+
+
+def tracks(outcome: Outcome) -> PageSection:
+    """Draw the tracks from above, and where each phase ends about its goal."""
+    drawn = list(rings(outcome))
+    rows = [(ring.phase, ring.kind, _share(ring), f"{ring.radius:.3g}") for ring in drawn]
+    caption = "Circles are about the goal; for an ellipse, the radius of the circle of equal area."
+    table = Table(("phase", "line", "holds", "radius (m)"), rows, caption, text_columns=2)
+    close = close_ups(outcome)
+    figures: list[Block] = [track_map(outcome), *([close] if close else [])]
+    return PageSection(_tightest(outcome, drawn), [*figures, table])
+
+
+def _share(ring: Ring) -> str:
+    return "" if math.isnan(ring.share) else f"{100.0 * ring.share:.0f}\u00a0%"
+
+
+def _tightest(outcome: Outcome, drawn: list[Ring]) -> str:
+    """Name the transit that misses its goal by most of what its arrival radius allows."""
+    outer = [ring for ring in drawn if ring.kind == "CEP" and ring.share == 0.95]
+    if not outer:
+        return "Where the trials end"
+    allowed = {name: radius for name, (_, radius) in outcome.tracks.targets.items()}
+    tight = max(outer, key=lambda ring: ring.radius / allowed[ring.phase])
+    return (
+        f"{capitalised(tight.phase)} is the tightest: 95\u00a0% end within {tight.radius:.3g}\u00a0m of the goal; "
+        f"{allowed[tight.phase]:.3g}\u00a0m is allowed"
+    )
+
+
+def timeline(outcome: Outcome) -> PageSection:
+    """Draw when each phase begins and ends."""
+    duration = range_in_words(outcome, outcome.total, "duration_s")
+    return PageSection(f"Nine missions in ten take {duration}", [timeline_figure(outcome)])
+
+
+def distributions(outcome: Outcome) -> PageSection:
+    """Draw the distributions that matter, or name the value of a quantity that does not vary."""
+    blocks = [
+        _distribution(outcome, phase, key)
+        for phase in (outcome.total, *outcome.phases)
+        for key in phase.quantities
+        if _is_drawn(outcome, phase, key)
+    ]
+    return PageSection(f"Half of the missions need no more than {_medians(outcome)}", blocks)
+
+
+def _is_drawn(outcome: Outcome, phase: PhaseOutcome, key: str) -> bool:
+    matters = requirement_on(outcome, phase, key) is not None or key in _ALWAYS_DRAWN.get(phase.kind, ())
+    return matters and math.isfinite(phase.quantities[key].p50)
+
+
+def _distribution(outcome: Outcome, phase: PhaseOutcome, key: str) -> Block:
+    statistic = phase.quantities[key]
+    if has_spread(statistic.mean, statistic.sd):
+        return histogram_figure(outcome, phase, key)
+    value = with_error(statistic.mean, 0.0, unit_of(outcome, phase, key))
+    return f"{capitalised(in_words(f'{phase.name}.{key}'))} is {value} in every trial that reached it."
+
+
+def _medians(outcome: Outcome) -> str:
+    parts = []
+    for key in ("duration_s", "energy_wh"):
+        statistic = outcome.total.quantities.get(key)
+        if statistic is not None and math.isfinite(statistic.p50):
+            unit = unit_of(outcome, outcome.total, key)
+            parts.append(f"{span(statistic, unit)[1]}{unit.suffix}")
+    return " and ".join(parts)
+
+
+def attrition(outcome: Outcome) -> PageSection:
+    """Tabulate what is lost at each step."""
+    rows = [(step.step, percent(step.lost), percent(step.surviving)) for step in outcome.attrition]
+    worst = worst_step(outcome)
+    heading = "No trial failed"
+    if worst is not None:
+        heading = f"{capitalised(failure_in_words(worst.step))} cost {percent(worst.lost)} of the trials"
+    return PageSection(heading, [Table(("step", "lost here", "still good"), rows, "Shares of all trials.")])
+
+
+def quantities(outcome: Outcome) -> PageSection:
+    """Tabulate every quantity of every phase."""
+    rows = [
+        (in_words(f"{phase.name}.{key}"), *_statistic(outcome, phase, key))
+        for phase in (*outcome.phases, outcome.total)
+        for key in phase.quantities
+    ]
+    columns = ("quantity", "mean ± standard error", "sd", "5 %", "50 %", "95 %")
+    return PageSection(
+        "Every quantity, phase by phase", [Table(columns, rows), "Over the trials that reached the quantity."]
+    )
+
+
+def _statistic(outcome: Outcome, phase: PhaseOutcome, key: str) -> tuple[str, ...]:
+    statistic = phase.quantities[key]
+    unit = unit_of(outcome, phase, key)
+    mean = with_error(statistic.mean, statistic.standard_error, unit)
+    return mean, number(unit(statistic.sd), unit(0.1 * statistic.sd)), *span(statistic, unit)

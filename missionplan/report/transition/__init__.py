@@ -1,0 +1,1 @@
+"""Report of `sweep-transition`: the page, and its figures after those of Palmer, Hearn & Stevenson."""

@@ -1,0 +1,141 @@
+"""Figures of `sweep-transition`: Figs. 3, 6 to 11 and 14 of Palmer, Hearn & Stevenson."""
+
+from collections.abc import Callable, Sequence
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.arrays import Array
+from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, to_figure
+from missionplan.results.transition import FORCE, TimeHistory, TransitionSweep
+
+_SHOWN_UNTIL = 260.0
+"""End of the histories, after the deceleration began [s]."""
+
+
+def unassisted_figure(result: TransitionSweep) -> Figure:
+    """Draw sternplane, pitch and depth without thrusters (Fig. 3)."""
+    track = result.unassisted
+    shown = (track.time >= -20.0) & (track.speed > 0.2)
+    figure = MatplotlibFigure(figsize=(6.0, 5.0))
+    angles, depth = figure.subplots(2, 1, sharex=True)
+    angles.plot(track.time[shown], np.degrees(track.pitch[shown]), color=BLUE, label="pitch")
+    angles.plot(track.time[shown], np.degrees(track.sternplane[shown]), color=ORANGE, label="sternplane")
+    angles.set_ylabel("angle [deg]")
+    depth.plot(track.time[shown], -track.depth[shown], color=BLUE)
+    depth.set_ylabel("rise above target [m]")
+    depth.set_xlabel("time since the deceleration began [s]")
+    crossing = track.time[np.argmax(track.speed < result.saturation_speed)]
+    for axes in (angles, depth):
+        axes.axvline(crossing, color=GREY, linewidth=1.0, linestyle=":")
+    label = f"A: {result.saturation_speed:.2f} m/s"
+    depth.annotate(
+        label, (crossing, depth.get_ylim()[1]), xytext=(-4, -4), textcoords="offset points", ha="right", va="top"
+    )
+    angles.legend(loc="upper left")
+    alt = (
+        "Pitch, sternplane and rise against time without thrusters: once the sternplane is at its limit depth is lost."
+    )
+    return to_figure(
+        figure, "fig-3-no-thrusters", alt, "Without thrusters (the paper's Fig. 3); speed falls with time."
+    )
+
+
+def _histories(
+    tracks: Sequence[TimeHistory], name: str, alt: str, caption: str, y: Callable[[TimeHistory], Array], label: str
+) -> Figure:
+    figure = MatplotlibFigure()
+    axes = figure.subplots()
+    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(tracks)))
+    for track, colour in zip(tracks, colours, strict=True):
+        shown = (track.time >= 0.0) & (track.time <= _SHOWN_UNTIL)
+        axes.plot(track.time[shown], y(track)[shown], color=colour, label=track.label, linewidth=1.3)
+    axes.set_xlabel("time since the deceleration began [s]")
+    axes.set_ylabel(label)
+    axes.legend(title="m/s", ncols=2)
+    return to_figure(figure, name, alt, caption)
+
+
+def _rise(track: TimeHistory) -> Array:
+    return -track.depth
+
+
+def _pitch(track: TimeHistory) -> Array:
+    return np.degrees(track.pitch)
+
+
+def depth_by_mid_speed(result: TransitionSweep) -> Figure:
+    """Draw rise against time for each mid-transition speed (Fig. 6)."""
+    alt = "Rise above the target depth against time: the lower the mid-transition speed, the larger."
+    caption = "By mid-transition speed u* (the paper's Fig. 6)."
+    return _histories(result.by_mid_speed, "fig-6-depth", alt, caption, _rise, "rise above target [m]")
+
+
+def depth_by_steepness(result: TransitionSweep) -> Figure:
+    """Draw rise against time for each steepness (Fig. 7)."""
+    alt = "Rise above the target depth against time for each steepness of the interchange."
+    caption = "By steepness of the interchange (the paper's Fig. 7)."
+    return _histories(result.by_steepness, "fig-7-depth", alt, caption, _rise, "rise above target [m]")
+
+
+def pitch_by_mid_speed(result: TransitionSweep) -> Figure:
+    """Draw pitch against time for each mid-transition speed (Fig. 8)."""
+    alt = "Pitch against time: lower mid-transition speeds pitch further and swing more at hover."
+    caption = "By mid-transition speed u* (the paper's Fig. 8)."
+    return _histories(result.by_mid_speed, "fig-8-pitch", alt, caption, _pitch, "pitch [deg]")
+
+
+def pitch_by_steepness(result: TransitionSweep) -> Figure:
+    """Draw pitch against time for each steepness (Fig. 9)."""
+    alt = "Pitch against time for each steepness of the interchange."
+    caption = "By steepness of the interchange (the paper's Fig. 9)."
+    return _histories(result.by_steepness, "fig-9-pitch", alt, caption, _pitch, "pitch [deg]")
+
+
+def energy_figure(result: TransitionSweep, option: str) -> Figure:
+    """Draw energy against mid-transition speed for each steepness (Figs. 10 and 11)."""
+    figure = MatplotlibFigure()
+    axes = figure.subplots()
+    table = result.energy(FORCE, option)
+    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(table.columns)))
+    for steepness, colour in zip(table.columns, colours, strict=True):
+        axes.plot(table.index, table[steepness], "o-", color=colour, markersize=3, label=f"{steepness:g}")
+    axes.set_xlabel("mid-transition speed [m/s]")
+    axes.set_ylabel("energy [Wh]")
+    axes.set_ylim(bottom=0.0)
+    axes.legend(title="steepness [m/s]", ncols=2)
+    until = "until the slowest run of the set hovers" if option == "a" else "until each run hovers"
+    number = "10" if option == "a" else "11"
+    alt = f"Thruster energy {until} against mid-transition speed, one line a steepness."
+    return to_figure(
+        figure, f"fig-{number}-energy", alt, f"Energy {until}: option ({option}), the paper's Fig. {number}."
+    )
+
+
+def pitch_by_variant(result: TransitionSweep) -> Figure:
+    """Draw pitch against time for one thruster, one with suction, and a pair (Fig. 14)."""
+    figure = MatplotlibFigure()
+    axes = figure.subplots()
+    for track, colour, dash in zip(result.by_variant, (BLUE, ORANGE, GREEN), ("-", "--", "-"), strict=True):
+        shown = track.time >= 0.0
+        axes.plot(track.time[shown], _pitch(track)[shown], dash, color=colour, label=track.label)
+    axes.set_xlabel("time since the deceleration began [s]")
+    axes.set_ylabel("pitch [deg]")
+    axes.legend()
+    alt = "Pitch against time of the three variants: the pair's oscillation dies out, the others' goes on."
+    return to_figure(figure, "fig-14-pitch", alt, "The three variants (the paper's Fig. 14).")
+
+
+def all_figures(result: TransitionSweep) -> list[Figure]:
+    """Every figure of the page, in its order."""
+    return [
+        unassisted_figure(result),
+        depth_by_mid_speed(result),
+        depth_by_steepness(result),
+        pitch_by_mid_speed(result),
+        pitch_by_steepness(result),
+        energy_figure(result, "a"),
+        energy_figure(result, "b"),
+        pitch_by_variant(result),
+    ]

@@ -1,0 +1,125 @@
+"""What plans of legs cost on common trials: case by case when errors are not as planned, and candidate by candidate."""
+
+from dataclasses import dataclass
+
+from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+
+
+@dataclass(frozen=True)
+class SampledCost:
+    """Cost of a plan in the mission's Monte Carlo.
+
+    Attributes
+    ----------
+    cost, standard_error : float
+        Mean of c (Briggs et al., Eq. 25) of the trials that arrived by both plans.
+    surfacings : float
+        Mean number, the arrival's included.
+    arrived : Probability
+    """
+
+    cost: float
+    standard_error: float
+    surfacings: float
+    arrived: Probability
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``summary.json``."""
+        return {
+            "cost": self.cost,
+            "standard_error": self.standard_error,
+            "surfacings": self.surfacings,
+            "arrived": self.arrived.summary(),
+        }
+
+
+@dataclass(frozen=True)
+class LegCase:
+    """Both plans on the same trials: in the mission as it is, or with a navigation error that is not as planned.
+
+    Attributes
+    ----------
+    name : str
+        How the case differs from the mission; empty for the mission itself.
+    sigma : float
+        σ_v of the trials [m/s].
+    mean_error : tuple of float
+        v̄ of the trials in addition to the mission's, east and north [m/s].
+    fixed, adaptive : SampledCost
+        With the best fixed d_max and with the table of legs.
+    saving, saving_error : float
+        Mean time that the table saves, and its standard error, paired trial by trial [s].
+    energy_saving, energy_saving_error : float
+        Mean energy that the table saves, likewise; nan where the mission has no energy budget [J].
+    """
+
+    name: str
+    sigma: float
+    mean_error: tuple[float, float]
+    fixed: SampledCost
+    adaptive: SampledCost
+    saving: float
+    saving_error: float
+    energy_saving: float
+    energy_saving_error: float
+
+    def saving_for(self, aim: str) -> tuple[float, float]:
+        """Return the saving and its standard error: energy for the aim ``energy`` [J], else time [s]."""
+        if aim == "energy":
+            return self.energy_saving, self.energy_saving_error
+        return self.saving, self.saving_error
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``summary.json``."""
+        return {
+            "name": self.name or "as the mission",
+            "sigma_m_s": self.sigma,
+            "mean_error_m_s": list(self.mean_error),
+            "fixed": self.fixed.summary(),
+            "adaptive": self.adaptive.summary(),
+            "saving_s": {"mean": self.saving, "standard_error": self.saving_error},
+            "energy_saving_wh": {
+                "mean": self.energy_saving / JOULES_PER_WATT_HOUR,
+                "standard_error": self.energy_saving_error / JOULES_PER_WATT_HOUR,
+            },
+        }
+
+
+@dataclass(frozen=True)
+class CandidatePlan:
+    """A plan of legs judged by its aim, on trials other than those on which it was chosen.
+
+    Attributes
+    ----------
+    name : str
+    speed : float
+        [m/s]
+    duration : Statistic
+        Of the transit, of the trials that arrived, the arrival's surfacing included [s].
+    energy : Statistic
+        [J]
+    on_time : Probability
+        Of arriving by the deadline; of arriving where there is none.
+    value, standard_error : float
+        What the aim minimises [s, or J]; for a deadline the probability of meeting it, which is maximised.
+    """
+
+    name: str
+    speed: float
+    duration: Statistic
+    energy: Statistic
+    on_time: Probability
+    value: float
+    standard_error: float
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``summary.json``."""
+        energy = self.energy.summary().items()
+        return {
+            "name": self.name,
+            "speed_m_s": self.speed,
+            "duration_s": self.duration.summary(),
+            "energy_wh": {key: value if value is None else value / JOULES_PER_WATT_HOUR for key, value in energy},
+            "on_time": self.on_time.summary(),
+        }
