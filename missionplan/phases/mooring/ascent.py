@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.descent import SLOWEST_DESCENT, STAGE_TIME, HorizontalDrift
+from missionplan.phases.mooring.descent import MIN_MEAN_SPEED, STAGE_TIME_MARGIN, HorizontalDrift
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle
-from missionplan.phases.mooring.vertical_motion import Stop, fall
+from missionplan.phases.mooring.vertical_motion import Stop, integrate_stage
 
 STEP = 0.25
 """Default step [s], a twentieth of the prototype's time constant of some 6 s."""
@@ -71,12 +71,12 @@ def ascend(
     bottom, line = over_trials(dive.site_depth, trials), over_trials(dive.line_length, trials)
     start = np.maximum(bottom - line, 0.0)
     drift = HorizontalDrift(current, position, t_start)
-    rise = fall(
+    rise = integrate_stage(
         FreeVehicle(dive, hooks, since_taut),
         start,
         -over_trials(hooks.water_velocity, trials),
         Stop(shallowest=0.0),
-        time_limit=STAGE_TIME + float(np.max(start, initial=0.0)) / SLOWEST_DESCENT,
+        time_limit=STAGE_TIME_MARGIN + float(np.max(start, initial=0.0)) / MIN_MEAN_SPEED,
         step=step,
         on_step=drift.stage(),
     )

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, over_trials, row_and_next
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.descent import SLOWEST_DESCENT, STAGE_TIME, Stages, sink
+from missionplan.phases.mooring.descent import MIN_MEAN_SPEED, STAGE_TIME_MARGIN, DescentStages, descent_stages
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle
-from missionplan.phases.mooring.vertical_motion import STEP, Fall, Stop, fall
+from missionplan.phases.mooring.vertical_motion import STEP, Stage, Stop, integrate_stage
 
 IN_CACHE = 1 << 16
 """Numbers of an array that are worked on at once, so that what comes between stays near the processor."""
@@ -79,7 +79,7 @@ def sensor_history(
     delay = over_trials(hooks.delay(over_trials(dive.line_length, trials)), trials)
     last = max(until - float(np.min(delay)), 0.0)
     grid = np.arange(int(np.ceil(last / step)) + 2, dtype=np.float64) * step
-    stages = sink(dive, hooks, trials, step=step, keep=True, until=float(grid[-1]))
+    stages = descent_stages(dive, hooks, trials, step=step, keep=True, until=float(grid[-1]))
     since = np.broadcast_to(grid[:, None], (grid.size, trials))
     return SensorHistory(step, hooks.reading(grid, true_depth(dive, hooks, stages, since, step=step)), delay)
 
@@ -106,14 +106,14 @@ def simulate_readings(dive: Dive, times: Array, *, effects: Iterable[DescentEffe
     return sensor_history(dive, times.shape[1], until, effects=effects, step=step).at(times)
 
 
-def true_depth(dive: Dive, hooks: DescentHooks, stages: Stages, since: Array, *, step: float = STEP) -> Array:
+def true_depth(dive: Dive, hooks: DescentHooks, stages: DescentStages, since: Array, *, step: float = STEP) -> Array:
     """Depth of the vehicle's nose from the anchor's free fall to the mooring.
 
     Parameters
     ----------
     dive : Dive
     hooks : DescentHooks
-    stages : Stages
+    stages : DescentStages
         With their histories kept.
     since : array, shape (k, n)
         Since the start of the anchor's free fall [s].
@@ -138,7 +138,7 @@ def _in_cache(times: Array) -> Iterator[Array]:
     return (times[first : first + rows] for first in range(0, len(times), rows))
 
 
-def _depth(stages: Stages, rise: Fall | None, since: Array) -> Array:
+def _depth(stages: DescentStages, rise: Stage | None, since: Array) -> Array:
     """Depth of the nose by the stages, and by the rise after them if there is one [m]."""
     down = stages.lone.time + stages.pull_down.time
     depth = stages.pull_down.depth_at(since - stages.lone.time)
@@ -150,12 +150,12 @@ def _depth(stages: Stages, rise: Fall | None, since: Array) -> Array:
     return depth
 
 
-def _rise(dive: Dive, hooks: DescentHooks, stages: Stages, duration: float, step: float) -> Fall:
+def _rise(dive: Dive, hooks: DescentHooks, stages: DescentStages, duration: float, step: float) -> Stage:
     """Carry the vehicle up from its lowest point until the line is taut again, for at most a duration [s]."""
     coast = stages.coast
     moored = np.maximum(over_trials(dive.site_depth, coast.depth.size) - dive.line_length, 0.0)
-    limit = STAGE_TIME + float(np.max(dive.line_length)) / SLOWEST_DESCENT
-    return fall(
+    limit = STAGE_TIME_MARGIN + float(np.max(dive.line_length)) / MIN_MEAN_SPEED
+    return integrate_stage(
         FreeVehicle(dive, hooks, stages.pull_down.time + coast.time),
         np.minimum(coast.depth, dive.site_depth),
         np.where(coast.ended, -over_trials(hooks.water_velocity, coast.depth.size), 0.0),

@@ -15,30 +15,30 @@ from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle, LoneFall, PullDown
-from missionplan.phases.mooring.vertical_motion import STEP, Fall, OnStep, Stop, fall
+from missionplan.phases.mooring.vertical_motion import STEP, Stage, StepCallback, Stop, integrate_stage
 from missionplan.physics.vehicle_drag import terminal_velocity
 
-SLOWEST_DESCENT = 0.1
+MIN_MEAN_SPEED = 0.1
 """Mean speed [m/s] below which a stage is given up as never ending."""
-STAGE_TIME = 60.0
+STAGE_TIME_MARGIN = 60.0
 """Time [s] that a stage is given beyond that."""
 
 
 @dataclass(frozen=True)
-class Stages:
+class DescentStages:
     """The stages of a descent under way.
 
     Attributes
     ----------
-    lone, pull_down, coast : Fall
+    lone, pull_down, coast : Stage
         The anchor alone (its depth), both bodies, and the vehicle after touchdown (the vehicle's depth).
     delay : array, shape (n,)
         From the separation to the start of the lone fall [s].
     """
 
-    lone: Fall
-    pull_down: Fall
-    coast: Fall
+    lone: Stage
+    pull_down: Stage
+    coast: Stage
     delay: Array
 
     @property
@@ -103,7 +103,7 @@ class HorizontalDrift:
             self.position = self.position + part * velocity
             self._t_start = self._t_start + part
 
-    def stage(self, below: Scalars = 0.0) -> OnStep:
+    def stage(self, below: Scalars = 0.0) -> StepCallback:
         """Follower of a stage for a body that is some length below the falling one [m]."""
         start = self._t_start
 
@@ -118,7 +118,7 @@ class HorizontalDrift:
         self._t_start = self._t_start + duration
 
 
-def sink(
+def descent_stages(
     dive: Dive,
     hooks: DescentHooks,
     trials: int,
@@ -127,7 +127,7 @@ def sink(
     keep: bool = False,
     drift: HorizontalDrift | None = None,
     until: float = np.inf,
-) -> Stages:
+) -> DescentStages:
     """Carry anchor and vehicle from the separation to the vehicle's lowest point.
 
     Parameters
@@ -147,12 +147,12 @@ def sink(
 
     Returns
     -------
-    Stages
+    DescentStages
     """
     rest = np.zeros(trials)
     line, bottom = (over_trials(value, trials) for value in (dive.line_length, dive.site_depth))
-    limit = STAGE_TIME + float(np.max(bottom, initial=0.0)) / SLOWEST_DESCENT
-    run = partial(fall, step=step, keep=keep)
+    limit = STAGE_TIME_MARGIN + float(np.max(bottom, initial=0.0)) / MIN_MEAN_SPEED
+    run = partial(integrate_stage, step=step, keep=keep)
     delay = np.maximum(over_trials(hooks.delay(line), trials), 0.0)
     stop = Stop(deepest=np.minimum(line, bottom))
     if drift is not None:
@@ -181,7 +181,7 @@ def sink(
         Stop(deepest=2.0 * bottom, at_rest=True),  # what nothing buoys up would sink without end
         time_limit=min(limit, until),
     )
-    return Stages(lone, pull_down, coast, delay)
+    return DescentStages(lone, pull_down, coast, delay)
 
 
 def descend(
@@ -222,7 +222,7 @@ def descend(
     trials = release_time.size
     drift = HorizontalDrift(current, position, t_start)
     drift.wait(release_time, np.zeros(trials), extra=surface_velocity)
-    stages = sink(dive, hooks, trials, step=step, drift=drift)
+    stages = descent_stages(dive, hooks, trials, step=step, drift=drift)
     down = stages.lone.ended & stages.pull_down.ended
     deepest = np.where(down, stages.coast.depth, stages.pull_down.depth)
     lowest = over_trials(dive.site_depth, trials) - deepest
@@ -238,7 +238,7 @@ def descend(
     )
 
 
-def _balance_speed(dive: Dive, hooks: DescentHooks, stages: Stages) -> Array:
+def _balance_speed(dive: Dive, hooks: DescentHooks, stages: DescentStages) -> Array:
     """Speed through the water at which the forces at touchdown balance, shape (n,) [m/s]."""
     ended = stages.pull_down
     forces = PullDown(dive, hooks, stages.lone.time)

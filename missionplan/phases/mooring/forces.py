@@ -182,7 +182,7 @@ class FreeVehicle:
         return np.asarray(-(dive.net_buoyancy + hooks.lift(depth) + drag) / dive.free_mass)
 
 
-_LATE = 1e6
+_STEADY_TIME = 1e6
 """Time [s] by which every effect that fades has faded."""
 
 
@@ -213,7 +213,9 @@ class SteadyDescent:
         through_water = speed - hooks.water_velocity
         depths = np.linspace(0.01, 0.99, 50, dtype=np.float64) * site_depth
         lift = float(np.mean(np.broadcast_to(hooks.lift(depths), depths.shape)))
-        return cls(through_water, hooks.drag_factor(_LATE, through_water), lift, hooks.wet_weight_factor(_LATE))
+        return cls(
+            through_water, hooks.drag_factor(_STEADY_TIME, through_water), lift, hooks.wet_weight_factor(_STEADY_TIME)
+        )
 
     def wet_weight(self, drag: Scalars) -> Scalars:
         """Wet weight of the anchor that balances the drag of both bodies without effects [N] (Eq. 15) [N]."""

@@ -9,7 +9,7 @@ from missionplan.arrays import Array
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import true_depth
-from missionplan.phases.mooring.descent import DescentRecord, Stages, descend, sink
+from missionplan.phases.mooring.descent import DescentRecord, DescentStages, descend, descent_stages
 from missionplan.phases.mooring.forces import DescentHooks, Dive
 from missionplan.phases.mooring.vertical_motion import STEP
 
@@ -88,7 +88,7 @@ def descent_profile(
         t_start=np.array([t_start]),
         step=step,
     )
-    stages = sink(dive, hooks, 1, step=step, keep=True)
+    stages = descent_stages(dive, hooks, 1, step=step, keep=True)
     marks = _marks(stages, release_time)
     since, vehicle = _vehicle_depth(dive, hooks, stages, step)
     line = float(np.asarray(dive.line_length))
@@ -103,7 +103,7 @@ def descent_profile(
     return DescentProfile(record, time, depths[0], depths[1], tracks[0], tracks[1], marks)
 
 
-def _marks(stages: Stages, release_time: float) -> dict[str, float]:
+def _marks(stages: DescentStages, release_time: float) -> dict[str, float]:
     lengths = {
         "free fall": stages.delay,
         "pull-down": stages.lone.time,
@@ -114,7 +114,7 @@ def _marks(stages: Stages, release_time: float) -> dict[str, float]:
     return {"separation": release_time, **{name: float(t) for name, t in zip(lengths, at, strict=True)}}
 
 
-def _vehicle_depth(dive: Dive, hooks: DescentHooks, stages: Stages, step: float) -> tuple[Array, Array]:
+def _vehicle_depth(dive: Dive, hooks: DescentHooks, stages: DescentStages, step: float) -> tuple[Array, Array]:
     """Times since the start of the free fall [s] and the vehicle's depth [m], until it hangs on its line."""
     turned = float(stages.lone.time[0] + stages.pull_down.time[0] + stages.coast.time[0])
     grid = np.arange(0.0, turned + RISE_TIME, step)[:, None]

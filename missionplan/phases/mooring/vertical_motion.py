@@ -17,7 +17,7 @@ from missionplan.arrays import Array, Scalars, row_and_next
 STEP = 0.1
 """Default step [s], a twenty-fifth of the prototype's time constant."""
 
-OnStep = Callable[[Scalars, Array, Array], None]
+StepCallback = Callable[[Scalars, Array, Array], None]
 """Told of each step: its start on the stage's clock [s], the time each trial spent in it [s], its mean depth [m]."""
 
 
@@ -49,7 +49,7 @@ class Stop:
 
 
 @dataclass(frozen=True)
-class Fall:
+class Stage:
     """A stage of a descent.
 
     Attributes
@@ -82,7 +82,7 @@ class Fall:
         return _hermite(inside - index, z0, self.step * r0, z1, self.step * r1)
 
 
-def fall(
+def integrate_stage(
     forces: Forces,
     depth: Array,
     speed: Array,
@@ -91,8 +91,8 @@ def fall(
     time_limit: float,
     step: float = STEP,
     keep: bool = False,
-    on_step: OnStep | None = None,
-) -> Fall:
+    on_step: StepCallback | None = None,
+) -> Stage:
     """Carry bodies through one stage.
 
     Parameters
@@ -113,11 +113,11 @@ def fall(
 
     Returns
     -------
-    Fall
+    Stage
     """
     water = forces.water_velocity
     z, u, a = depth, speed, forces.acceleration(0.0, depth, speed)
-    ends = _Ends(np.stack((z, u, a)), stop.left(z, u + water) > 0.0)
+    ends = _StageEnds(np.stack((z, u, a)), stop.left(z, u + water) > 0.0)
     floats = bool(np.all(np.isneginf(stop.shallowest)))
     grid = [(z, u + water)]
     t = 0.0
@@ -143,10 +143,10 @@ def fall(
     if on_step is not None:
         on_step(ends.start, share * step, 0.5 * (z0 + z))
     depths, rates = (np.stack(values) if keep else np.empty((0, z.size)) for values in zip(*grid, strict=True))
-    return Fall(step, ends.start + share * step, z, u, ended, depths, rates)
+    return Stage(step, ends.start + share * step, z, u, ended, depths, rates)
 
 
-class _Ends:
+class _StageEnds:
     """The step in which each trial's stage ends: depth, speed and acceleration before and after, shape (3, n)."""
 
     def __init__(self, state: Array, under_way: NDArray[np.bool_]) -> None:
