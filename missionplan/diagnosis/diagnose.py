@@ -11,8 +11,9 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from missionplan.datasets.dives import read_descent
+from missionplan.datasets.kinds import FORMATS
 from missionplan.datasets.legs import TransitData, read_transit
-from missionplan.datasets.reading import DIAGNOSED, TANK
+from missionplan.datasets.reading import dataset_kind
 from missionplan.datasets.summaries import read_summary
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.preparation import prepare_dives
@@ -42,9 +43,7 @@ from missionplan.diagnosis.tank.extended_mission import extended_tank_mission
 from missionplan.diagnosis.tank.forward import tank_forward
 from missionplan.diagnosis.tank.model import TankModel
 from missionplan.diagnosis.tank.tables import tank_misfit, tank_residuals, tank_share
-from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.mission.reading.documents import load_document
 from missionplan.results.base import Provenance
 from missionplan.results.diagnosis import (
     Diagnosis,
@@ -176,8 +175,7 @@ def _extended(mission: Mission, best: CauseFit, data: Any) -> dict[str, Any]:
 
 def _bind(folder: Path, mission: Mission, seed: int) -> tuple[TransitModel | DescentModel | TankModel, Any, str]:
     """Read the data set and bind the mission to it."""
-    document = load_document(folder / "dataset.yaml")
-    kind = document.data.get("kind") if isinstance(document.data, dict) else None
+    kind = dataset_kind(folder, FORMATS)
     if kind == "transit":
         legs = read_transit(folder, mission)
         return transit_model(legs, mission, seed), legs, kind
@@ -187,11 +185,8 @@ def _bind(folder: Path, mission: Mission, seed: int) -> tuple[TransitModel | Des
     if kind == "summary":
         tests = read_summary(folder, mission)
         return summary_model(tests, mission), tests, kind
-    if kind in TANK:
-        tank = read_tank(folder)
-        return TankModel(tank_forward(tank.tank, mission)), tank, kind
-    message = f"given {kind!r}, expected one of {', '.join((*DIAGNOSED, *TANK))}"
-    raise InputError([document.problem(("kind",), message)])
+    tank = read_tank(folder)
+    return TankModel(tank_forward(tank.tank, mission)), tank, kind
 
 
 class _Described:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from missionplan.datasets.reading import TANK
+from missionplan.datasets.kinds import TANK_KINDS
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
 from missionplan.montecarlo.parallel_map import parallel_map
@@ -39,7 +39,7 @@ def decide(kind: str, base: Mission, extended: Mapping[str, Any], *, seed: int, 
         ``before`` and ``after``, and ``base_choice_under_extended``: how the base model's choice fares when the
         extended model is true; or ``reason`` why there is no plan to compare.
     """
-    if kind in TANK and not (base.moors and base.vehicle and base.vehicle.anchor):
+    if kind in TANK_KINDS and not (base.moors and base.vehicle and base.vehicle.anchor):
         return {"before": {}, "after": {}, "reason": "no mooring's anchor, whose choice the tank's data could change"}
     try:
         after = Mission.from_data(extended)

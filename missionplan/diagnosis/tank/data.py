@@ -35,7 +35,7 @@ def read_tank(folder: Path) -> TankSet:
         With every problem of `dataset.yaml` and of the tables.
     """
     data = every_nth_row(read_tank_data(folder))
-    return TankSet(data.settings.name or folder.name, data.settings.source, data.notes, data)
+    return TankSet(data.name, data.settings.source, data.notices, data)
 
 
 def every_nth_row(data: TankData) -> TankData:
@@ -49,7 +49,7 @@ def every_nth_row(data: TankData) -> TankData:
         data,
         columns={name: column[::step] for name, column in data.columns.items()},
         labels={name: column[::step] for name, column in data.labels.items()},
-        notes=(*data.notes, note),
+        notices=(*data.notices, note),
     )
 
 

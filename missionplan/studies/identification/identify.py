@@ -43,16 +43,15 @@ def identify(dataset: str | Path) -> Identification:
     started = time.perf_counter()
     data = read_tank_data(dataset)
     analysis = _KINDS[data.settings.kind](data)
-    name = data.settings.name or Path(dataset).resolve().name
     provenance = Provenance(
         command="identify",
-        mission=name,
+        mission=data.name,
         file=str(dataset),
         seed=0,
         trials=0,
         options={},
         elapsed_s=time.perf_counter() - started,
         data=data.raw,
-        notices=data.notes,
+        notices=data.notices,
     )
-    return Identification(provenance, data.settings.kind, name, data.settings.source, analysis)
+    return Identification(provenance, data.settings.kind, data.name, data.settings.source, analysis)
