@@ -91,14 +91,7 @@ def read_cells(path: Path, header: Sequence[str], used: Sequence[str], text: Seq
     names = [name if name in used and name not in header[:k] else f"#{k}" for k, name in enumerate(header)]
     numbers = [name for name in used if name not in text]
     try:
-        try:
-            rows = _parsed(path, names, used, numbers)
-            if any(np.isinf(rows[name]).any() for name in numbers):
-                rows = _parsed(path, names, used, ())
-        except UnicodeDecodeError:
-            raise
-        except ValueError:  # of a cell that is no number
-            rows = _parsed(path, names, used, ())
+        rows = _floats_or_text(path, names, used, numbers)
     except UnicodeDecodeError as error:
         raise _not_utf8(str(path), error) from None
     except pd.errors.ParserError as error:
@@ -106,6 +99,17 @@ def read_cells(path: Path, header: Sequence[str], used: Sequence[str], text: Seq
         raise InputError([Problem(f"is not a table: {reason}", str(path))]) from None
     rows.index = pd.RangeIndex(2, len(rows) + 2)
     return rows
+
+
+def _floats_or_text(path: Path, names: Sequence[str], used: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
+    try:
+        rows = _parsed(path, names, used, numbers)
+    except (UnicodeDecodeError, pd.errors.ParserError):
+        raise
+    except ValueError:  # a cell holds no number
+        return _parsed(path, names, used, ())
+    infinite = any(np.isinf(rows[name]).any() for name in numbers)
+    return _parsed(path, names, used, ()) if infinite else rows
 
 
 def _parsed(path: Path, names: Sequence[str], used: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:

@@ -9,7 +9,7 @@ from typing import Annotated, Generic, TypeVar
 import pandas as pd
 from pydantic import BeforeValidator, ValidationError
 
-from missionplan.datasets.table import Columns, Table, read_table
+from missionplan.datasets.table import Columns, CsvTable, read_table
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.reading.documents import Document, load_document
 from missionplan.mission.reading.validation_errors import validation_problems
@@ -178,7 +178,7 @@ def _settings(document: Document, model: type[S_co], problems: list[Problem]) ->
 
 def read_named_table(
     folder: Path, document: Document, key: tuple[str, ...], columns: Columns, problems: list[Problem]
-) -> Table | None:
+) -> CsvTable | None:
     """Read the CSV that ``dataset.yaml`` names at a key path; None, and problems are added, where it cannot be read."""
     name: object = document.data
     for part in key:

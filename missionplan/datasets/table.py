@@ -52,7 +52,7 @@ class Columns:
 
 
 @dataclass(frozen=True)
-class Table:
+class CsvTable:
     """Rows of a CSV.
 
     Attributes
@@ -73,7 +73,7 @@ class Table:
     problems: tuple[Problem, ...]
 
 
-def read_table(path: Path, columns: Columns) -> Table:
+def read_table(path: Path, columns: Columns) -> CsvTable:
     """Read the columns of a kind of data from a CSV.
 
     Parameters
@@ -93,37 +93,49 @@ def read_table(path: Path, columns: Columns) -> Table:
     header = read_header(path)
     needed = columns.nearest_to(header)
     used = [name for name in (*needed, *columns.optional, "ok") if name in header]
-    missing = [_missing_column(name, header, file) for name in needed if name not in header]
-    problems = [Problem("the column stands twice", file, 1, name) for name in used if header.count(name) > 1]
-    problems += problems_at(long_rows(path, len(header)), lambda line: Problem(LONG_ROW, file, line))
     rows = read_cells(path, header, used, columns.text) if used else pd.DataFrame()
-    rows, left_out = _without_marked(rows)
+    rows, marked = _without_marked(rows)
     rows, bad_cells = _as_numbers(rows, columns.text, file)
-    problems += bad_cells
-    if missing:
-        raise InputError([*missing, *problems])
+    problems = [
+        *_check_header(header, needed, used, file),
+        *problems_at(long_rows(path, len(header)), lambda line: Problem(LONG_ROW, file, line)),
+        *bad_cells,
+    ]
+    if not set(needed) <= set(used):
+        raise InputError(problems)
     complete = [name for name in (*needed, *columns.complete) if name in used and name not in columns.text]
     rows, incomplete = _without_incomplete(rows, complete, columns.text)
     if rows.empty and not problems:
         problems.append(Problem("has no rows of data", file))
+    notices = tuple(f"{path.name}: {note}" for note in (*_unused(header, used), *marked, *incomplete))
+    return CsvTable(file, rows, notices, tuple(problems))
+
+
+def _check_header(header: Sequence[str], needed: Sequence[str], used: Sequence[str], file: str) -> list[Problem]:
+    """Return a problem for each column that is missing, and each that stands twice."""
+    problems = []
+    for name in needed:
+        if name not in header:
+            close = get_close_matches(name, header, n=1)
+            hint = f"is it {close[0]}?" if close else ""
+            problems.append(Problem("the column is missing", file, 1, name, hint))
+    twice = [name for name in used if header.count(name) > 1]
+    return [*problems, *(Problem("the column stands twice", file, 1, name) for name in twice)]
+
+
+def _unused(header: Sequence[str], used: Sequence[str]) -> list[str]:
+    """Note the columns that are not used."""
     unused = [name for name in dict.fromkeys(header) if name and name not in used]
-    notices = [f"{path.name}: columns not used: {', '.join(unused)}"] if unused else []
-    notices += [f"{path.name}: {_count(left_out)} left out as marked (ok = 0)"] if left_out else []
-    notices += [f"{path.name}: {note}" for note in incomplete]
-    return Table(file, rows, tuple(notices), tuple(problems))
+    return [f"columns not used: {', '.join(unused)}"] if unused else []
 
 
-def _missing_column(name: str, header: Sequence[str], file: str) -> Problem:
-    close = get_close_matches(name, header, n=1)
-    return Problem("the column is missing", file, 1, name, f"is it {close[0]}?" if close else "")
-
-
-def _without_marked(rows: pd.DataFrame) -> tuple[pd.DataFrame, int]:
-    """Leave out the rows with `ok` = 0, before any of their cells is looked at; return their number too."""
+def _without_marked(rows: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    """Leave out the rows with `ok` = 0, before any of their cells is looked at, and note how many."""
     if "ok" not in rows:
-        return rows, 0
+        return rows, []
     marked = pd.to_numeric(rows["ok"], errors="coerce") == 0.0
-    return rows[~marked], int(marked.sum())
+    count = int(marked.sum())
+    return rows[~marked], [f"{_count(count)} left out as marked (ok = 0)"] if count else []
 
 
 def _as_numbers(rows: pd.DataFrame, text: Sequence[str], file: str) -> tuple[pd.DataFrame, list[Problem]]:

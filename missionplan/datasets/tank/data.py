@@ -9,7 +9,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.datasets.reading import DatasetFormat, RawDataset, dataset_kind, read_dataset, read_named_table
-from missionplan.datasets.table import Columns, Table
+from missionplan.datasets.table import Columns, CsvTable
 from missionplan.datasets.tank.drag import DRAG, DragSettings
 from missionplan.datasets.tank.oscillation import FREE_OSCILLATION, OscillationSettings
 from missionplan.datasets.tank.propeller import PROPELLER_TRANSIENT, PropellerSettings
@@ -111,7 +111,7 @@ def read_tank_data(folder: str | Path) -> TankData:
     )
 
 
-def _compared(folder: Path, raw: RawDataset[Settings], columns: Columns, problems: list[Problem]) -> Table | None:
+def _compared(folder: Path, raw: RawDataset[Settings], columns: Columns, problems: list[Problem]) -> CsvTable | None:
     """Read the table to compare with, where there is one; its problems are added."""
     if not isinstance(raw.document.data.get("compare"), dict):
         return None
