@@ -37,11 +37,12 @@ def extended_tank_mission(
         What was diagnosed.
     """
     others = [estimate for estimate in found if estimate.effect not in IN_VEHICLE]
-    extended = extended_mission(mission.raw, others, {}, None)
+    extended = extended_mission(mission.raw, others, {})
     own = {estimate.effect: estimate for estimate in found if estimate.effect in IN_VEHICLE}
     if not own or mission.vehicle is None:
         return extended
-    vehicle = copy.deepcopy(dict(extended["vehicle"]))
+    known_vehicle = extended["vehicle"]
+    vehicle: dict[str, Any] = copy.deepcopy(known_vehicle) if isinstance(known_vehicle, dict) else {}
     settings = data.tank.settings
     if isinstance(settings, DragSettings):
         vehicle["drag"] = _drag(mission, settings, own, calibration, data)
