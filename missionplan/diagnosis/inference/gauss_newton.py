@@ -1,0 +1,300 @@
+"""Nonlinear least squares with normal priors: the damped Gauss–Newton method, from many starts at once.
+
+Maximum a posteriori estimates for a model with Gaussian noise. The method is that of Nocedal & Wright (2006),
+*Numerical Optimization*, section 10.3 (their Eq. 10.23 with step lengths below 1 where a full step does not descend),
+and Björck (1996), *Numerical Methods for Least Squares Problems*, section 9.2. Priors are further rows of the least
+squares problem (Tarantola 2005, *Inverse Problem Theory*, chapter 3): in coordinates scaled by their prior standard
+deviations they add the identity to the normal equations. That has the form of Levenberg's (1944) and Marquardt's
+(1963) damping, but it is part of the model and does not fade.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+
+from missionplan.arrays import Array
+
+COMPARED_AFTER, ABANDONED_BEYOND = 3, 3.0
+"""Iterations after which starts of a group are compared, and excess of the objective that ends the worse [nats]."""
+
+
+@dataclass(frozen=True)
+class LeastSquares:
+    """Objective ½|L⁻¹(y − f(θ))|²/φ² + N ln φ + ½Σ((θ − μ)/s)², with LLᵀ the covariance of the noise.
+
+    Attributes
+    ----------
+    predict : callable
+        f, of m settings of the coordinates at once: (k, m) → (N, m).
+    y : array, shape (N,)
+        Data.
+    noise : array, shape (N,) or (N, N)
+        Standard deviations of independent noise, or the covariance of the noise.
+    centre, prior_sd : array, shape (k,)
+        Prior means μ and standard deviations s.
+    noise_factors : tuple of float
+        Range of φ. At each θ it takes its likeliest value, the root mean square of the whitened residuals
+        (concentrated likelihood; Seber & Wild 1989, *Nonlinear Regression*, section 2.2.3).
+    """
+
+    predict: Callable[[Array], Array]
+    y: Array
+    noise: Array
+    centre: Array
+    prior_sd: Array
+    noise_factors: tuple[float, float] = (1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class GaussNewtonOptions:
+    """How to search.
+
+    Attributes
+    ----------
+    iterations : int
+        Steps that are tried at most, rejected ones included.
+    tolerance : float
+        Decrease of the objective below which a search has converged [nats].
+    difference : float
+        Step of the finite differences, in prior standard deviations.
+    central : bool
+        Whether the differences are central or forward.
+    step_lengths : tuple of float
+        Shares of a Gauss–Newton step, each tried when the one before did not descend.
+    longest_step : float
+        Bound on each coordinate of a step, in prior standard deviations.
+    """
+
+    iterations: int
+    tolerance: float
+    difference: float
+    central: bool = False
+    step_lengths: tuple[float, ...] = (1.0, 0.25)
+    longest_step: float = np.inf
+
+
+@dataclass(frozen=True)
+class Start:
+    """One point to search from.
+
+    Attributes
+    ----------
+    at : array, shape (k,)
+        All coordinates.
+    free : array of int, shape (a,)
+        Coordinates that are fitted.
+    group : int
+        Starts of the same fit share a number; those that fall behind are abandoned.
+    rows : array of int, optional
+        Data to fit; default all.
+    """
+
+    at: Array
+    free: NDArray[np.int_]
+    group: int
+    rows: NDArray[np.int_] | None = None
+
+
+@dataclass(frozen=True)
+class GaussNewtonResult:
+    """End of one search.
+
+    Attributes
+    ----------
+    at : array, shape (k,)
+        Coordinates.
+    objective : float
+        There [nats]; infinite where the model or its derivatives are not finite.
+    prediction : array, shape (N,)
+        The model there.
+    jacobian : array, shape (N, a)
+        Its derivatives along the free coordinates.
+    """
+
+    at: Array
+    objective: float
+    prediction: Array
+    jacobian: Array
+
+
+def gauss_newton(
+    problem: LeastSquares, starts: Sequence[Start], options: GaussNewtonOptions
+) -> list[GaussNewtonResult]:
+    """Minimise from every start; each iteration calls the model once for all searches that still go on.
+
+    Parameters
+    ----------
+    problem : LeastSquares
+        Data, model, noise and priors.
+    starts : sequence of Start
+        Where to search from.
+    options : GaussNewtonOptions
+        How to search.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        When the covariance of the noise is not positive definite.
+    """
+    if not starts:
+        return []
+    evaluator = _Evaluator(problem, starts, options)
+    points = evaluator([(index, start.at) for index, start in enumerate(starts)])
+    searches = [_Search(index, point) for index, point in enumerate(points)]
+    for iteration in range(1, options.iterations + 1):
+        running = [search for search in searches if search.running]
+        if not running:
+            break
+        tried = evaluator([(search.index, search.next_trial(evaluator, options)) for search in running])
+        for search, point in zip(running, tried, strict=True):
+            search.advance(point, options)
+        if iteration >= COMPARED_AFTER:
+            _abandon(searches, starts)
+    return [evaluator.result(search.index, search.point) for search in searches]
+
+
+def perturbed(at: Array, free: NDArray[np.int_], steps: Array) -> Array:
+    """Settings with one of the free coordinates moved in each, (k,) → (k, a).
+
+    Parameters
+    ----------
+    at : array, shape (k,)
+        Coordinates.
+    free : array of int, shape (a,)
+        Those that are moved.
+    steps : array, shape (a,)
+        By how much.
+    """
+    settings = np.repeat(at[:, None], len(free), axis=1)
+    settings[free, np.arange(len(free))] += steps
+    return settings
+
+
+@dataclass(frozen=True)
+class _Point:
+    """Coordinates, the model there, its scaled Jacobian; both and the residual over the noise; and the objective."""
+
+    at: Array
+    prediction: Array
+    scaled_jacobian: Array
+    residual: Array
+    jacobian: Array
+    objective: float
+
+
+class _Evaluator:
+    """The model at points of several searches: one call for all, derivatives by finite differences included."""
+
+    def __init__(self, problem: LeastSquares, starts: Sequence[Start], options: GaussNewtonOptions) -> None:
+        self._problem, self._starts, self._options = problem, starts, options
+        self._factors: dict[bytes, Array] = {}
+        if problem.noise.ndim == 2:
+            self._factors = {_key(start): _cholesky(problem.noise, start.rows) for start in starts}
+
+    def __call__(self, wanted: Sequence[tuple[int, Array]]) -> list[_Point]:
+        """Evaluate searches, given by number, at coordinates."""
+        settings = [self._settings(index, at) for index, at in wanted]
+        ends = np.cumsum([block.shape[1] for block in settings])
+        predictions = np.split(self._problem.predict(np.concatenate(settings, axis=1)), ends[:-1], axis=1)
+        return [self._point(index, at, found) for (index, at), found in zip(wanted, predictions, strict=True)]
+
+    def _settings(self, index: int, at: Array) -> Array:
+        free = self._starts[index].free
+        steps = self._options.difference * self._problem.prior_sd[free]
+        blocks = [at[:, None], perturbed(at, free, steps)]
+        if self._options.central:
+            blocks.append(perturbed(at, free, -steps))
+        return np.concatenate(blocks, axis=1)
+
+    def _point(self, index: int, at: Array, predictions: Array) -> _Point:
+        problem, start = self._problem, self._starts[index]
+        columns = self._differences(predictions, len(start.free))
+        rows = slice(None) if start.rows is None else start.rows
+        both = np.concatenate([(problem.y - predictions[:, 0])[:, None], columns], axis=1)[rows]
+        white = self._whitened(start, both)
+        factor = _likeliest_factor(white[:, 0], problem.noise_factors)
+        white = white / factor
+        away = (at[start.free] - problem.centre[start.free]) / problem.prior_sd[start.free]
+        objective = 0.5 * float(white[:, 0] @ white[:, 0]) + 0.5 * float(away @ away) + len(white) * np.log(factor)
+        finite = bool(np.all(np.isfinite(white)))
+        return _Point(at, predictions[:, 0], columns, white[:, 0], white[:, 1:], float(objective) if finite else np.inf)
+
+    def _differences(self, predictions: Array, count: int) -> Array:
+        """Derivatives along the free coordinates, each over its prior standard deviation, shape (N, a)."""
+        ahead = predictions[:, 1 : 1 + count]
+        if self._options.central:
+            return np.asarray((ahead - predictions[:, 1 + count :]) / (2.0 * self._options.difference))
+        return np.asarray((ahead - predictions[:, :1]) / self._options.difference)
+
+    def _whitened(self, start: Start, columns: Array) -> Array:
+        noise = self._problem.noise
+        if noise.ndim == 1:
+            return np.asarray(columns / (noise if start.rows is None else noise[start.rows])[:, None])
+        return np.asarray(solve_triangular(self._factors[_key(start)], columns, lower=True, check_finite=False))
+
+    def step(self, index: int, point: _Point) -> Array:
+        """Gauss–Newton step, shape (k,): the solution of the normal equations in scaled coordinates, bounded."""
+        free, prior_sd = self._starts[index].free, self._problem.prior_sd
+        move = np.zeros(len(prior_sd))
+        away = (self._problem.centre[free] - point.at[free]) / prior_sd[free]
+        normal = point.jacobian.T @ point.jacobian + np.eye(len(free))
+        scaled = np.linalg.solve(normal, point.jacobian.T @ point.residual + away)
+        move[free] = prior_sd[free] * np.clip(scaled, -self._options.longest_step, self._options.longest_step)
+        return move
+
+    def result(self, index: int, point: _Point) -> GaussNewtonResult:
+        """End of a search, derivatives in the coordinates' own units."""
+        jacobian = point.scaled_jacobian / self._problem.prior_sd[self._starts[index].free]
+        return GaussNewtonResult(point.at, point.objective, point.prediction, jacobian)
+
+
+class _Search:
+    """Progress of the search from one start."""
+
+    def __init__(self, index: int, point: _Point) -> None:
+        self.index, self.point = index, point
+        self.running = bool(np.isfinite(point.objective)) and point.jacobian.size > 0
+        self._trial = 0
+
+    def next_trial(self, evaluator: _Evaluator, options: GaussNewtonOptions) -> Array:
+        """Coordinates to try next."""
+        return self.point.at + options.step_lengths[self._trial] * evaluator.step(self.index, self.point)
+
+    def advance(self, tried: _Point, options: GaussNewtonOptions) -> None:
+        """Move to the point tried if it descends, else shorten the step; end when neither helps."""
+        gain = self.point.objective - tried.objective
+        if gain > 0.0:
+            self.point = tried
+        if gain > options.tolerance:
+            self._trial = 0
+        elif gain > 0.0 or self._trial + 1 == len(options.step_lengths):
+            self.running = False
+        else:
+            self._trial += 1
+
+
+def _abandon(searches: Sequence[_Search], starts: Sequence[Start]) -> None:
+    """End searches that are far behind the best of their group."""
+    best: dict[int, float] = {}
+    for search, start in zip(searches, starts, strict=True):
+        best[start.group] = min(best.get(start.group, np.inf), search.point.objective)
+    for search, start in zip(searches, starts, strict=True):
+        if search.point.objective >= best[start.group] + ABANDONED_BEYOND:
+            search.running = False
+
+
+def _key(start: Start) -> bytes:
+    return b"" if start.rows is None else start.rows.tobytes()
+
+
+def _cholesky(covariance: Array, rows: NDArray[np.int_] | None) -> Array:
+    chosen = np.arange(len(covariance)) if rows is None else rows
+    return np.asarray(np.linalg.cholesky(covariance[np.ix_(chosen, chosen)]), dtype=float)
+
+
+def _likeliest_factor(white: Array, factors: tuple[float, float]) -> float:
+    low, high = factors
+    return low if low == high else float(np.clip(np.sqrt(np.mean(white**2)), low, high))
