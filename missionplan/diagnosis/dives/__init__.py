@@ -1,1 +1,6 @@
-"""Dive logs: model, linearisation and designs of further dives. Read first `model`, then `forward` and `linearised`."""
+"""Dive logs: depth against time, dive by dive.
+
+Read `preparation` (logs as they are fitted), `forward` (the descent phase under many settings), `priors`, `linearised`,
+`noise` and `likelihood`, `fitting` (search from `starts`), then `model`. Beside them: `discrepancy_axes` along
+which a discrepancy may be smooth, and `designs` of further dives.
+"""

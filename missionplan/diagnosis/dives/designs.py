@@ -1,11 +1,10 @@
-"""Further dives that might tell two causes apart, and what they would bring."""
+"""Further dives that may discriminate between two causes."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.preparation import MAX_SAMPLES, TOUCHDOWN_MARGIN, DiveLog
 
@@ -16,10 +15,11 @@ DESIGNS = (
 )
 """In words; factors on wet weight, line length and site depth. Cheapest first."""
 LONGEST_DIVE = 120.0
+"""Time of a proposed dive that is logged at most [s]."""
 
 
 def design_dives(forward: DescentForward, entry: int | None) -> tuple[DiveLog, ...]:
-    """Two dives of the menu, like the first two of the data but for the factor; depths are left zero.
+    """Return two dives of a design: the first two of the data but for the factors. Depths are zero.
 
     Parameters
     ----------
@@ -35,11 +35,10 @@ def design_dives(forward: DescentForward, entry: int | None) -> tuple[DiveLog, .
         logs.append(
             replace(log, wet_weight=log.wet_weight * weight, line_length=log.line_length * line, site_depth=site)
         )
-    grid = np.linspace(0.0, LONGEST_DIVE, 600)
-    none: tuple[Coordinate, ...] = ()
-    whole = replace(forward, logs=tuple(_sampled(log, grid) for log in logs))
-    depths = whole.readings(none, np.zeros((0, 1)))[:, 0].reshape(len(logs), -1)
-    return tuple(_until_touchdown(log, grid, depth) for log, depth in zip(logs, depths, strict=True))
+    times = np.linspace(0.0, LONGEST_DIVE, 600)
+    long = replace(forward, logs=tuple(_sampled(log, times) for log in logs))
+    depths = long.readings((), np.zeros((0, 1)))[:, 0].reshape(len(logs), -1)
+    return tuple(_until_touchdown(log, times, depth) for log, depth in zip(logs, depths, strict=True))
 
 
 def _sampled(log: DiveLog, t: Array) -> DiveLog:
@@ -48,14 +47,14 @@ def _sampled(log: DiveLog, t: Array) -> DiveLog:
     return replace(log, t=t, depth=0.0 * t, sd=sd, fine=t, bins=np.arange(len(t)), shares=np.ones(len(t)))
 
 
-def _until_touchdown(log: DiveLog, grid: Array, depth: Array) -> DiveLog:
+def _until_touchdown(log: DiveLog, times: Array, depth: Array) -> DiveLog:
     """Sample a dive evenly until the base model nears touchdown."""
     near = np.flatnonzero(depth > (1.0 - TOUCHDOWN_MARGIN) * (log.site_depth - log.line_length))
-    end = grid[near[0]] if len(near) else LONGEST_DIVE
+    end = times[near[0]] if len(near) else LONGEST_DIVE
     return _sampled(log, np.linspace(0.0, float(end), MAX_SAMPLES))
 
 
 def with_depths(logs: tuple[DiveLog, ...], readings: Array) -> tuple[DiveLog, ...]:
-    """Put readings, dive after dive, into logs."""
+    """Return the logs with other readings, given dive after dive."""
     parts = np.split(readings, np.cumsum([len(log.t) for log in logs])[:-1])
     return tuple(replace(log, depth=part) for log, part in zip(logs, parts, strict=True))

@@ -1,4 +1,4 @@
-"""The descent phase as the diagnosis calls it: many settings of the parameters and all dives in one call."""
+"""The forward model of dive logs: the descent phase under many settings of the parameters and all dives in one call."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -20,19 +20,19 @@ from missionplan.phases.mooring.subset_effect import SubsetEffect
 STEP = 0.16
 """Step of the integration [s]; readings are within 5 mm of those with steps of 0.02 s, 1 mm as a rule."""
 COARSE = 3.0 * STEP
-"""Step where only the way matters and not its end, or one simulation is laid against another [s]."""
-LEAST_FACTOR = -0.9
-"""Least strength of an effect that multiplies a drag or a weight: less would turn it round."""
+"""Step during a search, and where one simulation is compared with another [s]."""
+MIN_FRACTION = -0.9
+"""Least strength of an effect that multiplies a drag or a weight, which -1 would cancel."""
 LARGEST_RELEASE_DELAY = 1.0
-"""How much earlier than its log says a separation may be [s]: ten times the scatter."""
+"""Largest release delay, of either sign: the separation against the log's clock [s]; ten times its scatter."""
 LAG_ORDER, LAG_ORDER_SD = 0.5, 0.35
-"""How much nearer to a pure delay a sensor's lag is than one of first order: prior mean and standard deviation.
+"""Order of the sensor's lag: prior mean and standard deviation.
 
-0 is first order, 1 a lag of which one half is a pure delay. Two equal poles lie at 0.5 to 0.7, a moving average at 0.6
-to 0.9. The phase is asked for the mean; the rest is a nuisance of the fit.
+0 is a first-order lag, 1 a lag of which one half is a pure delay. Two equal poles lie at 0.5 to 0.7, a moving average
+at 0.6 to 0.9. The phase is run at the mean; the difference is a nuisance parameter of the fit.
 """
 NO_BOTTOM = 1e5
-"""Site depth for the fit [m]: the logs end above touchdown, and so must no model of them reach it."""
+"""Site depth for the fit [m]: the logs end above touchdown, so no model of them may reach the bottom."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class DescentForward:
     build : callable
         The mission's descent from wet weights [N] and line lengths [m], arrays of shape (d,).
     logs : tuple of DiveLog
-        The d dives, whose times are asked for.
+        The d dives, at whose times readings are wanted.
     given : tuple of DescentEffect
         Effects that the mission has already.
     step : float
@@ -58,7 +58,7 @@ class DescentForward:
 
     @cached_property
     def coarse(self) -> Self:
-        """The same in coarse steps."""
+        """The same model in coarse steps."""
         return replace(self, step=COARSE)
 
     @cached_property
@@ -67,40 +67,36 @@ class DescentForward:
         weights, lines = (np.array([getattr(log, key) for log in self.logs]) for key in ("wet_weight", "line_length"))
         return replace(self.build(weights, lines), site_depth=NO_BOTTOM)
 
-    @property
-    def samples(self) -> int:
-        """Number of readings of all dives together."""
-        return sum(len(log.t) for log in self.logs)
-
     def readings(self, coordinates: Sequence[Coordinate], values: Array, delays: Scalars = 0.0) -> Array:
-        """Readings of all dives, one after the other, under b settings, shape (N, b) [m]: `histories`, read out."""
+        """Readings of all dives, one dive after the other, under b settings, shape (N, b) [m]; see `histories`."""
         return self.histories(coordinates, values).readings(delays)
 
     def histories(self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0) -> "Histories":
-        """All dives under b settings.
+        """Run all dives under b settings.
 
         Parameters
         ----------
         coordinates : sequence of Coordinate, length k
-            What varies.
+            Of the effects.
         values : array, shape (k, b)
             Their values in b settings.
         weight_factor : float or array, shape (b,)
             Factor on the anchor's wet weight.
         """
         count, settings = len(self.logs), values.shape[1]
-        effects = (*self.given, *self._effects(coordinates, np.repeat(_filtered(coordinates, values), count, axis=1)))
+        trials = np.repeat(_with_mean_lag_order(coordinates, values), count, axis=1)
+        effects = (*self.given, *self._effects(coordinates, trials))
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
         until = max(float(log.fine[-1]) for log in self.logs) + LARGEST_RELEASE_DELAY
         dive = self._tiled(settings, factor)
-        # a start that runs away is given up: its objective is infinite
+        # a start that diverges is abandoned: its objective is infinite
         with np.errstate(over="ignore", invalid="ignore"):
             history = sensor_history(dive, settings * count, until, effects=effects, step=self.step)
         return DiveHistories(self.logs, history)
 
     @staticmethod
     def _effects(coordinates: Sequence[Coordinate], values: Array) -> Iterator[DescentEffect]:
-        """Effects among the trials where their strength is not zero, parameters held inside what can be integrated."""
+        """Effects on the trials where their strength is not zero, parameters inside the ranges of the phase."""
         for name in dict.fromkeys(c.effect for c in coordinates):
             own = [i for i, c in enumerate(coordinates) if c.effect == name]
             strengths = [i for i in own if coordinates[i].kind != "shape"]
@@ -108,9 +104,10 @@ class DescentForward:
             if not len(trials):
                 continue
             parameters = parameters_from([coordinates[i] for i in own], values[own][:, trials])[name]
-            held = {key: np.clip(value, *_limits(name, key)) for key, value in parameters.items()}
+            held = {key: np.clip(value, *parameter_range(name, key)) for key, value in parameters.items()}
             effect = CATALOGUE[name].make(held)
-            assert isinstance(effect, DescentEffect)
+            if not isinstance(effect, DescentEffect):
+                raise TypeError(f"{name} is not an effect on a descent")
             yield effect if len(trials) == values.shape[1] else SubsetEffect(effect, trials, values.shape[1])
 
     def _tiled(self, settings: int, factor: Array) -> Dive:
@@ -128,7 +125,7 @@ class DescentForward:
 
 
 class Histories(Protocol):
-    """All dives under several settings, to be read out as often as wanted."""
+    """All dives under several settings, readable at any release delays."""
 
     @property
     def settings(self) -> int:
@@ -136,17 +133,17 @@ class Histories(Protocol):
         ...
 
     def readings(self, delays: Scalars = 0.0) -> Array:
-        """What was measured, shape (N, b), if the separations are late on their logs: (d,) or (b, d) [s]."""
+        """Measured values, shape (N, b), with the separations late on their logs: (d,) or (b, d) [s]."""
         ...
 
     def subset(self, settings: NDArray[np.intp]) -> "Histories":
-        """Those under some of the settings."""
+        """Return those under some of the settings."""
         ...
 
 
 @dataclass(frozen=True)
 class DiveHistories:
-    """What the sensor read of all d dives under b settings, to be read out at the times of their logs.
+    """Readings of the sensor in all d dives under b settings, at any time.
 
     Attributes
     ----------
@@ -170,7 +167,7 @@ class DiveHistories:
         Parameters
         ----------
         delays : float or array, shape (d,) or (b, d)
-            By how much each dive's separation is late on its log [s].
+            Of each dive's separation on its log [s].
         """
         count, settings = len(self.logs), self.settings
         times = np.tile(self._fine, (1, settings)) - np.broadcast_to(delays, (settings, count)).ravel()
@@ -178,7 +175,7 @@ class DiveHistories:
         return np.concatenate([_averaged(log, depths[:, :, index]) for index, log in enumerate(self.logs)])
 
     def subset(self, settings: NDArray[np.intp]) -> "DiveHistories":
-        """Those under some of the settings."""
+        """Return those under some of the settings."""
         count = len(self.logs)
         trials = (settings[:, None] * count + np.arange(count)).ravel()
         return DiveHistories(self.logs, self.history.take(trials))
@@ -192,8 +189,8 @@ class DiveHistories:
         return times
 
 
-def _filtered(coordinates: Sequence[Coordinate], values: Array) -> Array:
-    """Settings, shape (k, b), in which a sensor's lag is of the order expected: a part of it is a pure delay."""
+def _with_mean_lag_order(coordinates: Sequence[Coordinate], values: Array) -> Array:
+    """Settings, shape (k, b), with the sensor's lag at the mean of its order: a part of it is a pure delay."""
     names = [coordinate.effect for coordinate in coordinates]
     if "sensor-lag" not in names:
         return values
@@ -201,7 +198,7 @@ def _filtered(coordinates: Sequence[Coordinate], values: Array) -> Array:
 
 
 def with_pure_delay(values: Array, names: Sequence[str], share: float) -> Array:
-    """Coordinates, shape (k, ...), in which a share of the sensor's lag is a pure delay."""
+    """Coordinates, shape (k, ...), with a share of the sensor's lag turned into a pure delay."""
     lag, clock = names.index("sensor-lag"), names.index("clock-offset")
     delay = share * np.maximum(values[lag], 0.0)
     result = values.copy()
@@ -216,13 +213,9 @@ def _averaged(log: DiveLog, depths: Array) -> Array:
     return np.asarray(np.add.reduceat(log.shares[:, None] * depths[: len(log.fine)], starts, axis=0))
 
 
-def parameter_range(coordinate: Coordinate) -> tuple[float, float]:
-    """Range inside which the phase is asked for a parameter [unit]; a strength may go through zero to be judged."""
-    return _limits(coordinate.effect, coordinate.name)
-
-
-def _limits(effect: str, name: str) -> tuple[float, float]:
+def parameter_range(effect: str, name: str) -> tuple[float, float]:
+    """Range of a parameter inside which the phase is run [unit]; a strength may have the wrong sign, to be judged."""
     parameter = CATALOGUE[effect].parameters[name]
     if parameter.low != 0.0 or parameter.is_shape or not np.isfinite(parameter.high):
         return parameter.low, parameter.high
-    return max(-parameter.high, LEAST_FACTOR) if parameter.unit == "" else -parameter.high, parameter.high
+    return max(-parameter.high, MIN_FRACTION) if parameter.unit == "" else -parameter.high, parameter.high

@@ -1,4 +1,4 @@
-"""Covariance of a dive's readings: sensor, what differs from dive to dive, turbulence."""
+"""Covariance of a dive's readings: sensor, turbulence, scatter from dive to dive, and error of a cause's shape."""
 
 import itertools
 from collections.abc import Sequence
@@ -10,21 +10,38 @@ import numpy as np
 from missionplan.arrays import Array
 
 DIVE_SD = {"release": 0.1, "zero": 0.05, "drag": 0.025, "weight": 0.012}
-"""Dive-to-dive scatter: separation [s], zero of the depth [m], drag and wet weight [1]."""
+"""Scatter from dive to dive: release delay [s], zero of the depth [m], drag and wet weight, of themselves."""
 SCATTER_FACTORS = (0.5, 1.0, 2.0)
-"""Factors κ on that scatter over which the evidence is averaged."""
+"""Factors κ on that scatter over which the evidence is averaged; log-normal about 1."""
 SCATTER_LOG_SD = 0.45
 DIFFUSION_RATES = (4e-5, 3e-4, 2e-3)
-"""Rates q at which turbulence makes the depth wander in the long run [m²/s]: 2σ²τ for velocities σ over times τ."""
+"""Long-run rates q of the depth's variance due to turbulence [m²/s], 2σ²τ for velocities σ of time scale τ; log-normal
+about a median."""
 DIFFUSION_MEDIAN, DIFFUSION_LOG_SD = 3e-4, 1.3
 EDDY_TIMES = (1.0, 4.0)
-"""Correlation times τ of the turbulent velocity [s]: eddies of a vehicle's length, and of several."""
+"""Time scales τ of the turbulent velocity [s]: eddies of a vehicle's length, and of several."""
 NOMINAL_EDDY_TIME = 2.0
+SHAPE_SD = 0.02
+"""Standard deviation of the smooth factor by which a cause's true shape differs from the catalogue's."""
+SHAPE_LENGTH = 0.25
+"""Its correlation length, of a dive's duration."""
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Hyperparameters of the covariance: scatter κ, rate q [m²/s], eddies' time τ [s]; with their log prior weight."""
+    """Hyperparameters of the covariance, a point of the grid.
+
+    Attributes
+    ----------
+    scatter : float
+        Factor κ on the scatter from dive to dive.
+    diffusion : float
+        Rate q of the turbulence [m²/s].
+    eddy_time : float
+        Time scale τ of the turbulence [s].
+    log_prior : float
+        Log prior weight.
+    """
 
     scatter: float
     diffusion: float
@@ -34,7 +51,7 @@ class Noise:
 
 @cache
 def noise_grid() -> tuple[Noise, ...]:
-    """Grid of hyperparameters with normalised prior weights; the eddies' times weigh the same."""
+    """Grid of hyperparameters with normalised prior weights; all eddy times weigh the same."""
     points = list(itertools.product(SCATTER_FACTORS, DIFFUSION_RATES, EDDY_TIMES))
     logs = np.array(
         [
@@ -48,11 +65,11 @@ def noise_grid() -> tuple[Noise, ...]:
 
 
 NOMINAL_NOISE = Noise(1.0, DIFFUSION_MEDIAN, NOMINAL_EDDY_TIME, 0.0)
-"""In the middle of the grid, for the climb."""
+"""In the middle of the grid, for the search."""
 
 
 def sensor_and_turbulence_covariance(t: Array, sd: Array, noises: Sequence[Noise]) -> Array:
-    """σ²I + turbulence for each of g noises, which no model of the dive changes, shape (g, m, m) [m²].
+    """σ²I + q·(turbulence), which no model of the dive changes, at each of g noises, shape (g, m, m) [m²].
 
     Parameters
     ----------
@@ -61,35 +78,16 @@ def sensor_and_turbulence_covariance(t: Array, sd: Array, noises: Sequence[Noise
     noises : sequence of Noise, length g
         Hyperparameters.
     """
-    wandered = {
-        eddy_time: integrated_velocity_covariance(t - min(0.0, float(t.min())), eddy_time)
-        for eddy_time in {noise.eddy_time for noise in noises}
-    }
-    return np.stack([np.diag(sd**2) + noise.diffusion * wandered[noise.eddy_time] for noise in noises])
-
-
-def dive_to_dive_covariance(sensitivities: Array, curvature: Array, noises: Sequence[Noise]) -> Array:
-    """κ²(J S Jᵀ + bend²) for each of g noises, shape (g, m, m) [m²].
-
-    Parameters
-    ----------
-    sensitivities : array, shape (m, 4)
-        Of the readings to release, zero, drag and weight, in the order of `DIVE_SD`.
-    curvature : array, shape (m,)
-        What the scatter of the separation does beyond the linear, where the vehicle starts with a jerk [m].
-    noises : sequence of Noise, length g
-        Hyperparameters.
-    """
-    scaled = sensitivities * np.array(list(DIVE_SD.values()))
-    scatter = np.array([noise.scatter for noise in noises])
-    return np.asarray(scatter[:, None, None] ** 2 * (scaled @ scaled.T + np.diag(curvature**2)))
+    since = t - min(0.0, float(t.min()))
+    turbulence = {time: integrated_velocity_covariance(since, time) for time in {noise.eddy_time for noise in noises}}
+    return np.stack([np.diag(sd**2) + noise.diffusion * turbulence[noise.eddy_time] for noise in noises])
 
 
 def integrated_velocity_covariance(t: Array, eddy_time: float) -> Array:
-    """Covariance of the depth that turbulence gives, for a long-run rate of 1 m²/s, shape (m, m) [m²].
+    """Covariance of the depth due to turbulence, for a long-run rate of 1 m²/s, shape (m, m) [m²].
 
-    The integral of an Ornstein–Uhlenbeck velocity of correlation time τ: min(t, t′) − ½τ(1 − e^(−t/τ) − e^(−t′/τ)
-    + e^(−|t − t′|/τ)), a random walk for τ → 0.
+    The integral of an Ornstein–Uhlenbeck velocity with time scale τ (Taylor 1921; Uhlenbeck & Ornstein 1930):
+    min(t, t′) − ½τ(1 − e^(−t/τ) − e^(−t′/τ) + e^(−|t − t′|/τ)), a random walk for τ → 0.
 
     Parameters
     ----------
@@ -100,24 +98,39 @@ def integrated_velocity_covariance(t: Array, eddy_time: float) -> Array:
     """
     faded = np.exp(-t / eddy_time)
     apart = np.exp(-np.abs(t[:, None] - t[None, :]) / eddy_time)
-    return np.asarray(
-        np.minimum(t[:, None], t[None, :]) - 0.5 * eddy_time * (1.0 - faded[:, None] - faded[None, :] + apart)
-    )
+    decay = 1.0 - faded[:, None] - faded[None, :] + apart
+    return np.asarray(np.minimum(t[:, None], t[None, :]) - 0.5 * eddy_time * decay)
 
 
-SHAPE_SD = 0.02
-"""Standard deviation of the smooth factor by which a cause's true shape differs from the catalogue's."""
-SHAPE_LENGTH = 0.25
-"""Its correlation length, of a dive's duration."""
+def dive_to_dive_covariance(sensitivities: Array, curvature: Array, noises: Sequence[Noise]) -> Array:
+    """κ²(J S Jᵀ + diag(c²)) at each of g noises, shape (g, m, m) [m²].
+
+    Random effects of each dive (Laird & Ware 1982), to first order, with the second-order term c of the release delay.
+
+    Parameters
+    ----------
+    sensitivities : array, shape (m, 4)
+        J, of the readings to release delay, zero, drag and weight, in the order of `DIVE_SD`.
+    curvature : array, shape (m,)
+        c [m].
+    noises : sequence of Noise, length g
+        Hyperparameters.
+    """
+    scaled = sensitivities * np.array(list(DIVE_SD.values()))
+    scatter = np.array([noise.scatter for noise in noises])
+    return np.asarray(scatter[:, None, None] ** 2 * (scaled @ scaled.T + np.diag(curvature**2)))
 
 
 def shape_error_covariance(t: Array, added: Array) -> Array:
-    """Covariance of what a cause adds to the readings, shape (m, m) [m²]: SHAPE_SD²·g(t)·g(t′)·exp(−½(Δt/ℓ)²).
+    """SHAPE_SD²·g(t)·g(t′)·exp(−½(Δt/ℓ)²), shape (m, m) [m²].
+
+    Model discrepancy (Kennedy & O'Hagan 2001) in proportion to what a cause adds to the readings, g, with a
+    squared-exponential correlation (Rasmussen & Williams 2006, Eq. 4.9).
 
     Parameters
     ----------
     t, added : array, shape (m,)
-        Times [s] and what the cause adds, g [m].
+        Times [s] and g [m].
     """
     length = SHAPE_LENGTH * max(float(np.ptp(t)), 1e-9)
     kernel = np.exp(-0.5 * ((t[:, None] - t[None, :]) / length) ** 2)

@@ -1,4 +1,4 @@
-"""Where the climb of a set of causes starts: where fits of its parts ended, and afresh at several shapes."""
+"""Starting points for the fit of a set of causes: where fits of its parts ended, and afresh at several shapes."""
 
 from collections.abc import Sequence
 
@@ -10,20 +10,21 @@ from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.results.diagnosis import Causes
 
 INITIAL_STRENGTH = 0.5
-"""Strength of an effect with a shape at a fresh start, in prior standard deviations."""
+"""Strength at a fresh start of an effect with shape parameters, in prior standard deviations."""
 SHAPE_SHIFTS = (-1.2, 0.0, 1.2)
-"""Its first shape there, in prior standard deviations about its centre."""
+"""Its first shape parameter there, in prior standard deviations about its prior mean."""
 
 
-def starts(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[CauseFit]) -> list[Array]:
-    """Places to climb from.
+def starting_points(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[CauseFit]) -> list[Array]:
+    """Points from which to search for the best coordinates of a set.
 
-    Causes start where fits of other sets have them. What fitted only alone is afresh besides: beside other causes it
-    may be far from there.
+    Causes start where fits of other sets have them. A cause that was fitted only alone also starts afresh: beside
+    other causes its best coordinates may be far from there.
 
     Parameters
     ----------
     coordinates : sequence of Coordinate, length k
+        Of all causes.
     causes : tuple of str
         The set.
     near : sequence of CauseFit
@@ -33,40 +34,40 @@ def starts(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[Cau
     -------
     list of array, shape (k,)
     """
-    start, placed = _placed(coordinates, causes, near)
-    found = _spread(coordinates, [name for name in causes if name not in placed], start)
-    start, extended = _placed(coordinates, causes, near[:1])
-    if extended != placed:
-        found += _spread(coordinates, [name for name in causes if name not in extended], start)
+    start, fitted = _from_fits(coordinates, causes, near)
+    found = _spread_over_shapes(coordinates, [name for name in causes if name not in fitted], start)
+    start, extended = _from_fits(coordinates, causes, near[:1])
+    if extended != fitted:
+        found += _spread_over_shapes(coordinates, [name for name in causes if name not in extended], start)
     return found
 
 
-def _placed(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[CauseFit]) -> tuple[Array, set[str]]:
-    """Where fits have the causes, the first of them first; and which causes have a place so."""
+def _from_fits(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[CauseFit]) -> tuple[Array, set[str]]:
+    """Coordinates of causes from fits, the first that has a cause first; and the causes that were found so."""
     start = np.array([coordinate.centre for coordinate in coordinates])
-    placed: set[str] = set()
-    for fit in (fit for fit in near if fit.possible):  # where another is, is no place to start from
+    fitted: set[str] = set()
+    for fit in (fit for fit in near if fit.possible):  # skip infeasible fits as starting points
         for i, coordinate in enumerate(coordinates):
-            if coordinate.effect in fit.causes and coordinate.effect in causes and coordinate.effect not in placed:
+            if coordinate.effect in fit.causes and coordinate.effect in causes and coordinate.effect not in fitted:
                 start[i] = fit.state.linear.at[i]
-        placed |= set(fit.causes)
-    return start, placed
+        fitted |= set(fit.causes)
+    return start, fitted
 
 
-def _spread(coordinates: Sequence[Coordinate], afresh: Sequence[str], start: Array) -> list[Array]:
-    """Starts from one place: several if effects that are afresh have shapes."""
+def _spread_over_shapes(coordinates: Sequence[Coordinate], fresh: Sequence[str], start: Array) -> list[Array]:
+    """Points about one, several for each of the fresh effects that has shape parameters."""
     found = [start]
-    for name in afresh:
+    for name in fresh:
         own = [i for i, coordinate in enumerate(coordinates) if coordinate.effect == name]
         shapes = [i for i in own if coordinates[i].kind == "shape"]
         if shapes:
-            found = [_moved(coordinates, own, shapes[0], shift, begin) for begin in found for shift in SHAPE_SHIFTS]
+            found = [_shifted(coordinates, own, shapes[0], shift, point) for point in found for shift in SHAPE_SHIFTS]
     return found
 
 
-def _moved(coordinates: Sequence[Coordinate], own: Sequence[int], shape: int, shift: float, begin: Array) -> Array:
-    """Give an effect its first strength, and a shape that is shifted."""
-    moved = begin.copy()
+def _shifted(coordinates: Sequence[Coordinate], own: Sequence[int], shape: int, shift: float, point: Array) -> Array:
+    """A point with an effect at its initial strength and one shape parameter shifted."""
+    moved = point.copy()
     for i in own:
         if coordinates[i].kind != "shape":
             moved[i] = INITIAL_STRENGTH * coordinates[i].slab

@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.dives.gauss_newton import Lane, climb
 from missionplan.diagnosis.dives.noise import (
     NOMINAL_NOISE,
     dive_to_dive_covariance,
@@ -26,25 +24,6 @@ def test_readings_of_many_settings_are_those_of_each(measured):
         np.testing.assert_allclose(both[:, column], one[:, 0], atol=1e-9)
 
 
-class Cliff:
-    """Readings that follow the coordinate up to 1 and do not exist beyond; no reader may ask for what is not a number."""
-
-    def readings(self, coordinates, values):
-        assert np.all(np.isfinite(values))
-        return np.where(values[0] <= 1.0, values[0], np.nan) * np.ones((3, 1))
-
-
-@pytest.mark.parametrize(("start", "end"), [(0.0, 0.5), (1.0, np.inf), (2.0, np.inf)])
-def test_a_start_beside_a_cliff_is_given_up(start, end):
-    coordinate = Coordinate("drag-bias", "fraction", "strength", 0.0, 1.0, 0.01)
-    lane = Lane(np.array([0]), np.array([start]), 0)
-    (found,) = climb(Cliff(), [coordinate], np.full(3, 0.5), 1e-4 * np.eye(3), [lane])
-    if np.isfinite(end):
-        assert found.at[0] == pytest.approx(end, abs=1e-3)
-    else:
-        assert found.objective == end
-
-
 def test_covariance_of_a_dive():
     t = np.array([0.0, 1.0, 2.0])
     sensitivities = np.array([[0.0, 1.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0]])
@@ -60,8 +39,8 @@ def test_covariance_of_a_dive():
     np.testing.assert_allclose(np.diag(shape_error_covariance(t, np.full(3, 2.0))), (0.02 * 2.0) ** 2)
 
 
-def test_wandering_is_the_integral_of_a_velocity_that_lasts():
-    """By quadrature of the velocity's covariance, e^(−|s − s′|/τ)/(2τ); a random walk when it lasts no time."""
+def test_turbulent_depth_is_the_integral_of_a_velocity_with_a_time_scale():
+    """By quadrature of the velocity's covariance, e^(−|s − s′|/τ)/(2τ); a random walk for a time scale of zero."""
     t, eddy_time = np.array([0.5, 2.0, 7.0]), 1.5
     s = np.linspace(0.0, 7.0, 2801)
     velocity = np.exp(-np.abs(s[:, None] - s[None, :]) / eddy_time) / (2.0 * eddy_time)
@@ -103,13 +82,13 @@ def test_a_hidden_cause_is_found_and_measured(measured, name, parameters):
     assert found.claimed.candidate.causes == (name,)
     for estimate in found.best.estimates:
         assert abs(estimate.value - parameters[estimate.name]) < 4.0 * estimate.sd
-    gain = found.held_out[(name,)].gain
+    gain = found.gains[(name,)]
     assert gain.log_score_gain > 0.0
     assert gain.rmse_extended < 0.6 * gain.rmse_base
 
 
 def test_sets_fitted_apart_are_as_sets_fitted_together(measured):
-    """Which is why they may be shared among processes."""
+    """So that processes may share them."""
     model = measured("drag-bias", fraction=0.1)
     wanted = [((name,), ()) for name in ("drag-bias", "sensor-lag", "drag-crisis", "stratification", "added-mass")]
     together = model.fit_all(wanted)
@@ -121,7 +100,7 @@ def test_sets_fitted_apart_are_as_sets_fitted_together(measured):
         assert apart.estimates == fit.estimates
 
 
-def test_each_dive_is_linearised_about_its_own_lateness(measured):
+def test_each_dive_is_linearised_about_its_own_release_delay(measured):
     delays = np.array([0.2, -0.15, 0.1, -0.05])
     model = measured(late=delays)
     (found,) = model.most_likely_release_delays(model.forward.histories(model.coordinates, model.centre[:, None]))
@@ -140,7 +119,7 @@ def test_a_moving_average_is_a_lag_and_no_late_clock(measured):
     assert abs(estimate.value - 0.8) < 4.0 * estimate.sd
 
 
-def test_drag_that_grows_from_dive_to_dive_is_left_over(measured):
+def test_drag_that_grows_from_dive_to_dive_is_a_discrepancy(measured):
     fouled = np.array([0.0, 0.16, 0.32, 0.48])
     found = run_pipeline(measured("drag-bias", weights=np.array([16.0, 9.0, 20.0, 12.0]), fraction=fouled))
     assert found.verdict in ("unexplained", "partly-explained")
@@ -148,7 +127,7 @@ def test_drag_that_grows_from_dive_to_dive_is_left_over(measured):
 
 
 @pytest.mark.slow
-def test_a_depth_scale_is_hardly_told_from_drag(measured):
+def test_a_depth_scale_is_hardly_distinguishable_from_drag(measured):
     found = run_pipeline(measured("depth-scale", fraction=0.12))
     assert found.verdict == "ambiguous"
     assert set(found.credible_set) == {("depth-scale",), ("drag-bias",)}

@@ -1,4 +1,4 @@
-"""Where climbs start: at fits of parts of the set, and afresh where only causes alone were fitted."""
+"""Starting points of a fit: from fits of parts of the set, and afresh where a cause was fitted only alone."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from missionplan.diagnosis.coordinates import coordinates_of
-from missionplan.diagnosis.dives.starts import INITIAL_STRENGTH, SHAPE_SHIFTS, starts
+from missionplan.diagnosis.dives.starts import INITIAL_STRENGTH, SHAPE_SHIFTS, starting_points
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import effects_of
 from missionplan.results.diagnosis import Causes
@@ -28,33 +28,33 @@ def own(start: np.ndarray, effect: str) -> list[float]:
 
 
 def test_an_effect_with_a_shape_starts_afresh_at_several() -> None:
-    found = starts(COORDINATES, ("slow-flooding",), ())
+    found = starting_points(COORDINATES, ("slow-flooding",), ())
     (strength, shape) = (c for c in COORDINATES if c.effect == "slow-flooding")
     assert [own(start, "slow-flooding") for start in found] == [
         [INITIAL_STRENGTH * strength.slab, shape.centre + shift * shape.slab] for shift in SHAPE_SHIFTS
     ]
 
 
-def test_effects_without_a_shape_start_at_nothing_once() -> None:
-    (found,) = starts(COORDINATES, ("drag-bias", "depth-scale"), ())
+def test_effects_without_a_shape_have_one_start_at_zero() -> None:
+    (found,) = starting_points(COORDINATES, ("drag-bias", "depth-scale"), ())
     assert np.array_equal(found, [coordinate.centre for coordinate in COORDINATES])
 
 
 def test_a_cause_known_only_alone_starts_there_and_afresh_beside_its_parent() -> None:
-    found = starts(COORDINATES, PAIR, (fit(PAIR[:1], 3.0), fit(PAIR[1:], 4.0)))
+    found = starting_points(COORDINATES, PAIR, (fit(PAIR[:1], 3.0), fit(PAIR[1:], 4.0)))
     assert len(found) == 1 + len(SHAPE_SHIFTS)
     assert all(own(start, "slow-flooding") == [3.0, 3.0] for start in found)
     assert own(found[0], "stratification") == [4.0, 4.0, 4.0]
     assert all(own(start, "stratification") != [4.0, 4.0, 4.0] for start in found[1:])
 
 
-def test_an_impossible_fit_is_no_place_to_start_from() -> None:
-    alone = starts(COORDINATES, PAIR, ())
-    found = starts(COORDINATES, PAIR, (fit(PAIR[:1], 3.0, possible=False), fit(PAIR[1:], 4.0, possible=False)))
+def test_an_infeasible_fit_is_no_starting_point() -> None:
+    alone = starting_points(COORDINATES, PAIR, ())
+    found = starting_points(COORDINATES, PAIR, (fit(PAIR[:1], 3.0, possible=False), fit(PAIR[1:], 4.0, possible=False)))
     assert np.array_equal(alone, found)
     assert len(alone) == len(SHAPE_SHIFTS) ** 2
 
 
-def test_a_whole_that_was_fitted_is_the_only_start() -> None:
-    (found,) = starts(COORDINATES, PAIR, (fit(PAIR, 2.0),))
+def test_a_set_that_was_fitted_is_the_only_start() -> None:
+    (found,) = starting_points(COORDINATES, PAIR, (fit(PAIR, 2.0),))
     assert own(found, "slow-flooding") + own(found, "stratification") == [2.0] * 5

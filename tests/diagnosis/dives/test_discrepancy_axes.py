@@ -1,12 +1,12 @@
-"""What dives would read of a force that nobody has named, and whether a remainder of that kind is told from others."""
+"""Responses of dives to an unknown force, and which kind of discrepancy a hidden cause resembles."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
+from missionplan.diagnosis.dives.discrepancy_axes import FORCE_STEP, force_axes
 from missionplan.diagnosis.dives.noise import noise_grid
-from missionplan.diagnosis.dives.unknown_force import SHARE, force_axes
 from missionplan.diagnosis.inference.discrepancy import discrepancy
 from missionplan.diagnosis.inference.residuals import InnerProducts
 from missionplan.phases.hooks import DescentEffect
@@ -46,13 +46,13 @@ def moved(model, effect):
 def test_the_same_drag_everywhere_is_a_steady_drag(measured, what):
     model = measured()
     response = axes_of(model)[f"drag that changes with {what}"].response
-    np.testing.assert_allclose(response.sum(axis=1), moved(model, Steady(share=SHARE)), rtol=0.01, atol=2e-4)
+    np.testing.assert_allclose(response.sum(axis=1), moved(model, Steady(share=FORCE_STEP)), rtol=0.01, atol=2e-4)
 
 
 def test_the_same_lift_everywhere_is_a_steady_lift(measured):
     model = measured(weights=np.full(4, 12.0))
     found = axes_of(model)
-    expected = moved(model, Steady(newton=12.0 * SHARE))
+    expected = moved(model, Steady(newton=12.0 * FORCE_STEP))
     np.testing.assert_allclose(
         found["a lift that changes with depth"].response.sum(axis=1), expected, rtol=0.01, atol=2e-4
     )
@@ -61,7 +61,7 @@ def test_the_same_lift_everywhere_is_a_steady_lift(measured):
     )
 
 
-def test_a_force_moves_only_what_follows(measured):
+def test_a_force_changes_later_readings_only(measured):
     model = measured()
     response = axes_of(model)["drag that changes with time"].response
     t = np.concatenate([log.t for log in model.forward.logs])
@@ -78,7 +78,7 @@ def test_a_force_moves_only_what_follows(measured):
         ("broadside-start", {"extra_drag": 3.0, "time": 2.0}, "drag that changes with time"),
     ],
 )
-def test_a_remainder_is_recognised_for_what_it_is(measured, name, parameters, looks_like):
+def test_a_discrepancy_is_recognised_for_what_it_is(measured, name, parameters, looks_like):
     """A cause of the catalogue that was not fitted is an unknown force of its kind."""
     model = measured(name, **parameters)
     (base,) = model.fit_all([((), ())])
@@ -107,7 +107,7 @@ def test_products_are_those_of_the_whole_covariance(measured):
     residuals = model.residuals(fit)
     found = residuals.products(columns)
     assert [each.log_weight for each in found] == [noise.log_prior for noise in noise_grid()]
-    best: InnerProducts = found[fit.state.best]
+    best: InnerProducts = found[fit.state.best_noise]
     both = np.column_stack([columns, residuals.values])
     whole = both.T @ np.linalg.solve(residuals.covariance, both)
     np.testing.assert_allclose(best.gram, whole, rtol=1e-6, atol=1e-6 * np.abs(whole).max())

@@ -1,0 +1,207 @@
+"""Axes along which the discrepancy of dive logs may be smooth: errors of the readings, and unknown forces.
+
+A discrepancy may be smooth in the readings (an error of the sensor) or in a force on the vehicle. An unknown force
+differs from dive to dive as weights do, and its effect builds up: a late force changes later readings only. Its
+response is a simulation by the descent phase itself (a latent force model; Alvarez, Luengo & Lawrence 2009).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from missionplan.arrays import Array, Scalars
+from missionplan.diagnosis.coordinates import Coordinate
+from missionplan.diagnosis.dives.forward import DescentForward
+from missionplan.diagnosis.dives.linearised import DiveLinearisation, LinearisedDescent
+from missionplan.diagnosis.dives.preparation import DiveLog
+from missionplan.diagnosis.inference.axes import Axis, AxisScale, pointwise, scaled
+from missionplan.phases.hooks import DescentEffect
+
+AXIS_LABELS = {"time": "Time since separation (s)", "speed": "Speed (m/s)", "depth": "Depth (m)"}
+NODES = 17
+"""Nodes of the hat basis of a force along an axis."""
+FORCE_STEP = 0.002
+"""Step of the differences, of the drag or of the wet weight: more would shift the speeds by a good part of a hat."""
+MIN_SPEED_SHARE = 0.4
+"""Lowest speed of the axis, of the greatest: terminal speeds lie above it, and the dive passes through lower ones."""
+
+
+def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Axis]:
+    """Errors of the depth, forces on all dives, and differences from dive to dive.
+
+    Parameters
+    ----------
+    model : LinearisedDescent
+        The dives.
+    linear : DiveLinearisation
+        Where the model is fitted.
+    """
+    logs, readings = model.forward.logs, linear.readings
+    speed = np.concatenate([_speed(log, readings[rows]) for log, rows in zip(logs, model.parts, strict=True)])
+    extents = {"time": np.concatenate([log.t for log in logs]), "depth": readings, "speed": speed}
+    shared = [_reading_error(name, values) for name, values in extents.items()]
+    forces = force_axes(model.forward.coarse, model.coordinates, linear.at, linear.release_delays, extents)
+    return [*shared, *forces, *_dive_by_dive(logs, extents["time"], linear.sensitivity("drag"))]
+
+
+def _reading_error(name: str, values: Array) -> Axis:
+    """Error of the depth reading along an axis, the same in all dives."""
+    axis = pointwise(name, f"an error of the depth read that changes with {name}", scaled(values))
+    scale = AxisScale(float(values.min()), float(values.max()), AXIS_LABELS[name], "Error of the depth read (m)")
+    return replace(axis, measure=scale)
+
+
+def _dive_by_dive(logs: Sequence[DiveLog], t: Array, drag: Array) -> list[Axis]:
+    """Each dive's own error of the depth against time; drag with a trend over the dives, or with the line's length.
+
+    Parameters
+    ----------
+    logs : sequence of DiveLog
+        The dives.
+    t, drag : array, shape (N,)
+        Times of all readings [s] and their sensitivity to drag [m].
+    """
+    dive = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs])
+    axes = []
+    if len(logs) > 1:
+        own = (dive[:, None] == np.arange(len(logs))[None, :]).astype(float)
+        axes.append(pointwise("run", "an error of the depth read that changes with time, dive by dive", scaled(t), own))
+    if len(logs) > 2:
+        axes.append(_trend("drag that grows or falls from dive to dive", drag, dive.astype(float)))
+    lines = np.array([log.line_length for log in logs])[dive]
+    if np.ptp(lines) > 0.0:
+        axes.append(_trend("drag that changes with the line's length", drag, lines))
+    return axes
+
+
+def _trend(words: str, drag: Array, values: Array) -> Axis:
+    """Drag proportional to what the dives differ in, shape (N,), about its mean."""
+    return Axis("run", words, np.zeros((1, 1)), (drag * (values - values.mean()))[:, None])
+
+
+def _speed(log: DiveLog, depth: Array) -> Array:
+    return np.asarray(np.gradient(depth, log.t) if np.all(np.diff(log.t) > 0.0) else np.zeros_like(depth))
+
+
+@dataclass(frozen=True)
+class UnknownForce(DescentEffect):
+    """Drag or lift that is a hat function of time, speed or depth; every field a float or an array over trials.
+
+    The hat is 1 at `centre` and falls to 0 over `width` to either side; beyond the axis' `ends` it is constant.
+    """
+
+    drag_in_time: Scalars = 0.0
+    """Share of both bodies' drag, against the time since the line is taut [s]."""
+    drag_at_speed: Scalars = 0.0
+    """Share of both bodies' drag, against the speed through the water [m/s]."""
+    lift_at_depth: Scalars = 0.0
+    """Upward force [N] against the vehicle's depth [m]."""
+    centre: Scalars = 0.0
+    width: Scalars = 1.0
+    ends: tuple[Scalars, Scalars] = (0.0, 1.0)
+
+    def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
+        """Return the factor on both bodies' drag."""
+        return 1.0 + self.drag_in_time * self._hat(since_taut) + self.drag_at_speed * self._hat(speed)
+
+    def lift(self, depth: Scalars) -> Scalars:
+        """Return the upward force [N]."""
+        return self.lift_at_depth * self._hat(depth)
+
+    def _hat(self, at: Scalars) -> Array:
+        return np.maximum(0.0, 1.0 - np.abs(np.clip(at, *self.ends) - self.centre) / self.width)
+
+
+def force_axes(
+    forward: DescentForward,
+    coordinates: Sequence[Coordinate],
+    at: Array,
+    delays: Array,
+    extents: Mapping[str, Array],
+) -> list[Axis]:
+    """Axes along which a force on all dives may be smooth.
+
+    Parameters
+    ----------
+    forward : DescentForward
+        The dives.
+    coordinates : sequence of Coordinate, length k
+        Of the model.
+    at : array, shape (k,)
+        Where it is fitted.
+    delays : array, shape (d,)
+        Release delay of each dive [s].
+    extents : mapping
+        Values at the readings of ``time`` [s], ``speed`` [m/s] and ``depth`` [m], shape (N,).
+    """
+    ends = {name: (float(values.min()), float(values.max())) for name, values in extents.items()}
+    ends["speed"] = (MIN_SPEED_SHARE * ends["speed"][1], ends["speed"][1])
+    kinds = _force_kinds(np.array([log.wet_weight for log in forward.logs]))
+    settings = np.repeat(at[:, None], 1 + NODES * len(kinds), axis=1)
+    forced = replace(forward, given=(*forward.given, _all_forces(kinds, ends)))
+    readings = forced.readings(coordinates, settings, np.broadcast_to(delays, (settings.shape[1], len(delays))))
+    columns = np.split(readings[:, 1:] - readings[:, :1], len(kinds), axis=1)
+    nodes = np.linspace(0.0, 1.0, NODES)[:, None]
+    return [
+        Axis(kind.name, kind.words, nodes, own, kind.scale(*ends[kind.name]))
+        for kind, own in zip(kinds, columns, strict=True)
+    ]
+
+
+class _ForceKind(NamedTuple):
+    """A kind of force: its axis, in words, the field of the effect, the step for each dive, and the axis' label."""
+
+    name: str
+    words: str
+    field: str
+    steps: Array
+    place: str
+
+    def scale(self, low: float, high: float) -> AxisScale:
+        """Return labels and scale for a figure: drag in per cent, lift in newtons."""
+        if self.words.startswith("drag"):
+            return AxisScale(low, high, self.place, "Extra drag (%)", 100.0 * FORCE_STEP)
+        return AxisScale(low, high, self.place, "Lift (N)", float(self.steps.mean()))
+
+
+def _force_kinds(weight: Array) -> list[_ForceKind]:
+    """Kinds of force on dives with given wet weights, shape (d,) [N]."""
+    shares = np.full(len(weight), FORCE_STEP)
+    return [
+        _ForceKind("time", "drag that changes with time", "drag_in_time", shares, "Time since the line is taut (s)"),
+        _ForceKind("speed", "drag that changes with speed", "drag_at_speed", shares, AXIS_LABELS["speed"]),
+        _ForceKind(
+            "depth", "a lift that changes with depth", "lift_at_depth", shares * weight.mean(), AXIS_LABELS["depth"]
+        ),
+        # bodies that sink steadily have as much drag as weight
+        _ForceKind("depth", "drag that changes with depth", "lift_at_depth", shares * weight, AXIS_LABELS["depth"]),
+    ]
+
+
+def _all_forces(kinds: Sequence[_ForceKind], ends: Mapping[str, tuple[float, float]]) -> UnknownForce:
+    """No force in the first setting of all dives; then each kind at each of its nodes, setting by setting."""
+    dives = len(kinds[0].steps)
+
+    def strength(field: str) -> Array:
+        blocks = [np.tile(kind.steps if kind.field == field else np.zeros(dives), (NODES, 1)) for kind in kinds]
+        return np.concatenate([np.zeros((1, dives)), *blocks]).ravel()
+
+    nodes = [np.linspace(*ends[kind.name], NODES) for kind in kinds]
+    low, high, centre = (
+        np.repeat(np.concatenate([[first], *values]), dives)
+        for first, values in (
+            (0.0, [np.full(NODES, node[0]) for node in nodes]),
+            (1.0, [np.full(NODES, node[-1]) for node in nodes]),
+            (0.0, nodes),
+        )
+    )
+    return UnknownForce(
+        drag_in_time=strength("drag_in_time"),
+        drag_at_speed=strength("drag_at_speed"),
+        lift_at_depth=strength("lift_at_depth"),
+        centre=centre,
+        width=np.maximum((high - low) / (NODES - 1), 1e-9),
+        ends=(low, high),
+    )

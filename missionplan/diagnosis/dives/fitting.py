@@ -1,0 +1,227 @@
+"""Fits of sets of causes to dive logs: most likely coordinates at nominal noise, then evidence about them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.special import logsumexp
+from scipy.stats import norm
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.coordinates import estimates, is_possible
+from missionplan.diagnosis.dives.forward import parameter_range
+from missionplan.diagnosis.dives.likelihood import DescentLikelihood, NoiseGridLikelihood
+from missionplan.diagnosis.dives.linearised import DIFFERENCE, DiveLinearisation
+from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, noise_grid
+from missionplan.diagnosis.dives.starts import SHAPE_SHIFTS, starting_points
+from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
+from missionplan.effects import CATALOGUE
+from missionplan.results.diagnosis import Causes, ParameterEstimate
+
+SEARCH = GaussNewtonOptions(iterations=9, tolerance=0.05, difference=DIFFERENCE, longest_step=3.0)
+"""The posterior is integrated about where the search ends, so that a fall of 0.05 nats is converged."""
+RELINEARISE_BEYOND = 0.5
+"""Distance from the linearisation to the posterior's mean that calls for another [posterior standard deviations]."""
+RELINEARISATIONS, RELINEARISE_WITHIN = 2, 15.0
+"""Further linearisations, of fits whose evidence is so near the best of those fitted together [nats]."""
+STEP_REDUCTION = 0.25
+"""Factor on the next step of a fit when a linearisation was no improvement."""
+
+
+@dataclass(frozen=True)
+class DescentState:
+    """State of a fit.
+
+    Attributes
+    ----------
+    linear : DiveLinearisation
+        The model, linearised about the best coordinates.
+    likelihood : NoiseGridLikelihood
+        Its likelihood.
+    best_noise : int
+        Most likely noise of the grid.
+    marginal : Marginal
+        Posterior of the coordinates at that noise.
+    """
+
+    linear: DiveLinearisation
+    likelihood: NoiseGridLikelihood
+    best_noise: int
+    marginal: Marginal
+
+
+@dataclass(frozen=True)
+class DescentFitting(DescentLikelihood):
+    """The likelihood of dive logs, with fits of sets of causes."""
+
+    @cached_property
+    def _nominal_covariance(self) -> Array:
+        """Covariance for the search, the same for all sets so that their objectives compare, shape (N, N) [m²]."""
+        return self.total_covariance(self.base, NOMINAL_NOISE, self.prior_sd(()))
+
+    def best_coordinates(self, starts: Sequence[Start], iterations: int = SEARCH.iterations) -> list[Array]:
+        """Most likely coordinates at nominal noise for each group of starts, by the phase in coarse steps.
+
+        Parameters
+        ----------
+        starts : sequence of Start
+            Groups numbered in the order of their first starts.
+        iterations : int
+            Of Gauss–Newton, at most.
+        """
+        readings = partial(self.forward.coarse.readings, self.coordinates)
+        problem = LeastSquares(readings, self.y, self._nominal_covariance, self.centre, self.slab)
+        results = gauss_newton(problem, starts, replace(SEARCH, iterations=iterations))
+        best: dict[int, tuple[float, Array]] = {}
+        for start, result in zip(starts, results, strict=True):
+            if start.group not in best or result.objective < best[start.group][0]:
+                best[start.group] = result.objective, result.at
+        return [at for _, at in best.values()]
+
+    def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
+        """Fit several sets at once: search from all their starting points together, linearise, integrate."""
+        starts = [
+            Start(at, self.free(causes), group)
+            for group, (causes, near) in enumerate(wanted)
+            if causes
+            for at in starting_points(self.coordinates, causes, near)
+        ]
+        found = iter(self.best_coordinates(starts)) if starts else iter(())
+        points = [(causes, next(found) if causes else self.centre) for causes, _ in wanted]
+        linears = self.linearise(points) if starts else [self.base] * len(points)
+        return [self.integrated(causes, linear) for (causes, _), linear in zip(points, linears, strict=True)]
+
+    def integrated(self, causes: Causes, linear: DiveLinearisation) -> CauseFit | FailedFit:
+        """Evidence of a set in a linearisation, and the posterior of its parameters.
+
+        Coordinates are integrated out exactly, the noise by a sum over its grid.
+        """
+        if not np.all(np.isfinite(linear.y)) or not np.all(np.isfinite(linear.columns)):
+            return FailedFit(causes, "the descent does not go down with these parameters")
+        try:
+            likelihood = self.likelihood(linear)
+            marginals = likelihood.marginals(self.prior_sd(causes))
+        except np.linalg.LinAlgError as error:
+            return FailedFit(causes, str(error))
+        logs = log_joint_with_noise(marginals)
+        best = int(np.argmax(logs))
+        free, marginal = self.free(causes), marginals[best]
+        covariance = marginal.covariance[np.ix_(free, free)]
+        found = estimates([self.coordinates[i] for i in free], self.centre[free] + marginal.mean[free], covariance)
+        possible = is_possible(found) and all(map(_excludes_zero, found)) and self._is_inside(causes, linear.at)
+        state = DescentState(linear, likelihood, best, marginal)
+        return CauseFit(causes, float(logsumexp(logs)), found, _calibration(best), possible, state)
+
+    def _is_inside(self, causes: Causes, at: Array) -> bool:
+        """Whether coordinates lie inside the ranges of the phase: at a limit a linearisation means nothing."""
+        return all(self._is_in_range(i, float(at[i])) for i in self.free(causes))
+
+    def _is_in_range(self, index: int, value: float) -> bool:
+        coordinate = self.coordinates[index]
+        low, high = parameter_range(coordinate.effect, coordinate.name)
+        return low < (float(np.exp(value)) if coordinate.kind == "shape" else value) < high
+
+    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
+        """Fits linearised anew where the posterior's mean lies off the point found at nominal noise.
+
+        Gauss–Newton steps, as in an iterated extended Kalman filter (Bell & Cathey 1993). A step towards the mean is
+        taken if the joint density there is greater; if not, a shorter one is tried.
+        """
+        found = list(fits)
+        lengths = {
+            i: 1.0
+            for i, fit in enumerate(fits)
+            if isinstance(fit, CauseFit) and fit.log_evidence > best - RELINEARISE_WITHIN
+        }
+        for _ in range(RELINEARISATIONS):
+            points = self._relinearisation_points(found, lengths)
+            linears = self.linearise([(found[i].causes, at) for i, at in points.items()]) if points else []
+            for i, linear in zip(points, linears, strict=True):
+                other = self.integrated(found[i].causes, linear)
+                if self._log_joint(other) > self._log_joint(found[i]):
+                    found[i] = other
+                else:
+                    lengths[i] *= STEP_REDUCTION
+        return found
+
+    def _relinearisation_points(
+        self, fits: Sequence[CauseFit | FailedFit], lengths: Mapping[int, float]
+    ) -> dict[int, Array]:
+        """Coordinates for another linearisation of each fit that needs one."""
+        wanted = [(i, fits[i], length) for i, length in lengths.items()]
+        points = {i: self._towards_mean(fit, length) for i, fit, length in wanted if isinstance(fit, CauseFit)}
+        return {i: at for i, at in points.items() if at is not None}
+
+    def _towards_mean(self, fit: CauseFit, length: float) -> Array | None:
+        """Coordinates a share of the way to a fit's posterior mean; None if that is near enough or out of range."""
+        free, state = self.free(fit.causes), fit.state
+        move = np.zeros(len(self.coordinates))
+        move[free] = state.marginal.mean[free] + self.centre[free] - state.linear.at[free]
+        sd = np.sqrt(np.diag(state.marginal.covariance)[free])
+        at = np.asarray(state.linear.at + length * move)
+        is_off = np.any(np.abs(move[free]) > RELINEARISE_BEYOND * sd)
+        return at if is_off and self._is_inside(fit.causes, at) else None
+
+    def _log_joint(self, fit: CauseFit | FailedFit) -> float:
+        """Ln p(readings, causes' coordinates) where a fit is linearised, at its noise; -inf of a failed one."""
+        if isinstance(fit, FailedFit):
+            return -np.inf
+        free, linear = self.free(fit.causes), fit.state.linear
+        away = linear.at[free] - self.centre[free]
+        noise = noise_grid()[fit.state.best_noise]
+        factor = cholesky(self.total_covariance(linear, noise, self.nuisance_sd(fit.causes)))
+        prior = np.asarray(norm.logpdf(away, 0.0, self.slab[free]))
+        residuals = linear.y - linear.columns[:, free] @ away
+        return float(log_normal_density(residuals[:, None], factor)[0] + prior.sum())
+
+    def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
+        """Gain in log density of further causes in a parent's linearisation, at the best of a few shapes."""
+        wider, narrow = self.prior_sd(causes), self.prior_sd(parent.causes)
+        likelihoods = [parent.state.likelihood] if parent.causes else self._base_likelihoods
+        best = parent.state.best_noise
+        return float(
+            max(e.marginal(best, wider).log_density - e.marginal(best, narrow).log_density for e in likelihoods)
+        )
+
+    @cached_property
+    def _base_likelihoods(self) -> list[NoiseGridLikelihood]:
+        """Likelihoods of the base model with each effect's first shape parameter as where fits start from it."""
+        first = np.zeros(len(self.coordinates))
+        for name in self.candidates:
+            shapes = [i for i in self.free((name,)) if self.coordinates[i].kind == "shape"]
+            first[shapes[:1]] = 1.0
+        points = [((), self.centre + shift * first * self.slab) for shift in SHAPE_SHIFTS]
+        return [self.likelihood(linear) for linear in self.linearise(points)]
+
+
+def _calibration(best: int) -> dict[str, float]:
+    """Noise of the grid in the keys of a diagnosis."""
+    noise = noise_grid()[best]
+    return {"dive_scatter": noise.scatter, "depth_walk_m2_s": noise.diffusion, "eddy_time_s": noise.eddy_time}
+
+
+def _excludes_zero(estimate: ParameterEstimate) -> bool:
+    """Whether a strength's 90 % interval excludes zero; otherwise its evidence is an error of the linearisation."""
+    is_shape = CATALOGUE[estimate.effect].parameters[estimate.name].is_shape
+    return is_shape or not estimate.low <= 0.0 <= estimate.high
+
+
+def log_joint_with_noise(marginals: Sequence[Marginal]) -> Array:
+    """Log density of the data at each noise of the grid, plus the log prior of the noise, shape (g,)."""
+    return np.array([noise.log_prior + found.log_density for noise, found in zip(noise_grid(), marginals, strict=True)])
+
+
+def cholesky(covariance: Array) -> Array:
+    """Lower Cholesky factor."""
+    return np.asarray(np.linalg.cholesky(covariance), dtype=float)
+
+
+def log_normal_density(residuals: Array, factor: Array) -> Array:
+    """Ln N(r; 0, L Lᵀ) of each column r of the residuals, shape (N, s) → (s,)."""
+    white = solve_triangular(factor, residuals, lower=True, check_finite=False)
+    log_determinant = np.log(np.diag(factor)).sum()
+    return np.asarray(-0.5 * np.sum(white**2, axis=0) - log_determinant - 0.5 * len(residuals) * LOG_2PI)

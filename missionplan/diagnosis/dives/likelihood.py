@@ -1,0 +1,173 @@
+"""Likelihood of dives under a linearised model: linear and Gaussian, coordinates integrated out, on a grid of noises.
+
+Dives are independent given the coordinates and what all dives share. Whitened inner products of their columns are
+computed once and serve all priors and any choice of dives: the marginal likelihood and the posterior of a linear
+Gaussian model need no more (Bishop 2006, *Pattern Recognition and Machine Learning*, section 3.5).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lapack, solve_triangular
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.dives.linearised import DiveLinearisation, LinearisedDescent
+from missionplan.diagnosis.dives.noise import (
+    Noise,
+    dive_to_dive_covariance,
+    noise_grid,
+    sensor_and_turbulence_covariance,
+    shape_error_covariance,
+)
+from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal
+from missionplan.diagnosis.inference.residuals import InnerProducts
+
+ALL_DIVES = slice(None)
+
+
+@dataclass(frozen=True)
+class NoiseGridLikelihood:
+    """Likelihood of a linearisation at each of the grid's g noises, for any of the d dives.
+
+    Attributes
+    ----------
+    grams : array, shape (g, d, k + 3, k + 3)
+        Whitened inner products of the k coordinates' columns, the two that all dives share, and the data.
+    log_determinants : array, shape (g, d)
+        Ln |covariance| of each dive's readings.
+    counts : array of int, shape (d,)
+        Readings of each dive.
+    """
+
+    grams: Array
+    log_determinants: Array
+    counts: NDArray[np.int_]
+
+    def marginals(self, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> list[Marginal]:
+        """Marginalise all coordinates at each noise of the grid.
+
+        Parameters
+        ----------
+        prior_sd : array, shape (k,)
+            Of the coordinates.
+        dives : array of int or slice
+            Dives to use; default all.
+        """
+        return [self.marginal(index, prior_sd, dives) for index in range(len(self.grams))]
+
+    def marginal(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> Marginal:
+        """Marginalise all coordinates, and what the dives share, at one noise of the grid."""
+        gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
+        prior = _with_shared(prior_sd, noise_grid()[index])
+        found = gaussian_marginal(gram, prior, log_determinant, int(self.counts[dives].sum()))
+        return Marginal(found.log_density, found.mean[:-2], found.covariance[:-2, :-2])
+
+
+@dataclass(frozen=True)
+class DescentLikelihood(LinearisedDescent):
+    """The linearised descent with the covariance of its residuals."""
+
+    def covariances(self, linear: DiveLinearisation, noises: tuple[Noise, ...]) -> list[Array]:
+        """Covariance of each dive's readings beside the catalogue's coordinates, at each of g noises: (g, m, m) [m²].
+
+        The part of the readings due to causes with shape parameters is uncertain by a smooth factor, `SHAPE_SD`.
+        """
+        return [
+            fixed
+            + dive_to_dive_covariance(linear.sensitivities[rows], linear.curvature[rows], noises)
+            + shape_error_covariance(log.t, linear.shaped[rows])
+            for fixed, log, rows in zip(self._fixed_covariances(noises), self.forward.logs, self.parts, strict=True)
+        ]
+
+    def _fixed_covariances(self, noises: tuple[Noise, ...]) -> list[Array]:
+        """Covariance of each dive's readings that no fit changes, at each of g noises, shape (g, m, m) [m²]."""
+        known = self._known_fixed_covariances
+        if noises not in known:
+            known[noises] = [sensor_and_turbulence_covariance(log.t, log.sd, noises) for log in self.forward.logs]
+        return known[noises]
+
+    @cached_property
+    def _known_fixed_covariances(self) -> dict[tuple[Noise, ...], list[Array]]:
+        return {}
+
+    def total_covariance(self, linear: DiveLinearisation, noise: Noise, prior_sd: Array) -> Array:
+        """Covariance of all readings with the coordinates' priors, shape (N, N) [m²]."""
+        scaled = np.concatenate([linear.columns * prior_sd, linear.nuisances * [noise.scatter, 1.0]], axis=1)
+        total = scaled @ scaled.T
+        for rows, block in zip(self.parts, self.covariances(linear, (noise,)), strict=True):
+            total[np.ix_(rows, rows)] += block[0]
+        return np.asarray(total)
+
+    def likelihood(self, linear: DiveLinearisation) -> NoiseGridLikelihood:
+        """Likelihood of a linearisation at every noise of the grid.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            When a covariance is not positive definite.
+        """
+        both = np.concatenate([linear.columns, linear.nuisances, linear.y[:, None]], axis=1)
+        grams, log_determinants = zip(*self._inner_products(linear, both), strict=True)
+        counts = np.array([len(rows) for rows in self.parts])
+        return NoiseGridLikelihood(np.stack(grams, axis=1), np.stack(log_determinants, axis=1), counts)
+
+    def products(self, linear: DiveLinearisation, prior_sd: Array, columns: Array) -> list[InnerProducts]:
+        """Inner products of columns, shape (N, m), and the data, the coordinates integrated out, at every noise."""
+        both = np.concatenate([linear.columns, linear.nuisances, columns, linear.y[:, None]], axis=1)
+        dives = self._inner_products(linear, both)
+        gram, log_determinant = next(dives)
+        for more, further in dives:  # added in place: one dive's alone are some tens of megabytes
+            gram += more
+            log_determinant += further
+        return marginalised_products(gram, log_determinant, prior_sd)
+
+    def _inner_products(self, linear: DiveLinearisation, columns: Array) -> Iterator[tuple[Array, Array]]:
+        """Inner products of columns over each dive, and ln |covariance|, at every noise of the grid."""
+        for rows, covariance in zip(self.parts, self.covariances(linear, noise_grid()), strict=True):
+            yield inner_products(covariance, columns[rows])
+
+
+def _with_shared(prior_sd: Array, noise: Noise) -> Array:
+    """Prior standard deviations of the coordinates, then of curvature and lag's order.
+
+    The scatter of the release delay smooths the jerk of every dive to the same side, hence one coefficient for all.
+    """
+    return np.append(prior_sd, [noise.scatter, 1.0])
+
+
+def inner_products(covariance: Array, columns: Array) -> tuple[Array, Array]:
+    """Inner products Xᵀ C⁻¹ X of a dive's columns, shape (m, c), and ln |C| at each of g noises: (g, c, c), (g,).
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        When a covariance, shape (g, m, m), is not positive definite.
+    """
+    factor = np.linalg.cholesky(covariance)
+    white = np.stack([lapack.dtrtrs(one.T, columns, trans=1)[0] for one in factor])
+    return np.swapaxes(white, 1, 2) @ white, 2.0 * np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
+
+
+def marginalised_products(grams: Array, log_determinants: Array, prior_sd: Array) -> list[InnerProducts]:
+    """Integrate the coordinates out of the inner products of other columns and the data, at each noise of the grid.
+
+    Parameters
+    ----------
+    grams : array, shape (g, c, c)
+        Of k coordinates' columns, what the dives share beside them, other columns and the data.
+    log_determinants : array, shape (g,)
+        Of the covariance.
+    prior_sd : array, shape (k,)
+        Of the coordinates.
+    """
+    found, inner = [], len(prior_sd) + 2
+    for noise, gram, log_determinant in zip(noise_grid(), grams, log_determinants, strict=True):
+        prior = _with_shared(prior_sd, noise)
+        factor = np.linalg.cholesky(prior[:, None] * gram[:inner, :inner] * prior + np.eye(inner))
+        known = solve_triangular(factor, prior[:, None] * gram[:inner, inner:], lower=True)
+        total = float(log_determinant + 2.0 * np.log(np.diag(factor)).sum())
+        found.append(InnerProducts(noise.log_prior, total, gram[inner:, inner:] - known.T @ known))
+    return found

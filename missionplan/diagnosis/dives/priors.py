@@ -1,0 +1,91 @@
+"""Dive logs beside the catalogue of causes: readings in one vector, coordinates of all causes and their priors."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, has_shape
+from missionplan.diagnosis.dives.forward import DescentForward
+from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
+from missionplan.effects import effects_of
+from missionplan.results.diagnosis import Causes
+
+MINIMUM_EVIDENCE_GAIN_SHAPED = 0.05
+"""Minimum relative evidence gain beside causes with shape parameters, whose shape error another cause may absorb."""
+
+
+@dataclass(frozen=True)
+class DescentPriors:
+    """The d dives of a data set with k coordinates of all causes, each under a spike-and-slab prior.
+
+    Attributes
+    ----------
+    forward : DescentForward
+        The descent phase, bound to the dives.
+    """
+
+    forward: DescentForward
+
+    @cached_property
+    def candidates(self) -> Causes:
+        """Effects of the catalogue on a descent."""
+        return tuple(info.id for info in effects_of("descent"))
+
+    @property
+    def untestable(self) -> Mapping[str, str]:
+        """None: every effect on a descent can show in a dive log."""
+        return {}
+
+    def minimum_evidence_gain(self, causes: Causes) -> float:
+        """Minimum relative evidence gain, allowing for the shape error of causes with shape parameters."""
+        return MINIMUM_EVIDENCE_GAIN_SHAPED if has_shape(causes) else MINIMUM_EVIDENCE_GAIN
+
+    def may_be_multimodal(self, causes: Causes) -> bool:
+        """Whether a cause has a shape parameter."""
+        return has_shape(causes)
+
+    @cached_property
+    def y(self) -> Array:
+        """Readings of all dives, one dive after the other, shape (N,) [m]."""
+        return np.concatenate([log.depth for log in self.forward.logs])
+
+    @cached_property
+    def parts(self) -> tuple[NDArray[np.int_], ...]:
+        """Rows of each dive."""
+        lengths = [len(log.t) for log in self.forward.logs]
+        return tuple(np.split(np.arange(sum(lengths)), np.cumsum(lengths)[:-1]))
+
+    @cached_property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Coordinates of all causes."""
+        return tuple(c for info in effects_of("descent") for c in coordinates_of(info))
+
+    @cached_property
+    def centre(self) -> Array:
+        """Prior means of the coordinates, shape (k,)."""
+        return np.array([coordinate.centre for coordinate in self.coordinates])
+
+    @cached_property
+    def slab(self) -> Array:
+        """Prior standard deviations of the coordinates as causes, shape (k,)."""
+        return np.array([coordinate.slab for coordinate in self.coordinates])
+
+    def prior_sd(self, causes: Causes) -> Array:
+        """Prior standard deviations, shape (k,): slab for a cause, else spike (0 for a shape parameter)."""
+        return np.array([c.slab if c.effect in causes else c.spike for c in self.coordinates])
+
+    def nuisance_sd(self, causes: Causes) -> Array:
+        """Prior standard deviations of all coordinates but those of the causes, which have 0, shape (k,)."""
+        return np.where([c.effect in causes for c in self.coordinates], 0.0, self.prior_sd(()))
+
+    def free(self, causes: Causes) -> NDArray[np.int_]:
+        """Coordinates of the causes."""
+        return np.flatnonzero([coordinate.effect in causes for coordinate in self.coordinates])
+
+    def index(self, effect: str) -> int:
+        """First coordinate of an effect."""
+        return [coordinate.effect for coordinate in self.coordinates].index(effect)
