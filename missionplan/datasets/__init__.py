@@ -1,5 +1,4 @@
-"""Measured data: a folder with `dataset.yaml` and CSV files, read and checked.
+"""Measured data: a folder with `dataset.yaml` and CSV files, read and checked; one module a kind.
 
-Read first `table` (a CSV) and `reading` (the folder), which all kinds share, then a kind: `legs` (with `leg_checks`),
-`dives` and `summaries` (with `runs`), or the folder `tank`. `kinds` lists them all.
+Read first `reading` (what all kinds share), then `legs`, `dives`, `summaries` or `tank`.
 """

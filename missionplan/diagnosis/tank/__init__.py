@@ -1,1 +1,6 @@
-"""Tank data: drag, free oscillation and thrust. Read first `model`, then `forward` and `linearised`."""
+"""Tank data: towed drag, free oscillation, thrusters and propeller transients.
+
+Read `data`, `forward` (what all kinds have in common) and one kind (`towed_drag`, `free_oscillation`, `thruster`,
+`propeller`), then `fitting`, `linearised` and `model`. `model_factory` binds a mission, `extended_mission` writes the
+causes into one.
+"""

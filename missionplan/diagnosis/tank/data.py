@@ -1,4 +1,4 @@
-"""Rows of tank data as the diagnosis takes them: at most so many, and in blocks."""
+"""Rows of tank data as they are fitted: at most so many, and in blocks."""
 
 import itertools
 from dataclasses import dataclass, replace
@@ -9,16 +9,27 @@ from numpy.typing import NDArray
 
 from missionplan.datasets.tank import TankData, read_tank_data
 
-MOST_ROWS = 600
+MAX_ROWS = 600
 """Rows that are kept of a longer record, evenly."""
-BLOCK_COUNT = 8
-LEAVE_ONE_OUT_ROWS = 12
-"""Up to so many rows each is held out by itself."""
+BLOCKS = 8
+"""Blocks into which a record is divided."""
+MAX_SINGLE_ROWS = 12
+"""Up to so many rows each is a block by itself."""
 
 
 @dataclass(frozen=True)
 class TankSet:
-    """A data set of the tank with what a report says of it."""
+    """A data set of the tank.
+
+    Attributes
+    ----------
+    name, source : str
+        Of the data set.
+    notices : tuple of str
+        Treatments the reader should know of.
+    tank : TankData
+        The rows that are fitted.
+    """
 
     name: str
     source: str
@@ -34,14 +45,14 @@ def read_tank(folder: Path) -> TankSet:
     InputError
         With every problem of `dataset.yaml` and of the tables.
     """
-    data = every_nth_row(read_tank_data(folder))
-    return TankSet(data.name, data.settings.source, data.notices, data)
+    data = decimated(read_tank_data(folder))
+    return TankSet(data.settings.name or folder.name, data.settings.source, data.notes, data)
 
 
-def every_nth_row(data: TankData) -> TankData:
-    """Keep every so-manieth row of a long record, and note it."""
+def decimated(data: TankData) -> TankData:
+    """Return every nth row of a long record, with a note of it."""
     count = len(next(iter(data.columns.values())))
-    step = -(-count // MOST_ROWS)
+    step = -(-count // MAX_ROWS)
     if step == 1:
         return data
     note = f"{count} rows: every {step}th is used"
@@ -49,14 +60,14 @@ def every_nth_row(data: TankData) -> TankData:
         data,
         columns={name: column[::step] for name, column in data.columns.items()},
         labels={name: column[::step] for name, column in data.labels.items()},
-        notices=(*data.notices, note),
+        notes=(*data.notes, note),
     )
 
 
 def row_blocks(count: int) -> NDArray[np.str_]:
     """Name of each row's block: rows one by one where they are few, else even blocks in their order."""
-    if count <= LEAVE_ONE_OUT_ROWS:
+    if count <= MAX_SINGLE_ROWS:
         return np.array([f"row {k + 1}" for k in range(count)])
-    ends = np.linspace(0, count, BLOCK_COUNT + 1).astype(int)
+    ends = np.linspace(0, count, BLOCKS + 1).astype(int)
     names = [f"rows {a + 1} to {b}" for a, b in itertools.pairwise(ends.tolist())]
     return np.repeat(names, np.diff(ends))

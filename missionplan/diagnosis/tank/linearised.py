@@ -1,4 +1,7 @@
-"""Tank data about a fit, linear with normal priors: coordinates marginalised, and groups predicted from the others."""
+"""Tank data about a fit, linear with normal priors: coordinates marginalised, groups predicted from the others.
+
+Linear Gaussian models, as in Bishop (2006), *Pattern Recognition and Machine Learning*, sections 2.3.3 and 3.5.
+"""
 
 from dataclasses import dataclass
 
@@ -16,7 +19,7 @@ def marginal(y: Array, columns: Array, prior: Array, sd: Array) -> Marginal:
     Parameters
     ----------
     y : array, shape (N,)
-        Data, less what the model predicts at the priors' centres.
+        Data, less the prediction at the prior means.
     columns : array, shape (N, a)
         Derivatives along the coordinates.
     prior : array, shape (a,)
@@ -40,41 +43,41 @@ def marginal(y: Array, columns: Array, prior: Array, sd: Array) -> Marginal:
 
 
 @dataclass(frozen=True)
-class Predicted:
+class GroupPrediction:
     """A group as the others predict it.
 
     Attributes
     ----------
     rows : array of bool, shape (N,)
-        Which data are its own.
-    learnt : array, shape (l,)
-        Coordinates learnt from the others, less their centres.
+        Data of the group.
+    estimated : array, shape (l,)
+        Shared coordinates estimated from the others, less their prior means.
     log_score : float
         ln p(group | the others).
     inside : int
-        Its data inside their 90 % predictive interval.
+        Data of the group inside their 90 % predictive interval.
     """
 
     rows: NDArray[np.bool_]
-    learnt: Array
+    estimated: Array
     log_score: float
     inside: int
 
 
 @dataclass(frozen=True)
 class LinearData:
-    """Data as a fitted set of causes sees them, linear about the fit.
+    """Data as a fitted set of causes predicts them, linear about the fit.
 
     Attributes
     ----------
     y, sd : array, shape (N,)
-        Data less the prediction at the priors' centres, and the standard deviation of their noise.
+        Data less the prediction at the prior means, and the standard deviation of their noise.
     columns : array, shape (N, a)
         Derivatives along the coordinates.
     prior : array, shape (a,)
-        Standard deviations of the coordinates about their centres.
-    learnt : array of bool, shape (a,)
-        Constants of the base model and causes of the set; the others are doubts about what is no cause.
+        Prior standard deviations of the coordinates.
+    shared : array of bool, shape (a,)
+        Constants of the base model and causes of the set, the same in all groups; the others are random effects.
     groups : array of str, shape (N,)
         Group of each datum.
     """
@@ -83,34 +86,35 @@ class LinearData:
     sd: Array
     columns: Array
     prior: Array
-    learnt: NDArray[np.bool_]
+    shared: NDArray[np.bool_]
     groups: NDArray[np.str_]
 
-    def predicted(self) -> list[Predicted]:
+    def predicted(self) -> list[GroupPrediction]:
         """Predict each group from the others.
 
-        A set of causes says that they are the same in every group: they are learnt from the others, as are the base
-        model's constants. What is no cause of the set stays what was believed before any data, a doubt of each group
-        by itself. Were doubts learnt too, a record that fixes one sharply would teach it to every set alike, and no
-        set would gain, however far from belief it lies.
+        Causes of a set are the same in every group, as are the base model's constants: both are estimated from the
+        other groups. Effects that are no causes are random effects of each group by itself (Laird & Ware 1982) with
+        their prior, the spike. Were they estimated too, a record that fixes one sharply would fix it under every set
+        alike, and no set would gain, however far it lies outside its spike.
         """
         rows = [self.groups == name for name in dict.fromkeys(self.groups.tolist())]
-        known, doubts = self.columns[:, self.learnt], self.columns[:, ~self.learnt] * self.prior[~self.learnt]
-        noises = [np.diag(self.sd[own] ** 2) + doubts[own] @ doubts[own].T for own in rows]
-        both = np.concatenate([known, self.y[:, None]], axis=1)
+        shared, random = self.columns[:, self.shared], self.columns[:, ~self.shared] * self.prior[~self.shared]
+        noises = [np.diag(self.sd[own] ** 2) + random[own] @ random[own].T for own in rows]
+        both = np.concatenate([shared, self.y[:, None]], axis=1)
         whites = [np.linalg.solve(np.linalg.cholesky(n), both[own]) for n, own in zip(noises, rows, strict=True)]
         found = []
         for k, own in enumerate(rows):
             seen = np.concatenate(whites[:k] + whites[k + 1 :])
-            rest = marginal(seen[:, -1], seen[:, :-1], self.prior[self.learnt], np.ones(len(seen)))
-            covariance = known[own] @ rest.covariance @ known[own].T + noises[k]
-            error = self.y[own] - known[own] @ rest.mean
+            others = marginal(seen[:, -1], seen[:, :-1], self.prior[self.shared], np.ones(len(seen)))
+            covariance = shared[own] @ others.covariance @ shared[own].T + noises[k]
+            error = self.y[own] - shared[own] @ others.mean
             inside = np.abs(error) <= norm.ppf(0.95) * np.sqrt(np.diag(covariance))
-            found.append(Predicted(own, rest.mean, _log_density(error, covariance), int(inside.sum())))
+            found.append(GroupPrediction(own, others.mean, _log_density(error, covariance), int(inside.sum())))
         return found
 
 
 def _log_density(error: Array, covariance: Array) -> float:
+    """Ln N(error; 0, covariance)."""
     factor = np.linalg.cholesky(covariance)
     white = np.linalg.solve(factor, error)
     return -0.5 * float(white @ white) - float(np.log(np.diag(factor)).sum()) - 0.5 * LOG_2PI * len(error)

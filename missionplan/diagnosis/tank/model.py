@@ -1,246 +1,107 @@
-"""Model of tank data: least squares with normal priors, linearised at its best; the noise's size is summed over."""
+"""Model of tank data: fits of sets of causes, what they leave, and how well they predict data held out or to come."""
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 from scipy.stats import norm
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import (
-    Coordinate,
-    coordinates_of,
-    estimates,
-    has_shape,
-    is_possible,
-    parameters_from,
-)
+from missionplan.diagnosis.coordinates import has_shape
 from missionplan.diagnosis.inference.axes import pointwise, scaled
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
-from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, FailedFit, FitRequest, HeldOutScore
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
+from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, FailedFit, HeldOutScore
 from missionplan.diagnosis.inference.residuals import Residuals
-from missionplan.diagnosis.tank.forward import TankForward, build_effects
-from missionplan.diagnosis.tank.gauss_newton import Climb
-from missionplan.diagnosis.tank.linearised import LinearData, marginal
-from missionplan.effects import CATALOGUE
-from missionplan.results.diagnosis import Causes, ParameterEstimate
+from missionplan.diagnosis.tank.fitting import TankFitting
+from missionplan.diagnosis.tank.linearised import LinearData
+from missionplan.results.diagnosis import Causes
 
-STATED_SPREAD, UNSTATED_SPREAD = 0.4, 2.3
-"""Standard deviation of ln(noise over what is stated), where it is stated and where it is not."""
-SPIKES = {("drag-bias", "fraction"): 0.02}
-"""Doubts of a tank where they are not those of a descent: a drag measured in one tank holds in another to 2 %."""
 COVARIANCE_INFLATION = 9.0
 """Factor on the posterior covariance with which fitted coordinates enter the residuals: as good as unknown there."""
 
 
 @dataclass(frozen=True)
-class TankState:
-    """A fitted set: coordinates there, what is left, derivatives, noise factor and the posterior of the coordinates."""
+class TankModel(TankFitting):
+    """Base model of a tank experiment and the effects that it may lack, bound to data.
 
-    at: Array
-    left: Array
-    columns: Array
-    active: NDArray[np.int_]
-    factor: float
-    marginal: Marginal
+    Attributes
+    ----------
+    alternatives : sequence of frozenset of str
+        Groups of effects of which a set holds at most one.
+    """
 
-
-@dataclass(frozen=True)
-class TankModel:
-    """Base model of a tank experiment and the effects that it may lack, bound to data."""
-
-    forward: TankForward
-    noise_known: bool = False
     alternatives: Sequence[frozenset[str]] = ()
 
     @property
-    def candidates(self) -> Causes:
-        """Effects that these data could show."""
-        return self.forward.candidates
-
-    def minimum_evidence_gain(self, causes: Causes) -> float:
-        """The usual: what the catalogue adds is as good as linear in its strengths, and of known shape."""
-        return MINIMUM_EVIDENCE_GAIN
-
-    @property
     def untestable(self) -> Mapping[str, str]:
-        """Effects that they could not, and why."""
+        """Effects that these data could not show, and why."""
         return self.forward.untestable
 
-    @cached_property
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        """Coordinates of the candidates; those of the nuisances come before them in every array."""
-        found = (c for name in self.candidates for c in coordinates_of(CATALOGUE[name]))
-        return tuple(replace(c, spike=SPIKES.get((c.effect, c.name), c.spike)) for c in found)
-
-    @cached_property
-    def centre(self) -> Array:
-        """Prior means, shape (k,)."""
-        return np.array([n.centre for n in self.forward.nuisances] + [c.centre for c in self.coordinates])
-
-    def prior_sd(self, causes: Causes) -> Array:
-        """Prior standard deviations, shape (k,): slab for a cause, spike otherwise (0 for a shape)."""
-        own = [c.slab if c.effect in causes else c.spike for c in self.coordinates]
-        return np.array([n.sd for n in self.forward.nuisances] + own)
-
-    def predict(self, causes: Causes, places: Array) -> Array:
-        """Data that coordinates predict, (k, m) → (N, m); an effect with a shape alone is there as a cause only."""
-        fixed = len(self.forward.nuisances)
-        parameters = parameters_from(self.coordinates, list(places[fixed:]))
-        there = {
-            name: values
-            for name, values in parameters.items()
-            if name in causes or any(c.kind != "shape" for c in self.coordinates if c.effect == name)
-        }
-        return self.forward.predict(places[:fixed], build_effects(there))
-
-    def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
-        """Fit several sets, one after the other."""
-        return [self._fit(causes, near) for causes, near in wanted]
-
-    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
-        """Fits are where they should be."""
-        return list(fits)
-
-    def _fit(self, causes: Causes, near: Sequence[CauseFit]) -> CauseFit | FailedFit:
-        active = np.flatnonzero(self.prior_sd(causes) > 0.0)
-        climb = self._climb(causes, active)
-        best = min((climb.climb(start) for start in self._starts(causes, near)), key=lambda reached: reached.objective)
-        if not np.isfinite(best.objective):
-            return FailedFit(causes, "the model has no value at any of its starts")
-        at, left, columns = best.at, self.forward.y - best.here, best.columns
-        try:
-            logs, marginals = self._integrated(causes, left, columns, at, active)
-        except np.linalg.LinAlgError as error:
-            return FailedFit(causes, str(error))
-        likely = int(np.argmax(logs))
-        state = TankState(at, left, columns, active, float(self._factors[likely]), marginals[likely])
-        return CauseFit(causes, float(logsumexp(logs)), *self._described(causes, state), state)
-
-    def plain_residuals(self) -> Array:
-        """What the base model alone leaves, its nuisances fitted and every effect at nothing, shape (N,)."""
-        climb = self._climb((), np.arange(len(self.forward.nuisances)))
-        return np.asarray(self.forward.y - climb.climb(self.centre).here)
-
-    def _climb(self, causes: Causes, active: NDArray[np.int_]) -> Climb:
-        forward, factors = self.forward, (float(self._factors[0]), float(self._factors[-1]))
-        predict, prior = partial(self.predict, causes), self.prior_sd(causes)[active]
-        return Climb(predict, forward.y, forward.sd, self.centre, active, prior, factors)
-
-    def _described(
-        self, causes: Causes, state: TankState
-    ) -> tuple[tuple[ParameterEstimate, ...], dict[str, float], bool]:
-        fixed = len(self.forward.nuisances)
-        rows = [k for k, index in enumerate(state.active) if self._is_of(causes, int(index))]
-        chosen = [self.coordinates[int(state.active[k]) - fixed] for k in rows]
-        found = estimates(chosen, state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)])
-        calibration = {n.name: float(v) for n, v in zip(self.forward.nuisances, state.at, strict=False)}
-        noise = float(np.median(self.forward.sd)) * state.factor
-        return found, calibration | {f"noise_{self.forward.quantity}": noise}, is_possible(found)
-
-    def _is_of(self, causes: Causes, index: int) -> bool:
-        fixed = len(self.forward.nuisances)
-        return index >= fixed and self.coordinates[index - fixed].effect in causes
-
-    def _starts(self, causes: Causes, near: Sequence[CauseFit]) -> list[Array]:
-        begin = self.centre.copy()
-        for fit in reversed(near):
-            begin[fit.state.active] = fit.state.at[fit.state.active]
-        fixed, choices = len(self.forward.nuisances), []
-        for k, c in enumerate(self.coordinates):
-            guesses = self.forward.guesses.get((c.effect, c.name), ()) if c.effect in causes else ()
-            choices.append((*guesses, begin[fixed + k]) if guesses else (begin[fixed + k],))
-        return [np.concatenate([begin[:fixed], own]) for own in itertools.product(*choices)]
-
-    @property
-    def _spread(self) -> float:
-        return STATED_SPREAD if self.forward.stated else UNSTATED_SPREAD
-
-    @cached_property
-    def _factors(self) -> Array:
-        """Factors on the sensor's noise over which the evidence is summed, evenly in their logarithm."""
-        if self.noise_known:
-            return np.ones(1)
-        reach = 5.0 if self.forward.stated else 3.0
-        count = 121 if self.forward.stated else 241
-        return np.exp(np.linspace(-reach * self._spread, reach * self._spread, count))
-
-    def _integrated(
-        self, causes: Causes, left: Array, columns: Array, at: Array, active: NDArray[np.int_]
-    ) -> tuple[Array, list[Marginal]]:
-        """Log evidence at each noise factor, its prior included, and the posterior there."""
-        prior, sd = self.prior_sd(causes)[active], self.forward.sd
-        y = left + columns @ (at - self.centre)[active]
-        log_prior = -0.5 * (np.log(self._factors) / self._spread) ** 2
-        log_prior -= logsumexp(log_prior)
-        found = [marginal(y, columns, prior, sd * factor) for factor in self._factors]
-        logs = log_prior + np.array([each.log_density for each in found])
-        return logs, [replace(each, mean=self.centre[active] + each.mean) for each in found]
+    def minimum_evidence_gain(self, causes: Causes) -> float:
+        """The default: the catalogue's effects are nearly linear in their strengths, and of known shape."""
+        return MINIMUM_EVIDENCE_GAIN
 
     def may_be_multimodal(self, causes: Causes) -> bool:
-        """Whether a cause has a shape of its own."""
+        """Whether a cause has a shape parameter."""
         return has_shape(causes)
 
     def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
-        """Unknown: the few effects of a tank are all fitted."""
+        """Unknown: all sets of a tank's few effects are fitted."""
         return float("inf")
 
+    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
+        """The fits as they are: each is linearised about its own best coordinates and noise."""
+        return list(fits)
+
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
-        """Integrate over nuisances and causes by the model itself, not linearised."""
+        """Evidence by importance sampling of nuisance parameters and causes with the model itself, not linearised."""
         state, sd = fit.state, self.forward.sd
         prior, centre = self.prior_sd(fit.causes)[state.active], self.centre[state.active]
-        log_weights = -0.5 * (np.log(self._factors) / self._spread) ** 2
-        log_weights -= logsumexp(log_weights) + len(sd) * np.log(self._factors)
+        log_weights = self.noise_log_prior - len(sd) * np.log(self.noise_factors)
         constant = -float(np.log(sd).sum()) - 0.5 * len(sd) * LOG_2PI
 
         def log_joint(at: Array) -> Array:
-            places = np.repeat(self.centre[:, None], len(at), axis=1)
-            places[state.active] = at.T
-            left = (self.forward.y[:, None] - self.predict(fit.causes, places)) / sd[:, None]
-            quadratic = -0.5 * np.sum(left**2, axis=0)[:, None] / self._factors**2
+            settings = np.repeat(self.centre[:, None], len(at), axis=1)
+            settings[state.active] = at.T
+            residuals = (self.forward.y[:, None] - self.predict(fit.causes, settings)) / sd[:, None]
+            quadratic = -0.5 * np.sum(residuals**2, axis=0)[:, None] / self.noise_factors**2
             log_prior = np.asarray(norm.logpdf(at, centre, prior)).sum(axis=1)
             return np.asarray(logsumexp(quadratic + log_weights, axis=1) + constant + log_prior)
 
         return sampled_evidence(log_joint, state.marginal.mean, state.marginal.covariance)
 
     def residuals(self, fit: CauseFit) -> Residuals:
-        """What the fit leaves, the fitted coordinates as good as unknown."""
-        state = fit.state
+        """Residuals of a fit; its coordinates enter their covariance as good as unknown."""
+        state, count = fit.state, len(fit.state.residuals)
         noise = np.diag((state.factor * self.forward.sd) ** 2)
         covariance = noise + COVARIANCE_INFLATION * state.columns @ state.marginal.covariance @ state.columns.T
-        count = len(state.left)
         axes = [
             pointwise(name, f"an error that changes with {name}", scaled(values))
             for name, values in self.forward.axes.items()
         ]
         # rows of a table are no series: only a record in time is tested for errors that follow one another
         series = np.zeros(count, dtype=int) if "time" in self.forward.axes else np.arange(count)
-        return Residuals(state.left, covariance, series, axes, self.forward.groups)
+        return Residuals(state.residuals, covariance, series, axes, self.forward.groups)
 
     def held_out(self, fits: Sequence[CauseFit]) -> list[list[HeldOutScore]]:
-        """Predict each group from the others under several fits, linearised where the fits are.
+        """Predict each group from the others under several fits, linearised about each fit.
 
-        Of what is no cause of a set, nothing is learnt from the other groups (`LinearData.predicted`). Squared errors
-        are of the model itself with such effects at their centres.
+        Coordinates of effects that are no causes of a set are not estimated from the other groups
+        (`LinearData.predicted`). Squared errors are of the model itself, with such effects at their prior means.
         """
         return [self._scores(fit) for fit in fits]
 
     def _scores(self, fit: CauseFit) -> list[HeldOutScore]:
-        state, forward = fit.state, self.forward
-        active, fixed = state.active, len(forward.nuisances)
-        learnt = np.array([index < fixed or self._is_of(fit.causes, int(index)) for index in active], dtype=bool)
-        y = state.left + state.columns @ (state.at - self.centre)[active]
+        state, forward, active = fit.state, self.forward, fit.state.active
+        shared = np.array([index < self.fixed or self.is_of(fit.causes, int(index)) for index in active], dtype=bool)
+        y = state.residuals + state.columns @ (state.at - self.centre)[active]
         prior = self.prior_sd(fit.causes)[active]
-        linear = LinearData(y, state.factor * forward.sd, state.columns, prior, learnt, forward.groups)
-        predicted = linear.predicted()
-        places = np.repeat(self.centre[:, None], len(predicted), axis=1)
-        places[active[learnt]] += np.stack([group.learnt for group in predicted], axis=1)
-        errors = forward.y[:, None] - self.predict(fit.causes, places)
+        predicted = LinearData(y, state.factor * forward.sd, state.columns, prior, shared, forward.groups).predicted()
+        settings = np.repeat(self.centre[:, None], len(predicted), axis=1)
+        settings[active[shared]] += np.stack([group.estimated for group in predicted], axis=1)
+        errors = forward.y[:, None] - self.predict(fit.causes, settings)
         return [
             HeldOutScore(
                 str(forward.groups[group.rows][0]),
@@ -258,10 +119,13 @@ class TankModel:
         return [what for what, _ in self.forward.designs]
 
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
-        """Fit both sets to noise-free data of the first, as measured or as an entry of the menu would."""
+        """Expected ln Bayes factor of the first set over the second, with the data of a design or as measured."""
         forward = self.forward if entry is None else self.forward.designs[entry][1]
         expected = replace(self, forward=forward).predict(first.causes, first.state.at[:, None])[:, 0]
-        told = replace(forward, y=expected, sd=first.state.factor * self.forward.sd)
-        fitted = replace(self, forward=told, noise_known=True).fit_all([(f.causes, (f,)) for f in (first, second)])
-        evidence = [fit.log_evidence if isinstance(fit, CauseFit) else -np.inf for fit in fitted]
+        noise_free = replace(forward, y=expected, sd=first.state.factor * self.forward.sd)
+        planned = replace(self, forward=noise_free, noise_known=True)
+        evidence = [
+            fit.log_evidence if isinstance(fit, CauseFit) else -np.inf
+            for fit in planned.fit_all([(fit.causes, (fit,)) for fit in (first, second)])
+        ]
         return float(max(evidence[0] - evidence[1], 0.0))

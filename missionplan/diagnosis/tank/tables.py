@@ -12,7 +12,7 @@ def tank_residuals(model: TankModel, best: CauseFit) -> pd.DataFrame:
     places = {f"at_{name}": values for name, values in model.forward.axes.items()}
     measured = model.forward.y
     before = model.plain_residuals()
-    after = best.state.left if best.causes else before
+    after = best.state.residuals if best.causes else before
     return pd.DataFrame(
         {
             "group": model.forward.groups,
@@ -40,5 +40,5 @@ UNITS = {"force_n": ("the drag", "N"), "displacement_m": ("the displacement", "m
 
 def tank_share(table: pd.DataFrame, fit: CauseFit) -> float:
     """Share of the base model's squared residuals that goes with a set."""
-    before, after = float(np.sum(table["residual_base"] ** 2)), float(np.sum(fit.state.left**2))
+    before, after = float(np.sum(table["residual_base"] ** 2)), float(np.sum(fit.state.residuals**2))
     return float(np.clip(1.0 - after / max(before, 1e-30), 0.0, 1.0))

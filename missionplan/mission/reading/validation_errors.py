@@ -1,8 +1,7 @@
 """Pydantic's errors as problems of a document: with lines, key paths, and the nearest valid key."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -12,7 +11,7 @@ from missionplan.mission.reading.documents import Document
 from missionplan.mission.schema.quantity_parser import QuantityParser
 
 _MESSAGES = {
-    "Input should be a valid dictionary": "expected a mapping",
+    "Input should be a valid dictionary or instance of ": "expected a mapping",
     "Input should be a valid tuple": "expected a list",
     "Input should be a valid list": "expected a list",
     "Input should be a valid integer": "expected a whole number",
@@ -69,16 +68,15 @@ def _message(message: str) -> str:
 
 def _fields(path: KeyPath, model: type[BaseModel]) -> dict[str, FieldInfo]:
     """Fields of the section at `path`, by the names that a file uses; none where no section has that path."""
-    current, names_follow = model, False
+    current = model
     for part in path:
-        if isinstance(part, int) or names_follow:  # an item of a list, or a name of the user's own
-            names_follow = False
+        if isinstance(part, int):
             continue
         field = _by_name(current).get(part)
         section = _section_in(field.annotation) if field is not None else None
-        if field is None or section is None:
+        if section is None:
             return {}
-        current, names_follow = section, get_origin(field.annotation) is Mapping
+        current = section
     return _by_name(current)
 
 

@@ -58,7 +58,7 @@ def test_reynolds_number_goes_with_it(tmp_path):
     assert {"data", "residuals", "ranking"} <= {figure.removesuffix(".svg") for figure in rendered.figures}
 
 
-def test_a_drag_within_its_doubt_is_no_bias(tmp_path):
+def test_a_drag_within_its_spike_is_no_bias(tmp_path):
     """4 % of drag are two of a tank's standard deviations."""
     base = mission(tmp_path, drag={"coefficient": 0.8, "area": "0.4 m^2"})
     found = diagnose(base, towed(tmp_path / "data", 0.04, 0.0), plan=False)

@@ -1,4 +1,4 @@
-"""Groups of tank data predicted from the others: what is learnt from them and what is not, by closed forms."""
+"""Groups of tank data predicted from the others: what they share and what they do not, by closed forms."""
 
 import numpy as np
 import pytest
@@ -13,10 +13,10 @@ from missionplan.physics.oscillation import displacement, natural_frequency
 GROUPS = np.repeat(["a", "b", "c"], 4)
 
 
-def drawn(learnt, seed=5):
+def drawn(shared, seed=5):
     rng = np.random.default_rng(seed)
     y, columns, sd = rng.normal(0.0, 1.0, 12), rng.normal(0.0, 1.0, (12, 2)), rng.uniform(0.5, 1.0, 12)
-    return LinearData(y, sd, columns, np.array([2.0, 0.7]), np.array(learnt), GROUPS)
+    return LinearData(y, sd, columns, np.array([2.0, 0.7]), np.array(shared), GROUPS)
 
 
 def joint(data, rows):
@@ -35,45 +35,45 @@ def test_marginal_is_the_normal_density_of_the_data():
     assert precision @ found.mean == pytest.approx(data.columns.T @ (data.y / data.sd**2))
 
 
-def test_what_is_learnt_follows_the_chain_rule():
+def test_shared_coordinates_follow_the_chain_rule():
     data = drawn([True, True])
     for group in data.predicted():
         expected = joint(data, np.arange(12)) - joint(data, np.flatnonzero(~group.rows))
         assert group.log_score == pytest.approx(expected)
 
 
-def test_of_a_doubt_nothing_is_learnt():
+def test_random_effects_are_not_estimated_from_other_groups():
     data = drawn([False, False])
     for group in data.predicted():
         assert group.log_score == pytest.approx(joint(data, np.flatnonzero(group.rows)))
-        assert group.learnt.shape == (0,)
+        assert group.estimated.shape == (0,)
 
 
-def test_a_doubt_of_each_group_leaves_less_to_learn_a_constant_by():
-    """Groups of a constant each with a doubt of its own: their mean, weighted by 1/(τ² + σ²/n)."""
-    level, doubt, sd = np.ones((12, 1)), 0.8, 0.3
+def test_a_random_effect_of_each_group_widens_the_estimate_of_a_constant():
+    """Groups of a constant each with a random effect of its own: the mean, weighted by 1/(τ² + σ²/n)."""
+    level, effect_sd, sd = np.ones((12, 1)), 0.8, 0.3
     y = np.repeat([1.0, 2.0, 4.0], 4)
-    columns, prior = np.hstack([level, level]), np.array([1e4, doubt])
+    columns, prior = np.hstack([level, level]), np.array([1e4, effect_sd])
     data = LinearData(y, np.full(12, sd), columns, prior, np.array([True, False]), GROUPS)
     last = data.predicted()[2]
-    assert last.learnt == pytest.approx([1.5], rel=1e-6)
-    variance = (doubt**2 + sd**2 / 4) / 2
-    covariance = (doubt**2 + variance) * np.ones((4, 4)) + sd**2 * np.eye(4)
+    assert last.estimated == pytest.approx([1.5], rel=1e-6)
+    variance = (effect_sd**2 + sd**2 / 4) / 2
+    covariance = (effect_sd**2 + variance) * np.ones((4, 4)) + sd**2 * np.eye(4)
     assert last.log_score == pytest.approx(multivariate_normal.logpdf(np.full(4, 2.5), cov=covariance), rel=1e-5)
 
 
 def gain(size):
-    """Of a cause that shifts every datum, over a narrow doubt about it: eight groups of five, noise of 1."""
+    """Of a cause that shifts every datum, over its narrow spike: eight groups of five, noise of 1."""
     groups = np.repeat([f"g{k}" for k in range(8)], 5)
     y = size + np.random.default_rng(2).normal(0.0, 1.0, 40)
     base, cause = (
-        LinearData(y, np.ones(40), np.ones((40, 1)), np.array([prior]), np.array([learnt]), groups).predicted()
-        for prior, learnt in ((0.05, False), (5.0, True))
+        LinearData(y, np.ones(40), np.ones((40, 1)), np.array([prior]), np.array([shared]), groups).predicted()
+        for prior, shared in ((0.05, False), (5.0, True))
     )
     return sum(b.log_score - a.log_score for a, b in zip(base, cause, strict=True))
 
 
-def test_a_cause_gains_where_belief_was_wrong_and_not_where_it_was_right():
+def test_a_cause_gains_where_its_spike_was_too_narrow_and_not_elsewhere():
     assert gain(0.0) < 0.0 < gain(1.0)
 
 
@@ -83,8 +83,8 @@ def test_what_one_group_alone_shows_is_no_gain():
 
 @pytest.mark.parametrize(("heavier", "expected"), [(0.16, ("added-mass",)), (0.03, ())])
 @pytest.mark.parametrize("seed", [1, 2])
-def test_a_mass_beyond_its_doubt_is_named_whatever_the_noise(heavier, expected, seed, tmp_path):
-    """The record fixes the mass to 0.1 %, under its doubt as well as under its cause: BF alone must tell them apart."""
+def test_a_mass_beyond_its_spike_is_named_whatever_the_noise(heavier, expected, seed, tmp_path):
+    """The record fixes the mass to 0.1 %, under its spike as well as as a cause: the Bayes factor alone must separate them."""
     time = np.arange(0.0, 2.5, 0.05)
     swing = displacement(time, 0.06, 0.0, natural_frequency(4000.0, 20.0 * (1.0 + heavier)), 0.2, 0.0)
     record = swing + np.random.default_rng(seed).normal(0.0, 0.001, len(time))

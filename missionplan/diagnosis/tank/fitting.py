@@ -1,0 +1,222 @@
+"""Fits of sets of causes to tank data: least squares with normal priors, linearised there, summed over noise sizes."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.coordinates import (
+    Coordinate,
+    coordinates_of,
+    estimates,
+    is_possible,
+    parameters_from,
+)
+from missionplan.diagnosis.inference.gauss_newton import (
+    GaussNewtonOptions,
+    GaussNewtonResult,
+    LeastSquares,
+    Start,
+    gauss_newton,
+)
+from missionplan.diagnosis.inference.marginal_likelihood import Marginal
+from missionplan.diagnosis.inference.model import (
+    CauseFit,
+    FailedFit,
+    FitRequest,
+)
+from missionplan.diagnosis.tank.forward import TankForward, build_effects
+from missionplan.diagnosis.tank.linearised import marginal
+from missionplan.effects import CATALOGUE
+from missionplan.results.diagnosis import Causes, ParameterEstimate
+
+SEARCH = GaussNewtonOptions(
+    iterations=40,
+    tolerance=1e-3,
+    difference=1e-4,
+    central=True,
+    step_lengths=tuple(0.5**k for k in range(8)),
+)
+"""The derivatives at its end are those of the linearised model, hence central differences."""
+STATED_NOISE_LOG_SD, UNSTATED_NOISE_LOG_SD = 0.4, 2.3
+"""Prior standard deviation of ln(noise factor), where the noise is stated and where it is not."""
+SPIKES = {("drag-bias", "fraction"): 0.02}
+"""Spikes of a tank where they are not those of a descent: a drag measured in one tank holds in another to 2 %."""
+
+
+@dataclass(frozen=True)
+class TankState:
+    """State of a fit.
+
+    Attributes
+    ----------
+    at : array, shape (k,)
+        Coordinates.
+    residuals : array, shape (N,)
+        Data less the model there [SI].
+    columns : array, shape (N, a)
+        Derivatives along the active coordinates.
+    active : array of int, shape (a,)
+        Coordinates with a prior of some width.
+    factor : float
+        Most likely factor on the noise.
+    marginal : Marginal
+        Posterior of the active coordinates at that factor.
+    """
+
+    at: Array
+    residuals: Array
+    columns: Array
+    active: NDArray[np.int_]
+    factor: float
+    marginal: Marginal
+
+
+@dataclass(frozen=True)
+class TankFitting:
+    """Base model of a tank experiment and the effects that it may lack, bound to data.
+
+    Every array of k coordinates begins with the nuisance parameters of the base model, about their prior means.
+
+    Attributes
+    ----------
+    forward : TankForward
+        Data and base model.
+    noise_known : bool
+        Whether the noise is exactly as stated.
+    """
+
+    forward: TankForward
+    noise_known: bool = False
+
+    @property
+    def candidates(self) -> Causes:
+        """Effects that these data could show."""
+        return self.forward.candidates
+
+    @cached_property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Coordinates of the candidates, without the nuisance parameters."""
+        found = (c for name in self.candidates for c in coordinates_of(CATALOGUE[name]))
+        return tuple(replace(c, spike=SPIKES.get((c.effect, c.name), c.spike)) for c in found)
+
+    @property
+    def fixed(self) -> int:
+        """Number of nuisance parameters."""
+        return len(self.forward.nuisances)
+
+    @cached_property
+    def centre(self) -> Array:
+        """Prior means, shape (k,)."""
+        return np.array([n.centre for n in self.forward.nuisances] + [c.centre for c in self.coordinates])
+
+    def prior_sd(self, causes: Causes) -> Array:
+        """Prior standard deviations, shape (k,): slab for a cause, else spike (0 for a shape parameter)."""
+        own = [c.slab if c.effect in causes else c.spike for c in self.coordinates]
+        return np.array([n.sd for n in self.forward.nuisances] + own)
+
+    def is_of(self, causes: Causes, index: int) -> bool:
+        """Whether a coordinate is one of the causes'."""
+        return index >= self.fixed and self.coordinates[index - self.fixed].effect in causes
+
+    def predict(self, causes: Causes, settings: Array) -> Array:
+        """Predict the data under m settings of the coordinates, (k, m) → (N, m).
+
+        An effect without a strength is present as a cause only.
+        """
+        parameters = parameters_from(self.coordinates, list(settings[self.fixed :]))
+        present = {
+            name: values
+            for name, values in parameters.items()
+            if name in causes or any(c.kind != "shape" for c in self.coordinates if c.effect == name)
+        }
+        return self.forward.predict(settings[: self.fixed], build_effects(present))
+
+    def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
+        """Fit several sets, one after the other."""
+        return [self._fit(causes, near) for causes, near in wanted]
+
+    def _fit(self, causes: Causes, near: Sequence[CauseFit]) -> CauseFit | FailedFit:
+        active = np.flatnonzero(self.prior_sd(causes) > 0.0)
+        starts = [Start(at, active, group) for group, at in enumerate(self._starting_points(causes, near))]
+        best = min(self._search(causes, starts), key=lambda result: result.objective)
+        if not np.isfinite(best.objective):
+            return FailedFit(causes, "the model has no value at any of its starts")
+        try:
+            logs, marginals = self._marginals(causes, active, best)
+        except np.linalg.LinAlgError as error:
+            return FailedFit(causes, str(error))
+        likely = int(np.argmax(logs))
+        residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[likely])
+        state = TankState(best.at, residuals, best.jacobian, active, factor, marginals[likely])
+        found = self._estimates(causes, state)
+        return CauseFit(causes, float(logsumexp(logs)), found, self._calibration(state), is_possible(found), state)
+
+    def _search(self, causes: Causes, starts: Sequence[Start]) -> list[GaussNewtonResult]:
+        """Search from every start; each is a group of its own, so that none is abandoned."""
+        forward, factors = self.forward, (float(self.noise_factors[0]), float(self.noise_factors[-1]))
+        model = partial(self.predict, causes)
+        problem = LeastSquares(model, forward.y, forward.sd, self.centre, self.prior_sd(causes), factors)
+        return gauss_newton(problem, starts, SEARCH)
+
+    def plain_residuals(self) -> Array:
+        """Residuals of the base model, its nuisance parameters fitted and all effects absent, shape (N,) [SI]."""
+        (found,) = self._search((), [Start(self.centre, np.arange(self.fixed), 0)])
+        return np.asarray(self.forward.y - found.prediction)
+
+    def _starting_points(self, causes: Causes, near: Sequence[CauseFit]) -> list[Array]:
+        """Points to search from: where fits of the set's parts ended, and every start of the causes' parameters."""
+        begin = self.centre.copy()
+        for fit in reversed(near):
+            begin[fit.state.active] = fit.state.at[fit.state.active]
+        choices = []
+        for here, c in zip(begin[self.fixed :], self.coordinates, strict=True):
+            starts = self.forward.starts.get((c.effect, c.name), ()) if c.effect in causes else ()
+            choices.append((*starts, here))
+        return [np.concatenate([begin[: self.fixed], own]) for own in itertools.product(*choices)]
+
+    @property
+    def _noise_log_sd(self) -> float:
+        return STATED_NOISE_LOG_SD if self.forward.stated else UNSTATED_NOISE_LOG_SD
+
+    @cached_property
+    def noise_factors(self) -> Array:
+        """Factors on the sensor's noise over which the evidence is summed, evenly in their logarithm, shape (g,)."""
+        if self.noise_known:
+            return np.ones(1)
+        reach = 5.0 if self.forward.stated else 3.0
+        count = 121 if self.forward.stated else 241
+        return np.exp(np.linspace(-reach * self._noise_log_sd, reach * self._noise_log_sd, count))
+
+    @property
+    def noise_log_prior(self) -> Array:
+        """Log prior weight of each noise factor, normalised, shape (g,)."""
+        log_prior = -0.5 * (np.log(self.noise_factors) / self._noise_log_sd) ** 2
+        return np.asarray(log_prior - logsumexp(log_prior))
+
+    def _marginals(
+        self, causes: Causes, active: NDArray[np.int_], best: GaussNewtonResult
+    ) -> tuple[Array, list[Marginal]]:
+        """Log evidence at each noise factor, its prior included, and the posterior of the active coordinates there."""
+        prior, sd = self.prior_sd(causes)[active], self.forward.sd
+        y = self.forward.y - best.prediction + best.jacobian @ (best.at - self.centre)[active]
+        found = [marginal(y, best.jacobian, prior, sd * factor) for factor in self.noise_factors]
+        logs = self.noise_log_prior + np.array([each.log_density for each in found])
+        return logs, [replace(each, mean=self.centre[active] + each.mean) for each in found]
+
+    def _estimates(self, causes: Causes, state: TankState) -> tuple[ParameterEstimate, ...]:
+        """Parameters of the causes."""
+        rows = [k for k, index in enumerate(state.active) if self.is_of(causes, int(index))]
+        chosen = [self.coordinates[int(state.active[k]) - self.fixed] for k in rows]
+        return estimates(chosen, state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)])
+
+    def _calibration(self, state: TankState) -> dict[str, float]:
+        """Constants of the base model, and the noise, as fitted."""
+        constants = {n.name: float(v) for n, v in zip(self.forward.nuisances, state.at, strict=False)}
+        noise = float(np.median(self.forward.sd)) * state.factor
+        return constants | {f"noise_{self.forward.quantity}": noise}
