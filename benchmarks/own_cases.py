@@ -9,16 +9,15 @@ sensitivity analysis at the end of ``simulate`` is timed separately: it runs onc
 
 import json
 import sys
-import tempfile
 import time
 from collections.abc import Mapping, Sequence
 from functools import reduce
 from importlib import import_module
 from operator import itemgetter
-from pathlib import Path
 from unittest.mock import patch
 
 import numpy as np
+import yaml
 
 from benchmarks.transit_trial import (
     D_MAX,
@@ -34,7 +33,7 @@ from benchmarks.transit_trial import (
     transit_trial,
 )
 from missionplan.arrays import Array
-from missionplan.mission import Mission, load
+from missionplan.mission import Mission
 from missionplan.montecarlo.parallel_blocks import run_blocks
 from missionplan.montecarlo.pool import process_pool
 from missionplan.montecarlo.running_statistics import RunningStatistics
@@ -100,10 +99,7 @@ def run_model(trials: int, d_max: Sequence[float]) -> float:
 
 def read_mission() -> Mission:
     """Return the transit as a mission."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "transit.yaml"
-        path.write_text(MISSION, encoding="utf-8")
-        return load(path)
+    return Mission.from_data(yaml.safe_load(MISSION))
 
 
 def run_simulate(cases: int, workers: int) -> dict[str, float]:

@@ -1,13 +1,11 @@
 """Scaling of `missionplan simulate`: with trials and jobs as a command, from start to report; with legs as a study."""
 
+import copy
 import json
-import shutil
 import tempfile
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-
-import yaml
 
 from benchmarks.common import MISSIONS, Options, Row, Section, duration, grouped, megabytes, python, run_command
 from missionplan.mission import Mission, load
@@ -114,13 +112,9 @@ def legs(options: Options) -> Section:
 
 def _transits(length: int) -> Mission:
     """The mission with only its transits, and with other legs."""
-    described = yaml.safe_load((MISSIONS / MISSION).read_text(encoding="utf-8"))
-    described["phases"] = [phase for phase in described["phases"] if "transit" in phase]
-    for phase in described["phases"]:
+    data = copy.deepcopy(dict(load(MISSIONS / MISSION).raw))
+    data["phases"] = [phase for phase in data["phases"] if "transit" in phase]
+    for phase in data["phases"]:
         phase["transit"]["d_max"] = f"{length} m"
-    del described["requirements"]
-    with tempfile.TemporaryDirectory() as folder:
-        shutil.copytree(MISSIONS / "vehicles", Path(folder) / "vehicles")
-        path = Path(folder) / MISSION
-        path.write_text(yaml.safe_dump(described), encoding="utf-8")
-        return load(path)
+    del data["requirements"]
+    return Mission.from_data(data)

@@ -82,7 +82,7 @@ class DrawnMission:
         InputError
             When the mission has no vehicle.
         """
-        vehicle = required(self.mission.vehicle, self.mission, "vehicle", "its drag depends on it")
+        vehicle = required(self.mission.vehicle, self.mission, "vehicle", "the drag is computed from it")
         return vehicle_drag(vehicle, self.water, self.draws)
 
     @cached_property

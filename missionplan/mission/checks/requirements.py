@@ -100,7 +100,7 @@ def _with_bound(requirement: Requirement, phases: Sequence[Phase]) -> Requiremen
     given = [key for key in _BOUNDS if getattr(requirement, key) is not None]
     if unit is None:
         if given:
-            message = f"{name} happens or not: give its probability alone"
+            message = f"{name} is an event: give only its probability"
             raise QuantityError([LocalProblem((key,), message) for key in given])
         return requirement
     if len(given) != 1:

@@ -63,7 +63,7 @@ class _Files:
         """Absolute path of a file that the document names at `path`; None where it may not be read."""
         given = f"given {shown(name)}"
         if "\0" in name:
-            self._refuse(path, f"{given}; no file's name holds a null character")
+            self._refuse(path, f"{given}; a file name cannot contain a null character")
             return None
         target = (self.folder / name).resolve()
         if not self.allow_outside and not target.is_relative_to(self.folder.resolve()):

@@ -29,7 +29,7 @@ class SweepGrid(FileSection):
     @model_validator(mode="after")
     def _in_order(self) -> "SweepGrid":
         if self.start >= self.stop:
-            raise invalid("expected from below to")
+            raise invalid("expected `from` less than `to`")
         return self
 
 
