@@ -148,6 +148,6 @@ def _pair_problems(
         elif name not in uncertain:
             yield LocalProblem(("between", side), f"{name} is a fixed value, expected a distribution", hint)
     if correlation.between[0] == correlation.between[1]:
-        yield LocalProblem(("between",), "ties a quantity to itself")
+        yield LocalProblem(("between",), "correlates a quantity with itself")
     if not -1.0 < correlation.rho < 1.0:
         yield LocalProblem(("rho",), f"given {correlation.rho:g}, expected between -1 and 1")
