@@ -1,4 +1,4 @@
-"""The types that the core computes with."""
+"""Array types of the numerical core, with a few small helpers."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ Scalars = float | Array
 
 
 def magnitude(value: Scalars) -> Scalars:
-    """Absolute value that keeps a float a float: a stepped model runs five times faster on floats than on numpy's."""
+    """Absolute value, a float of a float: stepped models run five times faster on Python's floats than on numpy's."""
     return np.abs(value) if isinstance(value, np.ndarray) else abs(value)
 
 
@@ -19,7 +19,7 @@ def over_trials(value: Scalars, trials: int) -> Array:
 
 
 def row_and_next(grid: Array, row: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Values of a grid, shape (m, n), at a row of each trial's own and at the row after it, each shape (k, n)."""
+    """Values of a grid, shape (m, n), at a row index of each trial and at the row after it, shape (k, n) each."""
     trials = grid.shape[1]
     flat = row * trials + np.arange(trials)
     return grid.take(flat), grid.take(flat + trials)

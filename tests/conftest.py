@@ -8,8 +8,8 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, settings
 
+from missionplan.diagnosis.dives.model_factory import descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, binned
-from missionplan.diagnosis.model_factory import descent_model
 from missionplan.effects import CATALOGUE
 from missionplan.mission import load
 from missionplan.phases.mooring.depth_sensor import simulate_readings

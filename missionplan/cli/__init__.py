@@ -1,4 +1,8 @@
-"""The command line: load → one study → render → exit status. Heavy imports wait until a command needs them."""
+"""The command line: load → one study → render → exit status. Heavy imports wait until a command needs them.
+
+`planning`, `measurements` and `files` have the commands, `options` what they share, `running` and `resuming` what is
+done around a study.
+"""
 
 import atexit
 import gc
@@ -8,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from missionplan.cli import data, files, plan
+from missionplan.cli import files, measurements, planning
 from missionplan.errors import MissionplanError
 
 INTERRUPTED = 130
@@ -21,7 +25,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for module in (plan, data, files):
+for module in (planning, measurements, files):
     module.register(app)
 
 
@@ -33,8 +37,8 @@ def _root(show_version: Annotated[bool, typer.Option("--version", help="Print th
 
 
 def main() -> None:
-    """Run the command line; every expected error becomes words and an exit status."""
-    atexit.register(gc.freeze)  # else the end of a process searches all it has for garbage, half a second long
+    """Run the command line; every expected error becomes a message and an exit status."""
+    atexit.register(gc.freeze)  # saves half a second of garbage collection when the process ends
     try:
         status = app(standalone_mode=False)
     except MissionplanError as error:
@@ -44,16 +48,16 @@ def main() -> None:
         status = INTERRUPTED
     except Exception as error:
         status = _usage_error(error)
-    if status == INTERRUPTED:  # by typer too
+    if status == INTERRUPTED:  # typer returns it too
         _end_workers()
         typer.echo("Interrupted.", err=True)
     sys.exit(status if isinstance(status, int) else 0)
 
 
 def _usage_error(error: Exception) -> int:
-    """Show a usage error as typer words it; anything else is a fault of the program and keeps its traceback.
+    """Show a usage error with typer's message; any other error is a bug and keeps its traceback.
 
-    Told by what it offers: typer brings click's errors with it, or takes them from click, by its version.
+    Usage errors are recognised by their attributes: depending on its version, typer has its own classes or click's.
     """
     if type(error).__name__ == "Abort":
         return INTERRUPTED
@@ -64,6 +68,6 @@ def _usage_error(error: Exception) -> int:
 
 
 def _end_workers() -> None:
-    """End worker processes, if any: the interpreter would wait for what they still do."""
+    """End worker processes, if any: the interpreter would wait for their unfinished work."""
     if pool := sys.modules.get("missionplan.montecarlo.pool"):
         pool.shut_down_pool()

@@ -1,27 +1,30 @@
-"""Commands about files: validate, init, compare."""
+"""Commands about files: validate missions, write a starter mission, compare reports."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.running import deliver, report_folder
+from missionplan.cli.running import checked_folder, deliver
 from missionplan.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from missionplan.mission import Mission
 
 
 def register(app: typer.Typer) -> None:
     """Add the commands."""
     app.command()(validate)
     app.command()(init)
-    app.command()(compare)
+    app.command()(o.with_option_groups(compare))
 
 
 def init(
-    folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="Where to.")] = Path(),
+    folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="Folder to write to.")] = Path(),
     quiet: o.Quiet = False,
 ) -> None:
-    """Write a commented starter mission, vehicle and data set; nothing is overwritten."""
+    """Write a commented starter mission, vehicle and data set; no file is overwritten."""
     from missionplan.studies.init import init
 
     written = init(folder)
@@ -30,29 +33,23 @@ def init(
             typer.echo(str(path))
 
 
-def compare(
-    first: Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder, before.", show_default=False)],
-    second: Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder, after.", show_default=False)],
-    out: o.Out = None,
-    force: o.Force = False,
-    as_json: o.Json = False,
-    quiet: o.Quiet = False,
-) -> None:
-    """Two reports of one command: what changed in the mission, what in the results, and is it more than noise."""
-    from missionplan.store.folder import check_new_folder
+_First = Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder, before.", show_default=False)]
+_Second = Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder, after.", show_default=False)]
+
+
+def compare(first: _First, second: _Second, *, output: o.OutputOptions) -> None:
+    """Compare two reports of one command: what changed in the mission and in the results, and is it more than noise."""
     from missionplan.studies.comparison.compare import compare
 
-    folder = out or report_folder(second.resolve().name, "compare")
-    check_new_folder(folder, force=force)
-    deliver(compare(first, second), folder, o.Output(out, force, as_json, quiet))
+    folder = checked_folder(output, second.resolve().name, "compare")
+    deliver(compare(first, second), folder, output)
 
 
-def validate(
-    missions: Annotated[list[Path], typer.Argument(metavar="MISSION...", help="Mission files.", show_default=False)],
-    allow_outside: o.AllowOutside = False,
-    quiet: o.Quiet = False,
-) -> None:
-    """Check mission files and run nothing."""
+_Missions = Annotated[list[Path], typer.Argument(metavar="MISSION...", help="Mission files.", show_default=False)]
+
+
+def validate(missions: _Missions, allow_outside: o.AllowOutside = False, quiet: o.Quiet = False) -> None:
+    """Check mission files without running anything."""
     from missionplan.mission import load
 
     problems: list[Problem] = []
@@ -63,10 +60,13 @@ def validate(
             problems += error.problems
             continue
         if not quiet:
-            uncertain = len(mission.uncertain())
-            kinds = ", ".join(phase.kind for phase in mission.phases) or "none"
-            typer.echo(f"{path}: valid. Phases: {kinds}; {uncertain} quantities are distributions.")
-            for notice in mission.notices():
-                typer.echo(f"{path}: {notice}", err=True)
+            _print_valid(path, mission)
     if problems:
         raise InputError(problems)
+
+
+def _print_valid(path: Path, mission: "Mission") -> None:
+    kinds = ", ".join(phase.kind for phase in mission.phases) or "none"
+    typer.echo(f"{path}: valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions.")
+    for notice in mission.notices():
+        typer.echo(f"{path}: {notice}", err=True)

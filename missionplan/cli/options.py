@@ -1,16 +1,19 @@
-"""Options that commands share."""
+"""Options that commands share, in groups: a command's parameter of a group's type stands for all of its options."""
 
+import inspect
 import os
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass
 from enum import StrEnum
+from functools import wraps
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal, TypedDict, get_type_hints
 
 import typer
 
 
-class Backend(StrEnum):
-    """How blocks of trials are spread."""
+class ParallelBackend(StrEnum):
+    """How blocks of trials are run in parallel."""
 
     LOKY = "loky"
     THREADING = "threading"
@@ -21,37 +24,105 @@ MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="Mission fi
 DatasetFolder = Annotated[
     Path, typer.Argument(metavar="DATASET", help="Data set: a folder with dataset.yaml.", show_default=False)
 ]
-Trials = Annotated[
+AllowOutside = Annotated[
+    bool, typer.Option("--allow-outside", help="Allow included files outside the mission's folder.")
+]
+Seed = Annotated[int | None, typer.Option(min=0, help="Random seed; default: the mission's.", show_default=False)]
+Jobs = Annotated[int, typer.Option("--jobs", "-j", help="Number of processes; 0: one per core.", min=0)]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress and no table.")]
+_Trials = Annotated[
     int | None, typer.Option(min=1, help="Number of trials; default: the mission's.", show_default=False)
 ]
-Seed = Annotated[int | None, typer.Option(min=0, help="Seed; default: the mission's.", show_default=False)]
-Jobs = Annotated[int, typer.Option("--jobs", "-j", help="Processes; 0 is one for each core.", min=0)]
-BackendOption = Annotated[Backend, typer.Option("--backend", help="How blocks of trials are spread.")]
-Scheduler = Annotated[
+_Backend = Annotated[ParallelBackend, typer.Option(help="How blocks of trials are run in parallel.")]
+_Scheduler = Annotated[
     str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, tcp://host:port.", show_default=False)
 ]
-Out = Annotated[
+_Out = Annotated[
     Path | None,
     typer.Option("--out", "-o", help="Report folder; default: reports/MISSION/COMMAND-TIME.", show_default=False),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Write over files in a folder that is not empty.")]
-Json = Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else, on standard output.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table.")]
-AllowOutside = Annotated[
-    bool, typer.Option("--allow-outside", help="Permit included files outside the mission's folder.")
+_Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
+_Json = Annotated[
+    bool, typer.Option("--json", help="Print the summary as JSON on standard output, and nothing else there.")
 ]
 
 
-@dataclass(frozen=True)
-class Output:
-    """Where a command's answer goes, and what is said beside it."""
+class MonteCarloArguments(TypedDict):
+    """Keyword arguments of a study with a Monte Carlo."""
 
-    out: Path | None
-    force: bool
-    as_json: bool
-    quiet: bool
+    trials: int | None
+    seed: int | None
+    jobs: int
+    backend: Literal["loky", "threading", "dask"]
+    scheduler: str | None
+
+
+@dataclass(frozen=True)
+class MonteCarloOptions:
+    """Options of a command that runs a Monte Carlo."""
+
+    trials: _Trials = None
+    seed: Seed = None
+    jobs: Jobs = 0
+    backend: _Backend = ParallelBackend.LOKY
+    scheduler: _Scheduler = None
+
+    def arguments(self) -> MonteCarloArguments:
+        """Return the options as a study takes them."""
+        return {
+            "trials": self.trials,
+            "seed": self.seed,
+            "jobs": worker_count(self.jobs),
+            "backend": self.backend.value,
+            "scheduler": self.scheduler,
+        }
+
+
+@dataclass(frozen=True)
+class OutputOptions:
+    """Where a command's result goes, and what is printed."""
+
+    out: _Out = None
+    force: _Force = False
+    as_json: _Json = False
+    quiet: Quiet = False
 
 
 def worker_count(jobs: int) -> int:
-    """Number of workers that `--jobs` asks for."""
+    """Return the number of workers that `--jobs` means."""
     return jobs or os.cpu_count() or 1
+
+
+def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
+    """Make a command whose groups of options appear one by one on the command line.
+
+    typer reads the options from the signature: a keyword-only parameter whose type is a data class is replaced there
+    by the fields of the class, and assembled again when the command is called.
+    """
+    hints = get_type_hints(command, include_extras=True)
+    groups = {name: hint for name, hint in hints.items() if isinstance(hint, type) and is_dataclass(hint)}
+
+    @wraps(command)
+    def flat(**given: object) -> None:
+        for name, group in groups.items():
+            given[name] = group(**{field.name: given.pop(field.name) for field in fields(group)})
+        command(**given)
+
+    parameters = [
+        part
+        for parameter in inspect.signature(command).parameters.values()
+        for part in (_option_parameters(groups[parameter.name]) if parameter.name in groups else [parameter])
+    ]
+    flat.__dict__["__signature__"] = inspect.Signature(parameters)
+    flat.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    return flat
+
+
+def _option_parameters(group: type) -> list[inspect.Parameter]:
+    hints = get_type_hints(group, include_extras=True)
+    return [
+        inspect.Parameter(
+            field.name, inspect.Parameter.KEYWORD_ONLY, default=field.default, annotation=hints[field.name]
+        )
+        for field in fields(group)
+    ]

@@ -1,55 +1,69 @@
-"""What every study's command does around the study: load, progress, save, tell."""
+"""What every study's command does around the study: load the mission, show progress, save the report, print it."""
 
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
-from missionplan.cli.options import Output
+from missionplan.cli.options import OutputOptions
 
 if TYPE_CHECKING:
+    from rich.progress import Task
+    from rich.text import Text
+
     from missionplan.mission import Mission
     from missionplan.results.base import Result
 
-Study = Callable[["Mission", Any], "Result"]
-"""A study of a loaded mission, and the progress that it reports to."""
+Progress = Callable[[int, int], None] | None
+"""Called by a study with (done, total); None where no progress is shown."""
+Study = Callable[["Mission", Progress], "Result"]
+"""A study of a loaded mission."""
 
 
-def run_study(path: Path, command: str, study: Study, output: Output, *, allow_outside: bool) -> "Result":
-    """Load a mission, run a study of it, save the report and say what came out."""
+def run_study(path: Path, command: str, study: Study, output: OutputOptions, *, allow_outside: bool) -> None:
+    """Load a mission, run a study of it, save the report and print the answer."""
     from missionplan.mission import load
-    from missionplan.store.folder import check_new_folder
 
-    folder = output.out or report_folder(path.stem, command)
-    check_new_folder(folder, force=output.force)
+    folder = checked_folder(output, path.stem, command)
     mission = load(path, allow_outside=allow_outside)
     with progress_bar(command, shown=not output.quiet) as progress:
         result = study(mission, progress)
-    return deliver(result, folder, output)
+    deliver(result, folder, output)
 
 
-def report_folder(stem: str, command: str) -> Path:
+def checked_folder(output: OutputOptions, stem: str, command: str) -> Path:
+    """Choose the report folder of a command that starts now; refuse one that is not empty, before any work."""
+    from missionplan.store.folder import check_new_folder
+
+    folder = output.out or new_folder_name(stem, command)
+    check_new_folder(folder, force=output.force)
+    return folder
+
+
+def new_folder_name(stem: str, command: str) -> Path:
     """Name the report folder of a command that starts now."""
     return Path("reports") / stem / f"{command}-{datetime.now(UTC):%Y%m%dT%H%M%SZ}"
 
 
-def deliver(result: "Result", folder: Path, output: Output, *, force: bool | None = None) -> "Result":
-    """Save a result, then say it: as JSON for scripts, else as a sentence and a compact table."""
-    result.save(folder, force=output.force if force is None else force)
+def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
+    """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
+    result.save(folder, force=output.force)
     if output.as_json:
         from missionplan.results.base import to_json
 
         sys.stdout.write(to_json(result.summary()))
     elif not output.quiet:
-        _tell(result, folder)
-    return result
+        _print_result(result)
+        for notice in result.provenance.notices:
+            typer.echo(f"Note: {notice}", err=True)
+        typer.echo(f"Report: {folder / 'report.html'}", err=True)
 
 
-def _tell(result: "Result", folder: Path) -> None:
+def _print_result(result: "Result") -> None:
     from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
@@ -66,27 +80,24 @@ def _tell(result: "Result", folder: Path) -> None:
         table.add_row(*(escape(cell) for cell in row))
     console.print(table)
     sys.stdout.flush()
-    for notice in result.provenance.notices:
-        typer.echo(f"Note: {notice}", err=True)
-    typer.echo(f"Report: {folder / 'report.html'}", err=True)
 
 
 @contextmanager
-def progress_bar(label: str, *, shown: bool) -> Iterator[Callable[[int, int], None] | None]:
+def progress_bar(label: str, *, shown: bool) -> Iterator[Progress]:
     """Show a bar with rate and time left on standard error; yields what a study calls with (done, total)."""
     if not shown or not sys.stderr.isatty():
         yield None
         return
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, ProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as ProgressBar
+    from rich.text import Text
 
-    class Rate(TextColumn):
-        def render(self, task: Any) -> Any:
-            from rich.text import Text
-
+    class Rate(ProgressColumn):
+        def render(self, task: "Task") -> "Text":
             return Text(f"{task.speed:,.0f}/s".replace(",", " ") if task.speed else "")
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Rate(""), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task(label, total=None)
-        yield lambda done, total: progress.update(task, completed=done, total=total)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Rate(), TimeRemainingColumn())
+    with ProgressBar(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(label, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

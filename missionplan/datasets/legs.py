@@ -1,6 +1,7 @@
 """Navigation logs: legs between fixes, in metres east and north and seconds."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -8,28 +9,48 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.datasets.reading import RawDataset, problems_of, read_dataset
-from missionplan.errors import InputError, Problem
+from missionplan.datasets.leg_checks import MIN_LEGS, NEEDED, check_legs
+from missionplan.datasets.reading import DatasetFormat, DatasetSettings, read_dataset
+from missionplan.datasets.table import Columns
+from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
+from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.section import FileSection
 from missionplan.mission.schema.site import Geographic
 
+
+class FixNoise(FileSection):
+    """Standard deviation of a fix, each axis, where it is known."""
+
+    fix: q.FixedLength | None = None
+
+
+class TransitSettings(DatasetSettings):
+    """Keys of a data set of kind ``transit``."""
+
+    noise: FixNoise = FixNoise()
+
+
+TIMES = ("t_start_s", "t_end_s")
 PLANAR = ("x_start_m", "y_start_m", "x_dr_m", "y_dr_m", "x_end_m", "y_end_m")
 GEOGRAPHIC = ("lat_start", "lon_start", "lat_dr_end", "lon_dr_end", "lat_end", "lon_end")
-TIMES = ("t_start_s", "t_end_s")
-OPTIONAL = ("surface_s", "speed_m_s", "heading_deg")
-COLUMNS = {"text": ("leg", "run"), "numeric": (*TIMES, *PLANAR, *GEOGRAPHIC, *OPTIONAL)}
-
-LEAST_LEGS = 8
-MOST_LEGS = 2000
-NEEDED = (
-    f"{LEAST_LEGS} legs are needed to tell a constant error from chance, 20 to find persistence, "
-    "and a record of half a tidal period to find a tide"
+TRANSIT = DatasetFormat(
+    "transit",
+    TransitSettings,
+    Columns(
+        ((*TIMES, *PLANAR), (*TIMES, *GEOGRAPHIC)),
+        optional=("leg", "run", "surface_s", "speed_m_s", "heading_deg"),
+        text=("leg", "run"),
+    ),
 )
+
 EPOCH_SCALE = 1e8
 """Times above this are seconds since 1970, not since the mission's start [s]."""
 IMPOSSIBLE_SPEED = 3.0
+"""Velocity error that neither water nor vehicle explains [m/s]."""
 OUTLIER = 15.0
+"""Size of a wrong fix's velocity error, over the median of all."""
 
 
 @dataclass(frozen=True)
@@ -100,10 +121,17 @@ class TransitData:
 
     def subset(self, keep: NDArray[np.bool_] | NDArray[np.int_]) -> "TransitData":
         """Keep some of the legs."""
-        legs = ("labels", "run", "t_start", "under_way", "surface")
-        values = {name: getattr(self, name)[keep] for name in legs}
-        values |= {name: getattr(self, name)[:, keep] for name in ("start", "dead_reckoned", "end")}
-        return TransitData(**{**self.__dict__, **values})
+        return replace(
+            self,
+            labels=self.labels[keep],
+            run=self.run[keep],
+            t_start=self.t_start[keep],
+            under_way=self.under_way[keep],
+            surface=self.surface[keep],
+            start=self.start[:, keep],
+            dead_reckoned=self.dead_reckoned[:, keep],
+            end=self.end[:, keep],
+        )
 
 
 def read_transit(folder: Path, mission: Mission) -> TransitData:
@@ -112,110 +140,90 @@ def read_transit(folder: Path, mission: Mission) -> TransitData:
     Positions by latitude and longitude become metres in an azimuthal equidistant plane about the site's origin, or
     about the first fix.
 
+    Parameters
+    ----------
+    folder : Path
+        Of the data set.
+    mission : Mission
+        For the origin of the coordinates and the start of time.
+
     Raises
     ------
     InputError
         All problems of the folder at once.
     """
-    raw = read_dataset(folder, {"transit": COLUMNS}, {"fix": "m"})
-    geographic = GEOGRAPHIC[0] in raw.table and PLANAR[0] not in raw.table
-    positions = GEOGRAPHIC if geographic else PLANAR
-    problems = problems_of(raw, (*TIMES, *positions))
+    raw = read_dataset(folder, TRANSIT)
+    settings = raw.checked(check_legs(raw.table, raw.file))
     notices = list(raw.notices)
-    table = raw.table.dropna(subset=[*TIMES, *positions])
-    if len(table) < len(raw.table):
-        notices.append(f"{len(raw.table) - len(table)} legs without all of their times and positions are left out")
-    problems += _check_rows(table, raw, geographic)
-    if problems:
-        raise InputError(problems)
-    data = _build(table, raw, mission, geographic, notices)
-    return _without_outliers(data)
-
-
-def _check_rows(table: pd.DataFrame, raw: RawDataset, geographic: bool) -> list[Problem]:
-    problems = []
-    if len(table) < LEAST_LEGS:
-        problems.append(Problem(f"has {len(table)} usable legs, too few: {NEEDED}", raw.file))
-    if len(table) > MOST_LEGS:
-        problems.append(Problem(f"has {len(table)} legs; expected at most {MOST_LEGS}", raw.file, hint="split it"))
-    surface = table["surface_s"].fillna(0.0) if "surface_s" in table else 0.0
-    short = table.index[table["t_end_s"] - table["t_start_s"] - surface <= 0.0]
-    problems += [Problem("the leg ends before it has begun", raw.file, int(line), "t_end_s") for line in short[:5]]
-    if "surface_s" in table:
-        negative = table.index[table["surface_s"] < 0.0]
-        problems += [Problem("is negative", raw.file, int(line), "surface_s") for line in negative[:5]]
-    if geographic:
-        for column in GEOGRAPHIC:
-            limit = 90.0 if column.startswith("lat") else 360.0
-            wrong = table.index[table[column].abs() > limit]
-            message = f"expected degrees, at most {limit:g}"
-            problems += [Problem(message, raw.file, int(line), column) for line in wrong[:5]]
-    for _, run in table.groupby(table["run"] if "run" in table else pd.Series("", index=table.index)):
-        repeated = run.index[run["t_start_s"].duplicated()]
-        problems += [
-            Problem("two legs start at the same time", raw.file, int(line), "t_start_s") for line in repeated[:5]
-        ]
-        ordered = run.sort_values("t_start_s")
-        overlap = ordered["t_start_s"].to_numpy()[1:] < ordered["t_end_s"].to_numpy()[:-1] - 1.0
-        problems += [
-            Problem("the leg starts before the one before it has ended", raw.file, int(line), "t_start_s")
-            for line in ordered.index[1:][overlap & ~ordered["t_start_s"].duplicated().to_numpy()[1:]][:5]
-        ]
-    return problems
-
-
-def _build(table: pd.DataFrame, raw: RawDataset, mission: Mission, geographic: bool, notices: list[str]) -> TransitData:
-    run_names = table["run"] if "run" in table else pd.Series("", index=table.index)
-    if not table["t_start_s"].is_monotonic_increasing and "run" not in table:
-        notices.append("the legs were not in the order of time; they have been sorted")
-    table = table.assign(_run=pd.factorize(run_names)[0]).sort_values(["_run", "t_start_s"], kind="stable")
-    origin = (
-        (mission.site.origin.latitude, mission.site.origin.longitude) if mission.site and mission.site.origin else None
-    )
-    if geographic:
-        if origin is None:
-            origin = (float(np.radians(table["lat_start"].iloc[0])), float(np.radians(table["lon_start"].iloc[0])))
-            notices.append("the mission has no site.origin; coordinates are metres from the first fix of the log")
-        start, reckoned, end = (_plane(table, GEOGRAPHIC[k : k + 2], origin) for k in (0, 2, 4))
-    else:
-        start, reckoned, end = (table[list(PLANAR[k : k + 2])].to_numpy().T for k in (0, 2, 4))
-    surface = table["surface_s"].fillna(0.0).to_numpy() if "surface_s" in table else np.zeros(len(table))
-    t_start = table["t_start_s"].to_numpy()
-    under_way = table["t_end_s"].to_numpy() - t_start - surface
-    epoch = None
-    if t_start.min() > EPOCH_SCALE:
-        epoch = zero = mission.start.timestamp() if mission.start else float(t_start.min())
-        notices += [] if mission.start else ["times and phases count from the first fix: the mission has no start"]
-        t_start = t_start - zero
-    labels = table["leg"].to_numpy(dtype=str) if "leg" in table else np.array([str(k + 1) for k in range(len(table))])
-    return TransitData(
+    legs = _in_order(raw.table, notices)
+    start, reckoned, end, origin = _positions(legs, mission, notices)
+    surface = legs["surface_s"].fillna(0.0).to_numpy() if "surface_s" in legs else np.zeros(len(legs))
+    t_start = legs["t_start_s"].to_numpy()
+    under_way = legs["t_end_s"].to_numpy() - t_start - surface
+    epoch = _epoch(t_start, mission, notices)
+    data = TransitData(
         raw.name,
         raw.source,
-        labels,
-        table["_run"].to_numpy(),
-        t_start,
+        legs["leg"].to_numpy(dtype=str) if "leg" in legs else np.array([str(k + 1) for k in range(len(legs))]),
+        legs["_run"].to_numpy(),
+        t_start if epoch is None else t_start - epoch,
         under_way,
         surface,
         start,
         reckoned,
         end,
         origin,
-        raw.noise.get("fix"),
+        settings.noise.fix,
         bool(np.any(surface > 0.0)),
         tuple(notices),
         epoch,
     )
+    return _without_wrong_fixes(data)
 
 
-def _plane(table: pd.DataFrame, columns: tuple[str, ...], origin: tuple[float, float]) -> Array:
-    latitude, longitude = (np.radians(table[column].to_numpy()) for column in columns)
+def _in_order(legs: pd.DataFrame, notices: list[str]) -> pd.DataFrame:
+    """Sort the legs by run and time, with the number of each leg's run in a column `_run`."""
+    runs = legs["run"] if "run" in legs else pd.Series("", index=legs.index)
+    if not legs["t_start_s"].is_monotonic_increasing and "run" not in legs:
+        notices.append("the legs were not in the order of time; they have been sorted")
+    return legs.assign(_run=pd.factorize(runs)[0]).sort_values(["_run", "t_start_s"], kind="stable")
+
+
+def _positions(
+    legs: pd.DataFrame, mission: Mission, notices: list[str]
+) -> tuple[Array, Array, Array, tuple[float, float] | None]:
+    """Fix on diving, dead-reckoned position and fix on surfacing, shape (2, n) each [m], and their origin [rad]."""
+    site = mission.site
+    origin = (site.origin.latitude, site.origin.longitude) if site and site.origin else None
+    if PLANAR[0] in legs:
+        start, reckoned, end = (legs[list(PLANAR[k : k + 2])].to_numpy().T for k in (0, 2, 4))
+        return start, reckoned, end, origin
+    if origin is None:
+        origin = (float(np.radians(legs["lat_start"].iloc[0])), float(np.radians(legs["lon_start"].iloc[0])))
+        notices.append("the mission has no site.origin; coordinates are metres from the first fix of the log")
+    start, reckoned, end = (_plane(legs, GEOGRAPHIC[k : k + 2], origin) for k in (0, 2, 4))
+    return start, reckoned, end, origin
+
+
+def _plane(legs: pd.DataFrame, columns: Sequence[str], origin: tuple[float, float]) -> Array:
+    latitude, longitude = (np.radians(legs[column].to_numpy()) for column in columns)
     return np.stack(to_plane(latitude, longitude, Geographic.model_construct(latitude=origin[0], longitude=origin[1])))
 
 
-def _without_outliers(data: TransitData) -> TransitData:
-    """Leave out legs whose error no water and no vehicle can explain: a wrong fix.
+def _epoch(t_start: Array, mission: Mission, notices: list[str]) -> float | None:
+    """Zero of the times in seconds since 1970: the mission's start, else the first fix; None for times from zero."""
+    if t_start.min() <= EPOCH_SCALE:
+        return None
+    if mission.start:
+        return mission.start.timestamp()
+    notices.append("times and phases count from the first fix: the mission has no start")
+    return float(t_start.min())
 
-    A leg is one when its error is `OUTLIER` times the scaled median of all and faster than `IMPOSSIBLE_SPEED`.
+
+def _without_wrong_fixes(data: TransitData) -> TransitData:
+    """Leave out legs whose error neither water nor vehicle can explain.
+
+    Those are errors of more than `OUTLIER` times the median of all that are faster than `IMPOSSIBLE_SPEED`.
 
     Raises
     ------
@@ -224,12 +232,12 @@ def _without_outliers(data: TransitData) -> TransitData:
     """
     error = data.velocity_error
     size = np.hypot(*(error - np.median(error, axis=1, keepdims=True)))
-    outlier = (size > IMPOSSIBLE_SPEED) & (size > OUTLIER * np.median(size))
-    if not outlier.any():
+    wrong = (size > IMPOSSIBLE_SPEED) & (size > OUTLIER * np.median(size))
+    if not wrong.any():
         return data
-    names = ", ".join(data.labels[outlier][:8])
+    names = ", ".join(data.labels[wrong][:8])
     notice = f"legs left out as wrong fixes (errors above {IMPOSSIBLE_SPEED:g} m/s, far from all others): {names}"
-    kept = data.subset(~outlier)
-    if kept.n < LEAST_LEGS:
+    kept = data.subset(~wrong)
+    if kept.n < MIN_LEGS:
         raise InputError(f"{data.name}: {kept.n} legs remain without wrong fixes, too few: {NEEDED}")
-    return TransitData(**{**kept.__dict__, "notices": (*data.notices, notice)})
+    return replace(kept, notices=(*data.notices, notice))

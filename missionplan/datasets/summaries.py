@@ -5,18 +5,24 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.datasets.reading import problems_of, read_dataset, read_quantity
-from missionplan.errors import InputError, Problem
+from missionplan.datasets.reading import DatasetFormat, RawDataset, read_dataset
+from missionplan.datasets.runs import DiveConditions, DivesSettings, conditions_of_runs
+from missionplan.datasets.table import Columns, problems_at
+from missionplan.errors import Problem, did_you_mean
 from missionplan.mission import Mission
-from missionplan.montecarlo.distributions import mean_of
 
-COLUMNS = {"text": ("run", "quantity"), "numeric": ("value", "sd")}
+SUMMARY = DatasetFormat(
+    "summary",
+    DivesSettings,
+    Columns((("run", "quantity", "value"),), optional=("sd",), text=("run", "quantity")),
+)
 MEASURED = ("terminal_velocity_m_s", "descent_time_s")
 SIMULATED = "simulated_"
-RUN_UNITS = {"anchor_wet_weight": "N", "line_length": "m", "depth": "m"}
-SCALE_SD = 0.05
+KNOWN = tuple(sorted((*MEASURED, *(SIMULATED + quantity for quantity in MEASURED))))
+RELATIVE_SD = 0.05
 """Standard deviation of a number that states none, as a share of it."""
 
 
@@ -32,7 +38,7 @@ class TestSummary:
         Of `MEASURED`.
     values, sd : array, shape (m,)
         Measured, or measured less simulated where the table prints both [SI].
-    relative : array of bool, shape (m,)
+    relative : tuple of bool
         Whether a value is such a difference.
     wet_weight, line_length, site_depth : float
         [N, m, m]
@@ -61,69 +67,69 @@ class SummaryData:
 def read_summary(folder: Path, mission: Mission) -> SummaryData:
     """Read a data set of kind ``summary``.
 
+    Parameters
+    ----------
+    folder : Path
+        Of the data set.
+    mission : Mission
+        For anchor, line and site where the runs say nothing of them.
+
     Raises
     ------
     InputError
         All problems of the folder at once.
     """
-    raw = read_dataset(folder, {"summary": COLUMNS}, {})
-    problems = problems_of(raw, ("run", "quantity", "value"))
-    known = {*MEASURED, *(SIMULATED + name for name in MEASURED)}
-    for line, name in raw.table["quantity"].items():
-        if name not in known:
-            message = f"given {name!r}, expected one of {', '.join(sorted(known))}"
-            problems.append(Problem(message, raw.file, int(str(line)), "quantity"))
-    runs: Mapping[str, Mapping[str, str]] = raw.document.data.get("runs") or {}
-    tests, notices = [], [*raw.notices]
-    for name, rows in raw.table.groupby("run", sort=False):
-        own = dict(runs.get(str(name)) or {})
-        given = {
-            key: read_quantity(raw.document, ("runs", str(name), key), text, RUN_UNITS.get(key, "m"), problems)
-            for key, text in own.items()
-        }
-        spreads = rows["sd"] if "sd" in rows else rows["value"] * np.nan
-        numbers = {
-            str(quantity): (float(value), float(sd))
-            for quantity, value, sd in zip(rows["quantity"], rows["value"], spreads, strict=True)
-        }
-        tests.append(_test(str(name), numbers, _settings(mission, given), notices))
-    if not any(test.quantities for test in tests):
-        problems.append(Problem(f"holds none of {', '.join(MEASURED)}", raw.file))
-    if problems:
-        raise InputError(problems)
+    raw = read_dataset(folder, SUMMARY)
+    runs = {str(name): run for name, run in raw.table.groupby("run", sort=False)}
+    conditions, incomplete = conditions_of_runs(runs, raw, mission)
+    raw.checked([*_check_quantities(raw), *incomplete])
+    notices = list(raw.notices)
+    tests = [_test(name, _numbers(run), conditions[name], notices) for name, run in runs.items()]
     return SummaryData(raw.name, raw.source, tuple(test for test in tests if test.quantities), tuple(notices))
 
 
-def _settings(mission: Mission, given: Mapping[str, float | None]) -> dict[str, float]:
-    moor, site = mission.moors[0] if mission.moors else None, mission.site
-    settings = {key: value for key, value in given.items() if value is not None}
-    if moor is not None:
-        settings.setdefault("line_length", mean_of(moor.line_length))
-        if not isinstance(moor.anchor_wet_weight, str):
-            settings.setdefault("anchor_wet_weight", mean_of(moor.anchor_wet_weight))
-    if site is not None and site.depth is not None:
-        settings.setdefault("depth", mean_of(site.depth))
-    missing = [key for key in RUN_UNITS if key not in settings]
-    if missing:
-        raise InputError(f"{mission.file}: neither the runs nor the mission give {', '.join(missing)}")
-    return settings
+def _check_quantities(raw: RawDataset[DivesSettings]) -> list[Problem]:
+    quantities = raw.table["quantity"]
+
+    def unknown(line: int) -> Problem:
+        message = f"given {quantities[line]!r}, expected one of {', '.join(KNOWN)}"
+        return Problem(message, raw.file, line, "quantity", did_you_mean(quantities[line], KNOWN))
+
+    problems = problems_at(quantities.index[~quantities.isin(KNOWN)], unknown)
+    if not quantities.isin(MEASURED).any() and not raw.table.empty:
+        problems.append(Problem(f"holds none of {', '.join(MEASURED)}", raw.file))
+    return problems
+
+
+def _numbers(run: pd.DataFrame) -> dict[str, tuple[float, float]]:
+    """Value and standard deviation of each quantity; nan where none is stated."""
+    sd = run["sd"] if "sd" in run else run["value"] * np.nan
+    return {
+        str(quantity): (float(value), float(spread))
+        for quantity, value, spread in zip(run["quantity"], run["value"], sd, strict=True)
+    }
 
 
 def _test(
-    name: str, numbers: Mapping[str, tuple[float, float]], settings: Mapping[str, float], notices: list[str]
+    name: str, numbers: Mapping[str, tuple[float, float]], conditions: DiveConditions, notices: list[str]
 ) -> TestSummary:
-    found = [quantity for quantity in MEASURED if quantity in numbers]
-    values, spreads, relative = [], [], []
-    for quantity in found:
+    found = tuple(quantity for quantity in MEASURED if quantity in numbers)
+    simulated = [numbers.get(SIMULATED + quantity) for quantity in found]
+    values, spreads = [], []
+    for quantity, other in zip(found, simulated, strict=True):
         value, sd = numbers[quantity]
         if not np.isfinite(sd):
-            sd = SCALE_SD * abs(value)
-            notices.append(f"{name}: {quantity} states no sd; {100 * SCALE_SD:g} % is assumed")
-        simulated = numbers.get(SIMULATED + quantity)
-        values.append(value - simulated[0] if simulated else value)
+            sd = RELATIVE_SD * abs(value)
+            notices.append(f"{name}: {quantity} states no sd; {100 * RELATIVE_SD:g} % is assumed")
+        values.append(value - other[0] if other else value)
         spreads.append(sd)
-        relative.append(simulated is not None)
-    keys = ("anchor_wet_weight", "line_length", "depth")
     return TestSummary(
-        name, tuple(found), np.array(values), np.array(spreads), tuple(relative), *(settings[key] for key in keys)
+        name,
+        found,
+        np.array(values),
+        np.array(spreads),
+        tuple(other is not None for other in simulated),
+        conditions.wet_weight,
+        conditions.line_length,
+        conditions.site_depth,
     )

@@ -1,4 +1,4 @@
-"""The method from end to end on a model of the data: select, measure the gain, test the remainder, judge."""
+"""The method from end to end on any model of data: select causes, score them held out, test what is left, judge."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -6,21 +6,23 @@ from functools import partial
 
 import numpy as np
 
-from missionplan.diagnosis.inference.cross_validation import HeldOut, held_out_gain
+from missionplan.diagnosis.inference.cross_validation import HeldOutComparison, compare_held_out
 from missionplan.diagnosis.inference.discrepancy import Discrepancy, discrepancy
 from missionplan.diagnosis.inference.model import CauseFit, Model
+from missionplan.diagnosis.inference.posterior import credible_set, posteriors
 from missionplan.diagnosis.inference.residual_tests import outlying_groups
-from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, credible_set, posteriors, select
-from missionplan.diagnosis.verdict import Claim, Verdict, claim, verdict
+from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, no_progress, select
+from missionplan.diagnosis.verdict import Claim, claim, verdict
 from missionplan.montecarlo.parallel_map import parallel_map
-from missionplan.results.diagnosis import Causes
+from missionplan.results.diagnosis import Causes, Verdict
 
 SCORED = 3
-"""Sets whose held-out gain is measured."""
+"""Sets whose held-out gain is measured, at most."""
+CONTENDING = 6.0
+"""Nats below the best score within which a set's held-out gain is measured."""
 
-
-def silent(what: str, done: int, of: int) -> None:
-    """Report no progress."""
+OutlyingGroups = tuple[tuple[str, float], ...]
+"""Groups and their p-values."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class PipelineResult:
     Attributes
     ----------
     verdict : str
-        By the rules of the contract.
+        By the rules of `verdict`.
     claimed : Claim or None
         The set claimed, and its rivals.
     best : CauseFit
@@ -40,10 +42,10 @@ class PipelineResult:
     posterior : mapping
         Probability of each set.
     credible_set : tuple
-        Sets that hold 95 %, best first.
-    gains : mapping
-        Held-out gain of the best sets.
-    checks : mapping
+        Sets that hold 95 % of the probability, best first.
+    held_out : mapping
+        Predictions of held-out data by the best sets, beside the base model's.
+    sampled : mapping
         Their ln Bayes factors by importance sampling.
     discrepancy, base_discrepancy : Discrepancy
         What the claimed model leaves, and the base model.
@@ -57,14 +59,14 @@ class PipelineResult:
     selection: Selection
     posterior: Mapping[Causes, float]
     credible_set: tuple[Causes, ...]
-    gains: Mapping[Causes, HeldOut]
-    checks: Mapping[Causes, float]
+    held_out: Mapping[Causes, HeldOutComparison]
+    sampled: Mapping[Causes, float]
     discrepancy: Discrepancy
     base_discrepancy: Discrepancy
-    outlying_groups: tuple[tuple[str, float], ...]
+    outlying_groups: OutlyingGroups
 
 
-def run_pipeline(model: Model, progress: Progress = silent, jobs: int = 1) -> PipelineResult:
+def run_pipeline(model: Model, progress: Progress = no_progress, jobs: int = 1) -> PipelineResult:
     """Diagnose a model of a data set.
 
     Parameters
@@ -77,44 +79,50 @@ def run_pipeline(model: Model, progress: Progress = silent, jobs: int = 1) -> Pi
         Processes.
     """
     selection = select(model, progress, jobs)
-    gains = _gains(model, selection, progress, jobs)
-    checks = _checks(model, selection, tuple(gains), jobs)
-    best = selection.ranking[0] if selection.ranking else None
-    claimed = claim(selection, gains.get(best.causes) if best else None)
-    progress("testing the remainder", 0, 1)
-    chosen = claimed.candidate.fit if claimed is not None else selection.base
-    fits = [selection.base] if claimed is None else [selection.base, chosen]
-    looked_at = parallel_map(partial(_looked_at, model), fits, jobs=jobs)
-    (base_discrepancy, _), (left, outlying) = looked_at[0], looked_at[-1]
+    held_out = _held_out(model, selection, progress, jobs)
+    sampled = _sampled(model, selection, tuple(held_out), jobs)
+    first = selection.ranking[0] if selection.ranking else None
+    claimed = claim(selection, held_out.get(first.causes) if first else None)
+    progress("testing what is left", 0, 1)
+    best = claimed.candidate.fit if claimed is not None else selection.base
+    fits = [selection.base] if claimed is None else [selection.base, best]
+    tested = parallel_map(partial(_tested_residuals, model), fits, jobs=jobs)
+    (base_discrepancy, _), (left, outlying) = tested[0], tested[-1]
     posterior = posteriors(selection, claimed.candidate.causes if claimed else None)
     return PipelineResult(
-        verdict(claimed, left),
-        claimed,
-        chosen,
-        selection,
-        posterior,
-        tuple(credible_set(posterior)),
-        gains,
-        checks,
-        left,
-        base_discrepancy,
-        outlying,
+        verdict=verdict(claimed, left),
+        claimed=claimed,
+        best=best,
+        selection=selection,
+        posterior=posterior,
+        credible_set=tuple(credible_set(posterior)),
+        held_out=held_out,
+        sampled=sampled,
+        discrepancy=left,
+        base_discrepancy=base_discrepancy,
+        outlying_groups=outlying,
     )
 
 
-def _gains(model: Model, selection: Selection, progress: Progress, jobs: int) -> dict[Causes, HeldOut]:
-    """Held-out gain of the best few sets that could be claimed or rival the claim."""
-    scored = [candidate for candidate in selection.ranking[:SCORED] if _is_contender(candidate, selection)]
+def _held_out(model: Model, selection: Selection, progress: Progress, jobs: int) -> dict[Causes, HeldOutComparison]:
+    """Held-out predictions of the best few sets that could be claimed or rival the claim."""
+    scored = [candidate for candidate in selection.ranking[:SCORED] if _contends(candidate, selection)]
     if not scored:
         return {}
     progress("predicting held-out data", 0, 1)
     fits = [selection.base, *(candidate.fit for candidate in scored)]
     base, *extended = parallel_map(model.held_out, fits, jobs=jobs)
-    return {candidate.causes: held_out_gain(base, scores) for candidate, scores in zip(scored, extended, strict=True)}
+    return {
+        candidate.causes: compare_held_out(base, scores) for candidate, scores in zip(scored, extended, strict=True)
+    }
 
 
-def _checks(model: Model, selection: Selection, scored: tuple[Causes, ...], jobs: int) -> dict[Causes, float]:
-    """Bayes factors (ln) of the sets that were scored, by importance sampling."""
+def _contends(candidate: Candidate, selection: Selection) -> bool:
+    return candidate.score > max(0.0, selection.ranking[0].score - CONTENDING) and np.isfinite(candidate.score)
+
+
+def _sampled(model: Model, selection: Selection, scored: Sequence[Causes], jobs: int) -> dict[Causes, float]:
+    """Bayes factors (ln) by importance sampling of the sets that were scored."""
     if not scored:
         return {}
     fits = {candidate.causes: candidate.fit for candidate in selection.ranking}
@@ -123,15 +131,11 @@ def _checks(model: Model, selection: Selection, scored: tuple[Causes, ...], jobs
     return {causes: log_evidence - base for causes, log_evidence in zip(scored, found, strict=True)}
 
 
-def _looked_at(model: Model, fits: Sequence[CauseFit]) -> list[tuple[Discrepancy, tuple[tuple[str, float], ...]]]:
-    """What each fit leaves: its remainder, and its outlying groups."""
-    residuals = [model.residuals(fit) for fit in fits]
-    return [(discrepancy(each), outlying_groups(each)) for each in residuals]
-
-
 def _log_evidences(model: Model, fits: Sequence[CauseFit]) -> list[float]:
     return [model.sampled_evidence(fit).log_evidence for fit in fits]
 
 
-def _is_contender(candidate: Candidate, selection: Selection) -> bool:
-    return candidate.score > max(0.0, selection.ranking[0].score - 6.0) and np.isfinite(candidate.score)
+def _tested_residuals(model: Model, fits: Sequence[CauseFit]) -> list[tuple[Discrepancy, OutlyingGroups]]:
+    """For each fit, the discrepancy of what it leaves and its outlying groups."""
+    residuals = [model.residuals(fit) for fit in fits]
+    return [(discrepancy(each), outlying_groups(each)) for each in residuals]

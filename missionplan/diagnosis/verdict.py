@@ -1,13 +1,12 @@
-"""Verdict: what may be said, by the rules of the contract and nothing else."""
+"""Verdict: what may be said of a data set, by fixed rules (`docs/diagnosis.md`)."""
 
 from dataclasses import dataclass
-from typing import Literal
 
-from missionplan.diagnosis.inference.cross_validation import HeldOut
+from missionplan.diagnosis.inference.cross_validation import HeldOutComparison
 from missionplan.diagnosis.inference.discrepancy import Discrepancy
-from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection, rivals
-
-Verdict = Literal["adequate", "explained", "ambiguous", "partly-explained", "unexplained"]
+from missionplan.diagnosis.inference.posterior import rivals
+from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection
+from missionplan.results.diagnosis import Verdict
 
 
 @dataclass(frozen=True)
@@ -18,21 +17,28 @@ class Claim:
     rivals: tuple[Candidate, ...]
 
 
-def claim(selection: Selection, gain: HeldOut | None) -> Claim | None:
+def claim(selection: Selection, held_out: HeldOutComparison | None) -> Claim | None:
     """Claim the best non-empty set if its score exceeds 3 nats and its held-out gain is positive.
 
     Signs and sizes were judged before: impossible sets are not in the ranking.
+
+    Parameters
+    ----------
+    selection : Selection
+        Every set that was tried.
+    held_out : HeldOutComparison or None
+        Of the best set, where it was measured.
     """
-    if not selection.ranking or gain is None:
+    if not selection.ranking or held_out is None:
         return None
     best = selection.ranking[0]
-    if best.score <= COMPLEXITY_PENALTY or gain.log_score_gain <= 0.0:
+    if best.score <= COMPLEXITY_PENALTY or held_out.gain.log_score_gain <= 0.0:
         return None
     return Claim(best, tuple(rivals(selection, best)))
 
 
 def verdict(claimed: Claim | None, discrepancy: Discrepancy) -> Verdict:
-    """The first that fits."""
+    """Return the first verdict that fits."""
     if claimed is None:
         return "unexplained" if discrepancy.significant else "adequate"
     if discrepancy.significant:

@@ -1,7 +1,6 @@
 """A velocity error that lasts from leg to leg."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -22,7 +21,7 @@ class PersistentError(TransitEffect):
         """It needs normals of its own for each leg."""
         return True
 
-    def step(self, memory: Any, elapsed: Array, normals: Array) -> tuple[Array, Array]:
+    def step(self, memory: Array | None, elapsed: Array, normals: Array) -> tuple[Array, Array]:
         """Carry the velocity over `elapsed` by the exact transition of the process; stationary at first."""
         if memory is None:
             velocity = self.sigma * normals

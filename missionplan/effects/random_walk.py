@@ -1,7 +1,6 @@
 """A velocity error that wanders off."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -21,7 +20,7 @@ class RandomWalk(TransitEffect):
         """It needs normals of its own for each leg."""
         return True
 
-    def step(self, memory: Any, elapsed: Array, normals: Array) -> tuple[Array, Array]:
+    def step(self, memory: Array | None, elapsed: Array, normals: Array) -> tuple[Array, Array]:
         """Add the step of the time that has passed between the middles of the legs."""
         velocity = 0.0 * normals if memory is None else memory + np.sqrt(self.transition(elapsed)[1]) * normals
         return velocity, velocity

@@ -1,1 +1,5 @@
-"""Named random streams, blocks of trials, fan-out and streaming statistics."""
+"""Named random streams, distributions, parallel blocks of trials, streaming statistics and sensitivities.
+
+Read first `streams`, `distributions` and `draws`; then `parallel_blocks` and `parallel_map`, which share the process
+`pool`; then `statistics`, with `quantile_sketch` and `running_statistics`, and `sensitivity`.
+"""

@@ -18,11 +18,11 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.restricted_normal import restricted_cdf, restricted_moments, restricted_normal
 
 NEGLIGIBLE = 1e-20
-"""Probability of a draw that no run will ever see."""
+"""Probability of a draw that no run will ever contain."""
 
 
 class NormalTransform(ABC):
-    """What every distribution does beside its `mean` and `sd`, which are those after any truncation."""
+    """Interface of every distribution, beside its `mean` and `sd`, which are those after any truncation."""
 
     @abstractmethod
     def from_normal(self, z: Array) -> Array:
@@ -34,7 +34,7 @@ class NormalTransform(ABC):
 
     @property
     def mass_cut(self) -> float:
-        """Probability that a truncation to the physical range took away; 0 where there was none."""
+        """Probability that truncation to the physical range has removed; 0 where there was none."""
         return 0.0
 
     def truncated(self, low: float = -math.inf, high: float = math.inf) -> "Distribution":
@@ -46,7 +46,7 @@ class NormalTransform(ABC):
         Raises
         ------
         ValueError
-            When nothing of the distribution lies inside.
+            When no part of the distribution lies inside.
         """
         whole = cast("Distribution", self)
         below, above = _tails(whole, low, high)
@@ -82,7 +82,7 @@ class TruncatedNormal(NormalTransform):
     parent_mean, parent_sd : float
         Mean and standard deviation before truncation; `mean` and `sd` are those after it.
     low, high : float
-        Interval; infinite where open.
+        Interval; infinite where it has no bound.
     """
 
     parent_mean: float
@@ -174,7 +174,7 @@ class Choices(NormalTransform):
     ----------
     values : tuple of float
     cut : float
-        Probability of the values that a truncation has taken out already.
+        Probability of the values that earlier truncations have removed.
     """
 
     values: tuple[float, ...]
@@ -215,7 +215,7 @@ class Choices(NormalTransform):
 
 @dataclass(frozen=True)
 class Truncated(NormalTransform):
-    """Any distribution, cut to the physical range of its quantity."""
+    """Any distribution, truncated to the physical range of its quantity."""
 
     parent: "Distribution"
     low: float
@@ -252,19 +252,19 @@ class Truncated(NormalTransform):
 
 
 Distribution = Normal | TruncatedNormal | Uniform | LogNormal | Choices | Truncated
-"""A scalar distribution: one draw a trial."""
+"""A scalar distribution: one draw per trial."""
 
 Quantity = float | Distribution
-"""What a mission file may give for a quantity: a number, or a distribution of it."""
+"""A quantity of a mission file: a number, or a distribution of it."""
 
 
 def mean_of(quantity: Quantity) -> float:
-    """Give the mean of a distribution, or the number itself."""
-    return quantity if isinstance(quantity, (float, int)) else quantity.mean  # told faster than a distribution is
+    """Return the mean of a distribution, or the number itself."""
+    return quantity if isinstance(quantity, (float, int)) else quantity.mean  # faster to check than a distribution
 
 
 def sd_of(quantity: Quantity) -> float:
-    """Give the standard deviation of a distribution; 0 for a number."""
+    """Return the standard deviation of a distribution; 0 for a number."""
     return quantity.sd if isinstance(quantity, Distribution) else 0.0
 
 

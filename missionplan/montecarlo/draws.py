@@ -25,25 +25,25 @@ class Correlation:
 
 @dataclass(frozen=True)
 class JointDistribution:
-    """The uncertain quantities of a mission with their correlations, ready to be drawn block by block.
+    """The uncertain quantities of a mission with their correlations, to be drawn block by block.
 
     Attributes
     ----------
     marginals : mapping of str to Distribution
         By key path.
-    tied : sequence of str
-        Those that are correlated, in alphabetical order.
+    correlated : sequence of str
+        Names of those that are correlated, in alphabetical order.
     factor : array, shape (k, k)
         Cholesky factor of their correlations.
     """
 
     marginals: Mapping[str, Distribution]
-    tied: Sequence[str]
+    correlated: Sequence[str]
     factor: Array
 
     @classmethod
     def of(cls, quantities: Mapping[str, Quantity], correlations: Sequence[Correlation]) -> "JointDistribution":
-        """Take the distributions among the quantities; pairs not named in the correlations are independent.
+        """Select the distributions among the quantities; pairs without a correlation are independent.
 
         Raises
         ------
@@ -54,24 +54,24 @@ class JointDistribution:
         return cls(marginals, *correlation_factor(quantities, correlations))
 
     def draw(self, seed: int, block: int, size: int = BLOCK) -> dict[str, Array]:
-        """Draw each quantity once a trial.
+        """Draw each quantity once per trial.
 
         Parameters
         ----------
         seed, block : int
             See `stream`.
         size : int
-            Trials in use, at most BLOCK: the first of a block that is always drawn whole.
+            Trials in use, at most BLOCK: the first ones of a block that is always drawn whole.
 
         Returns
         -------
         dict of str to array, shape (size,)
         """
         mixed: dict[str, Array] = {}
-        if self.tied:
-            independent = np.stack([stream(seed, name, block).standard_normal(BLOCK) for name in self.tied])
+        if self.correlated:
+            independent = np.stack([stream(seed, name, block).standard_normal(BLOCK) for name in self.correlated])
             # einsum, not BLAS: the bits must not depend on the number of BLAS threads
-            mixed = dict(zip(self.tied, np.einsum("ij,jt->it", self.factor, independent), strict=True))
+            mixed = dict(zip(self.correlated, np.einsum("ij,jt->it", self.factor, independent), strict=True))
         drawn = {}
         for name, marginal in self.marginals.items():
             normals = mixed[name] if name in mixed else stream(seed, name, block).standard_normal(BLOCK)
@@ -82,7 +82,7 @@ class JointDistribution:
 def correlation_factor(
     quantities: Mapping[str, Quantity], correlations: Sequence[Correlation]
 ) -> tuple[list[str], Array]:
-    """Find the quantities that are tied, and the Cholesky factor of their correlations.
+    """Find the correlated quantities, and the Cholesky factor of their correlations.
 
     Returns
     -------
@@ -99,14 +99,14 @@ def correlation_factor(
         raise InputError(
             [Problem(each.message, key=key_path(("correlations", *each.path)), hint=each.hint) for each in problems]
         )
-    tied, matrix = _matrix(correlations)
-    return tied, np.asarray(np.linalg.cholesky(matrix), dtype=np.float64)
+    correlated, matrix = _matrix(correlations)
+    return correlated, np.asarray(np.linalg.cholesky(matrix), dtype=np.float64)
 
 
 def correlation_problems(quantities: Mapping[str, Quantity], correlations: Sequence[Correlation]) -> list[LocalProblem]:
     """List what is wrong with correlations, by key path below them.
 
-    A quantity is unknown or not uncertain, a pair is given twice or ties a quantity to itself, a coefficient is not
+    A quantity is unknown or not uncertain, a pair is given twice or joins a quantity to itself, a coefficient is not
     between -1 and 1, or no joint distribution has these correlations together.
     """
     uncertain = [name for name, quantity in quantities.items() if isinstance(quantity, Distribution)]
@@ -130,12 +130,12 @@ def correlation_problems(quantities: Mapping[str, Quantity], correlations: Seque
 
 def _matrix(correlations: Sequence[Correlation]) -> tuple[list[str], Array]:
     """Return the names in alphabetical order, and the matrix of their correlations."""
-    tied = sorted(set(chain.from_iterable(correlation.between for correlation in correlations)))
-    matrix = np.eye(len(tied))
+    correlated = sorted(set(chain.from_iterable(correlation.between for correlation in correlations)))
+    matrix = np.eye(len(correlated))
     for correlation in correlations:
-        row, column = (tied.index(name) for name in correlation.between)
+        row, column = (correlated.index(name) for name in correlation.between)
         matrix[row, column] = matrix[column, row] = correlation.rho
-    return tied, matrix
+    return correlated, matrix
 
 
 def _pair_problems(

@@ -1,13 +1,13 @@
-"""Fan-out of blocks over processes, threads or a cluster: joblib, and its loky, is the only way out of this process."""
+"""Blocks run in parallel by processes, threads or a Dask cluster, all through joblib and its loky."""
 
 import itertools
 import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Future, wait
-from contextlib import ExitStack, closing
+from contextlib import AbstractContextManager, ExitStack, closing
 from importlib import import_module
-from typing import Any, Literal, TypeVar
+from typing import Generic, Literal, TypeVar, cast
 
 import joblib
 
@@ -20,8 +20,8 @@ Backend = Literal["loky", "threading", "dask"]
 Progress = Callable[[int, int], None]
 """Called with the items done and their total, before the first and after each."""
 
-_AHEAD = 64
-"""Results that may wait for one that comes before them: what this process does while its workers start."""
+_MAX_PENDING = 64
+"""Results that may wait for an earlier one: the work that this process may do while its workers start."""
 
 
 def run_blocks(
@@ -33,7 +33,7 @@ def run_blocks(
     scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> Iterator[Result]:
-    """Run a task on every item and yield the results in the items' order, as they come.
+    """Run a task on every item and yield the results in the order of the items, as soon as they are available.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def run_blocks(
     items : sequence
         Such as block numbers.
     jobs : int
-        Processes, this one included, or threads, or a local cluster's workers; -1 uses every core.
+        Processes, this one included, or threads, or workers of a local cluster; -1 uses every core.
     backend : {'loky', 'threading', 'dask'}
     scheduler : str, optional
         Address of the Dask scheduler, such as ``tcp://10.0.0.1:8786``; without it a local cluster of `jobs`.
@@ -51,7 +51,7 @@ def run_blocks(
     Raises
     ------
     InputError
-        When the backend is not known, or Dask is not installed or does not answer.
+        When an option is invalid, or Dask is not installed or does not answer.
     RunError
         When a worker process dies.
     """
@@ -59,65 +59,99 @@ def run_blocks(
         raise InputError(f"--backend: given {backend!r}, expected loky, threading or dask")
     if jobs == 0 or jobs < -1:
         raise InputError(f"--jobs: given {jobs}, expected a positive number, or -1 for every core")
-    results: Generator[Result, None, None]
-    jobs = joblib.cpu_count() if jobs == -1 else jobs
-    if not items or (backend != "dask" and (jobs == 1 or len(items) == 1)):
-        results = (task(item) for item in items)
-    elif backend == "loky":
-        results = _by_pool(task, items, min(jobs, len(items)) - 1)
-    else:
-        results = _by_joblib(task, items, jobs, backend, scheduler)
     total = len(items)
     if progress is not None:
         progress(0, total)
-    with closing(results):
+    with closing(_results(task, items, jobs, backend, scheduler)) as results:
         for done, result in enumerate(results, start=1):
             if progress is not None:
                 progress(done, total)
             yield result
 
 
+def _results(
+    task: Callable[[Item], Result], items: Sequence[Item], jobs: int, backend: Backend, scheduler: str | None
+) -> Generator[Result, None, None]:
+    """Results in the order of the items, by the backend; in this process where nothing is gained by others."""
+    jobs = joblib.cpu_count() if jobs == -1 else jobs
+    if not items or (backend != "dask" and (jobs == 1 or len(items) == 1)):
+        return (task(item) for item in items)
+    if backend == "loky":
+        return _by_pool(task, items, min(jobs, len(items)) - 1)
+    return _by_joblib(task, items, jobs, backend, scheduler)
+
+
 def _by_pool(task: Callable[[Item], Result], items: Sequence[Item], workers: int) -> Generator[Result, None, None]:
-    """Do a part here while worker processes do the others; until they have started, do what was meant for them too."""
-    todo = deque(items)
-    line: deque[tuple[Item, Future[Result]]] = deque()  # those begun, in the items' order
+    """Run a part of the items here and the others in the pool, and those too until its workers have started."""
     with shut_down_on_failure():
-        executor = process_pool(workers)
-        started = executor.submit(_nothing, task)
-        elsewhere: list[Future[Result]] = []
+        run = _PoolRun(task, items, workers)
         try:
-            while todo or line:
-                if todo and len(line) < _AHEAD:
-                    line.append((todo.popleft(), Future()))
-                    own = line[-1]
-                    elsewhere = [future for future in elsewhere if not future.done()]
-                    wanted = workers * (2 if started.done() else 1) - len(elsewhere)  # one runs, one waits
-                    for item in [todo.popleft() for _ in range(min(wanted, len(todo)))]:
-                        elsewhere.append(executor.submit(task, item))
-                        line.append((item, elsewhere[-1]))
-                    _do(task, *own)
-                elif not started.done():
-                    line[0] = line[0][0], Future()
-                    _do(task, *line[0])
-                else:
-                    wait([line[0][1]])
-                while line and line[0][1].done():
-                    yield line.popleft()[1].result()
-        finally:  # a reader may stop early, or a block fail
-            for _, future in line:
-                future.cancel()
+            while run.unfinished:
+                run.advance()
+                yield from run.ready()
+        finally:  # the caller may stop early, or a block fail
+            run.cancel()
 
 
-def _nothing(task: object) -> None:
-    """Answer: a worker has started, and has imported what the task needs."""
+class _PoolRun(Generic[Item, Result]):
+    """Items to be done, and those begun with the futures of their results, here or in the pool."""
+
+    def __init__(self, task: Callable[[Item], Result], items: Sequence[Item], workers: int) -> None:
+        self._task, self._workers = task, workers
+        self._todo = deque(items)
+        self._begun: deque[tuple[Item, Future[Result]]] = deque()  # in the order of the items
+        self._in_pool: list[Future[Result]] = []
+        self._executor = process_pool(workers)
+        self._started = self._executor.submit(_do_nothing, task)
+
+    @property
+    def unfinished(self) -> bool:
+        """Whether a result is still to come."""
+        return bool(self._todo or self._begun)
+
+    def advance(self) -> None:
+        """Run one item here, after submitting others to idle workers; wait for the pool when nothing is left to do."""
+        future: Future[Result]
+        if self._todo and len(self._begun) < _MAX_PENDING:
+            item, future = self._todo.popleft(), Future()
+            self._begun.append((item, future))
+            self._submit()
+            self._run(item, future)
+        elif not self._started.done():
+            item, future = self._begun[0][0], Future()
+            self._begun[0] = item, future
+            self._run(item, future)
+        else:
+            wait([self._begun[0][1]])
+
+    def ready(self) -> Iterator[Result]:
+        """Yield the results up to the first that is not available yet."""
+        while self._begun and self._begun[0][1].done():
+            yield self._begun.popleft()[1].result()
+
+    def cancel(self) -> None:
+        """Cancel what the pool has not begun."""
+        for _, future in self._begun:
+            future.cancel()
+
+    def _submit(self) -> None:
+        """Submit items to the pool: one per worker, and once the workers have started another that waits."""
+        self._in_pool = [future for future in self._in_pool if not future.done()]
+        wanted = self._workers * (2 if self._started.done() else 1) - len(self._in_pool)
+        for item in [self._todo.popleft() for _ in range(min(wanted, len(self._todo)))]:
+            self._in_pool.append(self._executor.submit(self._task, item))
+            self._begun.append((item, self._in_pool[-1]))
+
+    def _run(self, item: Item, future: "Future[Result]") -> None:
+        """Run an item here as a worker would: an error is raised where its result is read."""
+        try:
+            future.set_result(self._task(item))
+        except Exception as error:
+            future.set_exception(error)
 
 
-def _do(task: Callable[[Item], Result], item: Item, future: "Future[Result]") -> None:
-    """Run a task in this process as a worker would: an error is raised where the result is read."""
-    try:
-        future.set_result(task(item))
-    except Exception as error:
-        future.set_exception(error)
+def _do_nothing(task: object) -> None:
+    """Return: a worker has started, and has imported what the task needs."""
 
 
 def _by_joblib(
@@ -129,22 +163,23 @@ def _by_joblib(
         with joblib.parallel_config(backend=backend, n_jobs=jobs):
             parallel = joblib.Parallel(return_as="generator", batch_size=1, pre_dispatch="2*n_jobs")
         wanted = True
-        results: Any = parallel(joblib.delayed(task)(item) for item in itertools.takewhile(lambda _: wanted, items))
+        calls = (joblib.delayed(task)(item) for item in itertools.takewhile(lambda _: wanted, items))
+        results = cast("Generator[Result, None, None]", parallel(calls))
         try:
-            for result in results:  # noqa: UP028  (`yield from` would close it before the filter below)
+            for result in results:  # noqa: UP028  (`yield from` would close it before the warning filter below)
                 yield result
-        except GeneratorExit:  # a reader who stops early: let the few in flight end
+        except GeneratorExit:  # the caller stops early: let the few in flight end
             wanted = False
             for _ in results:
                 pass
             raise
         finally:
-            with warnings.catch_warnings():  # after an error nobody asks about the blocks left over
+            with warnings.catch_warnings():  # after an error the remaining blocks are of no interest
                 warnings.simplefilter("ignore", UserWarning)
                 results.close()
 
 
-def _dask_client(jobs: int, scheduler: str | None) -> Any:
+def _dask_client(jobs: int, scheduler: str | None) -> AbstractContextManager[object]:
     """Connect to a Dask scheduler, or start a local cluster.
 
     Raises
@@ -158,8 +193,12 @@ def _dask_client(jobs: int, scheduler: str | None) -> Any:
         raise InputError("--backend dask needs dask.distributed: pip install 'missionplan[dask]'") from error
     if scheduler is None:
         with sigint_blocked():
-            return distributed.Client(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
+            cluster: AbstractContextManager[object] = distributed.Client(
+                n_workers=jobs, threads_per_worker=1, dashboard_address=None
+            )
+            return cluster
     try:
-        return distributed.Client(scheduler, timeout="10s")
+        client: AbstractContextManager[object] = distributed.Client(scheduler, timeout="10s")
     except (OSError, ValueError) as error:
         raise InputError(f"--scheduler: no Dask scheduler answers at {scheduler}") from error
+    return client

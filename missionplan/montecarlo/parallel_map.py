@@ -1,8 +1,9 @@
-"""One call's items shared among processes: a part is done here while workers do the others."""
+"""Parallel map over the items of one call: this process does a part of them while pool workers do the others."""
 
 import pickle
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from joblib.externals.loky.backend.reduction import dumps
 
@@ -11,14 +12,14 @@ from missionplan.montecarlo.pool import process_pool, shut_down_on_failure
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 Part = Callable[[Sequence[Item]], list[Result]]
-"""Gives a result for each item; deterministic, whatever the other items of its part are."""
+"""Returns a result for each item of a part; deterministic, whatever the other items of the part."""
 
 MAX_PROCESSES = 4
-"""Processes beyond which parts are too small to gain."""
+"""Processes beyond which parts become too small to gain time."""
 
 
 def parallel_map(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int) -> list[Result]:
-    """Run a task on items, in this process and in others at the same time.
+    """Run a task on items, in this process and in others in parallel.
 
     Parameters
     ----------
@@ -26,7 +27,7 @@ def parallel_map(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int
         Of a sequence of items; picklable, as items and results are.
     items : sequence
     jobs : int
-        Processes, this one included; 1 shares nothing.
+        Processes, this one included; 1 runs everything here.
 
     Returns
     -------
@@ -43,14 +44,25 @@ def parallel_map(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int
     executor = process_pool(min(jobs, MAX_PROCESSES) - 1)
     parts = min(jobs, MAX_PROCESSES, len(items))
     with shut_down_on_failure():
-        # pickled here, not by the executor's thread: the task may keep what it finds while it does its own part
-        futures = [executor.submit(_alone, bytes(dumps((task, items[part::parts])))) for part in range(1, parts)]
+        # pickled here, not by the executor's thread: this process may change the task's caches while it runs its part
+        futures = [executor.submit(_PickledPart.of(task, items[part::parts]).run) for part in range(1, parts)]
         results = [task(items[::parts]), *(future.result() for future in futures)]
     return [results[index % parts][index // parts] for index in range(len(items))]
 
 
-def _alone(pickled: bytes) -> list[Any]:
-    """Run a part, a task and its items, as the process that shares it out would."""
-    task, items = pickle.loads(pickled)
-    found: list[Any] = task(items)
-    return found
+@dataclass(frozen=True)
+class _PickledPart(Generic[Item, Result]):
+    """A task with its items, pickled."""
+
+    content: bytes
+
+    @classmethod
+    def of(cls, task: "Part[Item, Result]", items: Sequence[Item]) -> "_PickledPart[Item, Result]":
+        """Pickle a task and its items."""
+        return cls(bytes(dumps((task, items))))
+
+    def run(self) -> list[Result]:
+        """Run the task on its items."""
+        task, items = pickle.loads(self.content)
+        results: list[Result] = task(items)
+        return results

@@ -1,4 +1,4 @@
-"""The worker processes, joblib's own kind (loky): kept from call to call, ended at once when the command is."""
+"""The process pool (loky, as in joblib): kept from call to call, shut down at once when the command is interrupted."""
 
 import multiprocessing.resource_tracker
 import signal
@@ -20,9 +20,9 @@ _kept: dict[int, ProcessPoolExecutor] = {}  # one at most, by its number of proc
 
 
 def process_pool(count: int) -> ProcessPoolExecutor:
-    """Give at least so many processes beside this one: those of the last call, where they are enough.
+    """Return a pool of at least `count` processes beside this one, that of the last call where it is large enough.
 
-    They are the parallelism: the BLAS of each keeps to one thread.
+    The BLAS of each process uses one thread.
     """
     if count > max(_kept, default=0):
         for executor in _kept.values():
@@ -35,7 +35,7 @@ def process_pool(count: int) -> ProcessPoolExecutor:
 
 
 def _start_trackers() -> None:
-    """Start what watches over the workers' locks, told to be silent of workers that are ended while they start."""
+    """Start the resource trackers of the workers' locks, without warnings about workers killed while they start."""
     sys.warnoptions.append(silent := f"ignore::UserWarning:{resource_tracker.__name__}")
     try:
         for tracker in (multiprocessing.resource_tracker, resource_tracker):
@@ -46,11 +46,12 @@ def _start_trackers() -> None:
 
 @contextmanager
 def sigint_blocked() -> Iterator[None]:
-    """Hold back Ctrl-C, from processes started meanwhile for ever: it is this one that ends them.
+    """Block SIGINT while workers start; they inherit the mask.
 
-    Else they would show where they were, or end in the midst of an answer that this process then waits for.
+    Without it, Ctrl-C would reach the workers too: they would print tracebacks, or end in the middle of a result that
+    this process waits for. This process shuts them down.
     """
-    _start_trackers()  # as they start they would let it through again
+    _start_trackers()  # starting them inside the block would unblock the signal
     if sys.platform == "win32":
         yield
         return
@@ -62,7 +63,7 @@ def sigint_blocked() -> Iterator[None]:
 
 
 def shut_down_pool() -> None:
-    """End the processes at once, whatever they are doing; the next call starts others."""
+    """Kill the pool's processes at once; the next call starts new ones."""
     for executor in _kept.values():
         executor.shutdown(wait=True, kill_workers=True)
     _kept.clear()
@@ -70,7 +71,7 @@ def shut_down_pool() -> None:
 
 @contextmanager
 def preloaded_pool(count: int, module: str) -> Iterator[None]:
-    """Start processes; they import a module while this one goes on, and end with the context."""
+    """Pool of processes that import a module in the background; shut down at the end of the context."""
     for _ in range(count):
         process_pool(count).submit(import_module, module)
     try:
@@ -81,12 +82,12 @@ def preloaded_pool(count: int, module: str) -> Iterator[None]:
 
 @contextmanager
 def shut_down_on_failure() -> Iterator[None]:
-    """End the processes on Ctrl-C, or when one of them has died.
+    """Shut the pool down on Ctrl-C, or when one of its processes has died.
 
     Raises
     ------
     RunError
-        When one died.
+        When a process has died.
     """
     try:
         yield

@@ -16,7 +16,7 @@ Integers = NDArray[np.int64]
 _CUT = 42  # of the 52 bits of a mantissa: 1024 bins between a power of 2 and the next
 _BINS = 1 << (52 - _CUT)
 _BIAS = 1023 + 52 - _CUT  # of the exponent, and of a mantissa in whole bins
-_SMALLEST = 2.0**-30  # magnitudes below count as zero
+_SMALLEST = 2.0**-30  # smaller magnitudes count as zero
 _BELOW = (int(np.float64(_SMALLEST).view(np.int64)) >> _CUT) - 1  # makes the numbers of positive bins positive
 
 
@@ -24,18 +24,18 @@ _BELOW = (int(np.float64(_SMALLEST).view(np.int64)) >> _CUT) - 1  # makes the nu
 class QuantileSketch:
     """Counts in bins of nearly equal ratio: quantiles to 0.05 % of their value.
 
-    A bin is what shares sign, exponent and the first ten bits of the mantissa, 1024 bins between a power of 2 and the
-    next (DDSketch of Masson, Rim & Lee 2019 with their linear interpolation for the logarithm): its middle is within
-    2⁻¹¹ of all that it holds. Finding a bin takes no logarithm, only whole numbers, so that it is fast and the same on
-    every machine. Counts are integers too: merging is exact in any order. All bins from the lowest in use to the
-    highest are kept: some three thousand a decade, however many the trials.
+    The values of a bin share sign, exponent and the first ten bits of the mantissa: 1024 bins between a power of 2 and
+    the next (DDSketch of Masson, Rim & Lee 2019 with their linear interpolation for the logarithm), the middle of each
+    within 2⁻¹¹ of its values. Finding a bin takes integer operations but no logarithm, so that it is fast and the same
+    on every machine. Counts are integers too: merging is exact in any order. All bins from the lowest in use to the
+    highest are kept: about three thousand per decade, however many the trials.
 
     Attributes
     ----------
     first : int
-        Number of the first bin. Bins are numbered through negative values, zero (0) and positive values.
+        Number of the first bin. Bins are numbered from negative values through zero (bin 0) to positive values.
     counts : integers, shape (k,)
-        From that bin on; neither the first nor the last is 0.
+        Counts from that bin on; neither the first nor the last is 0.
     """
 
     first: int
@@ -43,7 +43,7 @@ class QuantileSketch:
 
     @classmethod
     def of(cls, values: Array) -> "QuantileSketch":
-        """Sketch one block, shape (n,); nan is left out."""
+        """Sketch one block, shape (n,); nan is ignored."""
         kept = np.asarray(values[~np.isnan(values)], dtype=np.float64)
         if not kept.size:
             return EMPTY_SKETCH
@@ -54,7 +54,7 @@ class QuantileSketch:
         """Sketch values, at least one and none of them nan, whose lowest and highest bins are known."""
         if first == last:
             return cls(first, np.array([values.size], dtype=np.int64))
-        if first > 0:  # nothing small or negative
+        if first > 0:  # all values positive, none counted as zero
             numbers = values.view(np.int64) >> _CUT
             numbers -= _BELOW + first
         else:
@@ -63,7 +63,7 @@ class QuantileSketch:
         return cls(first, np.bincount(numbers))
 
     def merge(self, other: "QuantileSketch") -> "QuantileSketch":
-        """Add another block."""
+        """Merge another block."""
         if not (self.counts.size and other.counts.size):
             return self if self.counts.size else other
         first = min(self.first, other.first)
@@ -74,13 +74,13 @@ class QuantileSketch:
         return QuantileSketch(first, counts)
 
     def bins_in_use(self) -> tuple[Integers, Integers]:
-        """Give the numbers of the bins in use, ascending, and their counts."""
+        """Return the numbers of the bins in use, ascending, and their counts."""
         used = np.flatnonzero(self.counts)
         return used + self.first, self.counts[used]
 
     @classmethod
     def from_bins(cls, bins: Integers, counts: Integers) -> "QuantileSketch":
-        """Make a sketch of what `bins_in_use` gives."""
+        """Build a sketch from the result of `bins_in_use`."""
         if not bins.size:
             return EMPTY_SKETCH
         spread = np.zeros(int(bins[-1] - bins[0]) + 1, dtype=np.int64)
@@ -88,17 +88,17 @@ class QuantileSketch:
         return cls(int(bins[0]), spread)
 
     def bounds(self) -> tuple[Array, Array]:
-        """Give the ends of each bin in use, ascending, shape (k,) each."""
+        """Return the ends of each bin in use, ascending, shape (k,) each."""
         return _bounds(self.bins_in_use()[0])
 
     def count_below(self, limits: Array, low: float = -math.inf, high: float = math.inf) -> Array:
-        """Count the values below each limit, ascending or not, as if each bin were evenly filled between low and high.
+        """Count the values below each limit, in any order, as if each bin were filled evenly between low and high.
 
         Parameters
         ----------
         limits : array, shape (m,)
         low, high : float
-            Range of the values, where it is known.
+            Range of the values, where known.
         """
         last = self.first + self.counts.size - 1
         numbers = np.minimum(np.maximum(_bin_numbers(limits), self.first), last)
@@ -115,11 +115,11 @@ class QuantileSketch:
         return self.counts.cumsum()
 
     def quantile(self, probability: float) -> float:
-        """Give a quantile, within 0.05 % of an order statistic next to it; nan when empty."""
+        """Quantile, within 0.05 % of an order statistic next to it; nan when empty."""
         return self.quantiles((probability,))[0]
 
     def quantiles(self, probabilities: Sequence[float]) -> list[float]:
-        """Give several quantiles, each within 0.05 % of an order statistic next to it; nan when empty."""
+        """Several quantiles, each within 0.05 % of an order statistic next to it; nan when empty."""
         if not self.counts.size:
             return [math.nan] * len(probabilities)
         last = int(self._up_to[-1]) - 1
@@ -128,21 +128,21 @@ class QuantileSketch:
 
 
 EMPTY_SKETCH = QuantileSketch(0, np.empty(0, dtype=np.int64))
-"""Of no values."""
+"""Sketch of no values."""
 
 
 def bin_number(value: float) -> int:
-    """Number the bin of one value that is not nan: what `_bin_numbers` does, quicker."""
+    """Number of the bin of one value that is not nan: as `_bin_numbers`, but faster."""
     bits: int = struct.unpack("<q", struct.pack("<d", abs(value)))[0]
     number = max((bits >> _CUT) - _BELOW, 0)
     return -number if value < 0.0 else number
 
 
 def _bin_numbers(values: Array) -> Integers:
-    """Number the bins of values, any shape, none of them nan."""
+    """Numbers of the bins of values, any shape, none of them nan."""
     numbers: Integers = np.abs(values).view(np.int64) >> _CUT
     numbers -= _BELOW
-    np.maximum(numbers, 0, out=numbers)  # smaller than the smallest
+    np.maximum(numbers, 0, out=numbers)  # magnitudes that count as zero
     np.negative(numbers, out=numbers, where=values < 0.0)
     return numbers
 

@@ -15,7 +15,7 @@ _NORMAL_REACH = 12.0
 
 def restricted_normal(z: Array, low: float, high: float) -> Array:
     """Map standard normals to normals restricted to [low, high], through their probabilities (inverse transform)."""
-    if low > 0.0:  # the lower tail holds the digits that the upper one rounds away
+    if low > 0.0:  # the lower tail keeps digits that the upper one rounds away
         return -restricted_normal(-z, -high, -low)
     p_low, p_high = ndtr(low), ndtr(high)
     restricted: Array = ndtri(p_low + (p_high - p_low) * ndtr(z))

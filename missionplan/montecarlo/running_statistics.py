@@ -1,4 +1,4 @@
-"""Streaming statistics of several quantities of the same trials, taken together: the overhead is paid once a block."""
+"""Streaming statistics of several quantities of the same trials together: the overhead occurs once per block."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from missionplan.montecarlo.statistics import Moments, RunningStatistic
 
 @dataclass(frozen=True)
 class RunningStatistics(Mapping[str, RunningStatistic]):
-    """Moments and quantiles so far of several quantities of the same trials, taken and merged together.
+    """Moments and quantiles so far of several quantities of the same trials, computed and merged together.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class RunningStatistics(Mapping[str, RunningStatistic]):
 
     @classmethod
     def of(cls, quantities: Mapping[str, Array]) -> "RunningStatistics":
-        """Take one block of quantities, shape (n,) each: the same as one by one, and quicker."""
+        """Statistics of one block of quantities, shape (n,) each: the same as one by one, but faster."""
         rows = np.concatenate(list(quantities.values()), dtype=np.float64).reshape(len(quantities), -1)
         moments = Moments.of(rows)
         ranges = zip(moments.low.tolist(), moments.high.tolist(), moments.missing.tolist(), strict=True)
@@ -41,7 +41,7 @@ class RunningStatistics(Mapping[str, RunningStatistic]):
         return cls(tuple(quantities), moments, tuple(sketches))
 
     def merge(self, other: "RunningStatistics") -> "RunningStatistics":
-        """Add the next block, of the same quantities."""
+        """Merge the next block, of the same quantities."""
         sketches = [mine.merge(theirs) for mine, theirs in zip(self.sketches, other.sketches, strict=True)]
         return RunningStatistics(self.names, self.moments.merge(other.moments), tuple(sketches))
 

@@ -1,7 +1,7 @@
-"""Which uncertainty matters: rank correlations and first-order Sobol indices from the sample that was run anyway.
+"""Sensitivity to uncertain inputs: rank correlations and first-order Sobol indices from the trials of a run.
 
-No further model runs are needed: the conditional mean of a key figure, given one input, is fitted to the trials
-themselves. Correlated inputs share what they explain, so that their indices may add up to more than one.
+No further model runs are needed: the conditional mean of a result, given one input, is fitted to the trials
+themselves. Correlated inputs share what they explain, so that their indices may sum to more than one.
 """
 
 import math
@@ -13,23 +13,23 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 
-LEAST_TRIALS = 100
-"""Below this many trials nothing is said."""
-_MOST_BINS = 20
+MIN_TRIALS = 100
+"""Number of trials below which no sensitivity is estimated."""
+_MAX_BINS = 20
 _TRIALS_PER_BIN = 50
 _GROUPS = 20
 
 
 @dataclass(frozen=True)
 class Influence:
-    """How much one uncertain input matters for one key figure.
+    """Influence of one uncertain input on one result.
 
     Attributes
     ----------
     output, source : str
-        Names of the key figure and of the input.
+        Names of the result and of the input.
     rank_correlation : float
-        Spearman's.
+        Spearman's coefficient.
     first_order : float
         First-order Sobol index, the share of the variance that knowing the input removes; an estimate of a small
         share may be slightly negative.
@@ -45,27 +45,27 @@ class Influence:
 
 
 def sensitivities(inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> tuple[Influence, ...]:
-    """Rank the inputs by what they explain of each output.
+    """Rank the inputs by the share of each output's variance that they explain.
 
     Parameters
     ----------
     inputs : mapping of str to array, shape (n,)
         Draws of each uncertain input.
     outputs : mapping of str to array, shape (n,)
-        Key figures of the same trials; nan where a trial never reached one, which leaves that trial out of it.
+        Results of the same trials; nan where a trial never reached one, which excludes that trial from it.
 
     Returns
     -------
     tuple of Influence
         Output by output, most important input first. Inputs and outputs that do not vary, and outputs that fewer
-        than `LEAST_TRIALS` trials reached, are left out.
+        than `MIN_TRIALS` trials reached, are omitted.
     """
-    prepared: dict[bytes, dict[str, _Source]] = {}  # most outputs are reached by the same trials
+    prepared: dict[bytes, dict[str, _Source]] = {}  # by trials that reached the output: mostly the same
     found: list[Influence] = []
     for output, values in outputs.items():
         reached = np.isfinite(values)
         y = values[reached]
-        if len(y) < LEAST_TRIALS or _constant(y):
+        if len(y) < MIN_TRIALS or _constant(y):
             continue
         sources = prepared.setdefault(reached.tobytes(), {})
         if not sources:
@@ -76,9 +76,9 @@ def sensitivities(inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> 
 
 @dataclass(frozen=True)
 class _Source:
-    """An input, with what all outputs need of it, shape (n,) each: values, ranks, classes of equal counts.
+    """Values, ranks and classes of equal counts of an input, shape (n,) each, for all outputs.
 
-    Equal values share a rank and a class, so that choices are classes.
+    Equal values share a rank and a class, so that each of several choices is a class.
     """
 
     values: Array
@@ -89,7 +89,7 @@ class _Source:
     def of(cls, values: Array) -> "_Source":
         different, place, count = np.unique(values, return_inverse=True, return_counts=True)
         ranks = _shared_ranks(count)[place]
-        bins = min(_MOST_BINS, max(1, len(values) // _TRIALS_PER_BIN))
+        bins = min(_MAX_BINS, max(1, len(values) // _TRIALS_PER_BIN))
         if len(different) <= bins:
             return cls(values, ranks, np.asarray(place, dtype=np.int64))
         edges = np.quantile(np.repeat(different, count), np.arange(1, bins) / bins)
@@ -106,19 +106,19 @@ def _influences(sources: Mapping[str, _Source], output: str, y: Array) -> Iterat
 
 
 def _shared_ranks(count: NDArray[np.int64]) -> Array:
-    """Ranks from 1 of ascending values, equal ones sharing the mean; importing scipy.stats would cost a second."""
+    """Ranks from 1 of ascending values, mean ranks for ties; importing scipy.stats would cost a second."""
     shared: Array = np.cumsum(count) - 0.5 * (count - 1)
     return shared
 
 
 def _correlation(x: Array, y: Array) -> float:
-    """Pearson's, without BLAS, whose bits depend on its threads."""
+    """Pearson's correlation, without BLAS, whose rounding depends on its threads."""
     dx, dy = x - x.mean(), y - y.mean()
     return float(np.sum(dx * dy) / np.sqrt(np.sum(dx * dx) * np.sum(dy * dy)))
 
 
 def _constant(values: Array) -> bool:
-    """Whether values differ by no more than rounding."""
+    """Whether values differ by rounding alone."""
     return bool(np.ptp(values) <= 1e-9 * np.max(np.abs(values)))
 
 
@@ -126,10 +126,10 @@ def first_order_index(x: Array, y: Array) -> tuple[float, float]:
     """Estimate the first-order Sobol index Var(E[y|x]) / Var(y), and its standard error.
 
     E[y|x] is fitted by a straight line in each of up to 20 classes of x with equal counts (Plischke, Borgonovo &
-    Smith 2013 take class means; lines remove most of the error that a class's width makes). The share explained is
-    corrected for the parameters fitted as an adjusted R² is, so that an input without influence gives zero on
-    average. The standard error is the delete-a-group jackknife's, 20 groups; where the index is near zero, and so a
-    quadratic form of what is left, it is too large by up to √2 (Efron & Stein 1981).
+    Smith 2013 take class means; lines remove most of the error due to a class's width). The share explained is
+    corrected for the fitted parameters like an adjusted R², so that an input without influence has zero on average.
+    The standard error is that of the delete-a-group jackknife with 20 groups; for an index near zero, where the
+    estimate is a quadratic form of the residuals, it is too large by up to √2 (Efron & Stein 1981).
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def _class_sums(classes: NDArray[np.int64], x: Array, y: Array) -> Array:
 
 
 def _adjusted_share(sums: Array) -> Array:
-    """Share of the variance that a line in each class explains, corrected for the parameters.
+    """Share of the variance that a line in each class explains, corrected for the fitted parameters.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Streaming statistics: bounded memory, merged in the fixed order of the blocks, so that bits do not depend on jobs.
 
-A value that is nan belongs to a trial that never reached the quantity: it is left out and counted.
+A nan belongs to a trial that never reached the quantity: it is excluded and counted.
 """
 
 import math
@@ -20,7 +20,7 @@ _Z95 = 1.959963984540054
 
 @dataclass(frozen=True)
 class Statistic:
-    """What is reported of a quantity; nan where no trial, or for the sd fewer than two, reached it.
+    """Reported statistics of a quantity; nan where no trial, or for the sd fewer than two, reached it.
 
     Attributes
     ----------
@@ -43,12 +43,12 @@ class Statistic:
 
     @classmethod
     def of_constant(cls, value: float, trials: int) -> "Statistic":
-        """Report as many trials, at least one, of the same value."""
+        """Statistics of one or more trials with the same value."""
         spread = 0.0 if trials > 1 else math.nan
         return cls(value, spread, value, value, value, spread, trials)
 
     def summary(self) -> dict[str, float | None]:
-        """Give the form of ``summary.json``; None for what is not known."""
+        """Entry of ``summary.json``; None for what is undefined."""
         names = ("mean", "sd", "p05", "p50", "p95", "standard_error")
         values = {name: getattr(self, name) for name in names}
         return {name: value if math.isfinite(value) else None for name, value in values.items()}
@@ -63,14 +63,14 @@ class Probability:
     high: float
 
     def summary(self) -> dict[str, float]:
-        """Give the form of ``summary.json``."""
+        """Entry of ``summary.json``."""
         return {"value": self.value, "low": self.low, "high": self.high}
 
 
 def wilson(successes: int, trials: int) -> Probability:
     """Estimate a probability with its 95 % Wilson score interval (Wilson 1927).
 
-    With no trials the value is nan and the interval all of [0, 1].
+    Without trials the value is nan and the interval [0, 1].
     """
     if trials == 0:
         return Probability(math.nan, 0.0, 1.0)
@@ -84,22 +84,22 @@ def wilson(successes: int, trials: int) -> Probability:
 
 @dataclass(frozen=True)
 class Count:
-    """Trials in which something happened, of those in which it could."""
+    """Number of trials in which an event happened, of those in which it could."""
 
     successes: int = 0
     trials: int = 0
 
     @classmethod
     def of(cls, happened: NDArray[np.bool_]) -> "Count":
-        """Count one block, shape (n,)."""
+        """Count in one block, shape (n,)."""
         return cls(int(np.count_nonzero(happened)), int(happened.size))
 
     def merge(self, other: "Count") -> "Count":
-        """Add another block."""
+        """Merge another block."""
         return Count(self.successes + other.successes, self.trials + other.trials)
 
     def probability(self) -> Probability:
-        """Estimate the probability."""
+        """Probability with its interval."""
         return wilson(self.successes, self.trials)
 
 
@@ -117,7 +117,7 @@ class Moments:
     squares : array, shape (...)
         Sum of squared deviations from the mean.
     low, high : array, shape (...)
-        Smallest and largest value; infinite (wrong way round) where there is none.
+        Smallest and largest value; +∞ and −∞ where there is none.
     """
 
     count: Integers
@@ -129,19 +129,19 @@ class Moments:
 
     @classmethod
     def of(cls, values: Array) -> "Moments":
-        """Take the moments of one block, shape (..., n)."""
+        """Moments of one block, shape (..., n)."""
         sums = np.add.reduce(values, axis=-1)
         if not values.size:
             return cls._of_reached(values)
         found = cls._of_all(values, sums)
-        if any(map(math.isnan, sums.ravel().tolist())):  # quicker than to ask numpy, of a handful
+        if any(map(math.isnan, sums.ravel().tolist())):  # faster than numpy for a handful
             broken = np.isnan(sums)
             found._put(broken, cls._of_reached(values[broken]))
         return found
 
     @classmethod
     def _of_all(cls, values: Array, sums: Array) -> "Moments":
-        """Take the moments of values from their sums; nan where one of them is."""
+        """Moments of values from their sums; nan where a value is."""
         mean = np.asarray(sums / values.shape[-1])
         deviations = values - mean[..., None]
         squares = np.einsum("...t,...t->...", deviations, deviations)
@@ -151,7 +151,7 @@ class Moments:
 
     @classmethod
     def _of_reached(cls, values: Array) -> "Moments":
-        """Take the moments of values some of which are nan, in more passes."""
+        """Moments of values some of which are nan, in more passes."""
         reached = ~np.isnan(values)
         count = np.asarray(np.count_nonzero(reached, axis=-1), dtype=np.int64)
         missing = values.shape[-1] - count
@@ -171,7 +171,7 @@ class Moments:
         )
 
     def merge(self, other: "Moments") -> "Moments":
-        """Add another block (Chan, Golub & LeVeque 1983, Eq. 2.1)."""
+        """Merge another block (Chan, Golub & LeVeque 1983, Eq. 2.1)."""
         count = self.count + other.count
         share = other.count / np.maximum(count, 1)
         step = other.mean - self.mean
@@ -196,7 +196,7 @@ class Moments:
         )
 
     def _put(self, which: NDArray[np.bool_], part: "Moments") -> None:
-        """Write the moments of some of an array of quantities into it, while it is being made."""
+        """Write the moments of some quantities into the array, during construction."""
         for field in fields(self):
             getattr(self, field.name)[which] = getattr(part, field.name)
 
@@ -220,32 +220,32 @@ class RunningStatistic:
 
     @classmethod
     def of(cls, values: Array) -> "RunningStatistic":
-        """Take one block, shape (n,)."""
+        """Statistics of one block, shape (n,)."""
         return cls(Moments.of(values), QuantileSketch.of(values))
 
     def merge(self, other: "RunningStatistic") -> "RunningStatistic":
-        """Add the next block."""
+        """Merge the next block."""
         return RunningStatistic(self.moments.merge(other.moments), self.sketch.merge(other.sketch))
 
     def quantile(self, probability: float) -> float:
-        """Give a quantile, within the values' range; nan when no trial reached the quantity."""
+        """Quantile, within the values' range; nan when no trial reached the quantity."""
         return self.quantiles((probability,))[0]
 
     def quantiles(self, probabilities: Sequence[float]) -> list[float]:
-        """Give several quantiles, within the values' range; nan when no trial reached the quantity."""
+        """Several quantiles, within the values' range; nan when no trial reached the quantity."""
         values = self.sketch.quantiles(probabilities)
         low, high = float(self.moments.low), float(self.moments.high)
         return [min(max(value, low), high) if math.isfinite(value) else value for value in values]
 
     def count_below(self, limits: Array) -> Array:
-        """Count the values below some limits, as if each bin of the sketch were evenly filled: a count may be broken.
+        """Count the values below limits, as if each bin of the sketch were filled evenly: counts may be fractions.
 
-        A bin's part that lies beyond the lowest or the highest value holds none.
+        The part of a bin beyond the lowest or the highest value is empty.
         """
         return self.sketch.count_below(limits, float(self.moments.low), float(self.moments.high))
 
     def statistic(self) -> Statistic:
-        """Give what is reported."""
+        """Statistics to report."""
         count = int(self.moments.count)
         p05, p50, p95 = self.quantiles((0.05, 0.50, 0.95))
         sd = math.sqrt(float(self.moments.squares) / (count - 1)) if count > 1 else math.nan

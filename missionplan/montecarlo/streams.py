@@ -9,15 +9,15 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 
 BLOCK = 4096
-"""Trials in a block. Whole blocks are drawn even when fewer trials are used, so that raising the number keeps bits."""
+"""Trials in a block. Whole blocks are drawn even when fewer trials are used: draws do not depend on their number."""
 
 
 def stream(seed: int, quantity: str, block: int) -> np.random.Generator:
     """Open the random stream of one quantity in one block of trials.
 
     The name (as its SHA-256) and the block are the spawn key of the seed sequence, so that streams are independent of
-    each other and of the order in which they are opened. `SeedSequence(seed, spawn_key=…)` turns each word of the key
-    into an array of its own, which takes longer than all the rest: it is given the array that it would make of them.
+    each other and of the order in which they are opened. `SeedSequence(seed, spawn_key=…)` would convert each word of
+    the key to an array, slowly: it is given the array of all words at once, with the same result.
 
     Parameters
     ----------
@@ -39,24 +39,24 @@ def stream(seed: int, quantity: str, block: int) -> np.random.Generator:
     return np.random.Generator(np.random.SFC64(np.random.SeedSequence(entropy)))
 
 
-_POOL = 4  # words to which a seed sequence fills up its entropy before the spawn key
+_POOL = 4  # words to which a seed sequence pads its entropy before the spawn key
 
 
 @lru_cache(maxsize=4096)
 def _name_words(quantity: str) -> NDArray[np.uint32]:
-    """SHA-256 of a name, as words."""
+    """SHA-256 of a name, as 32-bit words."""
     return np.frombuffer(hashlib.sha256(quantity.encode()).digest(), dtype="<u4")
 
 
 @lru_cache(maxsize=256)
 def _words(number: int, least: int = 1) -> NDArray[np.uint32]:
-    """Words of a number, the lowest first, and zeros after them if they are few."""
+    """32-bit words of a number, the lowest first, padded with zeros to at least `least`."""
     count = max(least, -(-number.bit_length() // 32))
     return np.frombuffer(number.to_bytes(4 * count, "little"), dtype="<u4")
 
 
 def block_count(trials: int) -> int:
-    """Blocks that hold `trials` trials, the last one perhaps in part."""
+    """Number of blocks for `trials` trials, of which the last may be in use in part."""
     return -(-trials // BLOCK)
 
 
@@ -66,18 +66,18 @@ def block_size(trials: int, block: int) -> int:
 
 
 class LegNormals:
-    """Standard normals of a quantity that is drawn anew each leg, drawn when first asked for, then kept.
+    """Standard normals of a quantity that is drawn anew for each leg: drawn on first use, then kept.
 
-    Keeping them lets one block of draws serve every maximum leg length and every sigma of a sweep.
+    One block of draws thus serves every maximum leg length and every sigma of a sweep.
     """
 
     def __init__(self, seed: int, quantity: str, block: int) -> None:
         self._open = partial(stream, seed, quantity, block)
-        self._stream: np.random.Generator | None = None  # opened when first asked for: many are not
+        self._stream: np.random.Generator | None = None  # opened on first use: many never are
         self._legs: list[Array] = []
 
     def leg(self, number: int) -> Array:
-        """Give the normals of a leg, from 0: read-only, shape (2, BLOCK)."""
+        """Normals of a leg, from 0: read-only, shape (2, BLOCK)."""
         if self._stream is None:
             self._stream = self._open()
         while len(self._legs) <= number:

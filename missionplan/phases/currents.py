@@ -58,8 +58,8 @@ class Current(ABC):
         Returns
         -------
         array, shape broadcasting to (2, n)
-            [m/s]. By 5-point Gauss–Legendre quadrature along the track that the current bends: its mean velocity
-            along the straight track first, then along the track so carried.
+            [m/s]. By 5-point Gauss–Legendre quadrature along the track over the ground, in two passes: along the
+            straight track, then along the track that the mean velocity of the first pass gives.
         """
         mean = np.zeros((2, 1))
         for _ in range(2):
@@ -74,20 +74,20 @@ class Current(ABC):
         return mean
 
     def take(self, trials: NDArray[np.intp]) -> Self:
-        """Select trials of what differs between them; nothing does unless a current says so."""
+        """Select trials; a current that is the same for all of them returns itself."""
         return self
 
 
 @dataclass(frozen=True)
 class LayeredCurrent(Current):
-    """Layers of constant velocity from the surface down (Briggs et al., Eq. 1); the deepest goes on below its end.
+    """Layers of constant velocity from the surface down (Briggs et al., Eq. 1); the deepest has no lower end.
 
     Attributes
     ----------
     down_to : array, shape (k,) or (k, n)
-        Lower ends of the layers, increasing: one a layer, or one a layer and trial [m].
+        Lower ends of the layers, increasing: one per layer, or one per layer and trial [m].
     east, north : array, shape (k,) or (k, n)
-        One velocity a layer, or one a layer and trial [m/s].
+        One velocity per layer, or one per layer and trial [m/s].
     """
 
     down_to: Array
@@ -115,7 +115,7 @@ class LayeredCurrent(Current):
 
 
 def layers(down_to: Sequence[Scalars], speed: Sequence[Scalars], toward: Sequence[Scalars]) -> LayeredCurrent:
-    """Build a layered current from speeds and the directions towards which they set.
+    """Build a layered current from speeds and the directions towards which the layers flow.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ class SeriesCurrent(Current):
 
 @dataclass(frozen=True)
 class FieldCurrent(Current):
-    """A current against time, depth and place, linear in each between the nodes. No nan: see `fill_gaps`.
+    """A current against time, depth and place, linear in each between the nodes; without nan, see `fill_gaps`.
 
     Attributes
     ----------
@@ -201,35 +201,35 @@ class FieldCurrent(Current):
 
 
 def fill_gaps(values: Array) -> Array:
-    """Give nodes without a value (land, below the bottom) that of the nearest node that has one, time by time.
+    """Fill nodes without a value (land, below the seafloor) from the nearest node that has one, time by time.
 
-    A step in depth counts as a hundredth of a horizontal one, so that the bottom takes the water above it.
+    A step in depth counts as a hundredth of a horizontal one, so that nodes below the seafloor take the value above.
 
     Parameters
     ----------
     values : array, shape (time, depth, north, east)
-        nan where there is none.
+        nan where there is no value.
 
     Raises
     ------
     InputError
-        When a moment has no value at all.
+        When there is no value at all at some time.
     """
     result = np.array(values, dtype=float)
-    for moment in result:
-        missing = np.isnan(moment)
+    for at_one_time in result:
+        missing = np.isnan(at_one_time)
         if missing.all():
-            raise InputError("the current's field has a moment without any value")
+            raise InputError("the current field has a time without any value")
         if missing.any():
             nearest = distance_transform_edt(
                 missing, sampling=(0.01, 1.0, 1.0), return_distances=False, return_indices=True
             )
-            moment[...] = moment[tuple(nearest)]
+            at_one_time[...] = at_one_time[tuple(nearest)]
     return result
 
 
 def _bracket(axis: Array, x: Scalars) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-    """Find the nodes about `x`, held at the ends, and the weight of the second one."""
+    """Find the nodes on either side of `x`, which is held at the axis' ends, and the weight of the second."""
     held = np.clip(x, axis[0], axis[-1])
     low = np.clip(np.searchsorted(axis, held, side="right") - 1, 0, max(len(axis) - 2, 0))
     high = np.minimum(low + 1, len(axis) - 1)

@@ -1,14 +1,13 @@
-"""Where effects enter the phases' models: no-op bases that every effect of the catalogue refines.
+"""Hooks by which effects act on the phases: base classes without any effect, which the catalogue's effects refine.
 
-An effect is a frozen data class whose fields are its parameters, floats or arrays over trials, in SI units;
-zero strength is neutral. A phase is given a tuple of effects and combines their hooks: velocities, lifts,
-delays and variances add, factors multiply. Parameters as arrays let one call of a phase carry one Jacobian
-column, start or dive a trial.
+An effect is a frozen data class whose fields are its parameters, floats or arrays over trials, in SI units; at zero
+strength it is neutral. A phase is given a tuple of effects and combines their hooks: velocities, lifts, delays and
+variances add, factors multiply. Parameters as arrays let each trial of one call be a Jacobian column, a starting
+point or a dive of its own.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from missionplan.arrays import Array, Scalars
 
 @dataclass(frozen=True)
 class Leg:
-    """What an effect on a transit may know of the legs under way.
+    """The legs under way, one per trial, as an effect on a transit sees them.
 
     Attributes
     ----------
@@ -42,10 +41,10 @@ class Leg:
 
 
 class TransitEffect:
-    """An effect on a transit. Each hook returns its neutral element unless the effect refines it."""
+    """An effect on a transit. A hook that the effect does not refine returns its neutral element."""
 
     def velocity(self, leg: Leg) -> Array | float:
-        """Velocity that the vehicle does not know of, mean over the leg, shape (2, n) [m/s]."""
+        """Mean velocity error over the leg, unknown to the vehicle, shape (2, n) [m/s]."""
         return 0.0
 
     def surface_velocity(self, t: Array, duration: Array, position: Array) -> Array | float:
@@ -62,25 +61,25 @@ class TransitEffect:
 
     @property
     def is_random(self) -> bool:
-        """Whether `step` or `error_scale` needs normals of its own for each leg."""
+        """Whether `step` or `error_scale` needs standard normals for each leg."""
         return False
 
-    def step(self, memory: Any, elapsed: Array, normals: Array) -> tuple[Any, Array | float]:
-        """Carry a random velocity from leg to leg.
+    def step(self, memory: Array | None, elapsed: Array, normals: Array) -> tuple[Array | None, Array | float]:
+        """Advance a random velocity from leg to leg.
 
         Parameters
         ----------
-        memory
-            What the last call returned; None before the first leg.
+        memory : array or None
+            As the last call returned it; None before the first leg.
         elapsed : array, shape (n,)
-            Time from the middle of the last leg to the middle of this one [s].
+            Time from the middle of the previous leg to the middle of this one [s].
         normals : array, shape (2, n)
             Standard normals of this effect for this leg.
 
         Returns
         -------
-        memory, velocity : Any, array of shape (2, n)
-            Memory for the next leg (arrays with trials last), and this leg's velocity error [m/s].
+        memory, velocity : array or None, array of shape (2, n)
+            Memory for the next leg (trials last), and this leg's velocity error [m/s].
         """
         return memory, 0.0
 
@@ -108,13 +107,13 @@ def surface_velocity(effects: Iterable[TransitEffect], t: Array, duration: Array
 
 
 class DescentEffect:
-    """An effect on a descent. Each hook returns its neutral element unless the effect refines it.
+    """An effect on a descent. A hook that the effect does not refine returns its neutral element.
 
-    Times count from the anchor's separation unless said otherwise; depth is the vehicle's nose [m].
+    Times count from the anchor's separation unless stated otherwise; depth is that of the vehicle's nose [m].
     """
 
     def refines(self, hook: str) -> bool:
-        """Whether a hook, by its name, is more than neutral here."""
+        """Whether the effect refines the hook of this name."""
         return getattr(type(self), hook) is not getattr(DescentEffect, hook)
 
     def lone_drag_factor(self) -> Scalars:
@@ -142,7 +141,7 @@ class DescentEffect:
         return 0.0
 
     def delay(self, line_length: Scalars) -> Scalars:
-        """Time by which everything that follows the separation comes late on the clock of the log [s]."""
+        """Delay, on the clock of the log, of everything after the separation [s]."""
         return 0.0
 
     def reading(self, t: Array, depth: Array) -> Array:

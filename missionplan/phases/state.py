@@ -11,7 +11,7 @@ from missionplan.arrays import Array, Scalars
 
 @dataclass(frozen=True)
 class TrialState:
-    """A block of trials between two phases.
+    """State of a block of trials between two phases.
 
     Attributes
     ----------
@@ -24,7 +24,7 @@ class TrialState:
     energy : array, shape (n,)
         Used so far [J].
     alive : array of bool, shape (n,)
-        Whether the trial goes on: it has arrived at every goal and come up from every mooring so far.
+        Whether the trial goes on: it has arrived at every goal and surfaced from every mooring so far.
     """
 
     position: Array
@@ -40,12 +40,12 @@ class TrialState:
 
     @classmethod
     def at(cls, position: Array, trials: int, fix_noise: Array | float = 0.0) -> "TrialState":
-        """Deploy the vehicle.
+        """State at deployment.
 
         Parameters
         ----------
         position : array, shape (2,) or (2, n)
-            Where [m].
+            Of the deployment [m].
         trials : int
         fix_noise : array, shape (2, n)
             Error of the fix before the first dive [m].
@@ -60,7 +60,7 @@ def select_trials(value: Array, trials: NDArray[np.intp]) -> Array: ...
 @overload
 def select_trials(value: Scalars, trials: NDArray[np.intp]) -> Scalars: ...
 def select_trials(value: Scalars, trials: NDArray[np.intp]) -> Scalars:
-    """Select trials of a parameter that is one number, or an array with trials last (of length 1 if alike)."""
+    """Select trials of a parameter: one number, or an array with trials last (of length 1 where all are alike)."""
     if isinstance(value, np.ndarray) and value.ndim and value.shape[-1] > 1:
         return value[..., trials]
     return value

@@ -1,1 +1,1 @@
-"""Files on disk: written beside and renamed into place; finished blocks of trials."""
+"""Files on disk: report folders, written atomically, and checkpoints of finished blocks of trials."""

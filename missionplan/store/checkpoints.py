@@ -1,7 +1,7 @@
-"""Finished blocks of a run on disk, so that a run killed at any moment goes on where it was.
+"""Checkpoints: finished blocks of a run on disk, so that a run killed at any time can be resumed.
 
-One file a block, written atomically, next to ``run.json``, which holds what the blocks came from. A block that was
-cut short at the end of a run has its size in its name: when the run is made longer it is computed anew, whole.
+One file per block, written atomically, beside ``run.json``, which records what the blocks depend on. File names contain
+the size of the block: when a run is extended, its incomplete last block is computed again as a whole.
 """
 
 import difflib
@@ -31,9 +31,9 @@ class Identity:
     Attributes
     ----------
     mission : str
-        The mission as resolved, as text, with digests of the data that it reads.
+        The resolved mission as text, with digests of the data files that it reads.
     options : str
-        Options that change a block's content, one a line.
+        Options that change a block's content, one per line.
     version : str
         Of the program.
     """
@@ -48,7 +48,7 @@ class Identity:
         return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()
 
     def differences(self, other: "Identity") -> str:
-        """Show what differs from `other`, the older one, as a unified diff."""
+        """Unified diff from `other`, the older one."""
         parts = []
         for name, old in asdict(other).items():
             new = getattr(self, name)
@@ -65,17 +65,17 @@ class Checkpoints:
     Parameters
     ----------
     folder : Path
-        Made if need be.
+        Created if necessary.
     identity : Identity
     resume : bool
-        Whether to go on with the blocks that the folder holds.
+        Whether to use the blocks that the folder holds.
 
     Raises
     ------
     InputError
-        When the folder holds a run and `resume` is not given, or a run of something else: with the difference.
+        When the folder holds a run and `resume` is not given, or a different run; then with the difference.
     RunError
-        When it cannot be written.
+        When the folder cannot be written.
     """
 
     def __init__(self, folder: Path, identity: Identity, *, resume: bool = False) -> None:
@@ -107,7 +107,7 @@ class Checkpoints:
             raise InputError([Problem(message, shown)])
 
     def holds(self, block: int, size: int) -> bool:
-        """Whether a block is there, as far as its name and label tell."""
+        """Whether a block is there, by its name and digest."""
         try:
             with self._path(block, size).open("rb") as content, np.load(content, allow_pickle=False) as file:
                 return str(file["digest"]) == self._digest
@@ -115,7 +115,7 @@ class Checkpoints:
             return False
 
     def read(self, block: int, size: int) -> dict[str, NDArray[np.generic]] | None:
-        """Give a finished block; None when there is none that can be read."""
+        """Return a finished block; None when there is none that can be read."""
         try:
             with self._path(block, size).open("rb") as content, np.load(content, allow_pickle=False) as file:
                 arrays = {name: file[name] for name in file.files}
@@ -124,12 +124,12 @@ class Checkpoints:
         return arrays if str(arrays.pop("digest", "")) == self._digest else None
 
     def write(self, block: int, size: int, arrays: Arrays) -> None:
-        """Keep a finished block.
+        """Save a finished block.
 
         Raises
         ------
         RunError
-            When the disk is full, the folder has gone or may not be written.
+            When the disk is full, or the folder is missing or not writable.
         """
         if not self._folder.is_dir():
             raise RunError(f"cannot write {self._path(block, size)}: the folder {self._folder} has gone")

@@ -1,4 +1,4 @@
-"""Report folders: written beside and renamed into place, never over somebody's files."""
+"""Report folders: written under a temporary name and renamed, never over existing files unless forced."""
 
 import os
 import shutil
@@ -11,12 +11,12 @@ from missionplan.errors import InputError, Problem, RunError
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
-    """Write a file beside its place and rename it into place, so that a reader never sees half of it.
+    """Write a file under a temporary name and rename it, so that a reader never sees half of it.
 
     Raises
     ------
     RunError
-        When the disk is full, the folder has gone or may not be written.
+        When the disk is full, or the folder is missing or not writable.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -34,12 +34,12 @@ def write_atomically(path: Path, content: str | bytes) -> None:
 
 
 def check_new_folder(folder: Path, *, force: bool = False) -> None:
-    """Refuse a folder that holds something already, before any work is done.
+    """Refuse a folder that is not empty, before any work is done.
 
     Raises
     ------
     InputError
-        When it is a file, or not empty and `force` is not given, or no folder can have such a name.
+        When it is a file, or not empty without `force`, or its name is invalid.
     """
     try:
         exists, holds = folder.exists(), folder.is_dir() and any(folder.iterdir())
@@ -54,7 +54,7 @@ def check_new_folder(folder: Path, *, force: bool = False) -> None:
 
 @contextmanager
 def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
-    """Yield a temporary folder beside `folder`; on success it takes `folder`'s place, on failure nothing is left.
+    """Yield a temporary folder beside `folder`; on success it replaces `folder`, on failure it is removed.
 
     With `force`, files of the same name in an existing folder are replaced and others are kept.
     """

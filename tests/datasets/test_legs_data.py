@@ -48,7 +48,7 @@ def test_bad_cells_are_all_named(folder, transit_mission, legs):
 
 
 def test_missing_column_comes_with_its_nearest(folder, transit_mission, legs):
-    with pytest.raises(InputError, match="t_start_s: column is missing") as excinfo:
+    with pytest.raises(InputError, match="t_start_s: the column is missing") as excinfo:
         read_transit(folder(KIND, legs().rename(columns={"t_start_s": "t_strt_s"})), transit_mission)
     assert len(excinfo.value.problems) == 1
 
@@ -74,8 +74,8 @@ def test_blank_and_marked_rows_are_left_out_with_a_notice(folder, transit_missio
     table.loc[10, "x_end_m"] = np.nan
     data = read_transit(folder(KIND, table), transit_mission)
     assert data.n == 44
-    assert any("3 rows left out as marked" in notice for notice in data.notices)
-    assert any("1 legs without all of their times" in notice for notice in data.notices)
+    assert any("rows.csv: 3 rows left out as marked" in notice for notice in data.notices)
+    assert any("rows.csv: 1 row left out without x_end_m" in notice for notice in data.notices)
 
 
 def test_legs_out_of_order_are_sorted_aloud(folder, transit_mission, legs):
@@ -95,12 +95,12 @@ def test_a_wrong_fix_is_left_out_by_name(folder, transit_mission, legs):
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ({"kind": "drag"}, "cannot be diagnosed"),
-        ({"kind": "tides"}, "expected one of descent, transit"),
+        ({"kind": "drag"}, "given 'drag', expected transit"),
+        ({"kind": "transits"}, "did you mean transit"),
         ({"kind": "transit", "nois": {}}, "did you mean noise"),
         ({"kind": "transit", "noise": {"fix": 3}}, "expected a unit too"),
         ({"kind": "transit", "noise": {"fix": "-3 m"}}, "expected more than 0"),
-        ({"kind": "transit", "file": "../rows.csv"}, "inside this folder"),
+        ({"kind": "transit", "file": "../rows.csv"}, "outside the data set's folder"),
         ({"kind": "transit", "file": "other.csv"}, "no such file"),
     ],
 )

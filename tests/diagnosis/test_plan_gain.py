@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from missionplan.diagnosis.plan_gain import decide
+from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission, load
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -20,7 +20,7 @@ def mission() -> Mission:
 
 def planned(mission: Mission, *effects: dict[str, Any]) -> dict[str, Any]:
     """Plans with the mission and with its effects added."""
-    return decide("descent", mission, {**mission.raw, "effects": list(effects)}, seed=1, jobs=1)
+    return plan_gain(anchor_choice, mission, {**mission.raw, "effects": list(effects)}, seed=1, jobs=1)
 
 
 def test_the_anchor_chosen_carries_the_vehicle_down(mission: Mission) -> None:
@@ -47,6 +47,6 @@ def test_what_changes_no_descent_changes_no_plan(mission: Mission) -> None:
 
 def test_a_mission_without_a_mooring_says_why_there_is_no_plan() -> None:
     fig8 = load(MISSIONS / "fig8.yaml")
-    plan = decide("descent", fig8, fig8.raw, seed=1, jobs=1)
+    plan = plan_gain(anchor_choice, fig8, fig8.raw, seed=1, jobs=1)
     assert plan["before"] == plan["after"] == {}
     assert "mooring" in plan["reason"]

@@ -4,14 +4,15 @@ import itertools
 
 import pytest
 
-from missionplan.diagnosis.inference.cross_validation import held_out_gain
+from missionplan.diagnosis.inference.cross_validation import compare_held_out
 from missionplan.diagnosis.inference.discrepancy import Discrepancy
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
-from missionplan.diagnosis.inference.selection import Candidate, Selection, credible_set, posteriors, rivals
+from missionplan.diagnosis.inference.posterior import credible_set, posteriors, rivals
+from missionplan.diagnosis.inference.selection import Candidate, Selection
 from missionplan.diagnosis.verdict import claim, verdict
 
 GOOD, BAD = (
-    held_out_gain(
+    compare_held_out(
         [HeldOutScore(name, 0.0, 1.0, 1, 1) for name in "abc"], [HeldOutScore(name, gain, 1.0, 1, 1) for name in "abc"]
     )
     for gain in (1.0, -1.0)
@@ -72,6 +73,6 @@ def test_credible_set_is_the_smallest_that_holds_95_percent():
 
 
 def test_gain_is_paired():
-    assert GOOD.log_score_gain == 3.0
-    assert GOOD.paired_se == 0.0
-    assert (GOOD.groups_improved, GOOD.groups) == (3, 3)
+    assert GOOD.gain.log_score_gain == 3.0
+    assert GOOD.gain.paired_se == 0.0
+    assert (GOOD.gain.groups_improved, GOOD.gain.groups) == (3, 3)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from missionplan.montecarlo.sensitivity import LEAST_TRIALS, first_order_index, sensitivities
+from missionplan.montecarlo.sensitivity import MIN_TRIALS, first_order_index, sensitivities
 
 
 def test_linear_model_has_the_shares_of_its_coefficients():
@@ -81,7 +81,7 @@ def test_trials_that_never_reached_an_output_are_left_out_of_it():
 
 
 def test_what_does_not_vary_or_was_hardly_reached_is_left_out():
-    x = np.random.default_rng(8).standard_normal(LEAST_TRIALS)
-    outputs = {"constant": 1.5 + 1e-12 * x, "rare": np.where(np.arange(LEAST_TRIALS), x, np.nan), "y": x}
+    x = np.random.default_rng(8).standard_normal(MIN_TRIALS)
+    outputs = {"constant": 1.5 + 1e-12 * x, "rare": np.where(np.arange(MIN_TRIALS), x, np.nan), "y": x}
     found = sensitivities({"x": x, "fixed": np.zeros_like(x)}, outputs)
     assert [(influence.output, influence.source) for influence in found] == [("y", "x")]

@@ -1,116 +1,123 @@
-"""Next measurement: the cheapest on a menu that would tell two sets of causes apart (T-optimality)."""
+"""Next measurement: the cheapest design that discriminates between two sets of causes.
 
-import itertools
-from collections.abc import Iterator, Sequence
+T-optimality (Atkinson and Fedorov 1975): with the first set taken as true, a design is worth the lack of fit that is
+left to the second one, fitted to what the first predicts. Here lack of fit is the expected log Bayes factor.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.montecarlo.parallel_map import parallel_map
-from missionplan.results.diagnosis import Causes
+from missionplan.results.diagnosis import NextMeasurement
 
-ENOUGH = 5.0
-"""Expected nats at which two sets count as told apart."""
-HARDLY = 1.0
-"""Expected nats of the data in hand below which two sets cannot be told apart by them."""
+SUFFICIENT = 5.0
+"""Expected nats from which a design discriminates well enough: no dearer one is looked at."""
+INDISTINGUISHABLE_BELOW = 1.0
+"""Expected nats of data like those in hand below which these cannot discriminate between two sets."""
 
 
 @dataclass(frozen=True)
 class DirectMeasurement:
-    """An instrument that sees one effect by itself.
+    """An instrument that measures one effect by itself.
 
     Attributes
     ----------
-    what : str
+    description : str
         In words.
     parameter : str
         What it measures.
     sd : float
-        How well, in the parameter's unit.
+        Standard deviation of its error, in the parameter's unit.
     """
 
-    what: str
+    description: str
     parameter: str
     sd: float
 
 
-DIRECT = {
-    "depth-scale": DirectMeasurement("readings at two known depths (a lead line)", "fraction", 0.005),
-    "clock-offset": DirectMeasurement("the separation heard or filmed against the log's clock", "time", 0.05),
-    "sensor-lag": DirectMeasurement("a dip of the sensor by hand, sampled fast", "time", 0.05),
-    "stratification": DirectMeasurement("a density profile (CTD) at the place of the dives", "lift", 0.15),
-    "vertical-current": DirectMeasurement("a current profiler beside the dives", "speed", 0.02),
-    "compass-bias": DirectMeasurement("a swing of the compass on land, all round", "angle", 0.009),
-    "compass-deviation": DirectMeasurement("a swing of the compass on land, all round", "amplitude", 0.009),
-    "fix-error": DirectMeasurement("an hour of fixes with the vehicle at a known place in the water", "sd", 3.0),
-}
-
-
-@dataclass(frozen=True)
-class ProposedMeasurement:
-    """A measurement and what it is expected to bring."""
-
-    first: Causes
-    second: Causes
-    measurement: str
-    expected_log_bayes_factor: float
-
-
 @dataclass(frozen=True)
 class Discrimination:
-    """A rival of the first set: what would separate it, and whether data like those in hand cannot."""
+    """How a rival can be told from the first set.
 
-    discrimination: ProposedMeasurement
-    alike: bool
+    Attributes
+    ----------
+    measurement : NextMeasurement
+        The cheapest sufficient one, else the best there is.
+    indistinguishable : bool
+        Whether data like those in hand cannot discriminate between the two.
+    """
+
+    measurement: NextMeasurement
+    indistinguishable: bool
 
 
 def discriminations(
-    model: Model, first: CauseFit, others: Sequence[CauseFit], jobs: int = 1
+    model: Model,
+    first: CauseFit,
+    rivals: Sequence[CauseFit],
+    direct: Mapping[str, DirectMeasurement],
+    jobs: int = 1,
 ) -> tuple[Discrimination, ...]:
-    """For each rival, the cheapest measurement that separates it from the first set, else the best there is.
+    """Look for the cheapest measurement that separates each rival from the first set.
 
-    Alike are sets that data like those in hand would not tell apart: expected ln Bayes factor below 1 nat.
+    Parameters
+    ----------
+    model : Model
+        Which predicts what further data would say, by `Model.discrimination`.
+    first : CauseFit
+        The set taken as true.
+    rivals : sequence of CauseFit
+        The others.
+    direct : mapping
+        Instruments that measure one cause by itself.
+    jobs : int
+        Processes.
     """
-    asked = [(other, alike) for other in others for alike in (False, True)]
-    found = parallel_map(partial(_answers, model, first), asked, jobs=jobs)
+    asked = [(rival, in_hand) for rival in rivals for in_hand in (False, True)]
+    found = parallel_map(partial(_measurements, model, first, direct), asked, jobs=jobs)
     return tuple(
-        Discrimination(cheapest, in_hand.expected_log_bayes_factor < HARDLY)
+        Discrimination(cheapest, in_hand.expected_log_bayes_factor < INDISTINGUISHABLE_BELOW)
         for cheapest, in_hand in zip(found[::2], found[1::2], strict=True)
     )
 
 
-def _answers(model: Model, first: CauseFit, asked: Sequence[tuple[CauseFit, bool]]) -> list[ProposedMeasurement]:
-    """For each other set, what separates it from the first: the data in hand, or the cheapest measurement."""
-    return [_in_hand(model, first, other) if alike else _cheapest(model, first, other) for other, alike in asked]
+def _measurements(
+    model: Model, first: CauseFit, direct: Mapping[str, DirectMeasurement], asked: Sequence[tuple[CauseFit, bool]]
+) -> list[NextMeasurement]:
+    """For each rival, the data in hand if asked for, else the cheapest measurement."""
+    return [
+        _in_hand(model, first, rival) if in_hand else _cheapest(model, first, rival, direct) for rival, in_hand in asked
+    ]
 
 
-def _in_hand(model: Model, first: CauseFit, second: CauseFit) -> ProposedMeasurement:
-    return ProposedMeasurement(
-        first.causes, second.causes, "data like those in hand", model.discrimination(first, second, None)
-    )
+def _in_hand(model: Model, first: CauseFit, rival: CauseFit) -> NextMeasurement:
+    expected = model.discrimination(first, rival, None)
+    return NextMeasurement((first.causes, rival.causes), "data like those in hand", expected)
 
 
-def _cheapest(model: Model, first: CauseFit, second: CauseFit) -> ProposedMeasurement:
-    best = ProposedMeasurement(first.causes, second.causes, "none on the menu tells them apart", 0.0)
-    for what, bring in itertools.chain(_with_more_data(model, first, second), _direct(first, second)):
-        if bring > best.expected_log_bayes_factor:
-            best = ProposedMeasurement(first.causes, second.causes, what, bring)
-        if bring >= ENOUGH:
+def _cheapest(
+    model: Model, first: CauseFit, rival: CauseFit, direct: Mapping[str, DirectMeasurement]
+) -> NextMeasurement:
+    separates = (first.causes, rival.causes)
+    best = NextMeasurement(separates, "none on the menu tells them apart", 0.0)
+    for description, expected in _designs(model, first, rival, direct):
+        if expected > best.expected_log_bayes_factor:
+            best = NextMeasurement(separates, description, expected)
+        if expected >= SUFFICIENT:
             break
     return best
 
 
-def _with_more_data(model: Model, first: CauseFit, second: CauseFit) -> Iterator[tuple[str, float]]:
-    """Give what each entry of the menu would bring, reckoned only when it is asked for."""
-    return ((what, model.discrimination(first, second, index)) for index, what in enumerate(model.designs))
-
-
-def _direct(first: CauseFit, second: CauseFit) -> list[tuple[str, float]]:
-    """Instruments that see an effect which only one of the sets has."""
-    found = []
-    for fit, other in ((first, second), (second, first)):
+def _designs(
+    model: Model, first: CauseFit, rival: CauseFit, direct: Mapping[str, DirectMeasurement]
+) -> Iterator[tuple[str, float]]:
+    """Designs, cheapest first, then instruments, with their expected log Bayes factor, computed when asked for."""
+    for index, description in enumerate(model.designs):
+        yield description, model.discrimination(first, rival, index)
+    for fit, other in ((first, rival), (rival, first)):
         for estimate in fit.estimates:
-            known = DIRECT.get(estimate.effect)
+            known = direct.get(estimate.effect)
             if known and known.parameter == estimate.name and estimate.effect not in other.causes:
-                found.append((known.what, 0.5 * (estimate.value / known.sd) ** 2))
-    return found
+                yield known.description, 0.5 * (estimate.value / known.sd) ** 2

@@ -46,7 +46,7 @@ def read_tank(folder: Path) -> TankSet:
         With every problem of `dataset.yaml` and of the tables.
     """
     data = decimated(read_tank_data(folder))
-    return TankSet(data.settings.name or folder.name, data.settings.source, data.notes, data)
+    return TankSet(data.name, data.settings.source, data.notices, data)
 
 
 def decimated(data: TankData) -> TankData:
@@ -60,7 +60,7 @@ def decimated(data: TankData) -> TankData:
         data,
         columns={name: column[::step] for name, column in data.columns.items()},
         labels={name: column[::step] for name, column in data.labels.items()},
-        notes=(*data.notes, note),
+        notices=(*data.notices, note),
     )
 
 

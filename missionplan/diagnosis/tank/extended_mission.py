@@ -37,7 +37,7 @@ def extended_tank_mission(
         What was diagnosed.
     """
     others = [estimate for estimate in found if estimate.effect not in IN_VEHICLE]
-    extended: dict[str, object] = extended_mission(mission.raw, others, {}, None)
+    extended = extended_mission(mission.raw, others, {})
     own = {estimate.effect: estimate for estimate in found if estimate.effect in IN_VEHICLE}
     given = extended.get("vehicle")
     if not own or mission.vehicle is None or not isinstance(given, dict):

@@ -1,7 +1,8 @@
 """Pydantic's errors as problems of a document: with lines, key paths, and the nearest valid key."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
+from typing import get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -11,7 +12,7 @@ from missionplan.mission.reading.documents import Document
 from missionplan.mission.schema.quantity_parser import QuantityParser
 
 _MESSAGES = {
-    "Input should be a valid dictionary or instance of ": "expected a mapping",
+    "Input should be a valid dictionary": "expected a mapping",
     "Input should be a valid tuple": "expected a list",
     "Input should be a valid list": "expected a list",
     "Input should be a valid integer": "expected a whole number",
@@ -68,15 +69,16 @@ def _message(message: str) -> str:
 
 def _fields(path: KeyPath, model: type[BaseModel]) -> dict[str, FieldInfo]:
     """Fields of the section at `path`, by the names that a file uses; none where no section has that path."""
-    current = model
+    current, names_follow = model, False
     for part in path:
-        if isinstance(part, int):
+        if isinstance(part, int) or names_follow:  # an item of a list, or a name of the user's own
+            names_follow = False
             continue
         field = _by_name(current).get(part)
         section = _section_in(field.annotation) if field is not None else None
-        if section is None:
+        if field is None or section is None:
             return {}
-        current = section
+        current, names_follow = section, get_origin(field.annotation) is Mapping
     return _by_name(current)
 
 

@@ -9,24 +9,24 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.descent import SLOWEST_DESCENT, STAGE_TIME, HorizontalDrift
+from missionplan.phases.mooring.descent import MIN_MEAN_SPEED, STAGE_TIME_MARGIN, HorizontalDrift
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle
-from missionplan.phases.mooring.vertical_motion import Stop, fall
+from missionplan.phases.mooring.vertical_motion import Stop, integrate_stage
 
 STEP = 0.25
-"""Default step [s], a twentieth of the prototype's time constant of some 6 s."""
+"""Default step [s], about a twentieth of the prototype's time constant of 6 s."""
 
 
 @dataclass(frozen=True)
 class AscentRecord:
-    """What became of a block of ascents.
+    """Results of a block of ascents.
 
     Attributes
     ----------
     ascent_time : array, shape (n,)
-        From the release to the surface; nan where the vehicle never came up [s].
+        From the release to the surface; nan where the vehicle never surfaced [s].
     drift : array, shape (2, n)
-        Carried by the current meanwhile, east and north [m].
+        Displacement by the current meanwhile, east and north [m].
     surfaced : array of bool, shape (n,)
     """
 
@@ -45,21 +45,21 @@ def ascend(
     since_taut: Array,
     step: float = STEP,
 ) -> AscentRecord:
-    """Let a block of moored vehicles rise to the surface.
+    """Simulate the ascent of a block of moored vehicles to the surface.
 
     Parameters
     ----------
     dive : Dive
-        As it went down; the vehicle starts at rest, a line's length above the seafloor.
+        Of the descent; the vehicle starts at rest, a line's length above the seafloor.
     effects : iterable of DescentEffect
-        Those of the descent: lifts, vertical water velocity and drag factors go on to act on the vehicle.
+        Those of the descent: lifts, vertical water velocity and drag factors still act on the vehicle.
     current : Current
     position : array, shape (2, n)
         Of the mooring, east and north of the coordinates' origin [m].
     t_start : array, shape (n,)
         Time of the release since the mission's start [s].
     since_taut : array, shape (n,)
-        Time from the taut line of the descent to the release, for effects that fade [s].
+        Time from the taut line of the descent to the release, for effects that decay [s].
     step : float
         Of the integration [s].
 
@@ -71,12 +71,12 @@ def ascend(
     bottom, line = over_trials(dive.site_depth, trials), over_trials(dive.line_length, trials)
     start = np.maximum(bottom - line, 0.0)
     drift = HorizontalDrift(current, position, t_start)
-    rise = fall(
+    rise = integrate_stage(
         FreeVehicle(dive, hooks, since_taut),
         start,
         -over_trials(hooks.water_velocity, trials),
         Stop(shallowest=0.0),
-        time_limit=STAGE_TIME + float(np.max(start, initial=0.0)) / SLOWEST_DESCENT,
+        time_limit=STAGE_TIME_MARGIN + float(np.max(start, initial=0.0)) / MIN_MEAN_SPEED,
         step=step,
         on_step=drift.stage(),
     )

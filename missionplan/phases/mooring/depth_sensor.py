@@ -1,4 +1,4 @@
-"""What a depth sensor logs of a descent: the model that measured dives are fitted with."""
+"""Readings of a depth sensor during a descent: the model that is fitted to measured dives."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -8,17 +8,17 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, over_trials, row_and_next
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.descent import SLOWEST_DESCENT, STAGE_TIME, Stages, sink
+from missionplan.phases.mooring.descent import MIN_MEAN_SPEED, STAGE_TIME_MARGIN, DescentStages, descent_stages
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle
-from missionplan.phases.mooring.vertical_motion import STEP, Fall, Stop, fall
+from missionplan.phases.mooring.vertical_motion import STEP, Stage, Stop, integrate_stage
 
-IN_CACHE = 1 << 16
-"""Numbers of an array that are worked on at once, so that what comes between stays near the processor."""
+CHUNK_SIZE = 1 << 16
+"""Numbers of an array that are processed at once, so that temporaries stay in the processor's cache."""
 
 
 @dataclass(frozen=True)
 class SensorHistory:
-    """What a depth sensor reads of n dives on a uniform grid of time.
+    """Readings of the depth sensor in n dives on a uniform time grid.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class SensorHistory:
     depths : array, shape (m, n)
         Readings [m].
     delay : array, shape (n,)
-        By how much the dive is late on the clock of its log [s].
+        Of the dive on the clock of its log [s].
     """
 
     step: float
@@ -37,10 +37,10 @@ class SensorHistory:
     def at(self, times: Array) -> Array:
         """Readings at times of each dive's log since the separation, shape (k, n) [s]; nan where `times` is [m].
 
-        Between the grid's points linear: within step²/8 times the acceleration, 1 mm for the prototype. Held at the
-        grid's ends.
+        Interpolated linearly, with an error of step²/8 times the acceleration, 1 mm for the prototype; constant beyond
+        the grid's ends.
         """
-        return np.concatenate([self._at(part) for part in _in_cache(times)])
+        return np.concatenate([self._at(part) for part in _chunks(times)])
 
     def _at(self, times: Array) -> Array:
         place = np.clip(np.nan_to_num(times - self.delay) / self.step, 0.0, len(self.depths) - 1.000001)
@@ -49,14 +49,14 @@ class SensorHistory:
         return np.where(np.isnan(times), np.nan, low + (high - low) * (place - row))
 
     def take(self, trials: NDArray[np.intp] | slice) -> "SensorHistory":
-        """The history of some of the dives."""
+        """Select dives."""
         return SensorHistory(self.step, self.depths[:, trials], self.delay[trials])
 
 
 def sensor_history(
     dive: Dive, trials: int, until: float, *, effects: Iterable[DescentEffect] = (), step: float = STEP
 ) -> SensorHistory:
-    """Run dives and read the vehicle's depth sensor on a grid of time.
+    """Simulate dives and the readings of the vehicle's depth sensor on a time grid.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def sensor_history(
     trials : int
         n.
     until : float
-        Last time since the separation that is asked for, by the log's clock [s].
+        Last time since the separation that is needed, by the log's clock [s].
     effects : iterable of DescentEffect
     step : float
         Of the integration, and of the grid on which the sensor reads [s].
@@ -79,13 +79,13 @@ def sensor_history(
     delay = over_trials(hooks.delay(over_trials(dive.line_length, trials)), trials)
     last = max(until - float(np.min(delay)), 0.0)
     grid = np.arange(int(np.ceil(last / step)) + 2, dtype=np.float64) * step
-    stages = sink(dive, hooks, trials, step=step, keep=True, until=float(grid[-1]))
+    stages = descent_stages(dive, hooks, trials, step=step, keep=True, until=float(grid[-1]))
     since = np.broadcast_to(grid[:, None], (grid.size, trials))
     return SensorHistory(step, hooks.reading(grid, true_depth(dive, hooks, stages, since, step=step)), delay)
 
 
 def simulate_readings(dive: Dive, times: Array, *, effects: Iterable[DescentEffect] = (), step: float = STEP) -> Array:
-    """Depths that the vehicle's sensor reads at given times of its log, dive by dive.
+    """Readings of the vehicle's depth sensor at given times of its log, dive by dive.
 
     Parameters
     ----------
@@ -106,14 +106,14 @@ def simulate_readings(dive: Dive, times: Array, *, effects: Iterable[DescentEffe
     return sensor_history(dive, times.shape[1], until, effects=effects, step=step).at(times)
 
 
-def true_depth(dive: Dive, hooks: DescentHooks, stages: Stages, since: Array, *, step: float = STEP) -> Array:
+def true_depth(dive: Dive, hooks: DescentHooks, stages: DescentStages, since: Array, *, step: float = STEP) -> Array:
     """Depth of the vehicle's nose from the anchor's free fall to the mooring.
 
     Parameters
     ----------
     dive : Dive
     hooks : DescentHooks
-    stages : Stages
+    stages : DescentStages
         With their histories kept.
     since : array, shape (k, n)
         Since the start of the anchor's free fall [s].
@@ -128,18 +128,18 @@ def true_depth(dive: Dive, hooks: DescentHooks, stages: Stages, since: Array, *,
     turned = stages.lone.time + stages.pull_down.time + stages.coast.time
     left = float(np.max(since[-1] - turned))
     rise = _rise(dive, hooks, stages, left, step) if left > 0.0 else None
-    parts = _in_cache(since)
+    parts = _chunks(since)
     return np.concatenate([np.clip(_depth(stages, rise, part), 0.0, dive.site_depth) for part in parts])
 
 
-def _in_cache(times: Array) -> Iterator[Array]:
-    """Rows of an array, some at a time."""
-    rows = max(1, IN_CACHE // max(times.shape[1], 1))
+def _chunks(times: Array) -> Iterator[Array]:
+    """Yield the rows of an array, some at a time."""
+    rows = max(1, CHUNK_SIZE // max(times.shape[1], 1))
     return (times[first : first + rows] for first in range(0, len(times), rows))
 
 
-def _depth(stages: Stages, rise: Fall | None, since: Array) -> Array:
-    """Depth of the nose by the stages, and by the rise after them if there is one [m]."""
+def _depth(stages: DescentStages, rise: Stage | None, since: Array) -> Array:
+    """Depth of the nose in the stages of the descent, and in the rise after them if there is one [m]."""
     down = stages.lone.time + stages.pull_down.time
     depth = stages.pull_down.depth_at(since - stages.lone.time)
     if np.any(since[-1] > down):
@@ -150,12 +150,12 @@ def _depth(stages: Stages, rise: Fall | None, since: Array) -> Array:
     return depth
 
 
-def _rise(dive: Dive, hooks: DescentHooks, stages: Stages, duration: float, step: float) -> Fall:
-    """Carry the vehicle up from its lowest point until the line is taut again, for at most a duration [s]."""
+def _rise(dive: Dive, hooks: DescentHooks, stages: DescentStages, duration: float, step: float) -> Stage:
+    """Simulate the rise from the lowest point until the line is taut again, for at most a duration [s]."""
     coast = stages.coast
     moored = np.maximum(over_trials(dive.site_depth, coast.depth.size) - dive.line_length, 0.0)
-    limit = STAGE_TIME + float(np.max(dive.line_length)) / SLOWEST_DESCENT
-    return fall(
+    limit = STAGE_TIME_MARGIN + float(np.max(dive.line_length)) / MIN_MEAN_SPEED
+    return integrate_stage(
         FreeVehicle(dive, hooks, stages.pull_down.time + coast.time),
         np.minimum(coast.depth, dive.site_depth),
         np.where(coast.ended, -over_trials(hooks.water_velocity, coast.depth.size), 0.0),

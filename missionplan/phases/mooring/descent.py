@@ -1,7 +1,7 @@
-"""From the last fix to the moored vehicle: release, pay-out, snatch, pull-down, touchdown, coasting.
+"""Descent from the last fix to the moored vehicle: release, pay-out, snatch, pull-down, touchdown, coasting.
 
-The paper's descent (section III) takes the terminal velocity as reached at once; here both bodies have mass. Depths are
-those of the vehicle's nose, where the line is attached; the anchor is a line's length below it once the line is taut.
+The paper (section III) assumes terminal velocity from the start; here both bodies have mass. Depths are those of the
+vehicle's nose, where the line is attached; the anchor is a line's length below it once the line is taut.
 """
 
 from collections.abc import Iterable
@@ -15,30 +15,30 @@ from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle, LoneFall, PullDown
-from missionplan.phases.mooring.vertical_motion import STEP, Fall, OnStep, Stop, fall
+from missionplan.phases.mooring.vertical_motion import STEP, Stage, StepCallback, Stop, integrate_stage
 from missionplan.physics.vehicle_drag import terminal_velocity
 
-SLOWEST_DESCENT = 0.1
-"""Mean speed [m/s] below which a stage is given up as never ending."""
-STAGE_TIME = 60.0
-"""Time [s] that a stage is given beyond that."""
+MIN_MEAN_SPEED = 0.1
+"""Mean speed below which a stage is cut off as never ending [m/s]."""
+STAGE_TIME_MARGIN = 60.0
+"""Time allowed for a stage beyond that [s]."""
 
 
 @dataclass(frozen=True)
-class Stages:
-    """The stages of a descent under way.
+class DescentStages:
+    """The stages of a descent.
 
     Attributes
     ----------
-    lone, pull_down, coast : Fall
+    lone, pull_down, coast : Stage
         The anchor alone (its depth), both bodies, and the vehicle after touchdown (the vehicle's depth).
     delay : array, shape (n,)
-        From the separation to the start of the lone fall [s].
+        From the separation to the start of the anchor's free fall [s].
     """
 
-    lone: Fall
-    pull_down: Fall
-    coast: Fall
+    lone: Stage
+    pull_down: Stage
+    coast: Stage
     delay: Array
 
     @property
@@ -54,7 +54,7 @@ class Stages:
 
 @dataclass(frozen=True)
 class DescentRecord:
-    """What became of a block of descents; arrays of shape (n,) unless said otherwise.
+    """Results of a block of descents; arrays of shape (n,) unless stated otherwise.
 
     Attributes
     ----------
@@ -63,13 +63,13 @@ class DescentRecord:
     payout_time : array
         From the separation to the taut line [s].
     descent_time : array
-        From the separation to the anchor's touchdown; nan where it never came down [s].
+        From the separation to the anchor's touchdown; nan where it never touched down [s].
     terminal_velocity : array
         Speed through the water at which the forces at touchdown balance [m/s].
     offset : array, shape (2, n)
         Of the anchor on the seafloor from where the vehicle was at the last fix, east and north [m].
     lowest_altitude : array
-        Least height of the vehicle's nose above the seafloor; how far it would have gone into it where negative [m].
+        Least height of the vehicle's nose above the seafloor; where negative, how deep it would have gone into it [m].
     touched_down, struck : array of bool
         Whether the anchor reached the seafloor, and whether the vehicle did.
     """
@@ -90,21 +90,21 @@ class DescentRecord:
 
 
 class HorizontalDrift:
-    """Where a body is carried horizontally while it falls; `position` has shape (2, n) [m]."""
+    """Horizontal drift of a sinking or rising body with the current; `position` has shape (2, n) [m]."""
 
     def __init__(self, current: Current, position: Array, t_start: Array) -> None:
         self._current, self.position, self._t_start = current, position, t_start
 
     def wait(self, duration: Array, depth: Array, pieces: int = 4, extra: Array | float = 0.0) -> None:
-        """Stay at a depth [m] for a duration [s], carried besides by an extra velocity, shape (2, n) [m/s]."""
+        """Drift at a depth [m] for a duration [s], with an extra velocity beyond the current, shape (2, n) [m/s]."""
         part = duration / pieces
         for _ in range(pieces):
             velocity = self._current.velocity(self._t_start + 0.5 * part, depth, self.position) + extra
             self.position = self.position + part * velocity
             self._t_start = self._t_start + part
 
-    def stage(self, below: Scalars = 0.0) -> OnStep:
-        """Follower of a stage for a body that is some length below the falling one [m]."""
+    def stage(self, below: Scalars = 0.0) -> StepCallback:
+        """Return the callback that drifts with a stage, for a body that hangs a length `below` the moving one [m]."""
         start = self._t_start
 
         def on_step(t: Scalars, spent: Array, depth: Array) -> None:
@@ -114,11 +114,11 @@ class HorizontalDrift:
         return on_step
 
     def advance(self, duration: Array) -> None:
-        """Let the clock go on by a stage's duration [s]."""
+        """Advance the clock by a stage's duration [s]."""
         self._t_start = self._t_start + duration
 
 
-def sink(
+def descent_stages(
     dive: Dive,
     hooks: DescentHooks,
     trials: int,
@@ -127,8 +127,8 @@ def sink(
     keep: bool = False,
     drift: HorizontalDrift | None = None,
     until: float = np.inf,
-) -> Stages:
-    """Carry anchor and vehicle from the separation to the vehicle's lowest point.
+) -> DescentStages:
+    """Simulate anchor and vehicle from the separation to the vehicle's lowest point.
 
     Parameters
     ----------
@@ -139,20 +139,20 @@ def sink(
     step : float
         [s].
     keep : bool
-        Whether the stages keep their histories.
+        Whether to keep the stages' histories.
     drift : HorizontalDrift, optional
-        Carries the anchor along.
+        Of the anchor.
     until : float
-        Time since the start of the free fall beyond which nothing is asked: stages are cut there [s].
+        Time since the start of the free fall at which stages are cut [s].
 
     Returns
     -------
-    Stages
+    DescentStages
     """
     rest = np.zeros(trials)
     line, bottom = (over_trials(value, trials) for value in (dive.line_length, dive.site_depth))
-    limit = STAGE_TIME + float(np.max(bottom, initial=0.0)) / SLOWEST_DESCENT
-    run = partial(fall, step=step, keep=keep)
+    limit = STAGE_TIME_MARGIN + float(np.max(bottom, initial=0.0)) / MIN_MEAN_SPEED
+    run = partial(integrate_stage, step=step, keep=keep)
     delay = np.maximum(over_trials(hooks.delay(line), trials), 0.0)
     stop = Stop(deepest=np.minimum(line, bottom))
     if drift is not None:
@@ -160,15 +160,15 @@ def sink(
     lone = run(LoneFall(dive, hooks), rest, rest, stop, time_limit=limit, on_step=drift.stage() if drift else None)
     if drift is not None:
         drift.advance(lone.time)
-    taut = lone.ended & (line < bottom)  # a longer line never draws the vehicle down
+    taut = lone.ended & (line < bottom)  # a longer line never pulls the vehicle down
     until -= float(np.min(lone.time))
-    # the snatch shares momentum over the ground: moving water takes the bodies' time constant to carry them
+    # the snatch conserves momentum over the ground: moving water needs the bodies' time constant to act on them
     snatched = dive.lone_mass * lone.speed / (dive.joint_mass * hooks.mass_factor)
-    shared = np.where(taut, snatched - hooks.water_velocity, 0.0)
+    joint_speed = np.where(taut, snatched - hooks.water_velocity, 0.0)
     pull_down = run(
         PullDown(dive, hooks, lone.time),
         rest,
-        shared,
+        joint_speed,
         Stop(deepest=np.where(taut, bottom - line, 0.0)),
         time_limit=min(limit, until),
         on_step=drift.stage(below=line) if drift else None,
@@ -178,10 +178,10 @@ def sink(
         FreeVehicle(dive, hooks, pull_down.time),
         pull_down.depth,
         pull_down.speed,
-        Stop(deepest=2.0 * bottom, at_rest=True),  # what nothing buoys up would sink without end
+        Stop(deepest=2.0 * bottom, at_rest=True),  # a vehicle without buoyancy would sink for ever
         time_limit=min(limit, until),
     )
-    return Stages(lone, pull_down, coast, delay)
+    return DescentStages(lone, pull_down, coast, delay)
 
 
 def descend(
@@ -195,7 +195,7 @@ def descend(
     surface_velocity: Array | float = 0.0,
     step: float = STEP,
 ) -> DescentRecord:
-    """Take a block of trials from the last fix to the vehicle's lowest point.
+    """Simulate a block of descents from the last fix to the vehicle's lowest point.
 
     Parameters
     ----------
@@ -204,13 +204,13 @@ def descend(
     release_time : array, shape (n,)
         From the last fix to the anchor's separation [s].
     current : Current
-        Carries each body with the layer that it is in.
+        Each body drifts with the layer that it is in.
     position : array, shape (2, n)
         At the last fix, east and north of the coordinates' origin [m].
     t_start : array, shape (n,)
         Time of the last fix since the mission's start [s].
     surface_velocity : array, shape (2, n), optional
-        HorizontalDrift at the surface beyond the current, while the anchor has not separated [m/s].
+        Drift at the surface beyond the current, until the anchor separates [m/s].
     step : float
         Of the integration [s].
 
@@ -222,7 +222,7 @@ def descend(
     trials = release_time.size
     drift = HorizontalDrift(current, position, t_start)
     drift.wait(release_time, np.zeros(trials), extra=surface_velocity)
-    stages = sink(dive, hooks, trials, step=step, drift=drift)
+    stages = descent_stages(dive, hooks, trials, step=step, drift=drift)
     down = stages.lone.ended & stages.pull_down.ended
     deepest = np.where(down, stages.coast.depth, stages.pull_down.depth)
     lowest = over_trials(dive.site_depth, trials) - deepest
@@ -238,7 +238,7 @@ def descend(
     )
 
 
-def _balance_speed(dive: Dive, hooks: DescentHooks, stages: Stages) -> Array:
+def _balance_speed(dive: Dive, hooks: DescentHooks, stages: DescentStages) -> Array:
     """Speed through the water at which the forces at touchdown balance, shape (n,) [m/s]."""
     ended = stages.pull_down
     forces = PullDown(dive, hooks, stages.lone.time)

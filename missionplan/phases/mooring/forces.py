@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from missionplan.physics.vehicle_drag import DragLaw
 
 @dataclass(frozen=True)
 class Dive:
-    """Bodies, line and depth of a descent; every number a float or an array over trials, shape (n,).
+    """Bodies, line and depth of a descent; each number is a float or an array over trials, shape (n,).
 
     Attributes
     ----------
@@ -61,20 +60,21 @@ class Dive:
 
 
 class DescentHooks:
-    """The hooks of several effects as one: factors multiply, lifts, velocities and delays add.
+    """The combined hooks of several effects: factors multiply, lifts, velocities and delays add.
 
-    Hooks that no effect refines are left out, so that they cost nothing at each step.
+    Hooks that no effect refines are skipped, so that they cost nothing at each step.
     """
 
     def __init__(self, effects: Iterable[DescentEffect] = ()) -> None:
         effects = tuple(effects)
 
-        def refined(name: str) -> list[Callable[..., Any]]:
+        def refined(name: str) -> list[Callable[..., Scalars]]:
             return [getattr(effect, name) for effect in effects if effect.refines(name)]
 
         self._lone_drag, self._drag = refined("lone_drag_factor"), refined("drag_factor")
         self._weight, self._lift, self._mass = refined("wet_weight_factor"), refined("lift"), refined("mass_factor")
-        self._water, self._delay, self._reading = refined("water_velocity"), refined("delay"), refined("reading")
+        self._water, self._delay = refined("water_velocity"), refined("delay")
+        self._reading = [effect.reading for effect in effects if effect.refines("reading")]
 
     @property
     def lone_drag_factor(self) -> Scalars:
@@ -104,11 +104,11 @@ class DescentHooks:
         return _total(hook(depth) for hook in self._lift)
 
     def delay(self, line_length: Scalars) -> Scalars:
-        """Time by which everything after the separation comes late [s]."""
+        """Delay of everything after the separation [s]."""
         return _total(hook(line_length) for hook in self._delay)
 
     def reading(self, t: Array, depth: Array) -> Array:
-        """Depth that the sensor reads, from the true depth on a uniform grid: the effects in their order [m]."""
+        """Depth that the sensor reads, from the true depth on a uniform grid; effects apply in their order [m]."""
         for hook in self._reading:
             depth = hook(t, depth)
         return depth
@@ -182,13 +182,13 @@ class FreeVehicle:
         return np.asarray(-(dive.net_buoyancy + hooks.lift(depth) + drag) / dive.free_mass)
 
 
-_LATE = 1e6
-"""Time [s] by which every effect that fades has faded."""
+_STEADY_TIME = 1e6
+"""Time by which every transient effect has decayed [s]."""
 
 
 @dataclass(frozen=True)
 class SteadyDescent:
-    """Both bodies sinking steadily: what Eqs. 14–15 balance, with the effects that last.
+    """Both bodies at a steady speed: the balance of Eqs. 14–15, with the effects that do not decay.
 
     Attributes
     ----------
@@ -209,11 +209,13 @@ class SteadyDescent:
 
     @classmethod
     def at(cls, speed: float, hooks: DescentHooks, site_depth: float) -> "SteadyDescent":
-        """Sink at a speed over the ground [m/s] to a depth [m]."""
+        """Descent at a speed over the ground [m/s] to a depth [m]."""
         through_water = speed - hooks.water_velocity
         depths = np.linspace(0.01, 0.99, 50, dtype=np.float64) * site_depth
         lift = float(np.mean(np.broadcast_to(hooks.lift(depths), depths.shape)))
-        return cls(through_water, hooks.drag_factor(_LATE, through_water), lift, hooks.wet_weight_factor(_LATE))
+        return cls(
+            through_water, hooks.drag_factor(_STEADY_TIME, through_water), lift, hooks.wet_weight_factor(_STEADY_TIME)
+        )
 
     def wet_weight(self, drag: Scalars) -> Scalars:
         """Wet weight of the anchor that balances the drag of both bodies without effects [N] (Eq. 15) [N]."""

@@ -1,8 +1,8 @@
 """Mooring: from the arrival fix down to the seafloor, the hold, the galvanic release, and up to the fix that follows.
 
-Briggs et al., sections II–III. The anchor separates some time after the last fix and takes the vehicle down; it hangs
-on its line above the anchor until the galvanic link has corroded, rises, and surfaces once for a fix. There is no
-second surfacing before the release.
+Briggs et al., sections II–III. The anchor separates some time after the last fix and pulls the vehicle down, which
+floats on its line above the anchor until the galvanic link has corroded, then rises and surfaces once for a fix. There
+is no other surfacing before the release.
 """
 
 from collections.abc import Iterable
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect, TransitEffect, surface_velocity
-from missionplan.phases.mooring.ascent import ascend
+from missionplan.phases.mooring.ascent import AscentRecord, ascend
 from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.state import TrialState
@@ -22,24 +22,24 @@ from missionplan.phases.state import TrialState
 
 @dataclass(frozen=True)
 class MoorPlan:
-    """What a mooring is told. Each number may be an array over trials, shape (n,).
+    """Parameters of one mooring. Each number may be an array over trials, shape (n,).
 
     Attributes
     ----------
     dive : Dive
         Bodies, line and depth.
     radius : float
-        R of Eq. 1: how far from the last fix the anchor may come down [m].
+        R of Eq. 1: greatest distance of the anchor from the last fix [m].
     release_time : float
         From the last fix until the anchor separates [s].
     hold, galvanic_release : float
-        From touchdown until the release is triggered, and from there until the line parts [s].
+        From touchdown until the release is triggered, and from then until the line parts [s].
     surfacing_time : float
         At the surface after the ascent, up to the fix [s].
     fix_error : float
         Standard deviation of that fix, each axis [m].
     hotel_power : float
-        Drawn all the time [W].
+        Drawn throughout [W].
     surfacing_energy : float
         For the one surfacing [J].
     """
@@ -57,26 +57,26 @@ class MoorPlan:
 
 @dataclass(frozen=True)
 class MoorRecord:
-    """What a mooring came to; arrays of shape (n,) unless said otherwise.
+    """Results of a mooring; arrays of shape (n,) unless stated otherwise.
 
     Attributes
     ----------
     descent : DescentRecord
     anchor : array, shape (2, n)
-        Where the anchor came down, east and north of the coordinates' origin; nan where it did not [m].
+        Position on the seafloor, east and north of the coordinates' origin; nan where it never touched down [m].
     offset : array, shape (2, n)
-        Of the anchor from the last fix: how far it drifted, and by how much that fix was wrong [m].
+        Of the anchor from the last fix, which holds its drift and the error of that fix [m].
     surfaced_at : array, shape (2, n)
-        Where the vehicle came up; nan where it did not [m].
+        Where the vehicle surfaced; nan where it did not [m].
     ascent_time : array
-        From the parting of the line to the surface; nan where it did not come up [s].
+        From the parting of the line to the surface; nan where the vehicle did not surface [s].
     duration : array
         From the arrival fix to the fix after the ascent; nan as above [s].
     energy : array
         nan as above [J].
     within_radius, struck, surfaced : array of bool
         Whether the anchor came down within the radius about the last fix, the vehicle struck the seafloor on the way
-        down, and came up again.
+        down, and the vehicle surfaced again.
     """
 
     descent: DescentRecord
@@ -107,8 +107,8 @@ def moor(
 ) -> tuple[TrialState, MoorRecord]:
     """Take a block of trials through a mooring.
 
-    A vehicle whose anchor came down outside the radius, or that struck the seafloor, is followed on: it is buoyant,
-    and its line parts all the same. A trial that never touched down, or never came up, ends here.
+    A vehicle whose anchor came down outside the radius, or that struck the seafloor, is simulated further: it is
+    buoyant, and its line parts in any case. A trial that never touched down, or never surfaced, ends here.
 
     Parameters
     ----------
@@ -118,19 +118,18 @@ def moor(
     fix_normals : array, shape (2, n)
         Standard normals of the fix after the ascent.
     current : Current
-        Carries anchor and vehicle with the layers that they are in.
+        Anchor and vehicle drift with the layers that they are in.
     effects : iterable of DescentEffect
     surface_effects : iterable of TransitEffect
-        Of these, only the drift at the surface acts here.
+        Only their drift at the surface acts here.
 
     Returns
     -------
     state, record : TrialState, MoorRecord
-        A trial that was not alive before keeps its state; what the record says of it has no meaning.
+        A trial that was not alive before keeps its state, and its record has no meaning.
     """
     effects, surface_effects = tuple(effects), tuple(surface_effects)
-    n = state.trials
-    release = over_trials(plan.release_time, n)
+    release = over_trials(plan.release_time, state.trials)
     descent = descend(
         plan.dive,
         effects=effects,
@@ -140,42 +139,50 @@ def moor(
         t_start=state.clock,
         surface_velocity=surface_velocity(surface_effects, state.clock, release, state.position),
     )
-    down = descent.touched_down
-    landed = state.position + descent.offset
+    down, landed = descent.touched_down, state.position + descent.offset
     moored = np.where(down, descent.descent_time, 0.0) + plan.hold + plan.galvanic_release
+    parted_at = state.clock + release + moored
     ascent = ascend(
         plan.dive,
         effects=effects,
         current=current,
         position=landed,
-        t_start=state.clock + release + moored,
+        t_start=parted_at,
         since_taut=moored - np.where(down, descent.payout_time, 0.0),
     )
-    surfaced = down & ascent.surfaced
     came_up = landed + ascent.drift
-    up_at = state.clock + release + moored + np.where(surfaced, ascent.ascent_time, 0.0)
-    time = over_trials(plan.surfacing_time, n)
+    up_at = parted_at + np.where(down & ascent.surfaced, ascent.ascent_time, 0.0)
+    time = over_trials(plan.surfacing_time, state.trials)
     carried = current.mean_velocity(up_at, time, 0.0, came_up, np.zeros((2, 1)))
     end = came_up + (carried + surface_velocity(surface_effects, up_at, time, came_up)) * time
-    duration = np.where(surfaced, up_at + time - state.clock, np.nan)
+    record = _record(plan, state, descent, ascent, up_at + time - state.clock)
+    return _after(state, record, end, end + plan.fix_error * fix_normals), record
+
+
+def _record(
+    plan: MoorPlan, state: TrialState, descent: DescentRecord, ascent: AscentRecord, duration: Array
+) -> MoorRecord:
+    """Record of a mooring, nan where a trial did not get so far; `duration` up to the fix after the ascent [s]."""
+    down, landed = descent.touched_down, state.position + descent.offset
+    surfaced = down & ascent.surfaced
     offset = np.where(down, landed - state.fix, np.nan)
-    record = MoorRecord(
+    time = np.where(surfaced, duration, np.nan)
+    return MoorRecord(
         descent=descent,
         anchor=np.where(down, landed, np.nan),
         offset=offset,
-        surfaced_at=np.where(surfaced, came_up, np.nan),
+        surfaced_at=np.where(surfaced, landed + ascent.drift, np.nan),
         ascent_time=np.where(down, ascent.ascent_time, np.nan),
-        duration=duration,
-        energy=duration * plan.hotel_power + plan.surfacing_energy,
+        duration=time,
+        energy=time * plan.hotel_power + plan.surfacing_energy,
         within_radius=np.hypot(offset[0], offset[1]) <= plan.radius,
         struck=descent.struck & down,
         surfaced=surfaced,
     )
-    return _after(state, record, end, end + plan.fix_error * fix_normals), record
 
 
 def _after(state: TrialState, record: MoorRecord, position: Array, fix: Array) -> TrialState:
-    """State after the mooring; a trial that ends here, or had ended before, stays where it was."""
+    """State after the mooring; a trial that ends here, or has ended before, stays where it was."""
     goes_on = state.alive & record.surfaced
     return TrialState(
         position=np.where(goes_on, position, state.position),

@@ -1,4 +1,4 @@
-"""One descent followed in time: depths, speed and tracks of both bodies, for figures and tables."""
+"""Time histories of one descent, for figures and tables: depths, speed and tracks of both bodies."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -9,12 +9,12 @@ from missionplan.arrays import Array
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import true_depth
-from missionplan.phases.mooring.descent import DescentRecord, Stages, descend, sink
+from missionplan.phases.mooring.descent import DescentRecord, DescentStages, descend, descent_stages
 from missionplan.phases.mooring.forces import DescentHooks, Dive
 from missionplan.phases.mooring.vertical_motion import STEP
 
-RISE_TIME = 120.0
-"""Longest that the rise to the line's length is followed [s]."""
+MAX_RISE_TIME = 120.0
+"""Longest time of the rise to the line's length that is simulated [s]."""
 
 
 @dataclass(frozen=True)
@@ -59,12 +59,12 @@ def descent_profile(
     t_start: float = 0.0,
     step: float = STEP,
 ) -> DescentProfile:
-    """Follow one descent until the vehicle hangs on its line.
+    """Simulate one descent until the vehicle floats at the line's length above the anchor.
 
     Parameters
     ----------
     dive : Dive
-        Of floats.
+        With floats for parameters.
     effects : iterable of DescentEffect
     release_time : float
         From the last fix to the separation [s].
@@ -88,22 +88,22 @@ def descent_profile(
         t_start=np.array([t_start]),
         step=step,
     )
-    stages = sink(dive, hooks, 1, step=step, keep=True)
-    marks = _marks(stages, release_time)
+    stages = descent_stages(dive, hooks, 1, step=step, keep=True)
+    events = _event_times(stages, release_time)
     since, vehicle = _vehicle_depth(dive, hooks, stages, step)
     line = float(np.asarray(dive.line_length))
     falling = stages.lone.depth_at(since)
     anchor = np.where(since < stages.lone.time, falling, np.minimum(vehicle + line, stages.pull_down.depth + line))
     down = float(stages.lone.time[0] + stages.pull_down.time[0])
     anchor = np.where(since > down, stages.pull_down.depth + line, anchor)
-    waiting = np.arange(0.0, marks["free fall"], step)
-    time = np.concatenate((waiting, marks["free fall"] + since[:, 0]))
+    waiting = np.arange(0.0, events["free fall"], step)
+    time = np.concatenate((waiting, events["free fall"] + since[:, 0]))
     depths = [np.concatenate((np.zeros(waiting.size), depth[:, 0])) for depth in (vehicle, anchor)]
-    tracks = [_track(current, place, t_start, time, depth, marks["touchdown"]) for depth in depths]
-    return DescentProfile(record, time, depths[0], depths[1], tracks[0], tracks[1], marks)
+    tracks = [_track(current, place, t_start, time, depth, events["touchdown"]) for depth in depths]
+    return DescentProfile(record, time, depths[0], depths[1], tracks[0], tracks[1], events)
 
 
-def _marks(stages: Stages, release_time: float) -> dict[str, float]:
+def _event_times(stages: DescentStages, release_time: float) -> dict[str, float]:
     lengths = {
         "free fall": stages.delay,
         "pull-down": stages.lone.time,
@@ -114,10 +114,10 @@ def _marks(stages: Stages, release_time: float) -> dict[str, float]:
     return {"separation": release_time, **{name: float(t) for name, t in zip(lengths, at, strict=True)}}
 
 
-def _vehicle_depth(dive: Dive, hooks: DescentHooks, stages: Stages, step: float) -> tuple[Array, Array]:
-    """Times since the start of the free fall [s] and the vehicle's depth [m], until it hangs on its line."""
+def _vehicle_depth(dive: Dive, hooks: DescentHooks, stages: DescentStages, step: float) -> tuple[Array, Array]:
+    """Times since the start of the free fall [s] and the vehicle's depth [m], until its line is taut again."""
     turned = float(stages.lone.time[0] + stages.pull_down.time[0] + stages.coast.time[0])
-    grid = np.arange(0.0, turned + RISE_TIME, step)[:, None]
+    grid = np.arange(0.0, turned + MAX_RISE_TIME, step)[:, None]
     depth = true_depth(dive, hooks, stages, grid, step=step)
     moving = np.flatnonzero(np.abs(np.diff(depth[:, 0])) > 1e-9)
     end = min(int(moving[-1]) + 2 + round(2.0 / step), len(grid)) if moving.size else len(grid)

@@ -1,4 +1,4 @@
-"""An effect on some of the trials of a descent, for calls in which each trial has causes of its own."""
+"""An effect on a subset of the trials of a descent, for calls in which trials have different effects."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,16 +12,16 @@ from missionplan.phases.hooks import DescentEffect
 
 @dataclass(frozen=True)
 class SubsetEffect(DescentEffect):
-    """An effect that some of the trials feel; to the others it is neutral, and they cost nothing.
+    """An effect on a subset of the trials; it is neutral to the others and not computed for them.
 
     Attributes
     ----------
     effect : DescentEffect
-        Its parameters are floats or arrays over the trials that feel it.
+        Its parameters are floats or arrays over the subset, shape (m,).
     trials : array of int, shape (m,)
-        Which they are.
+        Indices of the subset.
     count : int
-        Number of all trials, n.
+        Number n of all trials.
     """
 
     effect: DescentEffect
@@ -38,15 +38,15 @@ class SubsetEffect(DescentEffect):
 
     def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
         """Factor on both bodies' drag."""
-        return self._factors(self.effect.drag_factor(self._own(since_taut), self._own(speed)))
+        return self._factors(self.effect.drag_factor(self._subset(since_taut), self._subset(speed)))
 
     def wet_weight_factor(self, since_separation: Scalars) -> Scalars:
         """Factor on the anchor's wet weight."""
-        return self._factors(self.effect.wet_weight_factor(self._own(since_separation)))
+        return self._factors(self.effect.wet_weight_factor(self._subset(since_separation)))
 
     def lift(self, depth: Scalars) -> Scalars:
         """Upward force on the vehicle [N]."""
-        return self._terms(self.effect.lift(self._own(depth)))
+        return self._terms(self.effect.lift(self._subset(depth)))
 
     def mass_factor(self) -> Scalars:
         """Factor on the joint mass."""
@@ -57,8 +57,8 @@ class SubsetEffect(DescentEffect):
         return self._terms(self.effect.water_velocity())
 
     def delay(self, line_length: Scalars) -> Scalars:
-        """Time by which everything comes late [s]."""
-        return self._terms(self.effect.delay(self._own(line_length)))
+        """Delay of everything after the separation [s]."""
+        return self._terms(self.effect.delay(self._subset(line_length)))
 
     def reading(self, t: Array, depth: Array) -> Array:
         """Depth that the sensor reads [m]."""
@@ -66,8 +66,8 @@ class SubsetEffect(DescentEffect):
         result[:, self.trials] = self.effect.reading(t, depth[:, self.trials])
         return result
 
-    def _own(self, value: Scalars) -> Scalars:
-        """What the trials that feel the effect have of an argument."""
+    def _subset(self, value: Scalars) -> Scalars:
+        """Values of an argument for the subset."""
         return value.take(self.trials, axis=-1) if isinstance(value, np.ndarray) else value
 
     @cached_property
@@ -75,13 +75,13 @@ class SubsetEffect(DescentEffect):
         return np.ones(self.count)
 
     def _factors(self, value: Scalars) -> Array:
-        """Factors on all trials, 1 on those that do not feel the effect."""
-        result = self._ones.copy()  # a third of the time of a new one
+        """Factors of all trials, 1 outside the subset."""
+        result = self._ones.copy()  # three times as fast as a new array of ones
         result[self.trials] = value
         return result
 
     def _terms(self, value: Scalars) -> Array:
-        """Terms of all trials, 0 for those that do not feel the effect."""
+        """Terms of all trials, 0 outside the subset."""
         result = np.zeros(self.count)
         result[self.trials] = value
         return result

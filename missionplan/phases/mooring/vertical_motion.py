@@ -1,6 +1,6 @@
-"""Bodies that sink or rise along the vertical: fixed-step RK4 over trials, with the end of a stage interpolated.
+"""Vertical motion of sinking and rising bodies: fixed-step RK4 over trials, with the end of a stage interpolated.
 
-A stage runs on its own clock, which starts for each trial when its last stage ended; so the steps of all trials
+A stage runs on its own clock, which starts for each trial when its last stage ended, so that the steps of all trials
 coincide though their events do not.
 """
 
@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars, row_and_next
 
 STEP = 0.1
-"""Default step [s], a twenty-fifth of the prototype's time constant."""
+"""Default step, a twenty-fifth of the prototype's time constant [s]."""
 
-OnStep = Callable[[Scalars, Array, Array], None]
-"""Told of each step: its start on the stage's clock [s], the time each trial spent in it [s], its mean depth [m]."""
+StepCallback = Callable[[Scalars, Array, Array], None]
+"""Called at each step with its start on the stage's clock [s], each trial's time in it [s], and mean depth [m]."""
 
 
 class Forces(Protocol):
-    """What moves a body along the vertical; trials are the last axis."""
+    """Vertical acceleration of a body; trials are the last axis."""
 
     @property
     def water_velocity(self) -> Scalars:
@@ -36,21 +36,21 @@ class Forces(Protocol):
 
 @dataclass(frozen=True)
 class Stop:
-    """Where a stage ends: at a depth reached from above or below, shape (n,) [m], or when the body stops sinking."""
+    """End of a stage: a depth reached from above or below, shape (n,) [m], or the moment the body stops sinking."""
 
     deepest: Scalars = np.inf
     shallowest: Scalars = -np.inf
     at_rest: bool = False
 
     def left(self, depth: Array, rate: Array) -> Array:
-        """Return what falls to 0 when a trial's stage ends, from depth [m] and its rate [m/s]."""
+        """Event function: reaches 0 when a trial's stage ends, from depth [m] and its rate [m/s]."""
         left = np.minimum(self.deepest - depth, depth - self.shallowest)
         return np.minimum(left, rate) if self.at_rest else left
 
 
 @dataclass(frozen=True)
-class Fall:
-    """A stage of a descent.
+class Stage:
+    """A stage of a descent or ascent, integrated.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Fall:
     rates: Array
 
     def depth_at(self, t: Array) -> Array:
-        """Depth at times of the stage's clock, shape (k, n) [s], held at the stage's ends; needs a kept stage [m]."""
+        """Depth at times of the stage's clock, shape (k, n) [s], constant beyond its ends [m]; needs a kept history."""
         if len(self.depths) < 2:
             return np.broadcast_to(self.depth, t.shape)
         inside = np.clip(t, 0.0, self.time) / self.step
@@ -82,7 +82,7 @@ class Fall:
         return _hermite(inside - index, z0, self.step * r0, z1, self.step * r1)
 
 
-def fall(
+def integrate_stage(
     forces: Forces,
     depth: Array,
     speed: Array,
@@ -91,9 +91,9 @@ def fall(
     time_limit: float,
     step: float = STEP,
     keep: bool = False,
-    on_step: OnStep | None = None,
-) -> Fall:
-    """Carry bodies through one stage.
+    on_step: StepCallback | None = None,
+) -> Stage:
+    """Integrate the motion of bodies through one stage.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def fall(
     depth, speed : array, shape (n,)
         At the start: depth [m] and downward speed through the water [m/s].
     stop : Stop
-        Where the stage ends.
+        End of the stage.
     time_limit : float
         A stage that has not ended by then is cut [s].
     step : float
@@ -109,16 +109,16 @@ def fall(
     keep : bool
         Whether to keep depths and rates on the grid.
     on_step : callable, optional
-        For what goes on beside the fall, such as drifting.
+        For what happens during the stage, such as horizontal drift.
 
     Returns
     -------
-    Fall
+    Stage
     """
     water = forces.water_velocity
     z, u, a = depth, speed, forces.acceleration(0.0, depth, speed)
-    ends = _Ends(np.stack((z, u, a)), stop.left(z, u + water) > 0.0)
-    floats = bool(np.all(np.isneginf(stop.shallowest)))
+    ends = _StageEnds(np.stack((z, u, a)), stop.left(z, u + water) > 0.0)
+    stays_at_surface = bool(np.all(np.isneginf(stop.shallowest)))
     grid = [(z, u + water)]
     t = 0.0
     for k in range(max(1, math.ceil(time_limit / step))):
@@ -126,27 +126,27 @@ def fall(
             break
         t = k * step
         z1, u1 = _rk4(forces, t, (z, u, a), water, step)
-        if floats and (z1 < 0.0).any():  # nothing rises out of the water
+        if stays_at_surface and (z1 < 0.0).any():  # a body does not rise out of the water
             u1 = np.where(z1 < 0.0, np.maximum(u1, -water), u1)
             z1 = np.maximum(z1, 0.0)
         a1 = forces.acceleration(t + step, z1, u1)
-        ends.note(stop.left(z1, u1 + water) <= 0.0, t, (z, u, a), (z1, u1, a1))
+        ends.record(stop.left(z1, u1 + water) <= 0.0, t, (z, u, a), (z1, u1, a1))
         if on_step is not None:
             on_step(t, np.where(ends.under_way, step, 0.0), 0.5 * (z + z1))
         z, u, a = z1, u1, a1
         if keep:
             grid.append((z, u + water))
     ended = ~ends.under_way
-    ends.note(ends.under_way, t + step, (z, u, a), (z, u, a))
+    ends.record(ends.under_way, t + step, (z, u, a), (z, u, a))
     share = np.where(ended, ends.share(stop, water, step), 0.0)
     z0, z, u = ends.before[0], *ends.at(share, water, step)
     if on_step is not None:
         on_step(ends.start, share * step, 0.5 * (z0 + z))
     depths, rates = (np.stack(values) if keep else np.empty((0, z.size)) for values in zip(*grid, strict=True))
-    return Fall(step, ends.start + share * step, z, u, ended, depths, rates)
+    return Stage(step, ends.start + share * step, z, u, ended, depths, rates)
 
 
-class _Ends:
+class _StageEnds:
     """The step in which each trial's stage ends: depth, speed and acceleration before and after, shape (3, n)."""
 
     def __init__(self, state: Array, under_way: NDArray[np.bool_]) -> None:
@@ -154,8 +154,8 @@ class _Ends:
         self.before, self.after = state.copy(), state.copy()
         self.start = np.zeros(state.shape[1])
 
-    def note(self, over: NDArray[np.bool_], t: float, before: tuple[Array, ...], after: tuple[Array, ...]) -> None:
-        """Remember the step of the trials under way whose stage is over."""
+    def record(self, over: NDArray[np.bool_], t: float, before: tuple[Array, ...], after: tuple[Array, ...]) -> None:
+        """Record the step of the trials under way whose stage is over."""
         new = over & self.under_way
         if new.any():
             np.copyto(self.start, t, where=new)

@@ -1,8 +1,8 @@
-"""What the vehicle does about its drift: where it aims instead of straight at the nominal end of the leg.
+"""Drift compensation: where the vehicle aims instead of straight at the nominal end of a leg.
 
-Each way is a small class: `offset` says by how much to aim off, `update` takes in what the fixes of a leg have shown.
-What is learnt travels beside it as a tuple of arrays with trials last, so that the transit can drop trials that have
-arrived. Briggs et al., Eqs. 21–23 do not converge as printed: see `AsPrinted`.
+Each method is a small class: `offset` returns how far to aim off, `update` takes in what the fixes of a leg have shown.
+What the vehicle has learnt is kept outside the class, as a tuple of arrays with trials last, so that the transit can
+drop trials that have arrived. Briggs et al., Eqs. 21–23 do not converge as printed: see `AsPrinted`.
 """
 
 from abc import ABC, abstractmethod
@@ -19,7 +19,7 @@ Memory = tuple[Array, ...]
 
 @dataclass(frozen=True)
 class PlannedLeg:
-    """What the vehicle knows before it dives.
+    """The coming leg, as the vehicle knows it before it dives.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class PlannedLeg:
     nominal : array, shape (2, n)
         Nominal leg ℓ′ (Eq. 20) [m].
     duration : array, shape (n,)
-        Its planned time ‖ℓ′‖/U [s].
+        Planned time ‖ℓ′‖/U [s].
     goal : array, shape (2, 1) or (2, n)
         Target [m].
     radius : float or array, shape (n,)
@@ -47,7 +47,7 @@ class PlannedLeg:
 
 @dataclass(frozen=True)
 class CompletedLeg:
-    """What the fixes at the end of a leg have shown.
+    """The leg just ended, as its fixes have shown it.
 
     Attributes
     ----------
@@ -75,27 +75,27 @@ class CompletedLeg:
 
 
 class Compensation(ABC):
-    """A way of aiming off."""
+    """A method of aiming off for the drift that is expected."""
 
     def begin(self, trials: int) -> Memory:
-        """Give the memory before the first leg."""
+        """Return the memory before the first leg."""
         return ()
 
     @abstractmethod
     def offset(self, memory: Memory, leg: PlannedLeg) -> Array:
-        """Displacement to be aimed off: what is expected over the coming leg and its surfacing, shape (2, n) [m]."""
+        """Displacement expected over the coming leg and its surfacing, to be aimed off, shape (2, n) [m]."""
 
     def undershoot(self, memory: Memory, leg: PlannedLeg) -> Array:
-        """By how much of that the leg is to end short of its nominal end, on purpose: shape (2, 1) or (2, n) [m]."""
+        """Part of the offset by which the leg is meant to end short of its nominal end: shape (2, 1) or (2, n) [m]."""
         return np.zeros((2, 1))
 
     def update(self, memory: Memory, leg: CompletedLeg) -> Memory:
-        """Take in what the fixes of a leg have shown."""
+        """Return the memory after a leg."""
         return memory
 
 
 class LastLeg(Compensation):
-    """Expect the velocity error and the surface drift of the last leg again."""
+    """Expect the velocity error and the surface drift of the last leg to recur."""
 
     @override
     def begin(self, trials: int) -> Memory:
@@ -121,9 +121,9 @@ class RunningMean(Compensation):
     Attributes
     ----------
     covariance : array, shape (2, 2)
-        Σ_v that the vehicle reckons with [m²/s²].
+        Σ_v that the vehicle assumes [m²/s²].
     fix_error : float
-        σ_fix that it reckons with, each axis [m].
+        σ_fix that it assumes, each axis [m].
     """
 
     covariance: Array
@@ -148,10 +148,10 @@ class RunningMean(Compensation):
         moved = leg.duration > 0.0
         seconds = np.where(moved, leg.duration, 1.0)
         variance = variances[:, None] + 2.0 * self.fix_error**2 / seconds**2
-        gained = np.where(moved, 1.0 / np.where(variance > 0.0, variance, 1.0), 0.0)
+        new_weight = np.where(moved, 1.0 / np.where(variance > 0.0, variance, 1.0), 0.0)
         return (
-            weighted + gained * _rotated(axes.T, leg.velocity_error),
-            weight + gained,
+            weighted + new_weight * _rotated(axes.T, leg.velocity_error),
+            weight + new_weight,
             drift + leg.surface_drift,
             legs + 1.0,
         )
@@ -159,12 +159,12 @@ class RunningMean(Compensation):
 
 @dataclass(frozen=True)
 class Forecast(Compensation):
-    """Expect what the models of current and velocity error have as their means, never what a trial has drawn.
+    """Expect the means of current and velocity error by their models, never what a trial has drawn.
 
     Attributes
     ----------
     current : Current or None
-        The site's current at its means; None where there is none.
+        The site's current at its mean parameters; None for still water.
     mean_error : array, shape (2,)
         v̄ of Eq. 24 [m/s].
     depth : float
@@ -193,7 +193,7 @@ class Forecast(Compensation):
         )
 
     def at_surface(self, t: Array, position: Array) -> Array:
-        """Displacement expected while the vehicle is up, shape (2, 1) or (2, n) [m]."""
+        """Displacement expected while the vehicle is at the surface, shape (2, 1) or (2, n) [m]."""
         if self.current is None:
             return np.zeros((2, 1))
         still = np.zeros((2, 1))
@@ -203,7 +203,7 @@ class Forecast(Compensation):
 class AsPrinted(Compensation):
     """Eq. 21 to the letter: subtract how far the last leg ended from its *nominal* destination x′.
 
-    As that miss contains the last correction, full and no compensation alternate: a run homes in or wanders for ever.
+    As that miss contains the last correction, full and no compensation alternate: a run may converge or never arrive.
     """
 
     @override
@@ -220,23 +220,23 @@ class AsPrinted(Compensation):
 
 
 def compensation_named(name: str, forecast: Forecast, covariance: Array, fix_error: Scalars) -> Compensation | None:
-    """Give the compensation that a mission names; None for ``none``.
+    """Return the compensation that a mission names; None for ``none``.
 
     Raises
     ------
     ValueError
-        When the name is not known.
+        When the name is unknown.
     """
-    ways: dict[str, Compensation | None] = {
+    methods: dict[str, Compensation | None] = {
         "none": None,
         "last-leg": LastLeg(),
         "mean": RunningMean(covariance, float(np.mean(fix_error))),
         "forecast": forecast,
         "as-printed": AsPrinted(),
     }
-    if name not in ways:
-        raise ValueError(f"no drift compensation is named {name!r}; there are {', '.join(ways)}")
-    return ways[name]
+    if name not in methods:
+        raise ValueError(f"no drift compensation is named {name!r}; there are {', '.join(methods)}")
+    return methods[name]
 
 
 def _rotated(matrix: Array, vectors: Array) -> Array:

@@ -1,6 +1,4 @@
-"""What moves the vehicle beside its own propulsion: the velocity error of a leg, the site's current, effects."""
-
-from typing import Any
+"""Velocity over the ground beyond the vehicle's own propulsion: velocity error of a leg, site's current, effects."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +9,15 @@ from missionplan.phases.transit.plan import Environment, Normals, TransitNormals
 
 
 class GroundVelocity:
-    """Velocities over the ground that a leg and a surfacing add, with the memory of effects that persist."""
+    """Velocities over the ground during legs and surfacings, with the memory of effects that persist."""
 
     def __init__(self, plan: TransitPlan, environment: Environment, normals: TransitNormals) -> None:
-        self._plan, self._surroundings, self._normals = plan, environment, normals
-        self._memory: list[Any] = [None] * len(environment.effects)
+        self._plan, self._environment, self._normals = plan, environment, normals
+        self._memory: list[Array | None] = [None] * len(environment.effects)
         self._mid_leg: Array | None = None
 
     def of_leg(self, number: int, normals: Array, t: Array, duration: Array, start: Array, through: Array) -> Array:
-        """Mean velocity over a leg that the vehicle does not make itself (Eq. 24, with the site's current).
+        """Mean velocity over a leg beyond the vehicle's own (Eq. 24, with the site's current).
 
         Parameters
         ----------
@@ -37,7 +35,7 @@ class GroundVelocity:
         array, shape (2, n)
             [m/s]
         """
-        plan, current, effects = self._plan, self._surroundings.current, self._surroundings.effects
+        plan, current, effects = self._plan, self._environment.current, self._environment.effects
         velocity = random_part(plan.velocity_error, normals)
         length = np.hypot(*through)
         leg = Leg(t, duration, start, through / np.where(length > 0.0, length, 1.0), plan.speed, plan.latitude)
@@ -57,33 +55,33 @@ class GroundVelocity:
         return velocity
 
     def at_surface(self, t: Array, position: Array) -> Array | float:
-        """Mean velocity with the surface layer while the vehicle is up, shape (2, n); 0 in still water [m/s]."""
-        current, time = self._surroundings.current, self._plan.surfacing_time
+        """Mean velocity of the drift while the vehicle is at the surface, shape (2, n); 0 in still water [m/s]."""
+        current, time = self._environment.current, self._plan.surfacing_time
         velocity: Array | float = 0.0
         if current is not None:
             velocity = current.mean_velocity(t, time, 0.0, position, np.zeros((2, 1)))
         lasting = np.broadcast_to(np.asarray(time, dtype=float), t.shape)
-        for effect in self._surroundings.effects:
+        for effect in self._environment.effects:
             velocity = velocity + effect.surface_velocity(t, lasting, position)
         return velocity
 
     def fix_sd(self) -> Scalars:
         """Standard deviation of a fix, each axis, effects included [m]."""
         variance: Scalars = np.square(self._plan.fix_error)
-        for effect in self._surroundings.effects:
+        for effect in self._environment.effects:
             variance = variance + effect.fix_variance()
         sd: Scalars = np.sqrt(variance)
         return sd
 
     def take(self, plan: TransitPlan, trials: NDArray[np.intp]) -> "GroundVelocity":
-        """Go on with some of the trials; for surroundings without effects."""
-        current = self._surroundings.current
-        fewer = Environment(current.take(trials) if current else None, self._surroundings.compensation)
+        """Select trials; for an environment without effects."""
+        current = self._environment.current
+        fewer = Environment(current.take(trials) if current else None, self._environment.compensation)
         return GroundVelocity(plan, fewer, self._normals)
 
 
 def random_part(error: VelocityError, normals: Array) -> Array:
-    """Velocity error about its mean, R z, from standard normals z, shape (2, n) [m/s]."""
+    """Deviation of the velocity error from its mean, R z, from standard normals z, shape (2, n) [m/s]."""
     root = error.root
     if error.is_isotropic:
         isotropic: Array = root[0, 0] * normals
@@ -92,6 +90,6 @@ def random_part(error: VelocityError, normals: Array) -> Array:
 
 
 def leg_normals(source: Normals, number: int, trials: NDArray[np.intp] | int) -> Array:
-    """Take a leg's normals of some trials of the block, or of the first ones."""
+    """Standard normals of a leg for trials of the block by their indices, or for the first of them by their number."""
     whole = source.leg(number)
     return whole[:, :trials] if isinstance(trials, int) else whole.take(trials, axis=1)

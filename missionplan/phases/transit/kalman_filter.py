@@ -1,9 +1,9 @@
-"""A Kalman filter over what carries the vehicle, fed by the fixes of each leg: `drift_compensation: filter`.
+"""A Kalman filter of the drift, updated by the fixes of each leg: `drift_compensation: filter`.
 
-The drift that the forecast does not hold is a linear model: a steady velocity (that may walk), a displacement each time
-at the surface, a velocity that persists for a while (Ornstein–Uhlenbeck), and oscillations of known frequencies. Its
-prior is the mission's own uncertainty. With the model true and everything normal, the estimate is that of least
-mean square; what the mission does not call uncertain, the filter takes as known. Kalman 1960, J. Basic Eng. 82, 35–45.
+The drift beyond the forecast is a linear model: a steady velocity (that may walk randomly), a displacement at each
+surfacing, a persistent velocity (Ornstein–Uhlenbeck), and oscillations of known frequencies. Its prior is the mission's
+own uncertainty. With the model true and everything normal, the estimate is that of least mean square; what the mission
+does not call uncertain is taken as known. Kalman 1960, J. Basic Eng. 82, 35–45.
 
 The measurements are those of `compensation`: a leg's velocity error, of variance σ_v² + 2σ_fix²/T², and the drift
 between the fixes on surfacing and on diving, of variance 2σ_fix². Both hold the error of the fix on surfacing; half the
@@ -21,14 +21,14 @@ from missionplan.arrays import Array, Scalars
 from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Forecast, Memory, PlannedLeg
 
 STEADY, SURFACE, PERSISTENT, WAVES = 0, 2, 4, 6
-"""Where each part of the state begins: two components each, and four for each frequency of a tide."""
-RETREAT, LEFT_OVER = 2.0, 0.2724
-"""Standard deviations that a leg that will miss stops short by, and the mean of a Rice(2, 1) distance less that."""
+"""First index of each part of the state: two components each, and four for each tidal frequency."""
+MISS_UNDERSHOOT, MISS_REMAINDER = 2.0, 0.2724
+"""How far short a leg that will miss is aimed, in standard deviations m, and what is then left, E[Rice(m, 1)] − m."""
 
 
 @dataclass(frozen=True)
 class DriftModel:
-    """What the filter takes the drift beyond the forecast to be.
+    """Linear model of the drift beyond the forecast.
 
     The state holds, east before north: the steady velocity [m/s], the displacement of one surfacing [m], the persistent
     velocity [m/s]; for each frequency of `tides` the coefficients of cos ωt and sin ωt toward east, then toward
@@ -49,7 +49,7 @@ class DriftModel:
     walk : float
         Growth of the steady velocity's deviation [m/s^1.5].
     covariance : array, shape (2, 2)
-        Σ_v, of what is drawn anew each leg [m²/s²].
+        Σ_v, of the velocity error drawn anew for each leg [m²/s²].
     fix_error : float
         σ_fix, each axis [m].
     """
@@ -70,7 +70,7 @@ class DriftModel:
         return np.stack([damping * np.cos(angle), damping * np.sin(angle)], axis=1)
 
     def under_way(self, t: Array, duration: Array) -> Array:
-        """Matrix that gives a leg's mean velocity from the state, shape (2, k, n)."""
+        """Measurement matrix: a leg's mean velocity from the state, shape (2, k, n)."""
         matrix = np.zeros((2, len(self.mean), t.size))
         for axis in (0, 1):
             matrix[axis, [STEADY + axis, PERSISTENT + axis]] = 1.0
@@ -88,7 +88,7 @@ class DriftModel:
 
 @dataclass(frozen=True)
 class DriftFilter(Compensation):
-    """Expect what the filter makes of the fixes so far, beyond the forecast.
+    """Expect the forecast and the filter's estimate beyond it.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class DriftFilter(Compensation):
 
     @override
     def begin(self, trials: int) -> Memory:
-        """Give state (k, n), covariance (k, k, n), and the time of the last leg's middle (n,), negative without one."""
+        """Return state (k, n), covariance (k, k, n) and time of the last leg's middle (n,), negative at first."""
         state = np.repeat(self.model.mean[:, None], trials, axis=1)
         return state, np.repeat(self.model.prior[:, :, None], trials, axis=2), np.full(trials, -1.0)
 
@@ -114,7 +114,7 @@ class DriftFilter(Compensation):
     def expected(self, memory: Memory, leg: PlannedLeg) -> tuple[Array, Array]:
         """Mean velocity expected over the coming leg [m/s] and displacement at the surface [m], shape (2, n) each."""
         state, _, last = memory
-        state = state * self._kept(last, leg.t + 0.5 * leg.duration)
+        state = state * self._transition(last, leg.t + 0.5 * leg.duration)
         velocity = np.einsum("akn,kn->an", self.model.under_way(leg.t, leg.duration), state)
         surface = self.forecast.at_surface(leg.t + leg.duration, leg.fix + leg.nominal) + state[SURFACE : SURFACE + 2]
         return velocity + self.forecast.under_way(leg.t, leg.duration, leg.fix, leg.nominal), surface
@@ -123,40 +123,40 @@ class DriftFilter(Compensation):
         """Standard deviation of where the coming leg ends by its fix, along and across it, shape (n,) each [m]."""
         model, (_, covariance, last) = self.model, memory
         middle = leg.t + 0.5 * leg.duration
-        kept = self._kept(last, middle)
+        kept = self._transition(last, middle)
         rows = model.under_way(leg.t, leg.duration) * leg.duration
         for axis in (0, 1):
             rows[axis, SURFACE + axis] += 1.0
         course = leg.nominal / np.maximum(np.hypot(*leg.nominal), 1e-300)
         across = np.stack((-course[1], course[0]))
-        added, found = np.einsum("iin->in", self._added(last, middle)), []
-        for way in (course, across):
-            row = way[0] * rows[0] + way[1] * rows[1]
+        added, deviations = np.einsum("iin->in", self._process_noise(last, middle)), []
+        for direction in (course, across):
+            row = direction[0] * rows[0] + direction[1] * rows[1]
             carried = row * kept
             variance = np.einsum("in,in->n", np.einsum("ijn,jn->in", covariance, carried), carried)
             variance += np.einsum("in,in->n", added, row**2)
-            drawn = np.einsum("an,an->n", np.einsum("ab,bn->an", model.covariance, way), way)
-            found.append(np.sqrt(variance + drawn * leg.duration**2 + 2.0 * model.fix_error**2))
-        return found[0], found[1]
+            drawn = np.einsum("an,an->n", np.einsum("ab,bn->an", model.covariance, direction), direction)
+            deviations.append(np.sqrt(variance + drawn * leg.duration**2 + 2.0 * model.fix_error**2))
+        return deviations[0], deviations[1]
 
     @override
     def undershoot(self, memory: Memory, leg: PlannedLeg) -> Array:
-        """How far short of the target it pays to end, beyond what the plan stops short by itself."""
+        """How far short of the target it pays to end, beyond the shortfall of the plan itself."""
         along, across = self.spread(memory, leg)
-        price = _speed(leg) * self.forecast.surfacing_time
+        surfacing_cost = _speed(leg) * self.forecast.surfacing_time
         planned = np.hypot(*(leg.goal - leg.fix - leg.nominal))
-        more = np.maximum(stop_short(leg.radius, along, across, price) - planned, 0.0)
+        more = np.maximum(stop_short(leg.radius, along, across, surfacing_cost) - planned, 0.0)
         length = np.hypot(*leg.nominal)
-        more = np.minimum(more, 0.5 * length)  # where the error is about as large as the leg, half of it is run
-        kept: Array = leg.nominal * (more / np.where(length > 0.0, length, 1.0))
-        return kept
+        more = np.minimum(more, 0.5 * length)  # at least half of the leg is run, however large the error
+        short: Array = leg.nominal * (more / np.where(length > 0.0, length, 1.0))
+        return short
 
     @override
     def update(self, memory: Memory, leg: CompletedLeg) -> Memory:
         model, (state, covariance, last) = self.model, memory
         moved = leg.duration > 0.0
         seconds, middle = np.where(moved, leg.duration, 1.0), leg.t + 0.5 * leg.duration
-        kept, added = self._kept(last, middle), self._added(last, middle)
+        kept, added = self._transition(last, middle), self._process_noise(last, middle)
         state, covariance = state * kept, covariance * kept * kept[:, None] + added
         drift = leg.surface_drift - self.forecast.at_surface(leg.t + leg.duration, leg.start + leg.through)
         share = 0.5 / seconds if model.fix_error > 0.0 else np.zeros_like(seconds)
@@ -169,23 +169,23 @@ class DriftFilter(Compensation):
         variances, axes = np.linalg.eigh(model.covariance)
         for index in (0, 1):
             row = axes[0, index] * rows[0] + axes[1, index] * rows[1]
-            seen = axes[0, index] * velocity[0] + axes[1, index] * velocity[1]
+            measured = axes[0, index] * velocity[0] + axes[1, index] * velocity[1]
             noise = max(float(variances[index]), 0.0) + 1.5 * model.fix_error**2 / seconds**2
-            state, covariance = _updated(state, covariance, row, seen, noise, moved)
+            state, covariance = _measurement_update(state, covariance, row, measured, noise, moved)
         for axis in (0, 1):
             noise = np.full_like(seconds, 2.0 * model.fix_error**2)
-            state, covariance = _updated(state, covariance, surface[axis], drift[axis], noise, moved)
+            state, covariance = _measurement_update(state, covariance, surface[axis], drift[axis], noise, moved)
         return state, covariance, np.where(moved, middle, last)
 
-    def _kept(self, last: Array, now: Array) -> Array:
-        """Share of each state that is left at the middle of the next leg, shape (k, n)."""
+    def _transition(self, last: Array, now: Array) -> Array:
+        """Diagonal of the transition matrix from the middle of the last leg to that of the next, shape (k, n)."""
         kept = np.ones((len(self.model.mean), now.size))
         elapsed = np.where(last >= 0.0, now - last, 0.0)
         kept[PERSISTENT : PERSISTENT + 2] = np.exp(-elapsed / self.model.persistence)
         return kept
 
-    def _added(self, last: Array, now: Array) -> Array:
-        """Covariance that the time between two legs adds, shape (k, k, n)."""
+    def _process_noise(self, last: Array, now: Array) -> Array:
+        """Covariance of the process noise between the middles of two legs, shape (k, k, n)."""
         added = np.zeros((*self.model.prior.shape, now.size))
         elapsed = np.where(last >= 0.0, now - last, 0.0)
         gone = -np.expm1(-2.0 * elapsed / self.model.persistence)
@@ -202,16 +202,16 @@ def _speed(leg: PlannedLeg) -> Array:
 
 
 def time_over_ground(wanted: Array, velocity: Array, speed: Array, otherwise: Array) -> Array:
-    """Time that a displacement takes at a speed through water that moves: ‖d − v t‖ = U t.
+    """Time that a displacement over the ground takes in a current: ‖d − v t‖ = U t.
 
-    The nominal time, which Eqs. 21 and 22 aim off with, makes a leg end short by v²ℓ/U², along a current as against it.
+    The nominal time of Eqs. 21 and 22 makes a leg end short by v²ℓ/U², with the current as against it.
 
     Parameters
     ----------
     wanted, velocity : array, shape (2, n)
         d [m], v [m/s].
     speed, otherwise : array, shape (n,)
-        U [m/s]; what is given where the water is the faster [s].
+        U [m/s]; time returned where the current is faster than the vehicle [s].
     """
     spare = speed**2 - np.sum(velocity**2, axis=0)
     against = -np.sum(wanted * velocity, axis=0)
@@ -220,18 +220,18 @@ def time_over_ground(wanted: Array, velocity: Array, speed: Array, otherwise: Ar
     return np.where(gains, (against + root) / np.where(gains, spare, 1.0), otherwise)
 
 
-def stop_short(radius: Scalars, along: Array, across: Array, price: Scalars) -> Array:
+def stop_short(radius: Scalars, along: Array, across: Array, surfacing_cost: Scalars) -> Array:
     """How far short of the centre of the arrival circle it pays to aim.
 
-    A leg aimed m short ends off by N(0, s²) along it and N(0, s_c²) across it. It saves the run m, but where it misses,
-    a surfacing is to be paid and what is left to be run. Two regimes of that cost have a minimum in closed form:
+    A leg aimed m short ends off by N(0, s²) along it and N(0, s_c²) across it. It saves the distance m; where it misses
+    the circle, it costs a surfacing and the distance left. In two regimes the minimum has a closed form:
 
     - s well below r: the near edge lies r − s_c²/(2r) before the centre on average, a miss costs C = U t_s + r, and
       −m + C Φ((m + s_c²/(2r) − r)/s) is least at m = r − s_c²/(2r) − s √(2 ln(C/(s √(2π)))); the centre, m = 0, where
       that is negative or has no root.
-    - s above about r: the leg will miss anyhow and had better not pass by, so that the next goes on and not back. Then
-      m = 2s: what is left to be run beyond m is 0.27 s on average. Taken where that and a sure surfacing cost less than
-      aiming at the centre, which costs P U t_s + E[d; d > r] with d the Rayleigh distance from it.
+    - s above about r: the leg will miss anyhow and should not overshoot, so that the next need not go back. Then
+      m = 2s, and 0.27 s on average is left to be run beyond m. This is taken where it costs less, with a certain
+      surfacing, than aiming at the centre, P U t_s + E[d; d > r] with P = P(d > r), d the Rayleigh distance from it.
 
     Parameters
     ----------
@@ -239,34 +239,34 @@ def stop_short(radius: Scalars, along: Array, across: Array, price: Scalars) -> 
         r [m].
     along, across : array, shape (n,)
         s and s_c; the second regime takes the root of their mean square [m].
-    price : float or array, shape (n,)
-        U t_s, of a surfacing in metres run.
+    surfacing_cost : float or array, shape (n,)
+        U t_s, a surfacing in metres run [m].
     """
     r = np.maximum(radius, 1e-9)
-    ratio = (price + r) / (np.sqrt(2.0 * np.pi) * np.maximum(along, 1e-9))
+    ratio = (surfacing_cost + r) / (np.sqrt(2.0 * np.pi) * np.maximum(along, 1e-9))
     margin = along * np.sqrt(2.0 * np.log(np.maximum(ratio, 1.0)))
     edge = np.where(ratio > 1.0, np.maximum(r - across**2 / (2.0 * r) - margin, 0.0), 0.0)
     s = np.maximum(np.sqrt(0.5 * (along**2 + across**2)), 1e-9)
     missed = np.exp(-0.5 * np.minimum(r / s, 30.0) ** 2)
     left = r * missed + s * np.sqrt(0.5 * np.pi) * erfc(r / (s * np.sqrt(2.0)))
-    retreats = left - LEFT_OVER * s > (1.0 - missed) * price
-    return np.asarray(np.where(retreats & (np.asarray(radius) > 0.0), RETREAT * s, edge))
+    will_miss = left - MISS_REMAINDER * s > (1.0 - missed) * surfacing_cost
+    return np.asarray(np.where(will_miss & (np.asarray(radius) > 0.0), MISS_UNDERSHOOT * s, edge))
 
 
-def _updated(
-    state: Array, covariance: Array, row: Array, seen: Array, noise: Array, moved: NDArray[np.bool_]
+def _measurement_update(
+    state: Array, covariance: Array, row: Array, measured: Array, noise: Array, moved: NDArray[np.bool_]
 ) -> tuple[Array, Array]:
-    """Take in one measurement, ``seen = row · state + noise``, of the trials that moved.
+    """Update by one scalar measurement, ``measured = row · state + noise``, of the trials that moved.
 
     Parameters
     ----------
     state, covariance, row : array, shapes (k, n), (k, k, n), (k, n)
-    seen, noise, moved : array, shape (n,)
+    measured, noise, moved : array, shape (n,)
         `noise` is a variance.
     """
-    spread = np.einsum("ijn,jn->in", covariance, row)
-    variance = np.einsum("in,in->n", row, spread) + noise
-    told = moved & (variance > 0.0)
-    gain = np.where(told, spread / np.where(told, variance, 1.0), 0.0)
-    surprise = seen - np.einsum("in,in->n", row, state)
-    return state + gain * surprise, covariance - gain[:, None] * spread[None]
+    cross = np.einsum("ijn,jn->in", covariance, row)
+    variance = np.einsum("in,in->n", row, cross) + noise
+    updates = moved & (variance > 0.0)
+    gain = np.where(updates, cross / np.where(updates, variance, 1.0), 0.0)
+    innovation = measured - np.einsum("in,in->n", row, state)
+    return state + gain * innovation, covariance - gain[:, None] * cross[None]

@@ -1,7 +1,7 @@
 """The legs of a transit, for a block of trials at once: the inner loop, written for speed.
 
-Positions are relative to the goal. Arrays are updated in place, parts that a mission does not have cost nothing, and
-trials that have arrived are dropped from the arrays once they are half of them.
+Positions are relative to the goal. Arrays are updated in place, what a mission does not use is skipped, and trials that
+have arrived are dropped from the arrays once they are half of them.
 """
 
 from dataclasses import replace
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.phases.state import TrialState, select_trials
-from missionplan.phases.transit.compensation import CompletedLeg, Memory, PlannedLeg
+from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
 from missionplan.phases.transit.ground_velocity import GroundVelocity, leg_normals
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import (
@@ -24,11 +24,11 @@ from missionplan.phases.transit.plan import (
     column,
 )
 
-_MIN_TRIALS_TO_DROP = 256  # trials below which dropping the arrived ones costs more than it saves
+_MIN_TRIALS_TO_DROP = 256  # with fewer, dropping the arrived ones costs more than it saves
 
 
 class FinalState(NamedTuple):
-    """What the legs came to, positions relative to the goal; shapes (n,) and (2, n)."""
+    """Totals and positions of all trials after the last leg, relative to the goal; shapes (n,) and (2, n)."""
 
     distance: Array
     surfacings: Array
@@ -37,29 +37,38 @@ class FinalState(NamedTuple):
     under_way: NDArray[np.bool_]
 
 
+class _Aim(NamedTuple):
+    """A leg as it was aimed: start [s], fix on diving, nominal end and aim; the last two relative to the goal [m]."""
+
+    t: Array
+    dived: Array
+    nominal_end: Array
+    aim: Array
+
+
 class LegLoop:
-    """Trials under way: `run` takes them through one leg after the other, `finish` gives what it came to."""
+    """Trials under way: `run` takes them through one leg after the other, `final_state` returns all of them."""
 
     def __init__(
         self, plan: TransitPlan, state: TrialState, normals: TransitNormals, environment: Environment, tracked: int
     ) -> None:
-        self._plan, self._normals, self._way = plan, normals, environment.compensation
-        self._drift = GroundVelocity(plan, environment, normals)
-        self._fix_sd = self._drift.fix_sd()
-        self._fixes_err = bool(np.any(self._fix_sd))
+        self._plan, self._normals, self._compensation = plan, normals, environment.compensation
+        self._ground_velocity = GroundVelocity(plan, environment, normals)
+        self._fix_sd = self._ground_velocity.fix_sd()
+        self._has_fix_error = bool(np.any(self._fix_sd))
         self._is_still = environment.is_still
         self._keeps_all = bool(environment.effects) or tracked > 0
         self._goal, self._clock = column(plan.goal), state.clock
         self._trials: NDArray[np.intp] | int = state.trials  # all of the block, or which of it
         self._x = state.position - self._goal
-        # while fixes do not err, the fix is the true position: the same array
-        exact = not self._fixes_err and np.array_equal(state.position, state.fix)
+        # without fix errors the fix is the true position: the same array
+        exact = not self._has_fix_error and np.array_equal(state.position, state.fix)
         self._fix = self._x if exact else state.fix - self._goal
         self._left = _norm(self._fix)
         self._distance, self._surfacings = np.zeros(state.trials), np.zeros(state.trials)
-        self._done: FinalState | None = None
-        self._memory: Memory = self._way.begin(state.trials) if self._way else ()
-        self._started = 0.0 * self._distance if plan.length_lost is not None else None  # legs begun
+        self._done: FinalState | None = None  # of all trials, once some were dropped
+        self._memory: Memory = self._compensation.begin(state.trials) if self._compensation else ()
+        self._legs_begun = None if plan.length_lost is None else 0.0 * self._distance
         self._moving: Array | None = None  # 1 for a trial under way, 0 for one that is not; None while all are
         self._count = state.trials  # trials under way
         self._set_moving(state.alive & (self._left >= plan.arrival_radius))
@@ -77,43 +86,34 @@ class LegLoop:
         """Run leg `number`, from 0, to the fix on diving after it."""
         moving = self._moving
         length, course = self._nominal()
-        nominal_end = aim = dived = started = None
-        if self._way is not None:
-            nominal_end = self._fix + course
-            dived, started = self._fix + self._goal, self._now()
-            length = self._aim_off(length, course)
-            aim = self._fix + course
+        aim = None
+        if self._compensation is not None:
+            length, aim = self._aim_off(self._compensation, length, course)
         self._move(number, length, course)
         self._distance += length
-        if self._started is not None:
-            self._started += 1.0 if moving is None else moving
+        if self._legs_begun is not None:
+            self._legs_begun += 1.0 if moving is None else moving
         self._mark(moving)
         surfaced = self._surface(number)
         self._surfacings += 1.0 if moving is None else moving
         self._mark(moving)
-        if self._way is not None and nominal_end is not None:
-            assert aim is not None
-            assert dived is not None
-            assert started is not None
+        if self._compensation is not None and aim is not None:
             duration = self._duration(length, moving)
-            error = (surfaced - aim) / np.where(duration > 0.0, duration, 1.0)
-            drift, miss = self._fix - surfaced, self._fix - nominal_end
-            behind = CompletedLeg(error, duration, drift, miss, started, dived, course)
-            self._memory = self._way.update(self._memory, behind)
-        self._judge()
+            leg = _completed(aim, surfaced, self._fix, duration, course)
+            self._memory = self._compensation.update(self._memory, leg)
+        self._check_arrival()
 
-    def finish(self) -> FinalState:
-        """Give what the legs came to, for all trials of the block."""
+    def final_state(self) -> FinalState:
+        """Return the final state of all trials of the block."""
         now = FinalState(self._distance, self._surfacings, self._x, self._fix, self._far)
-        if isinstance(self._trials, int):
+        if self._done is None:
             return now
-        assert self._done is not None
         for whole, part in zip(self._done, now, strict=True):
             whole[..., self._trials] = part
         return self._done
 
     def track(self) -> Array | None:
-        """Give the tracks asked for."""
+        """Return the tracks of the first trials; None where none are kept."""
         return np.stack(self._track, axis=1) if self._track else None
 
     def _allocate(self) -> None:
@@ -130,64 +130,63 @@ class LegLoop:
             np.minimum(self._left, d_max, out=length)
         if self._moving is not None:
             length *= self._moving
-            np.maximum(self._left, 1e-300, out=self._left)  # one that has arrived may stand on the goal
+            np.maximum(self._left, 1e-300, out=self._left)  # a trial that has arrived may be on the goal
         np.divide(length, self._left, out=ratio)
         np.multiply(self._fix, ratio, out=course)
         np.negative(course, out=course)
         return length, course
 
-    def _aim_off(self, length: Array, course: Array) -> Array:
-        """Adjust the nominal course in place (Eq. 22) and give its length."""
-        assert self._way is not None
+    def _aim_off(self, compensation: Compensation, length: Array, course: Array) -> tuple[Array, _Aim]:
+        """Adjust the nominal course in place (Eq. 22); return its length and how it was aimed."""
+        nominal_end, dived, t = self._fix + course, self._fix + self._goal, self._now()
         duration, radius = self._duration(length, self._moving), self._plan.arrival_radius
-        ahead = PlannedLeg(self._now(), self._fix + self._goal, course, duration, self._goal, radius)
-        offset = self._way.offset(self._memory, ahead)
+        offset = compensation.offset(self._memory, PlannedLeg(t, dived, course, duration, self._goal, radius))
         course -= offset if self._moving is None else offset * self._moving
-        return _norm(course)
+        return _norm(course), _Aim(t, dived, nominal_end, self._fix + course)
 
     def _move(self, number: int, length: Array, course: Array) -> None:
-        """Move along `course` through the water and with what carries the vehicle meanwhile."""
+        """Move along `course` through the water, and over the ground with the velocity error and the current."""
         error, speed = self._plan.velocity_error, self._plan.speed
         normals = leg_normals(self._normals.velocity, number, self._trials)
-        if self._is_still and error.is_plain and self._started is None:
+        if self._is_still and error.is_plain and self._legs_begun is None:
             np.multiply(length, error.root[0, 0] / speed, out=self._ratio)
             np.multiply(normals, self._ratio, out=self._error)
         else:
-            duration = self._duration(length, self._moving)
-            velocity = self._drift.of_leg(number, normals, self._now(), duration, self._x + self._goal, course)
+            duration, start = self._duration(length, self._moving), self._x + self._goal
+            velocity = self._ground_velocity.of_leg(number, normals, self._now(), duration, start, course)
             np.multiply(velocity, duration, out=self._error)
         self._error += course
         self._x += self._error
 
     def _surface(self, number: int) -> Array:
-        """Surface, drift and take both fixes; give the fix on surfacing relative to the goal."""
+        """Surface, drift and take both fixes; return the fix on surfacing relative to the goal."""
         surfaced = self._x
-        if self._fixes_err:
+        if self._has_fix_error:
             surfaced = self._x + self._fix_sd * self._fix_noise(self._normals.fix_on_surfacing, number)
-        elif not self._is_still and self._way is not None:
+        elif not self._is_still and self._compensation is not None:
             surfaced = self._x.copy()
         if not self._is_still:
-            velocity = self._drift.at_surface(self._now(), self._x + self._goal)
+            velocity = self._ground_velocity.at_surface(self._now(), self._x + self._goal)
             carried = velocity * self._plan.surfacing_time
             self._x += carried if self._moving is None else carried * self._moving
         if self._fix is self._x:
             return surfaced
         fix = self._x
-        if self._fixes_err:
+        if self._has_fix_error:
             fix = self._x + self._fix_sd * self._fix_noise(self._normals.fix_on_diving, number)
         if self._moving is None:
-            self._fix = fix if self._fixes_err else fix.copy()
+            self._fix = fix if self._has_fix_error else fix.copy()
         else:
             np.copyto(self._fix, fix, where=self._moving > 0.0)
         return surfaced
 
     def _fix_noise(self, source: Normals | None, number: int) -> Array:
         if source is None:
-            raise ValueError("fixes err: TransitNormals needs fix_on_surfacing and fix_on_diving")
+            raise ValueError("fixes have errors: TransitNormals needs fix_on_surfacing and fix_on_diving")
         return leg_normals(source, number, self._trials)
 
-    def _judge(self) -> None:
-        """See who has arrived by the fix on diving, and drop those from the arrays once they are many."""
+    def _check_arrival(self) -> None:
+        """Find who has arrived by the fix on diving, and drop those trials from the arrays once they are many."""
         np.multiply(self._fix, self._fix, out=self._error)
         np.add(self._error[0], self._error[1], out=self._left)
         np.sqrt(self._left, out=self._left)
@@ -205,24 +204,24 @@ class LegLoop:
             self._count, self._moving = count, moving.astype(float)
 
     def _drop_all_but(self, kept: NDArray[np.intp]) -> None:
-        self._done = self.finish()
-        shared = self._fix is self._x
+        self._done = self.final_state()
+        is_exact = self._fix is self._x
         self._trials = kept if isinstance(self._trials, int) else self._trials[kept]
         self._x = self._x[:, kept]
-        self._fix = self._x if shared else self._fix[:, kept]
+        self._fix = self._x if is_exact else self._fix[:, kept]
         self._left, self._clock = self._left[kept], self._clock[kept]
         self._goal = select_trials(self._goal, kept)
         self._distance, self._surfacings = self._distance[kept], self._surfacings[kept]
-        self._started = None if self._started is None else self._started[kept]
+        self._legs_begun = None if self._legs_begun is None else self._legs_begun[kept]
         self._memory = tuple(array[..., kept] for array in self._memory)
         self._plan = _plan_of(self._plan, kept)
-        self._drift = self._drift.take(self._plan, kept)
+        self._ground_velocity = self._ground_velocity.take(self._plan, kept)
         self._fix_sd = select_trials(self._fix_sd, kept)
         self._moving, self._far = None, np.ones(kept.size, dtype=bool)
         self._allocate()
 
     def _duration(self, length: Array, moving: Array | None) -> Array:
-        """Time that a leg takes, gathering way included [s]."""
+        """Time that a leg takes, acceleration from rest included [s]."""
         lost = self._plan.length_lost
         if lost is None:
             return length / self._plan.speed
@@ -230,12 +229,12 @@ class LegLoop:
 
     def _now(self) -> Array:
         """Time since the mission's start [s]."""
-        legs = self._started if self._started is not None else self._surfacings
+        legs = self._legs_begun if self._legs_begun is not None else self._surfacings
         under_way = self._plan.time_under_way(self._distance, legs)
         return self._clock + under_way + self._surfacings * self._plan.surfacing_time
 
     def _mark(self, moving: Array | None) -> None:
-        """Note where the tracked trials are, nan for those that have arrived."""
+        """Record where the tracked trials are, nan for those that have arrived."""
         if not self._tracked:
             return
         place = self._x[:, : self._tracked] + self._goal[:, : self._tracked]
@@ -244,14 +243,20 @@ class LegLoop:
         self._track.append(place)
 
 
+def _completed(aim: _Aim, surfaced: Array, fix: Array, duration: Array, course: Array) -> CompletedLeg:
+    """Describe a leg for the compensation, from the fixes on surfacing and on diving relative to the goal."""
+    error = (surfaced - aim.aim) / np.where(duration > 0.0, duration, 1.0)
+    return CompletedLeg(error, duration, fix - surfaced, fix - aim.nominal_end, aim.t, aim.dived, course)
+
+
 def _norm(vectors: Array) -> Array:
-    """Lengths of vectors, shape (2, n); faster than hypot, whose care for overflow is not needed here."""
+    """Lengths of vectors, shape (2, n); faster than hypot, whose protection from overflow is not needed here."""
     length: Array = np.sqrt(vectors[0] * vectors[0] + vectors[1] * vectors[1])
     return length
 
 
 def _plan_of(plan: TransitPlan, trials: NDArray[np.intp]) -> TransitPlan:
-    """Select trials of a plan whose numbers may be arrays over trials."""
+    """Select trials of a plan, whose numbers may be arrays over trials."""
     error = plan.velocity_error
     return replace(
         plan,

@@ -1,4 +1,4 @@
-"""How long a leg may be: one length, or a table of lengths against the distance left."""
+"""Leg length as a table against the distance left."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ class LegTable:
     leg: Array
 
     def __call__(self, left: Array) -> Array:
-        """Give the leg length for each distance left [m]."""
+        """Leg length for each distance left [m]."""
         return np.minimum(left, np.interp(left, self.left, self.leg))
 
     @property

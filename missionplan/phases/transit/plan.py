@@ -1,4 +1,4 @@
-"""What a transit is told, what acts on it, and what it records."""
+"""Parameters of a transit, the environment that acts on it, and its record."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ from missionplan.phases.transit.leg_table import LegTable
 
 
 class Normals(Protocol):
-    """Standard normals of a quantity that is drawn anew each leg."""
+    """Standard normals of a quantity that is drawn anew for each leg."""
 
     def leg(self, number: int) -> Array:
         """Normals of a leg, from 0, shape (2, at least n)."""
@@ -65,14 +65,14 @@ class VelocityError:
 
 
 def column(vector: Array | None) -> Array:
-    """Give a vector trials as the last axis: (2,) becomes (2, 1); None is zero."""
+    """Return a vector with trials as its last axis: (2,) becomes (2, 1), None becomes zero."""
     array = np.zeros(2) if vector is None else np.asarray(vector, dtype=float)
     return array[:, None] if array.ndim == 1 else array
 
 
 @dataclass(frozen=True)
 class TransitPlan:
-    """What a transit is told. Each number may be an array over trials.
+    """Parameters of one transit. Each number may be an array over trials.
 
     Attributes
     ----------
@@ -92,16 +92,16 @@ class TransitPlan:
     depth : float
         Run depth [m].
     max_legs : int
-        After which a trial counts as not arrived.
+        Legs after which a trial counts as not arrived.
     power_under_way, power_at_surface : float
-        All that is drawn then [W].
+        Total electrical power then [W].
     surfacing_energy : float
         For each surfacing [J].
     latitude : float
-        Of the coordinates' origin, for effects [rad]; nan when not known.
+        Of the coordinates' origin, for effects [rad]; nan when unknown.
     length_lost : float or None
-        By which a leg from rest falls short of U all along: its time is (length + length lost)/U [m]; None: at once
-        at speed. Legs are taken to be much longer.
+        Distance lost while a leg gathers speed from rest, so that it takes (length + length lost)/U [m]; None where
+        the vehicle is at speed at once. Legs are assumed to be much longer.
     """
 
     goal: Array
@@ -120,7 +120,7 @@ class TransitPlan:
     length_lost: Scalars | None = None
 
     def time_under_way(self, distance: Array, legs: Array) -> Array:
-        """Time that legs of a total `distance` through the water take, gathering way included [s]."""
+        """Time of `legs` legs of a total `distance` through the water, acceleration from rest included [s]."""
         time: Array = distance / self.speed
         return time if self.length_lost is None else time + legs * (self.length_lost / self.speed)
 
@@ -144,16 +144,16 @@ class TransitPlan:
 
 @dataclass(frozen=True)
 class TransitNormals:
-    """Standard normals that a transit uses, leg by leg.
+    """Standard normals of a transit, leg by leg.
 
     Attributes
     ----------
     velocity : Normals
         Of the velocity error.
     fix_on_surfacing, fix_on_diving : Normals, optional
-        Needed when fixes err.
+        Required where fixes have errors.
     effects : sequence of Normals or None
-        One an effect; needed where the effect is random.
+        One per effect; required where the effect is random.
     """
 
     velocity: Normals
@@ -164,16 +164,16 @@ class TransitNormals:
 
 @dataclass(frozen=True)
 class Environment:
-    """What acts on the vehicle and what it does about it.
+    """The environment of a transit, with the vehicle's way of compensating its drift.
 
     Attributes
     ----------
     current : Current or None
         The site's; None for still water.
     compensation : Compensation or None
-        None aims straight at the target.
+        None to aim straight at the target.
     effects : tuple of TransitEffect
-        What the base model leaves out.
+        Effects that the base model leaves out.
     """
 
     current: Current | None = None
@@ -182,13 +182,13 @@ class Environment:
 
     @property
     def is_still(self) -> bool:
-        """Whether nothing but the velocity error moves the vehicle off its course."""
+        """Whether the velocity error alone takes the vehicle off its course."""
         return self.current is None and not self.effects
 
 
 @dataclass(frozen=True)
 class TransitRecord:
-    """What a transit came to, an array of shape (n,) each; of trials that never arrived, up to their last leg.
+    """Results of a transit, an array of shape (n,) each; for trials that never arrived, up to their last leg.
 
     Attributes
     ----------
@@ -204,7 +204,7 @@ class TransitRecord:
         [J]
     arrived : array of bool
     track : array, shape (2, m, k), or None
-        True positions of the first k trials: the start, then for each leg where it surfaced and where it dived again;
+        True positions of the first k trials: the start, then for each leg where the vehicle surfaced and dived again;
         nan after arrival [m].
     """
 

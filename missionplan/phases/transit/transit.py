@@ -1,9 +1,9 @@
 """Transit by dead reckoning in legs, with fixes at the surface between them: Briggs et al., section IV, Eqs. 18–24.
 
-A leg aims at the target, at most d_max long (Eqs. 18–20), aimed off by what the vehicle expects of its drift
+A leg of at most d_max aims at the target (Eqs. 18–20), or off it by the drift that the vehicle expects
 (Eqs. 21–23, see `compensation`). Its velocity error is drawn once (Eq. 24). At its end the vehicle surfaces, takes a
-fix, drifts with the surface layer for the surfacing time, and takes a fix on diving: arrival is judged on that one, and
-the next leg starts from it. Checked against an integral equation (`expectation`) for σ/U from 0.005 to 0.4.
+fix, drifts with the surface layer for the surfacing time, and takes a fix on diving, on which arrival is judged and
+from which the next leg starts. Checked against an integral equation (`expectation`) for σ/U from 0.005 to 0.4.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ def transit(
     """Take a block of trials through a transit.
 
     Trials that have failed before stay where they are and do not arrive; trials that start within the arrival radius
-    have arrived, without a leg.
+    have arrived without a leg.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def transit(
     environment : Environment, optional
         Default: still water, no compensation, no effects.
     tracked : int
-        Trials whose tracks are kept.
+        Number of trials, the first ones, whose tracks are kept.
 
     Returns
     -------
@@ -46,20 +46,20 @@ def transit(
         if legs.all_arrived:
             break
         legs.run(number)
-    came = legs.finish()
-    under_way, at_surface = plan.time_under_way(came.distance, came.surfacings), came.surfacings * plan.surfacing_time
+    end = legs.final_state()
+    under_way, at_surface = plan.time_under_way(end.distance, end.surfacings), end.surfacings * plan.surfacing_time
     energy = under_way * plan.power_under_way + at_surface * plan.power_at_surface
-    energy += came.surfacings * plan.surfacing_energy
-    arrived = state.alive & ~came.under_way
+    energy += end.surfacings * plan.surfacing_energy
+    arrived = state.alive & ~end.under_way
     record = TransitRecord(
         duration=under_way + at_surface,
-        surfacings=came.surfacings,
-        distance=came.distance,
-        arrival_error=np.sqrt(came.position[0] ** 2 + came.position[1] ** 2),
+        surfacings=end.surfacings,
+        distance=end.distance,
+        arrival_error=np.sqrt(end.position[0] ** 2 + end.position[1] ** 2),
         energy=energy,
         arrived=arrived,
         track=legs.track(),
     )
     goal = column(plan.goal)
     clock, used = state.clock + record.duration, state.energy + energy
-    return TrialState(came.position + goal, came.fix + goal, clock, used, arrived), record
+    return TrialState(end.position + goal, end.fix + goal, clock, used, arrived), record

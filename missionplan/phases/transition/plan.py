@@ -1,4 +1,4 @@
-"""What a transition is told and what it tells: vehicle, controls, manoeuvre, interchange, histories and record."""
+"""Parameters and record of a transition: vehicle, controls, manoeuvre, interchange, time histories."""
 
 import math
 from dataclasses import dataclass
@@ -27,13 +27,13 @@ def interchange(speed: Scalars, mid_speed: Scalars, steepness: Scalars) -> Scala
 def allocation(pitch_demand: Scalars, steepness: Scalars, limit: Scalars) -> Scalars:
     """Share k₁ of the depth controller's force that the forward thruster of a pair makes, Eq. 20; the aft one 1 - k₁.
 
-    The paper allocates "rotational speed (or force)": shares of force keep the controller's gain and the depth change
-    of the single thruster, as its results do; shares of shaft rate would halve the force.
+    The paper allocates "rotational speed (or force)". Shares of force keep the controller's gain and the depth change
+    of the single thruster, as in the paper's results; shares of shaft rate would halve the force.
 
     Parameters
     ----------
     pitch_demand : float or array
-        P_d, by which the nose is to go down [rad].
+        P_d, positive nose down [rad].
     steepness, limit : float or array
         G and P_dL [rad].
     """
@@ -76,7 +76,7 @@ class ThrusterControl:
 
 @dataclass(frozen=True)
 class TransitionVehicle:
-    """What changes from vehicle to vehicle.
+    """Parameters of a vehicle.
 
     Attributes
     ----------
@@ -85,11 +85,11 @@ class TransitionVehicle:
     propeller : (float, float, float)
         b₁, b₂, b₃ of `propeller_force`.
     speed_gain : float
-        Command to the propeller over the error of speed.
+        Of the propeller's command over the speed error.
     thrusters : tuple of TunnelThruster
         None, one, or forward and aft; positive thrust is down.
     suction_moment : bool
-        Whether the jet's suction pitches the vehicle (sect. 7.1); in the paper's first runs it does not.
+        Whether the jet's suction has a moment (sect. 7.1); in the paper's first runs it has none.
     sternplanes : SternplaneControl
         Controls at speed.
     thruster_control : ThrusterControl
@@ -107,7 +107,7 @@ class TransitionVehicle:
 
 @dataclass(frozen=True)
 class Manoeuvre:
-    """What is asked: floats or arrays over trials.
+    """The required manoeuvre: floats or arrays over trials.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ class Manoeuvre:
     before : float
         Time at survey speed before slowing down [s].
     after : float
-        Time simulated after the required speed has reached nought, slowest trial [s].
+        Time simulated after the required speed has reached zero in the slowest trial [s].
     """
 
     start_speed: float
@@ -136,7 +136,7 @@ class History:
     """Time histories, shape (samples, n); `time` (samples,) counts from the start of the deceleration [s].
 
     `speed` [m/s], `pitch` [rad], `depth` below the target [m], `sternplane` [rad], `revolutions` of the first
-    thruster and of the second (nought without one) [rev/s], `energy` of the thrusters since the deceleration [J].
+    thruster and of the second (zero without one) [rev/s], `energy` of the thrusters since the deceleration [J].
     """
 
     time: Array
@@ -151,27 +151,31 @@ class History:
 
 @dataclass(frozen=True)
 class TransitionRecord:
-    """Outcome of a transition, arrays over trials of shape (n,).
+    """Results of a transition, arrays over trials of shape (n,).
 
     Attributes
     ----------
     depth_excursion : array
         Greatest distance from the target depth [m].
     pitch_excursion : array
-        Greatest pitch either way, less the pitch of the survey [rad].
+        Greatest change of pitch from that of the survey, either way [rad].
     hover_time : array
-        When it last came within `HOVER_BAND` for good, since the deceleration began [s]; nan if it did not.
+        Time since the deceleration began after which it stays within `HOVER_BAND` [s]; nan if it does not.
     energy_to_hover : array
-        Of the thrusters up to then, Eq. 14, option (b) [J]; nan if it did not.
+        Of the thrusters up to then, Eq. 14, option (b) [J]; nan if it does not.
     hover_pitch : array
         Root mean square of the pitch about its mean over the last `STEADY` seconds [rad].
     saturation_speed : array
-        Highest speed at which the sternplanes stood at their limit [m/s]; nan if they never did.
+        Highest speed at which the sternplanes were at their limit [m/s]; nan if they never were.
     out_of_range : array
-        Share of the thrusters' energy up to the end of the run spent beyond the force minimum, where the model of
-        their force has not been checked.
+        Share of the thrusters' energy spent beyond the force minimum, where the model of their force has not been
+        checked.
+    end_energy : array
+        Of the thrusters up to the end of the run [J].
+    end_time : float
+        End of the run since the deceleration began [s].
     history : History
-        Sampled every `sample` seconds; at the start alone where that is not given.
+        Sampled every `sample` seconds; of the start alone where that is not given.
     """
 
     depth_excursion: Array

@@ -1,23 +1,16 @@
 """From survey speed to hover: a buoyant vehicle slows down, and tunnel thrusters take over from its sternplanes.
 
-Palmer, Hearn & Stevenson, sections 2 to 7, in the vertical plane. A block of trials is stepped side by side by
-Runge-Kutta with the controls held over each step. The control gains are not in the paper: they come from outside.
+Palmer, Hearn & Stevenson, sections 2 to 7, in the vertical plane. All trials of a block are stepped together by
+Runge-Kutta, with the controls held over each step (`controllers`).
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.phases.transition.plan import (
-    History,
-    Manoeuvre,
-    TransitionRecord,
-    TransitionVehicle,
-    allocation,
-    interchange,
-)
+from missionplan.phases.transition.controllers import Controllers
+from missionplan.phases.transition.plan import History, Manoeuvre, TransitionRecord, TransitionVehicle
 from missionplan.physics.tunnel_thruster import (
     TunnelThruster,
     force_factor,
@@ -44,25 +37,14 @@ from missionplan.physics.vehicle_dynamics import (
 
 HOVER_BAND = 0.02
 """Distance from the target depth within which the vehicle hovers (sect. 6) [m]."""
-ZONE = 2.0
-"""Half width of the transition zone in steepnesses: the interchange is at 1.8 and 98.2 % there. Assumed."""
 STEADY = 100.0
-"""Last part of a run, in which the pitch of the hover is taken [s]."""
-
-
-@dataclass
-class _Controls:
-    """Integrators and outputs of the controllers, arrays over trials."""
-
-    plane_integral: Array
-    thruster_integral: Array
-    thruster_error: Array
+"""Last part of a run, from which the pitch in hover is computed [s]."""
 
 
 def simulate_transition(
     vehicle: TransitionVehicle, manoeuvre: Manoeuvre, *, time_step: float = 0.5, sample: float | None = None
 ) -> TransitionRecord:
-    """Run a block of transitions from level flight at survey speed to hover.
+    """Simulate a block of transitions from level flight at survey speed to hover.
 
     Parameters
     ----------
@@ -71,9 +53,9 @@ def simulate_transition(
     manoeuvre : Manoeuvre
         Floats, or arrays over trials.
     time_step : float
-        Of the Runge-Kutta and of the controllers [s].
+        Of the Runge-Kutta method and of the controllers [s].
     sample : float, optional
-        Interval of the histories, a multiple of the step [s]; default: of the start alone.
+        Interval of the time histories, a multiple of the step [s]; default: the start alone.
 
     Returns
     -------
@@ -117,41 +99,27 @@ class _Run:
         still = np.zeros(shape)
         self.state = np.array([speed, speed * np.tan(trim.pitch), still, trim.pitch, still])
         self.time, self.energy, self.plane = -manoeuvre.before, still, trim.sternplane
-        self.saturation_speed = np.full(shape, np.nan)
         self.energy_beyond = still
         self.revolutions = (still, still)
-        self.controls = self._settled(trim.pitch, trim.sternplane, speed)
+        self.controllers = Controllers(vehicle, manoeuvre, time_step, speed, trim.pitch, trim.sternplane)
         self.stopped = manoeuvre.start_speed / np.asarray(manoeuvre.deceleration)
         self.depth_excursion, self.pitch_excursion = still, still
         self.hover_time, self.energy_to_hover = still, still
         self.pitch_sums = np.zeros((3, *shape))
 
-    def _settled(self, pitch: Array, plane: Array, speed: Array) -> _Controls:
-        """Integrators with which the controllers ask for exactly the trim that the vehicle starts in."""
-        control = self.vehicle.sternplanes
-        demand = pitch - plane / control.pitch_gain
-        share = 1.0 - self._share(speed)
-        still = np.zeros_like(pitch)
-        return _Controls(-demand / (control.depth_integral * share), still, still)
-
-    def _share(self, speed: Array) -> Array:
-        if not self.vehicle.thrusters:
-            return np.zeros_like(speed)
-        return np.asarray(interchange(speed, self.manoeuvre.mid_speed, self.manoeuvre.steepness))
-
     def sample(self) -> Array:
-        """Row of the history, shape (7, n)."""
+        """Row of the time histories, shape (7, n)."""
         u, _, _, pitch, depth = self.state
         return np.array([u, pitch, depth, self.plane, *self.revolutions, self.energy])
 
     def advance(self, *, steady: bool) -> None:
-        """One step: controls, forces held, Runge-Kutta, energy; `steady` when it counts for the hover's pitch."""
+        """One step: controls, forces held, Runge-Kutta, energy; `steady` when it counts for the pitch in hover."""
         u = self.state[0]
         required = self._required_speed()
         command = required + self.vehicle.speed_gain * (required - u)
-        share = self._share(u)
-        self.plane = self._sternplane(share)
-        self.revolutions = self._shaft_rates(share)
+        share = self.controllers.thruster_share(u)
+        self.plane = self.controllers.sternplane(self.state, share)
+        self.revolutions = self.controllers.shaft_rates(self.state, share)
         static = [
             np.asarray(static_thrust(t.thrust_constant, n))
             for t, n in zip(self.vehicle.thrusters, self.revolutions, strict=False)
@@ -171,47 +139,6 @@ class _Run:
         required: Array = np.maximum(self.manoeuvre.start_speed - fallen, 0.0)
         return required
 
-    def _sternplane(self, share: Array) -> Array:
-        """Deflection of the sternplanes; its depth integral holds while the plane is at its limit, and ends low."""
-        control, (u, _, q, pitch, depth) = self.vehicle.sternplanes, self.state
-        proportion, error = 1.0 - share, -depth
-        held = self.controls.plane_integral
-        demand = -proportion * (control.depth_gain * error + control.depth_integral * held)
-        limited = np.clip(demand, -control.pitch_limit, control.pitch_limit)
-        wanted = control.pitch_gain * (pitch - limited) + control.rate_gain * q
-        plane: Array = np.clip(wanted, -control.limit, control.limit)
-        at_limit = wanted != plane
-        self.saturation_speed = np.fmax(self.saturation_speed, np.where(at_limit, u, np.nan))
-        grown = held + np.where(at_limit | (limited != demand), 0.0, self.h * proportion * error)
-        if self.vehicle.thrusters:
-            low = u < self.manoeuvre.mid_speed - ZONE * np.asarray(self.manoeuvre.steepness)
-            grown = np.where(low, 0.0, grown)
-        self.controls.plane_integral = grown
-        return plane
-
-    def _shaft_rates(self, share: Array) -> tuple[Array, Array]:
-        """Shaft rates of forward (or only) and aft thruster [rev/s], positive down.
-
-        The controller works on the error that the interchange has scaled, its derivative included: a steep
-        interchange is a kick. The integral gain is scaled once more (sect. 5.1).
-        """
-        if not self.vehicle.thrusters:
-            return self.revolutions
-        control, held, (u, _, q, pitch, depth) = self.vehicle.thruster_control, self.controls, self.state
-        error = -share * depth
-        change = (error - held.thruster_error) / self.h
-        wanted = control.depth_gain * error + control.depth_rate * change
-        wanted = wanted + share * control.depth_integral * held.thruster_integral
-        total = np.clip(wanted, -control.limit, control.limit)
-        high = u > self.manoeuvre.mid_speed + ZONE * np.asarray(self.manoeuvre.steepness)
-        grown = held.thruster_integral + np.where(wanted != total, 0.0, self.h * error)
-        held.thruster_integral, held.thruster_error = np.where(high, 0.0, grown), error
-        if len(self.vehicle.thrusters) == 1:
-            return total, np.zeros_like(total)
-        demand = share * (pitch + control.pair_lead * q)
-        forward = np.asarray(allocation(demand, control.pair_steepness, control.pair_limit))
-        return np.sqrt(forward) * total, np.sqrt(1.0 - forward) * total
-
     def _slope(self, state: Array, command: Array, static: list[Array]) -> Array:
         """Time derivative of the state, Eqs. 4 to 6, shape (5, n)."""
         body = self.vehicle.body
@@ -228,7 +155,7 @@ class _Run:
         return slope
 
     def _thruster_load(self, thruster: TunnelThruster, static: Array, speed: Array) -> Load:
-        """Force down, and the moment of force and suction, nose up; Eqs. 11, 15 and 17 to 19."""
+        """Downward force, and nose-up moment of force and suction; Eqs. 11, 15 and 17 to 19."""
         ratio = np.asarray(speed_ratio(speed, jet_speed(static, thruster.area, self.vehicle.body.density)))
         factor = force_factor(ratio, thruster.decay)
         if not self.vehicle.suction_moment:
@@ -237,7 +164,7 @@ class _Run:
         return Load(0.0, static * factor, -moment(static, factor, thruster.position, centre))
 
     def _account(self, static: list[Array], speed: Array) -> None:
-        """Add the step's energy, Eq. 14, and note work beyond the model's range."""
+        """Add the step's energy, Eq. 14, and the part of it that is beyond the model's range."""
         if self.time < 0.0:
             return
         density = self.vehicle.body.density
@@ -248,7 +175,7 @@ class _Run:
             self.energy_beyond = self.energy_beyond + np.where(out_of_range(ratio, thruster.decay), spent, 0.0)
 
     def _observe(self, steady: bool) -> None:
-        """Keep excursions, the end of the last departure from the target depth, and sums of the pitch."""
+        """Update excursions, the end of the last departure from the target depth, and sums of the pitch."""
         if self.time <= 0.0:
             return
         pitch, depth = self.state[3:]
@@ -261,7 +188,7 @@ class _Run:
             self.pitch_sums += np.array([np.ones_like(pitch), pitch, pitch**2])
 
     def record(self, history: History) -> TransitionRecord:
-        """Sum up the run."""
+        """Return the record of the run."""
         hovers = self.hover_time < self.time
         count, total, squares = self.pitch_sums
         variance = np.maximum(squares / count - (total / count) ** 2, 0.0)
@@ -271,7 +198,7 @@ class _Run:
             hover_time=np.where(hovers, self.hover_time, np.nan),
             energy_to_hover=np.where(hovers, self.energy_to_hover, np.nan),
             hover_pitch=np.sqrt(variance),
-            saturation_speed=self.saturation_speed,
+            saturation_speed=self.controllers.saturation_speed,
             out_of_range=self.energy_beyond / np.maximum(self.energy, 1e-9),
             end_energy=self.energy,
             end_time=self.time,

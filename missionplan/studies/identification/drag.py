@@ -1,7 +1,7 @@
 """Drag coefficient from towing at constant speed, constant and against Reynolds number (Avila et al., sect. 4.1)."""
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,65 +10,161 @@ from missionplan.datasets.tank import DragSettings, TankData
 from missionplan.physics.drag import drag_force, reynolds_number
 from missionplan.physics.tank import drag_coefficient, reynolds_drag_coefficient
 from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
-from missionplan.studies.identification.least_squares import Parameter, adds_something, fit
+from missionplan.studies.identification.least_squares import FitParameter, f_test_prefers, fit
 
 BLUFF_REYNOLDS = 1e5
 """Reynolds number above which Avila et al. call the coefficients constant."""
 
 
-def identify_drag(data: TankData) -> TankAnalysis:
+def identify_drag(data: TankData, settings: DragSettings) -> TankAnalysis:
     """Fit a constant drag coefficient and a power of the Reynolds number to drag against speed.
 
     Parameters
     ----------
     data : TankData
         Of kind drag: speed, force and, where known, its standard deviation.
+    settings : DragSettings
+        The data's.
 
     Returns
     -------
     TankAnalysis
-        The preferred fit first: the power only where an F test at 1 % asks for it.
+        The preferred fit first: the power only where an F test at 1 % prefers it.
     """
-    settings = data.settings
-    assert isinstance(settings, DragSettings)
-    speed, force = data.columns["speed_m_s"], data.columns["force_n"]
-    area, density = settings.reference_area, data.density
+    towing = _Towing.of(data, settings)
+    simple, richer = towing.fits()
+    prefers_richer = f_test_prefers(simple, richer)
+    fits = (richer, simple) if prefers_richer else (simple, richer)
+    best = fits[0]["drag_coefficient"]
+    at = f" at Re {towing.middle:.2g}" if prefers_richer else ""
+    interval = f"{best.low:.3f} to {best.high:.3f}"
+    compared = _compared(data, settings)
+    return TankAnalysis(
+        answer=f"The drag coefficient{at} is {best.value:.3f} (90 % interval {interval}).",
+        fits=fits,
+        panels=(towing.coefficient_panel(fits, compared), towing.force_panel(fits[0])),
+        remarks=_remarks(towing, simple, richer, compared),
+        fragment=_fragment(fits[0], settings, towing.middle),
+    )
+
+
+@dataclass(frozen=True)
+class _Compared:
+    """Speeds [m/s], Reynolds numbers and drag coefficients of another table, on its own reference area."""
+
+    name: str
+    speed: Array
+    reynolds: Array
+    coefficient: Array
+
+
+def _compared(data: TankData, settings: DragSettings) -> _Compared | None:
+    """The other table, where the data set has one."""
+    if data.compared is None or settings.compare is None:
+        return None
+    speed, force = data.compared["speed_m_s"], data.compared["force_n"]
+    area = settings.compare.reference_area or settings.reference_area
     reynolds = np.asarray(reynolds_number(speed, settings.reference_length, data.viscosity))
-    middle = float(f"{np.exp(np.mean(np.log(reynolds))):.2g}")
-    force_sd = _force_sd(data, len(force))
-    coefficients = np.asarray(drag_coefficient(force, speed, area, density))
-    start = float(np.mean(coefficients))
-    level = Parameter("drag_coefficient", "C_D", "", start, low=0.0)
-    slope = Parameter("reynolds_exponent", "p", "", 0.0, low=-2.0, high=2.0)
+    return _Compared(
+        settings.compare.name, speed, reynolds, np.asarray(drag_coefficient(force, speed, area, data.density))
+    )
 
-    def constant(values: Array) -> Array:
-        return np.asarray(drag_force(speed, values[0], area, density))
 
-    def power(values: Array) -> Array:
-        return np.asarray(
-            drag_force(speed, reynolds_drag_coefficient(reynolds, values[0], values[1], middle), area, density)
+@dataclass(frozen=True)
+class _Towing:
+    """Drag against speed.
+
+    Attributes
+    ----------
+    speed, force : array, shape (points,)
+        [m/s, N]
+    force_sd : array, shape (points,), or None
+        Stated errors [N].
+    area, density : float
+        Reference area and density of the water [m², kg/m³].
+    reynolds, coefficients : array, shape (points,)
+    middle : float
+        Reynolds number in the middle of the data, two digits.
+    """
+
+    speed: Array
+    force: Array
+    force_sd: Array | None
+    area: float
+    density: float
+    reynolds: Array
+    coefficients: Array
+    middle: float
+
+    @classmethod
+    def of(cls, data: TankData, settings: DragSettings) -> "_Towing":
+        speed, force = data.columns["speed_m_s"], data.columns["force_n"]
+        reynolds = np.asarray(reynolds_number(speed, settings.reference_length, data.viscosity))
+        return cls(
+            speed=speed,
+            force=force,
+            force_sd=_force_sd(data, len(force)),
+            area=settings.reference_area,
+            density=data.density,
+            reynolds=reynolds,
+            coefficients=np.asarray(drag_coefficient(force, speed, settings.reference_area, data.density)),
+            middle=float(f"{np.exp(np.mean(np.log(reynolds))):.2g}"),
         )
 
-    simple = fit("constant drag coefficient", constant, [level], force, force_sd)
-    richer = fit("drag coefficient against Reynolds number", power, [level, slope], force, force_sd)
-    wins = adds_something(simple, richer)
-    fits = (richer, simple) if wins else (simple, richer)
-    best = fits[0]
-    value, uncertainty = (
-        best["drag_coefficient"],
-        f"{best['drag_coefficient'].low:.3f} to {best['drag_coefficient'].high:.3f}",
-    )
-    at = f" at Re {middle:.2g}" if wins else ""
-    return TankAnalysis(
-        answer=f"The drag coefficient{at} is {value.value:.3f} (90 % interval {uncertainty}).",
-        fits=fits,
-        panels=(
-            _coefficient_panel(data, fits, reynolds, coefficients, force_sd, middle),
-            _force_panel(speed, force, force_sd, best),
-        ),
-        remarks=_remarks(data, simple, richer, reynolds, coefficients),
-        fragment=_fragment(best, settings, middle),
-    )
+    def fits(self) -> tuple[FittedModel, FittedModel]:
+        """Fit the constant coefficient, and the power."""
+        start = float(np.mean(self.coefficients))
+        level = FitParameter("drag_coefficient", "C_D", "", start, low=0.0)
+        slope = FitParameter("reynolds_exponent", "p", "", 0.0, low=-2.0, high=2.0)
+
+        def constant(values: Array) -> Array:
+            return np.asarray(drag_force(self.speed, values[0], self.area, self.density))
+
+        def power(values: Array) -> Array:
+            coefficient = reynolds_drag_coefficient(self.reynolds, values[0], values[1], self.middle)
+            return np.asarray(drag_force(self.speed, coefficient, self.area, self.density))
+
+        simple = fit("constant drag coefficient", constant, [level], self.force, self.force_sd)
+        name = "drag coefficient against Reynolds number"
+        return simple, fit(name, power, [level, slope], self.force, self.force_sd)
+
+    def coefficient_panel(self, fits: tuple[FittedModel, FittedModel], compared: _Compared | None) -> FitPanel:
+        """Drag coefficients against Reynolds number, with both fits and the table to compare with."""
+        per_force = self.coefficients / self.force
+        line = np.geomspace(self.reynolds.min(), self.reynolds.max(), 80)
+
+        def along(fitted: FittedModel) -> Array:
+            exponent = fitted["reynolds_exponent"].value if "reynolds_exponent" in fitted else 0.0
+            return np.asarray(reynolds_drag_coefficient(line, fitted["drag_coefficient"].value, exponent, self.middle))
+
+        curves = [FitCurve(fitted.name, line, along(fitted)) for fitted in fits]
+        if compared is not None:
+            curves.append(FitCurve(compared.name, compared.reynolds, compared.coefficient, dots=True))
+        return FitPanel(
+            name="drag-coefficient",
+            x_label="Reynolds number",
+            y_label="drag coefficient",
+            x=self.reynolds,
+            y=self.coefficients,
+            y_sd=self.force_sd * per_force if self.force_sd is not None else np.full_like(self.coefficients, np.nan),
+            fitted=fits[0].fitted * per_force,
+            curves=tuple(curves),
+            alt=f"Measured drag coefficients against Reynolds number with the fit {fits[0].name}.",
+        )
+
+    def force_panel(self, best: FittedModel) -> FitPanel:
+        """Drag against speed, with the preferred fit."""
+        return FitPanel(
+            name="drag-force",
+            x_label="speed [m/s]",
+            y_label="drag [N]",
+            x=self.speed,
+            y=self.force,
+            y_sd=self.force_sd if self.force_sd is not None else np.full_like(self.force, np.nan),
+            fitted=best.fitted,
+            curves=(FitCurve(best.name, self.speed, best.fitted),),
+            alt="Measured drag against speed with the preferred fit.",
+        )
 
 
 def _force_sd(data: TankData, points: int) -> Array | None:
@@ -80,59 +176,8 @@ def _force_sd(data: TankData, points: int) -> Array | None:
     return given
 
 
-def _coefficient_panel(
-    data: TankData,
-    fits: tuple[FittedModel, FittedModel],
-    reynolds: Array,
-    coefficients: Array,
-    force_sd: Array | None,
-    middle: float,
-) -> FitPanel:
-    settings = data.settings
-    assert isinstance(settings, DragSettings)
-    per_force = coefficients / data.columns["force_n"]
-    line = np.geomspace(reynolds.min(), reynolds.max(), 80)
-
-    def along(fitted: FittedModel) -> Array:
-        exponent = fitted["reynolds_exponent"].value if "reynolds_exponent" in fitted else 0.0
-        return np.asarray(reynolds_drag_coefficient(line, fitted["drag_coefficient"].value, exponent, middle))
-
-    curves = [FitCurve(fitted.name, line, along(fitted)) for fitted in fits]
-    if data.compared is not None and settings.compare is not None:
-        speed, other = _compared(data, settings)
-        at = np.asarray(reynolds_number(speed, settings.reference_length, data.viscosity))
-        curves.append(FitCurve(settings.compare.name, at, other, dots=True))
-    return FitPanel(
-        name="drag-coefficient",
-        x_label="Reynolds number",
-        y_label="drag coefficient",
-        x=reynolds,
-        y=coefficients,
-        y_sd=force_sd * per_force if force_sd is not None else np.full_like(coefficients, np.nan),
-        fitted=fits[0].fitted * per_force,
-        curves=tuple(curves),
-        alt=f"Measured drag coefficients against Reynolds number with the fit {fits[0].name}.",
-    )
-
-
-def _force_panel(speed: Array, force: Array, force_sd: Array | None, best: FittedModel) -> FitPanel:
-    return FitPanel(
-        name="drag-force",
-        x_label="speed [m/s]",
-        y_label="drag [N]",
-        x=speed,
-        y=force,
-        y_sd=force_sd if force_sd is not None else np.full_like(force, np.nan),
-        fitted=best.fitted,
-        curves=(FitCurve(best.name, speed, best.fitted),),
-        alt="Measured drag against speed with the preferred fit.",
-    )
-
-
-def _remarks(
-    data: TankData, simple: FittedModel, richer: FittedModel, reynolds: Array, coefficients: Array
-) -> tuple[str, ...]:
-    above = coefficients[reynolds > BLUFF_REYNOLDS]
+def _remarks(towing: _Towing, simple: FittedModel, richer: FittedModel, compared: _Compared | None) -> tuple[str, ...]:
+    coefficients, above = towing.coefficients, towing.coefficients[towing.reynolds > BLUFF_REYNOLDS]
     means = f"The plain mean of the {len(coefficients)} coefficients is {coefficients.mean():.3f}"
     means += f", of those above Re 1e5 {above.mean():.3f}." if 0 < len(above) < len(coefficients) else "."
     remarks = [means]
@@ -146,49 +191,35 @@ def _remarks(
             )
     exponent = richer["reynolds_exponent"]
     remarks.append(f"Against the Reynolds number the exponent is {exponent.value:.3f} ± {exponent.sd:.3f}.")
-    settings = data.settings
-    assert isinstance(settings, DragSettings)
-    if data.compared is not None and settings.compare is not None:
-        remarks.append(_comparison(data, settings, coefficients))
+    if compared is not None:
+        remarks.append(_comparison(towing, compared))
     return tuple(remarks)
 
 
-def _compared(data: TankData, settings: DragSettings) -> tuple[Array, Array]:
-    """Speeds [m/s] and drag coefficients of the other table, on its own reference area."""
-    assert data.compared is not None
-    assert settings.compare is not None
-    speed, force = data.compared["speed_m_s"], data.compared["force_n"]
-    area = settings.compare.reference_area or settings.reference_area
-    return speed, np.asarray(drag_coefficient(force, speed, area, data.density))
-
-
-def _comparison(data: TankData, settings: DragSettings, coefficients: Array) -> str:
+def _comparison(towing: _Towing, compared: _Compared) -> str:
     """How far the measurement lies from the other table, coefficient by coefficient at the same speeds."""
-    assert settings.compare is not None
-    speed, other = _compared(data, settings)
     shared = [
         (c, o)
-        for v, c in zip(data.columns["speed_m_s"], coefficients, strict=True)
-        for w, o in zip(speed, other, strict=True)
+        for v, c in zip(towing.speed, towing.coefficients, strict=True)
+        for w, o in zip(compared.speed, compared.coefficient, strict=True)
         if v == w
     ]
     if not shared:
-        return f"{settings.compare.name} has no speed in common with the measurement."
+        return f"{compared.name} has no speed in common with the measurement."
     here, there = np.array(shared).T
     below, above = 1.0 - here.mean() / there.mean(), there.mean() / here.mean() - 1.0
     words = ("below", "above") if below > 0.0 else ("above", "below")
-    name = settings.compare.name
     return (
-        f"The tank's mean coefficient lies {100 * abs(below):.1f} % {words[0]} that of {name} at the same "
-        f"speeds ({name} lies {100 * abs(above):.1f} % {words[1]} the tank)."
+        f"The tank's mean coefficient lies {100 * abs(below):.1f} % {words[0]} that of {compared.name} at the same "
+        f"speeds ({compared.name} lies {100 * abs(above):.1f} % {words[1]} the tank)."
     )
 
 
-def _fragment(best: FittedModel, settings: DragSettings, middle: float) -> Mapping[str, Any]:
-    """Write the vehicle's `drag:`, at full size where the data set is of a model."""
-    value = best["drag_coefficient"]
-    drag: dict[str, Any] = {
-        "coefficient": {"mean": round(value.value, 4), "sd": round(value.sd, 4)},
+def _fragment(best: FittedModel, settings: DragSettings, middle: float) -> Mapping[str, object]:
+    """The vehicle's `drag:`, at full size where the data set is of a model."""
+    coefficient = best["drag_coefficient"]
+    drag: dict[str, object] = {
+        "coefficient": {"mean": round(coefficient.value, 4), "sd": round(coefficient.sd, 4)},
         "area": f"{settings.reference_area * settings.scale**2:.6g} m^2",
     }
     if "reynolds_exponent" in best:

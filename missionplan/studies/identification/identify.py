@@ -1,10 +1,16 @@
-"""`identify`: hydrodynamic and thruster parameters, with their errors, from data of the tank."""
+"""`identify`: hydrodynamic and thruster parameters, with their errors, from tank data."""
 
 import time
-from collections.abc import Callable
 from pathlib import Path
 
-from missionplan.datasets.tank import TankData, read_tank_data
+from missionplan.datasets.tank import (
+    DragSettings,
+    OscillationSettings,
+    PropellerSettings,
+    TankData,
+    ThrusterSettings,
+    read_tank_data,
+)
 from missionplan.results.base import Provenance
 from missionplan.results.identification import Identification, TankAnalysis
 from missionplan.studies.identification.drag import identify_drag
@@ -12,16 +18,9 @@ from missionplan.studies.identification.oscillation import identify_oscillation
 from missionplan.studies.identification.propeller import identify_propeller
 from missionplan.studies.identification.thruster import identify_thruster
 
-_KINDS: dict[str, Callable[[TankData], TankAnalysis]] = {
-    "drag": identify_drag,
-    "free-oscillation": identify_oscillation,
-    "thruster": identify_thruster,
-    "propeller-transient": identify_propeller,
-}
-
 
 def identify(dataset: str | Path) -> Identification:
-    """Find the parameters that a data set of the tank holds.
+    """Find the parameters that a data set from a tank determines.
 
     Parameters
     ----------
@@ -42,17 +41,29 @@ def identify(dataset: str | Path) -> Identification:
     """
     started = time.perf_counter()
     data = read_tank_data(dataset)
-    analysis = _KINDS[data.settings.kind](data)
-    name = data.settings.name or Path(dataset).resolve().name
+    analysis = _analysis(data)
     provenance = Provenance(
         command="identify",
-        mission=name,
+        mission=data.name,
         file=str(dataset),
         seed=0,
         trials=0,
         options={},
         elapsed_s=time.perf_counter() - started,
         data=data.raw,
-        notices=data.notes,
+        notices=data.notices,
     )
-    return Identification(provenance, data.settings.kind, name, data.settings.source, analysis)
+    return Identification(provenance, data.settings.kind, data.name, data.settings.source, analysis)
+
+
+def _analysis(data: TankData) -> TankAnalysis:
+    """Analyse data by their kind."""
+    match data.settings:
+        case DragSettings() as settings:
+            return identify_drag(data, settings)
+        case OscillationSettings() as settings:
+            return identify_oscillation(data, settings)
+        case ThrusterSettings() as settings:
+            return identify_thruster(data, settings)
+        case PropellerSettings() as settings:
+            return identify_propeller(data, settings)

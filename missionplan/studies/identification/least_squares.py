@@ -1,4 +1,4 @@
-"""Weighted least squares with honest errors: the one fitting routine of `identify`."""
+"""Weighted least squares with errors that allow for the scatter: the one fitting routine of `identify`."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -12,13 +12,14 @@ from missionplan.errors import RunError
 from missionplan.results.identification import FittedModel, IdentifiedParameter
 
 INTERVAL = 0.90
+"""Probability of the intervals."""
 RANK_TOLERANCE = 1e-9
-"""Least singular value over the largest, of the scaled Jacobian, below which a parameter is not in the data."""
+"""Least singular value over the largest, of the scaled Jacobian, below which a parameter is not identifiable."""
 
 
 @dataclass(frozen=True)
-class Parameter:
-    """A parameter to fit: name, symbol, unit, where to start and its bounds."""
+class FitParameter:
+    """A parameter to fit: name, symbol, unit, starting value and bounds."""
 
     name: str
     symbol: str
@@ -31,30 +32,33 @@ class Parameter:
 def fit(
     name: str,
     model: Callable[[Array], Array],
-    parameters: Sequence[Parameter],
+    parameters: Sequence[FitParameter],
     data: Array,
     data_sd: Array | None = None,
     *,
     in_sequence: bool = False,
 ) -> FittedModel:
-    """Fit a model to data by least squares.
+    """Fit a model to data by least squares (trust region reflective, Branch, Coleman & Li 1999).
+
+    The covariance is that of the linearised model (Bates & Watts 1988, Nonlinear Regression Analysis and Its
+    Applications, ch. 2).
 
     Parameters
     ----------
     name : str
         The model in words.
     model : callable
-        Parameters (in the given order) to the model at the data, shape (points,).
-    parameters : sequence of Parameter
-        What to fit.
+        From parameters, in the given order, to the model at the data, shape (points,).
+    parameters : sequence of FitParameter
     data : array, shape (points,)
         Measured.
     data_sd : array, shape (points,), optional
-        Stated standard deviations. Where the scatter is wider than they say, the errors are widened by √(χ²/ν);
-        without them the scatter itself is the error.
+        Stated standard deviations. Where the scatter is larger, the errors are widened by √(χ²/ν) (Birge 1932, Phys.
+        Rev. 40, 207–227); without them the scatter itself is the error.
     in_sequence : bool
-        Whether the data are samples of one record: errors are then widened for residuals that follow one
-        another, by √((1 + r)/(1 - r)) of their lag-one correlation r.
+        Whether the data are samples of one record: errors are then widened for correlated residuals, by
+        √((1 + r)/(1 - r)) of their lag-one correlation r (Bayley & Hammersley 1946, J. R. Stat. Soc. Suppl. 8,
+        184–197).
 
     Returns
     -------
@@ -64,8 +68,8 @@ def fit(
     Raises
     ------
     RunError
-        When there are too few data, the fit does not converge, or the data leave a combination of the parameters
-        open.
+        When there are too few data, the fit does not converge, or the data do not determine a combination of the
+        parameters.
     """
     dof = len(data) - len(parameters)
     if dof < 1:
@@ -94,52 +98,66 @@ def fit(
     widened = _widening(chi_squared / dof, data_sd is not None, data - fitted if in_sequence else None)
     spread = covariance * widened**2 * (1.0 if data_sd is not None else chi_squared / dof)
     deviations = np.sqrt(np.diag(spread))
-    reach = float(stats.t.ppf(0.5 + INTERVAL / 2.0, dof))
+    quantile = float(stats.t.ppf(0.5 + INTERVAL / 2.0, dof))
     estimates = tuple(
-        IdentifiedParameter(p.name, p.symbol, float(v), float(sd), float(v - reach * sd), float(v + reach * sd), p.unit)
-        for p, v, sd in zip(parameters, solution.x, deviations, strict=True)
+        _estimate(p, float(v), float(sd), quantile) for p, v, sd in zip(parameters, solution.x, deviations, strict=True)
     )
     residual_sd = float(np.sqrt(np.sum((data - fitted) ** 2) / dof))
     stated = chi_squared if data_sd is not None else float("nan")
     return FittedModel(name, estimates, stated, dof, widened, fitted, residual_sd, spread)
 
 
+def _estimate(parameter: FitParameter, value: float, sd: float, quantile: float) -> IdentifiedParameter:
+    low, high = value - quantile * sd, value + quantile * sd
+    return IdentifiedParameter(parameter.name, parameter.symbol, value, sd, low, high, parameter.unit)
+
+
 def _widening(chi_squared_per_dof: float, stated: bool, residuals: Array | None) -> float:
+    """Factor on the errors for scatter beyond the stated errors, and for correlated residuals where they are given."""
     factor = float(np.sqrt(max(1.0, chi_squared_per_dof))) if stated else 1.0
     if residuals is not None and np.any(residuals != 0.0):
-        follow = float(np.sum(residuals[1:] * residuals[:-1]) / np.sum(residuals**2))
-        follow = min(max(follow, 0.0), 0.99)
-        factor *= float(np.sqrt((1.0 + follow) / (1.0 - follow)))
+        correlation = float(np.sum(residuals[1:] * residuals[:-1]) / np.sum(residuals**2))
+        correlation = min(max(correlation, 0.0), 0.99)
+        factor *= float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
     return factor
 
 
-def _covariance(name: str, jacobian: Array, parameters: Sequence[Parameter]) -> Array:
-    """Invert JᵀJ in scaled columns, and say which parameter the data leave open."""
+def _covariance(name: str, jacobian: Array, parameters: Sequence[FitParameter]) -> Array:
+    """Inverse of JᵀJ by a singular value decomposition of J with scaled columns.
+
+    Raises
+    ------
+    RunError
+        With the parameters that are not identifiable.
+    """
     norms = np.linalg.norm(jacobian, axis=0)
     for norm, parameter in zip(norms, parameters, strict=True):
         if norm == 0.0:
-            raise RunError(f"{name}: the data say nothing of {parameter.name}")
+            raise RunError(f"{name}: the data do not depend on {parameter.name}")
     _, singular, rows = np.linalg.svd(jacobian / norms, full_matrices=False)
     if singular[-1] < RANK_TOLERANCE * singular[0]:
-        open_ = [p.name for p, weight in zip(parameters, rows[-1], strict=True) if abs(weight) > 0.1]
-        raise RunError(f"{name}: {' and '.join(open_)} cannot be told apart with these data")
+        confounded = [p.name for p, weight in zip(parameters, rows[-1], strict=True) if abs(weight) > 0.1]
+        raise RunError(f"{name}: {' and '.join(confounded)} cannot be distinguished with these data")
     inverse = (rows.T / singular**2) @ rows
     covariance: Array = inverse / np.outer(norms, norms)
     return covariance
 
 
-def derived(
+def scaled_estimate(
     name: str, symbol: str, unit: str, source: IdentifiedParameter, factor: float, offset: float = 0.0
 ) -> IdentifiedParameter:
-    """Estimate of ``factor`` × a parameter + ``offset``, errors carried along."""
+    """Estimate of ``factor`` × a parameter + ``offset``, with its errors."""
     ends = sorted((factor * source.low + offset, factor * source.high + offset))
     return IdentifiedParameter(
         name, symbol, factor * source.value + offset, abs(factor) * source.sd, ends[0], ends[1], unit
     )
 
 
-def adds_something(simple: FittedModel, richer: FittedModel, level: float = 0.01) -> bool:
-    """Whether a richer, nested model is worth its parameters: an F test of the residual sums, by default at 1 %."""
+def f_test_prefers(simple: FittedModel, richer: FittedModel, level: float = 0.01) -> bool:
+    """Whether an F test of the residual sums of squares prefers a richer model to the one nested in it, at a level.
+
+    Bates & Watts 1988, ch. 3.
+    """
     extra = simple.degrees_of_freedom - richer.degrees_of_freedom
     sum_simple = simple.residual_sd**2 * simple.degrees_of_freedom
     sum_richer = richer.residual_sd**2 * richer.degrees_of_freedom

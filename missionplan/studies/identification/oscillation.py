@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -12,72 +11,91 @@ from missionplan.datasets.tank import OscillationSettings, TankData
 from missionplan.physics import oscillation as osc
 from missionplan.physics.tank import full_size_mass
 from missionplan.results.identification import FitCurve, FitPanel, FittedModel, IdentifiedParameter, TankAnalysis
-from missionplan.studies.identification.least_squares import INTERVAL, Parameter, adds_something, derived, fit
+from missionplan.studies.identification.least_squares import (
+    INTERVAL,
+    FitParameter,
+    f_test_prefers,
+    fit,
+    scaled_estimate,
+)
 
 
-def identify_oscillation(data: TankData) -> TankAnalysis:
+def identify_oscillation(data: TankData, settings: OscillationSettings) -> TankAnalysis:
     """Find added mass from natural frequencies, or added mass and damping from a record of displacement."""
-    return _from_frequencies(data) if "frequency_hz" in data.columns else _from_record(data)
+    return _from_frequencies(data, settings) if "frequency_hz" in data.columns else _from_record(data, settings)
 
 
-def _given(data: TankData) -> tuple[float, float, float]:
-    """Stiffness [N/m], mass in air [kg] and scale."""
-    settings = data.settings
-    assert isinstance(settings, OscillationSettings)
-    assert settings.stiffness is not None
-    assert settings.mass is not None
-    return settings.stiffness, settings.mass, settings.scale
-
-
-def _from_frequencies(data: TankData) -> TankAnalysis:
-    """One added mass for each mode; k and m are given, as frequencies alone hold only k/(m + m_ad)."""
-    stiffness, mass, scale = _given(data)
+def _from_frequencies(data: TankData, settings: OscillationSettings) -> TankAnalysis:
+    """One added mass for each mode; k and m are given, as frequencies determine only k/(m + m_ad)."""
+    stiffness, scale = settings.stiffness, settings.scale
     frequency, modes = data.columns["frequency_hz"], data.labels["mode"]
-    frequency_sd = data.columns.get("frequency_sd_hz", np.full_like(frequency, np.nan))
-    added = np.asarray(osc.added_mass(frequency, stiffness, mass))
-    added_sd = np.asarray(osc.added_mass_sd(frequency, frequency_sd, stiffness))
-    reach = float(stats.norm.ppf(0.5 + INTERVAL / 2.0))
-    estimates = tuple(
-        IdentifiedParameter(
-            f"added_mass_{mode}", f"m_ad {mode}", float(m), float(s), float(m - reach * s), float(m + reach * s), "kg"
-        )
-        for mode, m, s in zip(modes, added, added_sd, strict=True)
-    )
-    direct = FittedModel(
-        "added mass from each frequency", estimates, math.nan, 0, 1.0, added, math.nan, np.diag(added_sd**2)
-    )
-    place = np.arange(len(modes), dtype=float)
-    full = tuple(derived(f"{e.name}_full_size", e.symbol, "kg", e, scale**3) for e in estimates) if scale != 1.0 else ()
-    words = ", ".join(f"{mode} {value:.2f} kg" for mode, value in zip(modes, added, strict=True))
+    direct = _added_masses(data, settings)
+    estimates, masses = direct.estimates, direct.fitted
+    words = ", ".join(f"{mode} {value:.2f} kg" for mode, value in zip(modes, masses, strict=True))
+    full_size = tuple(scaled_estimate(f"{e.name}_full_size", e.symbol, "kg", e, scale**3) for e in estimates)
     return TankAnalysis(
         answer=f"Added mass: {words}.",
         fits=(direct,),
-        panels=(
-            FitPanel(
-                "added-mass",
-                "",
-                "added mass [kg]",
-                place,
-                added,
-                added_sd,
-                added,
-                (),
-                f"Added mass of each mode: {words}.",
-                tuple(modes),
-            ),
-        ),
+        panels=(_mass_panel(direct, modes, words),),
         remarks=(
-            f"Stiffness {stiffness:g} N/m and mass {mass:g} kg are taken as given: an error of 1 % in the stiffness is "
-            f"one of {stiffness / 100 / (2 * math.pi * float(frequency.mean())) ** 2:.2f} kg in the added mass.",
+            f"Stiffness {stiffness:g} N/m and mass {settings.mass:g} kg are taken as given: an error of 1 % in the "
+            f"stiffness is one of {stiffness / 100 / (2 * math.pi * float(frequency.mean())) ** 2:.2f} kg in the added "
+            "mass.",
         ),
         fragment=_fragment(modes, estimates, scale),
-        derived=full,
+        derived=full_size if scale != 1.0 else (),
     )
 
 
-def _fragment(modes: list[str], estimates: tuple[IdentifiedParameter, ...], scale: float) -> Mapping[str, Any]:
-    """Write the vehicle's `added_mass:`, at full size."""
-    masses: dict[str, Any] = {}
+def _added_masses(data: TankData, settings: OscillationSettings) -> FittedModel:
+    """Added mass of each mode from its frequency, with the error of the frequency."""
+    frequency = data.columns["frequency_hz"]
+    frequency_sd = data.columns.get("frequency_sd_hz", np.full_like(frequency, np.nan))
+    added = np.asarray(osc.added_mass(frequency, settings.stiffness, settings.mass))
+    added_sd = np.asarray(osc.added_mass_sd(frequency, frequency_sd, settings.stiffness))
+    quantile = float(stats.norm.ppf(0.5 + INTERVAL / 2.0))
+    estimates = tuple(
+        IdentifiedParameter(
+            name=f"added_mass_{mode}",
+            symbol=f"m_ad {mode}",
+            value=float(mass),
+            sd=float(sd),
+            low=float(mass - quantile * sd),
+            high=float(mass + quantile * sd),
+            unit="kg",
+        )
+        for mode, mass, sd in zip(data.labels["mode"], added, added_sd, strict=True)
+    )
+    return FittedModel(
+        name="added mass from each frequency",
+        estimates=estimates,
+        chi_squared=math.nan,
+        degrees_of_freedom=0,
+        widened=1.0,
+        fitted=added,
+        residual_sd=math.nan,
+        covariance=np.diag(added_sd**2),
+    )
+
+
+def _mass_panel(direct: FittedModel, modes: list[str], words: str) -> FitPanel:
+    return FitPanel(
+        name="added-mass",
+        x_label="",
+        y_label="added mass [kg]",
+        x=np.arange(len(modes), dtype=float),
+        y=direct.fitted,
+        y_sd=np.array([estimate.sd for estimate in direct.estimates]),
+        fitted=direct.fitted,
+        curves=(),
+        alt=f"Added mass of each mode: {words}.",
+        ticks=tuple(modes),
+    )
+
+
+def _fragment(modes: list[str], estimates: tuple[IdentifiedParameter, ...], scale: float) -> Mapping[str, object]:
+    """The vehicle's `added_mass:`, at full size."""
+    masses: dict[str, object] = {}
     for mode, estimate in zip(modes, estimates, strict=True):
         mean = f"{float(full_size_mass(estimate.value, scale)):.5g} kg"
         sd = float(full_size_mass(estimate.sd, scale))
@@ -85,12 +103,31 @@ def _fragment(modes: list[str], estimates: tuple[IdentifiedParameter, ...], scal
     return {"added_mass": masses}
 
 
-def _from_record(data: TankData) -> TankAnalysis:
+def _from_record(data: TankData, settings: OscillationSettings) -> TankAnalysis:
     """Fit a decaying oscillation with linear, then linear and quadratic damping, to a record of displacement."""
-    stiffness, mass, scale = _given(data)
     time, record = data.columns["t_s"], data.columns["displacement_m"]
-    noise = data.settings.noise.displacement
+    noise = settings.noise.displacement
     record_sd = None if noise is None else np.full_like(record, noise)
+    simple, richer = _damped_fits(time, record, record_sd)
+    fits = (richer, simple) if f_test_prefers(simple, richer) else (simple, richer)
+    physical = _physical(fits[0], settings.stiffness, settings.mass)
+    added, widened = physical[0], fits[0].widened
+    remark = (
+        f"Errors were widened {widened:.1f} times for scatter beyond the stated noise and for residuals "
+        "that follow one another."
+    )
+    return TankAnalysis(
+        answer=f"The added mass is {added.value:.3g} kg (90 % interval {added.low:.3g} to {added.high:.3g} kg).",
+        fits=fits,
+        panels=(_record_panel(time, record, record_sd, fits),),
+        remarks=(remark,) if widened > 1.05 else (),
+        fragment=_fragment(["surge"], (added,), settings.scale),
+        derived=physical,
+    )
+
+
+def _damped_fits(time: Array, record: Array, record_sd: Array | None) -> tuple[FittedModel, FittedModel]:
+    """Fit linear damping, and linear and quadratic damping."""
     parameters = starting_values(time, record)
 
     def linear(values: Array) -> Array:
@@ -102,29 +139,18 @@ def _from_record(data: TankData) -> TankAnalysis:
         return np.asarray(offset + osc.displacement(time, start, velocity, f, delta, beta))
 
     amplitude = float(np.ptp(record)) / 2.0
-    quadratic = Parameter("quadratic_rate", "β", "1/m", 0.1 / amplitude, low=0.0)
+    quadratic = FitParameter("quadratic_rate", "β", "1/m", 0.1 / amplitude, low=0.0)
     simple = fit("linear damping", linear, parameters, record, record_sd, in_sequence=True)
     richer = fit("linear and quadratic damping", both, [*parameters, quadratic], record, record_sd, in_sequence=True)
-    fits = (richer, simple) if adds_something(simple, richer) else (simple, richer)
-    found = _physical(fits[0], stiffness, mass)
-    added = found[0]
-    return TankAnalysis(
-        answer=f"The added mass is {added.value:.3g} kg (90 % interval {added.low:.3g} to {added.high:.3g} kg).",
-        fits=fits,
-        panels=(_record_panel(time, record, record_sd, fits),),
-        remarks=(
-            f"Errors were widened {fits[0].widened:.1f} times for scatter beyond the stated noise and for residuals "
-            "that follow one another.",
-        )
-        if fits[0].widened > 1.05
-        else (),
-        fragment=_fragment(["surge"], (added,), scale),
-        derived=found,
-    )
+    return simple, richer
 
 
-def starting_values(time: Array, record: Array) -> list[Parameter]:
-    """Starting values: the strongest frequency of the record, its first sample and its mean."""
+def starting_values(time: Array, record: Array) -> list[FitParameter]:
+    """Starting values: the strongest frequency of the record, its first sample and its mean.
+
+    The frequency is the peak of a discrete Fourier transform with a Hann window, padded with zeros (Harris 1978, Proc.
+    IEEE 66, 51–83).
+    """
     step = float(np.median(np.diff(time)))
     even = np.arange(time[0], time[-1], step)
     spectrum = np.abs(
@@ -135,11 +161,11 @@ def starting_values(time: Array, record: Array) -> list[Parameter]:
     half = len(record) // 2
     decay = math.log(max(float(np.std(record[:half]) / np.std(record[half:])), 1.0)) / (float(time[-1] - time[0]) / 2.0)
     return [
-        Parameter("frequency", "f", "Hz", frequency, low=0.0),
-        Parameter("start", "x₀", "m", float(record[0] - record.mean())),
-        Parameter("start_velocity", "v₀", "m/s", velocity),
-        Parameter("offset", "x̄", "m", float(record.mean())),
-        Parameter("linear_rate", "δ", "1/s", max(decay, 1e-3), low=0.0),
+        FitParameter("frequency", "f", "Hz", frequency, low=0.0),
+        FitParameter("start", "x₀", "m", float(record[0] - record.mean())),
+        FitParameter("start_velocity", "v₀", "m/s", velocity),
+        FitParameter("offset", "x̄", "m", float(record.mean())),
+        FitParameter("linear_rate", "δ", "1/s", max(decay, 1e-3), low=0.0),
     ]
 
 
@@ -148,23 +174,23 @@ def _physical(best: FittedModel, stiffness: float, mass: float) -> tuple[Identif
     frequency = best["frequency"]
     total = stiffness / (2.0 * math.pi * frequency.value) ** 2
     slope = -2.0 * total / frequency.value
-    shifted = derived("added_mass", "m_ad", "kg", frequency, slope, total - mass - slope * frequency.value)
-    found = [shifted, derived("linear_damping", "b", "kg/s", best["linear_rate"], 2.0 * total)]
+    shifted = scaled_estimate("added_mass", "m_ad", "kg", frequency, slope, total - mass - slope * frequency.value)
+    found = [shifted, scaled_estimate("linear_damping", "b", "kg/s", best["linear_rate"], 2.0 * total)]
     if "quadratic_rate" in best:
-        found.append(derived("quadratic_damping", "c", "kg/m", best["quadratic_rate"], total))
+        found.append(scaled_estimate("quadratic_damping", "c", "kg/m", best["quadratic_rate"], total))
     return tuple(found)
 
 
 def _record_panel(time: Array, record: Array, record_sd: Array | None, fits: tuple[FittedModel, ...]) -> FitPanel:
     sd = np.full_like(record, np.nan) if record_sd is None else record_sd
     return FitPanel(
-        "displacement",
-        "time [s]",
-        "displacement [m]",
-        time,
-        record,
-        sd,
-        fits[0].fitted,
-        (FitCurve(fits[0].name, time, fits[0].fitted),),
-        f"Displacement against time with the fit {fits[0].name}.",
+        name="displacement",
+        x_label="time [s]",
+        y_label="displacement [m]",
+        x=time,
+        y=record,
+        y_sd=sd,
+        fitted=fits[0].fitted,
+        curves=(FitCurve(fits[0].name, time, fits[0].fitted),),
+        alt=f"Displacement against time with the fit {fits[0].name}.",
     )

@@ -1,7 +1,6 @@
 """A propeller's constants from a transient: quasi-steady, and with axial-flow dynamics (Blanke et al.)."""
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -11,63 +10,78 @@ from missionplan.errors import InputError, Problem
 from missionplan.physics.drag import disc_area
 from missionplan.physics.propeller import Propeller, thrust
 from missionplan.physics.propulsion import propeller_response
-from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
-from missionplan.studies.identification.least_squares import Parameter, adds_something, derived, fit
+from missionplan.results.identification import FitCurve, FitPanel, FittedModel, IdentifiedParameter, TankAnalysis
+from missionplan.studies.identification.least_squares import FitParameter, f_test_prefers, fit, scaled_estimate
 
 TURN = 2.0 * math.pi
 _TORQUE_REMARK = "A vehicle file also needs `torque_coefficient`, which thrust alone does not tell: add it."
 
 
-def identify_propeller(data: TankData) -> TankAnalysis:
-    """Fit T_nn and T_nu with the flow in the disc settled, then T_nn, T° and m_f with the flow on its own.
+def identify_propeller(data: TankData, settings: PropellerSettings) -> TankAnalysis:
+    """Fit T_nn and T_nu with the flow in the disc settled, then T_nn, T° and m_f with dynamics of the flow.
 
-    The damping of the flow is given (2ρA_p, or the data set's): at rest, thrust alone leaves one combination of
-    T°, m_f and d_f open.
+    The damping of the flow is given (2ρA_p, or the data set's): at rest, thrust alone does not determine one
+    combination of T°, m_f and d_f.
 
     Raises
     ------
     InputError
         When the shaft rate was not measured and the data set lacks what it follows from.
     """
-    settings = data.settings
-    assert isinstance(settings, PropellerSettings)
-    run = TransientRun(data, settings.geometry)
+    geometry = settings.geometry
+    run = TransientRun(data, geometry)
     measured = data.columns["thrust_n"]
     noise = settings.noise.thrust
     thrust_sd = None if noise is None else np.full_like(measured, noise)
-    unit = run.density * settings.geometry.diameter**4 / TURN**2
-    constants = [
-        Parameter("thrust_nn", "T_nn", "N*s^2", 0.4 * unit, low=0.0),
-        Parameter("thrust_nu", "T°_nu", "kg", -0.8 * unit * TURN / settings.geometry.diameter, high=0.0),
-    ]
-    water = run.density * float(disc_area(settings.geometry.diameter)) * settings.geometry.diameter
-    flow_mass = Parameter("flow_mass", "m_f", "kg", water, low=0.01 * water, high=100.0 * water)
-    steady = fit("quasi-steady thrust", run.quasi_steady, constants, measured, thrust_sd, in_sequence=True)
-    dynamic = fit("axial-flow dynamics", run.axial_flow, [*constants, flow_mass], measured, thrust_sd, in_sequence=True)
-    wins = adds_something(steady, dynamic) and dynamic.residual_sd < steady.residual_sd
-    fits = (dynamic, steady) if wins else (steady, dynamic)
-    scale = TURN**2 / (run.density * settings.geometry.diameter**4)
-    slope = TURN * (1.0 + settings.geometry.axial_flow_factor) / (run.density * settings.geometry.diameter**3)
-    found = (
-        derived("thrust_coefficient", "α₀", "", fits[0]["thrust_nn"], scale),
-        derived("thrust_coefficient_slope", "α₁", "", fits[0]["thrust_nu"], slope),
-    )
+    steady, dynamic = _fits(run, measured, thrust_sd)
+    prefers_dynamic = f_test_prefers(steady, dynamic) and dynamic.residual_sd < steady.residual_sd
+    fits = (dynamic, steady) if prefers_dynamic else (steady, dynamic)
+    level, slope = _open_water(fits[0], geometry, run.density)
     return TankAnalysis(
-        answer=f"Thrust follows {fits[0].name}: K_T = {found[0].value:.3f} - {-found[1].value:.3f} J.",
+        answer=f"Thrust follows {fits[0].name}: K_T = {level.value:.3f} - {-slope.value:.3f} J.",
         fits=fits,
         panels=(run.panel(measured, thrust_sd, fits),),
         remarks=(
             f"Residuals: {dynamic.residual_sd:.3g} N with axial-flow dynamics, {steady.residual_sd:.3g} N without.",
             f"The flow's damping is taken as {run.damping:.4g} kg/m.",
-            *(() if settings.geometry.torque_coefficient else (_TORQUE_REMARK,)),
+            *(() if geometry.torque_coefficient else (_TORQUE_REMARK,)),
         ),
-        fragment={"propulsion": _fragment(settings.geometry, fits, found[0].value, found[1].value)},
-        derived=found,
+        fragment={"propulsion": _fragment(geometry, fits, level.value, slope.value)},
+        derived=(level, slope),
     )
 
 
-def _fragment(geometry: PropellerGeometry, fits: tuple[FittedModel, ...], level: float, slope: float) -> dict[str, Any]:
-    fragment: dict[str, Any] = {
+def _fits(run: "TransientRun", measured: Array, thrust_sd: Array | None) -> tuple[FittedModel, FittedModel]:
+    """Fit the quasi-steady model, and axial-flow dynamics."""
+    diameter = run.geometry.diameter
+    unit = run.density * diameter**4 / TURN**2
+    constants = [
+        FitParameter("thrust_nn", "T_nn", "N*s^2", 0.4 * unit, low=0.0),
+        FitParameter("thrust_nu", "T°_nu", "kg", -0.8 * unit * TURN / diameter, high=0.0),
+    ]
+    water = run.density * float(disc_area(diameter)) * diameter
+    flow_mass = FitParameter("flow_mass", "m_f", "kg", water, low=0.01 * water, high=100.0 * water)
+    steady = fit("quasi-steady thrust", run.quasi_steady, constants, measured, thrust_sd, in_sequence=True)
+    dynamic = fit("axial-flow dynamics", run.axial_flow, [*constants, flow_mass], measured, thrust_sd, in_sequence=True)
+    return steady, dynamic
+
+
+def _open_water(
+    best: FittedModel, geometry: PropellerGeometry, density: float
+) -> tuple[IdentifiedParameter, IdentifiedParameter]:
+    """Level and slope of the thrust coefficient against the advance ratio."""
+    scale = TURN**2 / (density * geometry.diameter**4)
+    slope = TURN * (1.0 + geometry.axial_flow_factor) / (density * geometry.diameter**3)
+    return (
+        scaled_estimate("thrust_coefficient", "α₀", "", best["thrust_nn"], scale),
+        scaled_estimate("thrust_coefficient_slope", "α₁", "", best["thrust_nu"], slope),
+    )
+
+
+def _fragment(
+    geometry: PropellerGeometry, fits: tuple[FittedModel, ...], level: float, slope: float
+) -> dict[str, object]:
+    fragment: dict[str, object] = {
         "diameter": f"{geometry.diameter:.6g} m",
         "thrust_coefficient": [round(level, 5), round(slope, 5)],
         "wake_fraction": geometry.wake_fraction,
@@ -81,7 +95,7 @@ def _fragment(geometry: PropellerGeometry, fits: tuple[FittedModel, ...], level:
 
 
 class TransientRun:
-    """The measured run, and the thrust that a propeller would make in it."""
+    """A measured run, and the thrust that a propeller would make in it."""
 
     def __init__(self, data: TankData, geometry: PropellerGeometry) -> None:
         self.time, self.speed = data.columns["t_s"], data.columns["speed_m_s"]
@@ -116,7 +130,7 @@ class TransientRun:
         )
 
     def axial_flow(self, values: Array) -> Array:
-        """Thrust with the flow in the disc on its own."""
+        """Thrust with dynamics of the flow in the disc."""
         propeller = self.propeller(values)
         rate, flow = propeller_response(
             propeller, self.time, self.speed, shaft_rate=self.shaft_rate, motor_torque=self.torque
@@ -136,13 +150,13 @@ class TransientRun:
     def panel(self, measured: Array, thrust_sd: Array | None, fits: tuple[FittedModel, ...]) -> FitPanel:
         """Thrust against time, and both fits."""
         return FitPanel(
-            "thrust",
-            "time [s]",
-            "thrust [N]",
-            self.time,
-            measured,
-            np.full_like(measured, np.nan) if thrust_sd is None else thrust_sd,
-            fits[0].fitted,
-            tuple(FitCurve(fitted.name, self.time, fitted.fitted) for fitted in fits),
-            "Thrust against time with the fits of both models.",
+            name="thrust",
+            x_label="time [s]",
+            y_label="thrust [N]",
+            x=self.time,
+            y=measured,
+            y_sd=np.full_like(measured, np.nan) if thrust_sd is None else thrust_sd,
+            fitted=fits[0].fitted,
+            curves=tuple(FitCurve(fitted.name, self.time, fitted.fitted) for fitted in fits),
+            alt="Thrust against time with the fits of both models.",
         )

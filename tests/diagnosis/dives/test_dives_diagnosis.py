@@ -82,7 +82,7 @@ def test_a_hidden_cause_is_found_and_measured(measured, name, parameters):
     assert found.claimed.candidate.causes == (name,)
     for estimate in found.best.estimates:
         assert abs(estimate.value - parameters[estimate.name]) < 4.0 * estimate.sd
-    gain = found.gains[(name,)]
+    gain = found.held_out[(name,)].gain
     assert gain.log_score_gain > 0.0
     assert gain.rmse_extended < 0.6 * gain.rmse_base
 

@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
-from missionplan.diagnosis.inference.selection import credible_set, posteriors, rivals, select
+from missionplan.diagnosis.inference.posterior import credible_set, posteriors, rivals
+from missionplan.diagnosis.inference.selection import select
 from missionplan.errors import RunError
 from missionplan.results.diagnosis import Causes, ParameterEstimate
 

@@ -6,7 +6,7 @@ from scipy.stats import multivariate_normal
 
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
-from missionplan.diagnosis.model_factory import transit_model
+from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission

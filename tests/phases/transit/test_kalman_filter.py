@@ -13,9 +13,9 @@ from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.phases.hooks import Leg
 from missionplan.phases.transit.compensation import CompletedLeg, Forecast, PlannedLeg, RunningMean
 from missionplan.phases.transit.kalman_filter import (
-    LEFT_OVER,
+    MISS_REMAINDER,
+    MISS_UNDERSHOOT,
     PERSISTENT,
-    RETREAT,
     STEADY,
     SURFACE,
     WAVES,
@@ -200,7 +200,7 @@ def test_it_stops_well_short_only_where_a_leg_will_miss(price):
 
 
 def test_the_mean_left_over_is_that_of_a_rice_distance():
-    assert stats.rice(RETREAT).mean() - RETREAT == pytest.approx(LEFT_OVER, abs=1e-4)
+    assert stats.rice(MISS_UNDERSHOOT).mean() - MISS_UNDERSHOOT == pytest.approx(MISS_REMAINDER, abs=1e-4)
 
 
 def test_a_plan_that_stops_short_by_itself_is_kept():

@@ -124,7 +124,7 @@ def test_a_spread_that_no_leg_escapes_agrees_with_monte_carlo(base_spread):
 def test_refining_the_grid_changes_nothing(monkeypatch):
     case = (800.0, 1.0, 50.0, 0.06)
     coarse = best_legs(*case, SURFACING).bound
-    monkeypatch.setattr(bellman, "WIDEST_PANEL", 0.08)
+    monkeypatch.setattr(bellman, "MAX_PANEL_WIDTH", 0.08)
     monkeypatch.setattr(bellman, "CANDIDATES", 60)
     assert best_legs(*case, SURFACING).bound == pytest.approx(coarse, abs=1e-5)
 

@@ -1,12 +1,12 @@
-"""Bellman's equation of a transit in legs: the leg length at each distance left that goes on best.
+"""Bellman's equation of a transit in legs: the optimal leg length at each distance left.
 
-With the assumptions of `expectation`, the least expected time to go solves
+Under the assumptions of `expectation`, the least expected time to go solves
 
     J(d) = min over ℓ of ℓ/U + t_s + E[J(d′); d′ > r_x],    J = 0 for d ≤ r_x,
 
 where d′ is Rice-distributed about d − ℓ with scale s, s² = (σℓ/U)² + s₀², and 0 < ℓ ≤ d. Policy iteration (Howard)
-alternates between the best legs for a given J, by a scan and a golden section, and the J of given legs, by a linear
-solve.
+alternates between the best legs for a given J, by a scan and golden-section search, and the J of given legs, by a
+linear solve.
 """
 
 from dataclasses import dataclass
@@ -27,15 +27,15 @@ from missionplan.phases.transit.analytic.rice_panels import (
 CANDIDATES = 40
 """Leg lengths scanned at each distance left."""
 SECTIONS = 12
-"""Of the golden section between two candidates, which narrows it to a 300th."""
-SETTLED = 1e-6
+"""Steps of golden-section search between two candidates, which narrow the interval to a 300th."""
+TOLERANCE = 1e-6
 """Relative change of J that ends policy iteration."""
-WIDEST_PANEL = 0.12
-"""Of the grid, in the distance left."""
+MAX_PANEL_WIDTH = 0.12
+"""Of the grid, relative to the distance left."""
 JUMP = 1.0
-"""A jump of the leg length is two knots no farther apart than this [m]."""
-ROUNDS = 50
-"""Of policy iteration; ten are many."""
+"""Greatest distance between the two knots of a jump in the leg length [m]."""
+MAX_ITERATIONS = 50
+"""Of policy iteration, which seldom needs ten."""
 
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
@@ -56,10 +56,10 @@ class Bellman:
         s₀ [m].
     surfacing : float
         t_s U [m].
-    ladder : array, shape (nodes, CANDIDATES)
+    candidates : array, shape (nodes, CANDIDATES)
         Leg lengths scanned at each node [m].
-    outlook : csr_array, shape (nodes * CANDIDATES, nodes)
-        E[J(d′); d′ > r_x] after each of them, as a matrix.
+    transition : csr_array, shape (nodes * CANDIDATES, nodes)
+        Transition matrix of the candidates: E[J(d′); d′ > r_x] after each of them from J at the nodes.
     """
 
     panels: Panels
@@ -67,34 +67,33 @@ class Bellman:
     k: float
     base: float
     surfacing: float
-    ladder: Array
-    outlook: csr_array
+    candidates: Array
+    transition: csr_array
 
     @classmethod
     def on_grid(cls, distance: float, arrival_radius: float, k: float, surfacing: float, base: float) -> "Bellman":
-        """Lay the grid, finest at the arrival radius, where legs are short, and prepare the scan."""
+        """Build the grid, finest at the arrival radius where legs are short, and the candidates of the scan."""
 
         def width(d: Array) -> Array:
-            return np.maximum(np.minimum(0.3 * (d - arrival_radius), WIDEST_PANEL * d), 0.02 * arrival_radius)
+            return np.maximum(np.minimum(0.3 * (d - arrival_radius), MAX_PANEL_WIDTH * d), 0.02 * arrival_radius)
 
-        # A leg may lead away only where TAIL k > 1, and legs that may lead far away do not pay.
+        # A leg can end farther away only where TAIL k > 1, and legs that may end far away do not pay.
         top = (distance if TAIL * k < 1.0 else 10.0 * distance) + 2.0 * TAIL * base
         panels = graded_panels(np.array([arrival_radius, distance, top]), width)
-        ladder, outlook = _scan(panels, panels.nodes, k, base)
-        return cls(panels, distance, k, base, surfacing, ladder, outlook)
+        return cls(panels, distance, k, base, surfacing, *_scan(panels, panels.nodes, k, base))
 
     def solve(self) -> tuple[Array, Array]:
-        """Best legs: distances left, ascending, and leg lengths, with jumps resolved to `JUMP`.
+        """Optimal legs: distances left, ascending, and leg lengths, with jumps resolved to `JUMP`.
 
         Raises
         ------
         ValueError
-            If policy iteration does not settle.
+            If policy iteration does not converge.
         """
         left = self.panels.nodes
         to_go = self._evaluate(left)
-        _, to_go = self._settle(left, to_go, sections=0)
-        leg, to_go = self._settle(left, to_go, sections=SECTIONS)
+        _, to_go = self._iterate(left, to_go, sections=0)
+        leg, to_go = self._iterate(left, to_go, sections=SECTIONS)
         return self._resolve_jumps(left, leg, to_go)
 
     def _scale(self, leg: Array) -> Array:
@@ -102,14 +101,14 @@ class Bellman:
         scale: Array = np.hypot(self.k * leg, self.base)
         return scale
 
-    def _settle(self, left: Array, to_go: Array, sections: int) -> tuple[Array, Array]:
-        """Iterate policies until J changes no more: legs at the nodes, J there."""
-        for _ in range(ROUNDS):
-            leg = self._improve(left, self.ladder, self.outlook, to_go, sections)
+    def _iterate(self, left: Array, to_go: Array, sections: int) -> tuple[Array, Array]:
+        """Iterate policies until J converges: legs at the nodes, J there."""
+        for _ in range(MAX_ITERATIONS):
+            leg = self._improve(left, self.candidates, self.transition, to_go, sections)
             before, to_go = to_go, self._evaluate(leg)
-            if np.max(np.abs(to_go / before - 1.0)) < SETTLED:
+            if np.max(np.abs(to_go / before - 1.0)) < TOLERANCE:
                 return leg, to_go
-        raise ValueError("the best legs did not settle: the velocity error is too large")
+        raise ValueError("the best legs did not converge: the velocity error is too large")
 
     def _evaluate(self, leg: Array) -> Array:
         """J of given legs at the nodes."""
@@ -117,14 +116,15 @@ class Bellman:
         solution: Array = solve_ascending(matrix, (leg + self.surfacing)[:, None])[:, 0]
         return solution
 
-    def _improve(self, left: Array, ladder: Array, outlook: csr_array, to_go: Array, sections: int) -> Array:
-        """Best leg from each distance left, if J is `to_go` afterwards: the best of a ladder, refined if asked."""
-        best = np.argmin(ladder + (outlook @ to_go).reshape(ladder.shape), axis=1)
+    def _improve(self, left: Array, candidates: Array, transition: csr_array, to_go: Array, sections: int) -> Array:
+        """Best leg from each distance left, if J is `to_go` afterwards: the best candidate, refined in `sections`."""
+        best = np.argmin(candidates + (transition @ to_go).reshape(candidates.shape), axis=1)
         rows = np.arange(left.size)
         if sections == 0:
-            chosen: Array = ladder[rows, best]
+            chosen: Array = candidates[rows, best]
             return chosen
-        low, high = ladder[rows, np.maximum(best - 1, 0)], ladder[rows, np.minimum(best + 1, CANDIDATES - 1)]
+        low = candidates[rows, np.maximum(best - 1, 0)]
+        high = candidates[rows, np.minimum(best + 1, CANDIDATES - 1)]
 
         def total(leg: Array) -> Array:
             expected: Array = leg + expectation_matrix(self.panels, left - leg, self._scale(leg)) @ to_go
@@ -150,19 +150,19 @@ class Bellman:
 
 
 def is_steep(left: Array, leg: Array) -> NDArray[np.bool_]:
-    """Whether the leg length changes by more than interpolation should bridge, between each knot and the next."""
+    """Whether the leg length changes too steeply to be interpolated, between each knot and the next."""
     steep: NDArray[np.bool_] = np.abs(np.diff(leg)) > 1.5 * np.diff(left) + 0.02 * left[1:] + JUMP
     return steep
 
 
 def _scan(panels: Panels, left: Array, k: float, base: float) -> tuple[Array, csr_array]:
-    """Leg lengths to scan from each distance left, and E[J(d′)] after each of them as a matrix.
+    """Candidate leg lengths from each distance left, and their transition matrix.
 
-    Ascending, shape (n, CANDIDATES): they aim at points evenly spaced near the target, over the arrival circle and the
-    error of a full leg, and geometrically beyond.
+    Candidates ascend, shape (n, CANDIDATES). They aim at points that are evenly spaced near the target, over the
+    arrival circle and the error of a full leg, and geometrically beyond.
     """
     near = (panels.edges[0] + 3.0 * np.hypot(k * left, base))[:, None]
     steps = np.linspace(1.0, 0.0, CANDIDATES + 1)[1:]
-    ladder = left[:, None] - near * np.sinh(np.arcsinh(left[:, None] / near) * steps)
-    legs = ladder.ravel()
-    return ladder, expectation_matrix(panels, np.repeat(left, CANDIDATES) - legs, np.hypot(k * legs, base))
+    candidates = left[:, None] - near * np.sinh(np.arcsinh(left[:, None] / near) * steps)
+    legs = candidates.ravel()
+    return candidates, expectation_matrix(panels, np.repeat(left, CANDIDATES) - legs, np.hypot(k * legs, base))

@@ -1,13 +1,13 @@
 """Expected time of a transit in legs, without Monte Carlo.
 
-For isotropic zero-mean velocity errors, drawn anew for each leg and not compensated, all that matters of a position is
-the distance d left to the target. A leg of length ℓ(d) towards it ends at a Rice-distributed distance d′ about
+For isotropic zero-mean velocity errors, drawn anew for each leg and not compensated, a position matters only by its
+distance d left to the target. A leg of length ℓ(d) towards it ends at a Rice-distributed distance d′ about
 |d − ℓ| with scale s, s² = (σℓ/U)² + s₀², where s₀ is what fixes and the drift at the surface add to a leg of any
-length (0 in the base model). The expected time to go solves
+length (0 in the base model). The expected time to go J solves
 
     J(d) = ℓ/U + t_s + E[J(d′); d′ > r_x],    J = 0 for d ≤ r_x.
 
-The equation is linear: the expected distance run R and the expected surfacings N are solved for apart,
+The equation is linear: it is solved for the expected distance run R and for the expected surfacings N,
 J = R/U + t_s N. Checked against Monte Carlo for σ/U from 0.005 to 0.4 and s₀ up to the arrival radius.
 """
 
@@ -30,20 +30,20 @@ from missionplan.phases.transit.leg_table import LegTable
 MAX_RATIO = 0.7
 """Largest σ/U accepted: at 1/√2 a leg's mean-square error is as long as the leg itself."""
 NO_ERROR = 1e-5
-"""Below this fraction of the arrival radius, the error of a leg over the whole distance is none."""
+"""Fraction of the arrival radius below which the error of a leg over the whole distance counts as zero."""
 MAX_LEGS = 100_000
-"""Legs after which a transit without error counts as one that never arrives."""
+"""Legs after which a transit without error counts as never arriving."""
 PANEL_SCALES = 2.5
-"""Widest panel about a feature of J, in the feature's width."""
+"""Widest panel about a feature of J, relative to the feature's width."""
 PANEL_RATIO = 0.6
-"""Widest panel elsewhere, in the distance to the nearest feature."""
-FINEST_PANEL = 0.02
-"""Narrowest panel asked for by a table of legs, in arrival radii."""
+"""Widest panel elsewhere, relative to the distance to the nearest feature."""
+MIN_PANEL_WIDTH = 0.02
+"""Narrowest panel that a table of legs requires, in arrival radii."""
 
 
 @dataclass(frozen=True)
 class TransitExpectation:
-    """Expected course of a transit.
+    """Expected distance run and surfacings of a transit.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class TransitExpectation:
     speed, surfacing_time : float
         Speed through the water [m/s] and time at the surface after each leg [s].
     distance_run : float
-        Expected length of all legs together [m].
+        Expected total length of the legs [m].
     surfacings : float
         Expected number of legs, hence of surfacings, the arrival's included.
     """
@@ -114,8 +114,8 @@ def expected_transit(
     if distance <= arrival_radius or math.hypot(k * distance, base_spread) <= NO_ERROR * arrival_radius:
         run, surfacings = _without_error(table, distance, arrival_radius)
     else:
-        grade = _panels_of_table if len(table.leg) > 1 else _panels_of_d_max
-        panels = grade(distance, table, arrival_radius, k, base_spread)
+        build = _panels_of_table if len(table.leg) > 1 else _panels_of_d_max
+        panels = build(distance, table, arrival_radius, k, base_spread)
         run, surfacings = _with_error(table, panels, distance, k, base_spread)
     return TransitExpectation(distance, speed, surfacing_time, run, surfacings)
 
@@ -155,7 +155,7 @@ def _check(
 
 
 def _without_error(table: LegTable, distance: float, arrival_radius: float) -> tuple[float, float]:
-    """Distance run and surfacings when every leg ends where it was aimed."""
+    """Distance run and surfacings where every leg ends where it was aimed."""
     left, run = distance, 0.0
     for surfacings in range(MAX_LEGS):
         if left <= arrival_radius:
@@ -166,7 +166,7 @@ def _without_error(table: LegTable, distance: float, arrival_radius: float) -> t
 
 
 def _with_error(table: LegTable, panels: Panels, distance: float, k: float, base: float) -> tuple[float, float]:
-    """Expected distance run and surfacings from `distance`, with panels that reach as far as legs may lead."""
+    """Expected distance run and surfacings from `distance`, with panels that reach as far as legs may end."""
     nodes = panels.nodes
     d = np.append(nodes, distance)
     leg = table(d)
@@ -180,8 +180,8 @@ def _with_error(table: LegTable, panels: Panels, distance: float, k: float, base
 def _panels_of_d_max(distance: float, table: LegTable, arrival_radius: float, k: float, base: float) -> Panels:
     """Panels graded towards the features of J.
 
-    One more leg is needed beyond d = j d_max + r_x, where J steps up over the width k d_max √j that j legs' errors
-    give, and the leg stops growing at d_max, which leaves a kink there and, blurred, at each further j d_max.
+    Beyond d = j d_max + r_x one more leg is needed: J rises there over the width k d_max √j of j legs' errors. The leg
+    length has a kink at d_max, which J repeats, smoothed, at each further j d_max.
     """
     d_max = float(table.leg[0])
     scale = math.hypot(k * d_max, base)
@@ -202,28 +202,29 @@ def _panels_of_d_max(distance: float, table: LegTable, arrival_radius: float, k:
 
 
 def _panels_of_table(distance: float, table: LegTable, arrival_radius: float, k: float, base: float) -> Panels:
-    """Panels as wide as the error of the leg from there, which is the finest feature that J can have, or as d − r_x."""
+    """Panels as wide as the error of the leg from there, the finest scale on which J varies, or as d − r_x."""
     top = max(_farthest(distance, table, k, base), 2.0 * arrival_radius)
+    narrowest = MIN_PANEL_WIDTH * arrival_radius
 
     def width(d: Array) -> Array:
-        near = np.maximum(PANEL_RATIO * (d - arrival_radius), FINEST_PANEL * arrival_radius)
-        return np.minimum(np.maximum(PANEL_SCALES * np.hypot(k * table(d), base), FINEST_PANEL * arrival_radius), near)
+        near = np.maximum(PANEL_RATIO * (d - arrival_radius), narrowest)
+        return np.minimum(np.maximum(PANEL_SCALES * np.hypot(k * table(d), base), narrowest), near)
 
     return graded_panels(_between(arrival_radius, table.kinks, top), width)
 
 
 def _between(low: float, edges: Array, high: float) -> Array:
-    """Those edges that lie between two others, and these."""
+    """Edges between two limits, with the limits."""
     return np.concatenate([[low], edges[(edges > low) & (edges < high)], [high]])
 
 
 def _farthest(distance: float, table: LegTable, k: float, base: float) -> float:
-    """Distance left that is exceeded with negligible probability after the first leg."""
+    """Distance left that any leg ends beyond with negligible probability."""
     spread = 2.0 * TAIL * base
     if TAIL * k < 1.0:  # every leg ends nearer than it began
         first = float(table(np.array([distance]))[0])
         return distance - first + TAIL * k * first + spread
     # With a longest leg the distance is a walk of that drift, step scale k ℓ: P(rise > z) < exp(−2z/(k² ℓ)).
-    # Without, it is at worst a product of Rayleigh variables with E[(d′/d)²] = 2k² < 1.
+    # Without one it is at worst a product of Rayleigh variables with E[(d′/d)²] = 2k² < 1.
     longest = float(table.leg.max())
     return min(max(distance, longest) + (TAIL * k + 12.0 * k**2) * longest, 1e6 * distance) + spread

@@ -1,6 +1,6 @@
-"""Legs that adapt to the distance left: the best policy by dynamic programming.
+"""Legs that adapt to the distance left: the optimal policy by dynamic programming.
 
-The policy is that of Bellman's equation (`bellman`), written as a table of few knots whose loss is measured.
+The policy of Bellman's equation (`bellman`) is reduced to a table of few knots, whose extra cost is computed.
 Checked for σ/U from 0.004 to 0.3.
 """
 
@@ -16,23 +16,23 @@ from missionplan.phases.transit.analytic.expectation import TransitExpectation, 
 from missionplan.phases.transit.leg_table import LegTable
 
 TABLE_LOSS = 1e-5
-"""Cost given away, at most, for a table with few knots."""
-LEAST_ERROR = 1e-3
-"""Least error of a leg over the whole distance that is planned for, in arrival radii."""
+"""Largest extra cost accepted for a table with few knots."""
+MIN_ERROR = 1e-3
+"""Smallest error of a leg over the whole distance that is planned for, in arrival radii."""
 
 
 @dataclass(frozen=True)
 class LegPolicy:
-    """The best legs and what they are expected to do.
+    """The optimal legs with their expected transit.
 
     Attributes
     ----------
     legs : LegTable
         Leg length against distance left, exact at its knots.
     transit : TransitExpectation
-        With these legs.
+        Expected with these legs.
     bound : float
-        Least expected cost c of any legs, which the table misses by `TABLE_LOSS` at most.
+        Least expected cost c of any legs, which the table exceeds by at most `TABLE_LOSS`.
     """
 
     legs: LegTable
@@ -59,9 +59,9 @@ def best_legs(
     arrival_radius : float
         r_x [m].
     sigma : float
-        Standard deviation of each component of a leg's velocity error [m/s]; none at all is planned for as a trace.
+        Standard deviation of each component of a leg's velocity error [m/s]; at least what `MIN_ERROR` gives is used.
     surfacing_time : float
-        t_s, positive: else the best legs would be endlessly short [s].
+        t_s, positive: otherwise the optimal legs would be infinitely short [s].
     base_spread : float
         s₀, standard deviation that each leg's end has on each axis whatever the leg's length [m].
 
@@ -73,7 +73,7 @@ def best_legs(
     one_leg = expected_transit(distance, distance, speed, arrival_radius, sigma, surfacing_time, base_spread)
     if not surfacing_time > 0 or distance <= arrival_radius:
         raise ValueError("the best legs need a surfacing time and a start outside the arrival radius")
-    k = max(sigma / speed, LEAST_ERROR * arrival_radius / distance)
+    k = max(sigma / speed, MIN_ERROR * arrival_radius / distance)
     left, leg = Bellman.on_grid(distance, arrival_radius, k, surfacing_time * speed, base_spread).solve()
 
     arguments = (speed, arrival_radius, k * speed, surfacing_time, base_spread)
@@ -113,7 +113,7 @@ def best_d_max(
 
 
 def simplify_table(table: LegTable, tolerance: Array) -> LegTable:
-    """Leave out knots that interpolation restores to within a tolerance, one a knot [m]; jumps are kept."""
+    """Remove knots that interpolation restores to within a tolerance per knot [m]; jumps are kept."""
     left, leg = table.left, table.leg
     keep = np.zeros(left.size, dtype=bool)
     keep[[0, -1]] = True

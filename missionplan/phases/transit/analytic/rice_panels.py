@@ -1,8 +1,8 @@
 """Expectation over the distance left after a leg, on a graded grid of panels.
 
 After a leg of length ℓ from distance d the vehicle is a Rice-distributed distance d′ from the target, about |d − ℓ|
-with scale s = σℓ/U. Functions of the distance left are held by their values at Gauss–Legendre nodes of panels, as a
-polynomial on each panel, so that `expectation_matrix` turns E[f(d′); d′ > r_x] into a sparse matrix.
+with scale s = σℓ/U. Functions of the distance left are polynomials on each panel, given by their values at its
+Gauss–Legendre nodes, so that E[f(d′); d′ > r_x] becomes a sparse matrix (`expectation_matrix`).
 """
 
 from collections.abc import Callable
@@ -19,13 +19,13 @@ from missionplan.arrays import Array
 Indices = NDArray[np.intp]
 
 ORDER = 6
-"""Nodes a panel."""
+"""Nodes per panel."""
 TAIL = 6.0
-"""The Rice density is cut this many scales from its centre: beyond lies less than 2e-8 of it."""
-STEP = 2.0
+"""Scales from its centre at which the Rice density is cut: less than 2e-8 of it lies beyond."""
+MAX_PIECE = 2.0
 """Longest piece of a quadrature, in scales: Gauss–Legendre with `ORDER` nodes then errs by less than 1e-7."""
 MAX_PANELS = 40_000
-"""Above this many panels a grid is refused."""
+"""Number of panels above which a grid is refused."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(ORDER)
 _TO_NODES = np.linalg.inv(np.polynomial.legendre.legvander(_NODES, ORDER - 1))
@@ -45,7 +45,7 @@ class Panels:
 
     @property
     def nodes(self) -> Array:
-        """Where functions are held, ascending, shape (m * ORDER,) [m]."""
+        """Distances at which functions are given, ascending, shape (m * ORDER,) [m]."""
         half = 0.5 * np.diff(self.edges)
         middle = 0.5 * (self.edges[1:] + self.edges[:-1])
         nodes: Array = (middle[:, None] + half[:, None] * _NODES).ravel()
@@ -53,14 +53,14 @@ class Panels:
 
 
 def graded_panels(edges: Array, width: Callable[[Array], Array]) -> Panels:
-    """Halve panels until none is wider than `width` of its middle.
+    """Halve panels until none is wider than `width` at its middle.
 
     Parameters
     ----------
     edges : array
-        Edges to begin with, in any order: kinks and jumps must be among them [m].
+        Initial edges, in any order; they must include kinks and jumps [m].
     width : callable
-        Widest panel allowed about a distance (array to array) [m].
+        Largest width of a panel about a distance (array to array) [m].
 
     Raises
     ------
@@ -76,7 +76,7 @@ def graded_panels(edges: Array, width: Callable[[Array], Array]) -> Panels:
             return Panels(edges)
         if len(edges) > MAX_PANELS:
             raise ValueError(
-                f"more than {MAX_PANELS} panels: d_max or the legs' error is too small beside the distance"
+                f"more than {MAX_PANELS} panels: d_max or the legs' error is too small compared with the distance"
             )
         edges = np.insert(edges, np.flatnonzero(too_wide) + 1, middle[too_wide])
 
@@ -99,7 +99,7 @@ def rice_density(x: Array, centre: Array, scale: Array) -> Array:
 
 
 def _split(start: Array, stop: Array, parts: Indices) -> tuple[Indices, Array, Array]:
-    """Cut intervals into equal parts: the interval that each part belongs to, its start, its stop."""
+    """Cut intervals into equal parts: index of the interval that each part belongs to, its start, its stop."""
     owner = np.repeat(np.arange(len(parts)), parts)
     index = np.arange(len(owner)) - np.repeat(np.cumsum(parts) - parts, parts)
     length: Array = ((stop - start) / parts)[owner]
@@ -108,16 +108,16 @@ def _split(start: Array, stop: Array, parts: Indices) -> tuple[Indices, Array, A
 
 
 def expectation_matrix(panels: Panels, centre: Array, scale: Array) -> csr_array:
-    """Matrix W with W f = E[f(d′); d′ > panels.edges[0]] for f held at the panels' nodes.
+    """Matrix W with W f = E[f(d′); d′ > panels.edges[0]] for f given at the panels' nodes.
 
-    Probability beyond the last edge is dropped: the caller chooses it far enough.
+    Probability beyond the last edge is neglected: the caller places that edge far enough.
 
     Parameters
     ----------
     panels : Panels
         Grid of f.
     centre, scale : array, shape (n,)
-        Rice distribution of d′, one a row; scale > 0 [m].
+        Rice distribution of d′, one per row; scale > 0 [m].
 
     Returns
     -------
@@ -133,7 +133,7 @@ def expectation_matrix(panels: Panels, centre: Array, scale: Array) -> csr_array
     row = np.repeat(np.arange(len(centre)), count)
     panel = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count) + first[row]
     start, stop = np.maximum(edges[panel], low[row]), np.minimum(edges[panel + 1], high[row])
-    parts = np.maximum(np.ceil((stop - start) / (STEP * scale[row])), 1).astype(np.intp)
+    parts = np.maximum(np.ceil((stop - start) / (MAX_PIECE * scale[row])), 1).astype(np.intp)
     owner, start, stop = _split(start, stop, parts)
     row, panel = row[owner], panel[owner]
 
@@ -159,15 +159,15 @@ def _legendre_moments(t: Array, mass: Array) -> Array:
 
 
 def solve_ascending(matrix: csr_array, right: Array) -> Array:
-    """Solve (I − W) f = right, where rows mostly depend on columns before them.
+    """Solve (I − W) f = right, where rows depend mostly on columns before them.
 
-    Distances left mostly shrink from leg to leg, so W is nearly strictly lower triangular: rows are settled in
-    ascending blocks as long as a block depends on earlier ones alone, and whatever remains by a sparse LU.
+    Distances left mostly shrink from leg to leg, so W is nearly strictly lower triangular: rows are solved in
+    ascending blocks as long as a block depends on earlier ones alone, and the remaining rows by a sparse LU.
 
     Parameters
     ----------
     matrix : csr_array, shape (n, n)
-        W of `expectation_matrix`, one row a node.
+        W of `expectation_matrix`, one row per node.
     right : array, shape (n, m)
         Right-hand sides.
     """

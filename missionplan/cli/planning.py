@@ -1,0 +1,192 @@
+"""Commands that plan: sweep-dmax, plan-legs, size-anchor, simulate, sweep-transition."""
+
+from dataclasses import replace
+from enum import StrEnum
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from missionplan.cli import options as o
+from missionplan.cli.resuming import BLOCKS, discard_blocks, last_unfinished, told_how_to_resume
+from missionplan.cli.running import Progress, deliver, new_folder_name, progress_bar, run_study
+
+if TYPE_CHECKING:
+    from missionplan.mission import Mission
+    from missionplan.results.base import Result
+
+REQUIREMENT_NOT_MET = 3
+
+
+class CostMethod(StrEnum):
+    """How the cost of a d_max is computed."""
+
+    BOTH = "both"
+    ANALYTIC = "analytic"
+    MONTE_CARLO = "monte-carlo"
+
+
+class LegObjective(StrEnum):
+    """What legs are chosen for."""
+
+    MEAN = "mean"
+    P95 = "p95"
+    ENERGY = "energy"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    app.command("sweep-dmax")(o.with_option_groups(sweep_dmax))
+    app.command("plan-legs")(o.with_option_groups(plan_legs))
+    app.command("size-anchor")(o.with_option_groups(size_anchor))
+    app.command()(o.with_option_groups(simulate))
+    app.command("sweep-transition")(o.with_option_groups(sweep_transition))
+
+
+_Method = Annotated[
+    CostMethod | None, typer.Option(help="Default: both where the analytic form applies.", show_default=False)
+]
+
+
+def sweep_dmax(
+    mission: o.MissionFile,
+    method: _Method = None,
+    *,
+    run: o.MonteCarloOptions,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Compute the cost of each maximum leg length d_max, and find the best, for each velocity error."""
+
+    def study(loaded: "Mission", progress: Progress) -> "Result":
+        from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+
+        return sweep_dmax(loaded, method=method.value if method else None, progress=progress, **run.arguments())
+
+    run_study(mission, "sweep-dmax", study, output, allow_outside=allow_outside)
+
+
+_Aim = Annotated[
+    LegObjective,
+    typer.Option(
+        help="Least mean time; least time that 95 % of transits keep (or fewest late for the mission's deadline); "
+        "least energy, with the speed chosen too."
+    ),
+]
+
+
+def plan_legs(
+    mission: o.MissionFile,
+    aim: _Aim = LegObjective.MEAN,
+    *,
+    run: o.MonteCarloOptions,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Find leg lengths that adapt to the distance left, and what they save against the best fixed d_max."""
+
+    def study(loaded: "Mission", progress: Progress) -> "Result":
+        from missionplan.studies.leg_length.plan_legs import plan_legs
+
+        return plan_legs(loaded, aim=aim.value, progress=progress, **run.arguments())
+
+    run_study(mission, "plan-legs", study, output, allow_outside=allow_outside)
+
+
+_Probability = Annotated[
+    float | None,
+    typer.Option(
+        min=0.0,
+        max=1.0,
+        help="Also find the lightest anchor whose dives stay within the radius with this probability.",
+        show_default=False,
+    ),
+]
+_Mooring = Annotated[str | None, typer.Option(help="Name of the mooring; default: the first.", show_default=False)]
+
+
+def size_anchor(
+    mission: o.MissionFile,
+    probability: _Probability = None,
+    phase: _Mooring = None,
+    *,
+    run: o.MonteCarloOptions,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Size the anchor that takes the vehicle down within the radius: weight, length, trim ring, and its dive."""
+
+    def study(loaded: "Mission", _progress: Progress) -> "Result":
+        from missionplan.studies.anchor.size_anchor import size_anchor
+
+        return size_anchor(loaded, probability=probability, phase=phase, **run.arguments())
+
+    run_study(mission, "size-anchor", study, output, allow_outside=allow_outside)
+
+
+_Precision = Annotated[
+    str | None,
+    typer.Option(
+        metavar="TARGET",
+        help="Stop when the standard error is below it: 0.5% (of P(success)), total.duration=0.5%, moor.offset=0.1m.",
+        show_default=False,
+    ),
+]
+_Resume = Annotated[bool, typer.Option("--resume", help="Go on with the finished blocks of a run cut short.")]
+_KeepTrials = Annotated[bool, typer.Option("--keep-trials", help="Write trials.parquet, one row per trial.")]
+
+
+def simulate(
+    mission: o.MissionFile,
+    *,
+    run: o.MonteCarloOptions,
+    precision: _Precision = None,
+    resume: _Resume = False,
+    keep_trials: _KeepTrials = False,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Simulate the whole mission: will it work, how long will it take, how much energy, and what makes it fail."""
+    from missionplan.mission import load
+    from missionplan.store.folder import check_new_folder
+    from missionplan.studies.simulation.simulate import simulate
+
+    folder = output.out or (last_unfinished(mission.stem) if resume else new_folder_name(mission.stem, "simulate"))
+    check_new_folder(folder, force=output.force or resume)
+    loaded = load(mission, allow_outside=allow_outside)
+    if output.force and not resume:
+        discard_blocks(folder)
+    with told_how_to_resume(folder), progress_bar("simulate", shown=not output.quiet) as progress:
+        outcome = simulate(
+            loaded,
+            precision=precision,
+            checkpoint=folder / BLOCKS,
+            resume=resume,
+            keep_trials=keep_trials,
+            progress=progress,
+            **run.arguments(),
+        )
+    deliver(outcome, folder, replace(output, force=True))
+    if not outcome.requirements_met:
+        raise typer.Exit(REQUIREMENT_NOT_MET)
+
+
+_Transition = Annotated[
+    str | None, typer.Option(metavar="NAME", help="Name of the transition; default: the first.", show_default=False)
+]
+
+
+def sweep_transition(
+    mission: o.MissionFile,
+    phase: _Transition = None,
+    *,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Compute depth, pitch and energy of slowing down to hover, over the grid of a transition phase."""
+
+    def study(loaded: "Mission", _progress: Progress) -> "Result":
+        from missionplan.studies.transition.sweep_transition import sweep_transition
+
+        return sweep_transition(loaded, phase=phase)
+
+    run_study(mission, "sweep-transition", study, output, allow_outside=allow_outside)

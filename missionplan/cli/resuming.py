@@ -1,0 +1,39 @@
+"""Runs that were cut short: their finished blocks of trials are kept in the report folder and used again."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+
+from missionplan.errors import InputError, Problem, RunError
+
+BLOCKS = "blocks"
+"""Folder of finished blocks inside a report folder."""
+
+
+def last_unfinished(stem: str) -> Path:
+    """Find the newest report folder of a mission whose simulation was cut short."""
+    parent = Path("reports") / stem
+    for folder in sorted(parent.glob("simulate-*"), reverse=True):
+        if (folder / BLOCKS).is_dir() and not (folder / "report.html").exists():
+            return folder
+    raise InputError([Problem("there is no unfinished run to resume", str(parent), hint="--out names its folder")])
+
+
+def discard_blocks(folder: Path) -> None:
+    """Remove the finished blocks of an earlier run from a report folder, and nothing else."""
+    blocks = folder / BLOCKS
+    for path in (*blocks.glob("block-*.npz"), blocks / "run.json"):
+        path.unlink(missing_ok=True)
+
+
+@contextmanager
+def told_how_to_resume(folder: Path) -> Iterator[None]:
+    """Tell how to resume a run that is interrupted or fails, where it has finished blocks."""
+    try:
+        yield
+    except (KeyboardInterrupt, RunError):
+        if any((folder / BLOCKS).glob("block-*.npz")):
+            typer.echo(f"Finished blocks are kept; go on with: --resume --out {folder}", err=True)
+        raise

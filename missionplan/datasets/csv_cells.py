@@ -1,0 +1,133 @@
+"""Cells of a CSV file: read as floats at once, and as text only where a cell holds no number."""
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from missionplan.errors import InputError, Problem, did_you_mean
+
+BLANKS = ("", "nan", "NaN", "NA", "N/A", "null")
+"""What stands for a missing number."""
+
+
+def check_file(path: Path, max_bytes: int) -> None:
+    """Check that a file can be read and is not too large.
+
+    Raises
+    ------
+    InputError
+        When it is not.
+    """
+    file = str(path)
+    try:
+        size = path.stat().st_size
+        if path.is_dir():
+            raise InputError([Problem("is a folder; a CSV file was expected", file)])
+    except FileNotFoundError:
+        hint = did_you_mean(path.name, [entry.name for entry in path.parent.glob("*")])
+        raise InputError([Problem("no such file", file, hint=hint)]) from None
+    except OSError as error:
+        raise InputError([Problem(f"cannot be read: {error.strerror or error}", file)]) from None
+    if size > max_bytes:
+        raise InputError([Problem(f"is larger than {max_bytes / 1e6:g} MB", file, hint="split it, or thin it")])
+
+
+def read_header(path: Path) -> list[str]:
+    """Read the names of the columns.
+
+    Raises
+    ------
+    InputError
+        When the file is empty or not UTF-8 text.
+    """
+    file = str(path)
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as stream:
+            return [name.strip() for name in next(csv.reader(stream, skipinitialspace=True))]
+    except StopIteration:
+        raise InputError([Problem("is empty; expected a header row and data", file)]) from None
+    except UnicodeDecodeError as error:
+        raise _not_utf8(file, error) from None
+    except csv.Error as error:
+        raise InputError([Problem(f"is not a table: {error}", file, 1)]) from None
+    except OSError as error:
+        raise InputError([Problem(f"cannot be read: {error.strerror or error}", file)]) from None
+
+
+def long_rows(path: Path, width: int) -> list[int]:
+    """Lines with more cells than the header; cells beyond it that are blank do not count."""
+    found = []
+    with path.open("rb") as lines:
+        for number, line in enumerate(lines, start=1):
+            if line.count(b",") >= width and number > 1:
+                cells = next(csv.reader([line.decode(errors="replace")], skipinitialspace=True))
+                if any(cell.strip() for cell in cells[width:]):
+                    found.append(number)
+    return found
+
+
+def read_cells(path: Path, header: Sequence[str], used: Sequence[str], text: Sequence[str]) -> pd.DataFrame:
+    """Read some of the columns; the index is the file's line.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    header : sequence of str
+        Names of all columns.
+    used : sequence of str
+        Those to read; of two with one name the first.
+    text : sequence of str
+        Columns of text; the others are floats, nan where blank, or all of them text where a cell holds no number.
+
+    Raises
+    ------
+    InputError
+        When the file is no table.
+    """
+    names = [name if name in used and name not in header[:k] else f"#{k}" for k, name in enumerate(header)]
+    numbers = [name for name in used if name not in text]
+    try:
+        rows = _floats_or_text(path, names, used, numbers)
+    except UnicodeDecodeError as error:
+        raise _not_utf8(str(path), error) from None
+    except pd.errors.ParserError as error:
+        reason = str(error).removeprefix("Error tokenizing data. C error: ")
+        raise InputError([Problem(f"is not a table: {reason}", str(path))]) from None
+    rows.index = pd.RangeIndex(2, len(rows) + 2)
+    return rows
+
+
+def _floats_or_text(path: Path, names: Sequence[str], used: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
+    try:
+        rows = _parsed(path, names, used, numbers)
+    except (UnicodeDecodeError, pd.errors.ParserError):
+        raise
+    except ValueError:  # a cell holds no number
+        return _parsed(path, names, used, ())
+    infinite = any(np.isinf(rows[name]).any() for name in numbers)
+    return _parsed(path, names, used, ()) if infinite else rows
+
+
+def _parsed(path: Path, names: Sequence[str], used: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
+    rows: pd.DataFrame = pd.read_csv(
+        path,
+        encoding="utf-8-sig",
+        header=0,
+        names=list(names),
+        usecols=list(used),
+        index_col=False,
+        dtype={name: float if name in numbers else str for name in used},
+        na_values={name: list(BLANKS) for name in numbers},
+        keep_default_na=False,
+        skipinitialspace=True,
+        skip_blank_lines=False,
+    )
+    return rows
+
+
+def _not_utf8(file: str, error: UnicodeDecodeError) -> InputError:
+    return InputError([Problem(f"is not UTF-8 text (byte {error.start})", file)])

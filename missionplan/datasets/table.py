@@ -1,0 +1,202 @@
+"""CSV tables: the columns of a kind of data as numbers and text, with every problem of the file at once.
+
+A header row; UTF-8, with a byte-order mark or without; rows with `ok` = 0 are left out and never looked at; a blank
+is missing, and a row without a number that it needs is left out.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from missionplan.datasets.csv_cells import BLANKS, check_file, long_rows, read_cells, read_header
+from missionplan.errors import InputError, Problem
+
+MAX_SHOWN = 5
+"""Problems of one sort that are reported one by one; the rest are counted."""
+MAX_BYTES = 2_000_000_000
+LONG_ROW = "the row has more cells than the header has columns (a decimal comma, or a comma in a text without quotes?)"
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Columns of a kind of data.
+
+    Attributes
+    ----------
+    alternatives : tuple of tuple of str
+        Sets of columns, of which a table has one; a row needs all numbers of that set.
+    optional : tuple of str
+        Columns that a table may have as well.
+    complete : tuple of str
+        Those of the optional columns whose numbers a row needs too, where the column is there.
+    text : tuple of str
+        Columns of any of these that hold text.
+    max_bytes : int
+        Size of the largest file that is read.
+    """
+
+    alternatives: tuple[tuple[str, ...], ...]
+    optional: tuple[str, ...] = ()
+    complete: tuple[str, ...] = ()
+    text: tuple[str, ...] = ()
+    max_bytes: int = MAX_BYTES
+
+    def nearest_to(self, header: Sequence[str]) -> tuple[str, ...]:
+        """Return the first of the alternatives that a table has all columns of, else the one it has most of."""
+        return max(self.alternatives, key=lambda names: (set(names) <= set(header), len(set(names) & set(header))))
+
+
+@dataclass(frozen=True)
+class CsvTable:
+    """Rows of a CSV.
+
+    Attributes
+    ----------
+    file : str
+        As messages name it.
+    rows : DataFrame
+        Numbers (nan where missing) and text (empty where missing); the index is the file's line.
+    notices : tuple of str
+        Columns not used, rows left out.
+    problems : tuple of Problem
+        Cells that hold no number, nan in `rows`, and the like.
+    """
+
+    file: str
+    rows: pd.DataFrame
+    notices: tuple[str, ...]
+    problems: tuple[Problem, ...]
+
+
+def read_table(path: Path, columns: Columns) -> CsvTable:
+    """Read the columns of a kind of data from a CSV.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    columns : Columns
+        Of that kind.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read as a table, or lacks columns.
+    """
+    file = str(path)
+    check_file(path, columns.max_bytes)
+    header = read_header(path)
+    needed = columns.nearest_to(header)
+    used = [name for name in (*needed, *columns.optional, "ok") if name in header]
+    rows = read_cells(path, header, used, columns.text) if used else pd.DataFrame()
+    rows, marked = _without_marked(rows)
+    rows, bad_cells = _as_numbers(rows, columns.text, file)
+    problems = [
+        *_check_header(header, needed, used, file),
+        *problems_at(long_rows(path, len(header)), lambda line: Problem(LONG_ROW, file, line)),
+        *bad_cells,
+    ]
+    if not set(needed) <= set(used):
+        raise InputError(problems)
+    complete = [name for name in (*needed, *columns.complete) if name in used and name not in columns.text]
+    rows, incomplete = _without_incomplete(rows, complete, columns.text)
+    if rows.empty and not problems:
+        problems.append(Problem("has no rows of data", file))
+    notices = tuple(f"{path.name}: {note}" for note in (*_unused(header, used), *marked, *incomplete))
+    return CsvTable(file, rows, notices, tuple(problems))
+
+
+def _check_header(header: Sequence[str], needed: Sequence[str], used: Sequence[str], file: str) -> list[Problem]:
+    """Return a problem for each column that is missing, and each that stands twice."""
+    problems = []
+    for name in needed:
+        if name not in header:
+            close = get_close_matches(name, header, n=1)
+            hint = f"is it {close[0]}?" if close else ""
+            problems.append(Problem("the column is missing", file, 1, name, hint))
+    twice = [name for name in used if header.count(name) > 1]
+    return [*problems, *(Problem("the column stands twice", file, 1, name) for name in twice)]
+
+
+def _unused(header: Sequence[str], used: Sequence[str]) -> list[str]:
+    """Note the columns that are not used."""
+    unused = [name for name in dict.fromkeys(header) if name and name not in used]
+    return [f"columns not used: {', '.join(unused)}"] if unused else []
+
+
+def _without_marked(rows: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    """Leave out the rows with `ok` = 0, before any of their cells is looked at, and note how many."""
+    if "ok" not in rows:
+        return rows, []
+    marked = pd.to_numeric(rows["ok"], errors="coerce") == 0.0
+    count = int(marked.sum())
+    return rows[~marked], [f"{_count(count)} left out as marked (ok = 0)"] if count else []
+
+
+def _as_numbers(rows: pd.DataFrame, text: Sequence[str], file: str) -> tuple[pd.DataFrame, list[Problem]]:
+    """Turn all columns but text into floats; cells that hold no finite number become nan, and problems."""
+    problems: list[Problem] = []
+    converted: dict[str, pd.Series[float] | pd.Series[str]] = {}
+    for name in (str(column) for column in rows.columns):
+        cells = rows[name]
+        if pd.api.types.is_float_dtype(cells):
+            converted[name] = cells
+            continue
+        words = cells.fillna("").astype(str).str.strip()
+        if name in text:
+            converted[name] = words
+            continue
+        blank = words.isin(BLANKS)
+        numbers = pd.to_numeric(words.mask(blank), errors="coerce").astype(float)
+        bad = (numbers.isna() & ~blank) | np.isinf(numbers)
+        problems += problems_at(rows.index[bad], partial(_bad_cell, words, file, name))
+        converted[name] = numbers.mask(bad)
+    return pd.DataFrame(converted, index=rows.index).drop(columns="ok", errors="ignore"), problems
+
+
+def _bad_cell(words: "pd.Series[str]", file: str, name: str, line: int) -> Problem:
+    return Problem(f"given {words[line]!r}, expected a number", file, line, name)
+
+
+def _without_incomplete(
+    rows: pd.DataFrame, complete: Sequence[str], text: Sequence[str]
+) -> tuple[pd.DataFrame, list[str]]:
+    """Leave out rows without a number that they need, and say so but for rows that are blank altogether."""
+    missing = rows[list(complete)].isna()
+    incomplete = missing.any(axis=1)
+    if not incomplete.any():
+        return rows, []
+    candidates = rows[incomplete]
+    words = [name for name in text if name in rows]
+    blank = candidates.drop(columns=words).isna().all(axis=1) & (candidates[words] == "").all(axis=1)
+    counted = missing[incomplete][~blank]
+    notices = []
+    if len(counted):
+        where = [name for name in complete if counted[name].any()]
+        notices.append(f"{_count(len(counted))} left out without {' or '.join(where)}")
+    return rows[~incomplete], notices
+
+
+def _count(rows: int) -> str:
+    return f"{rows} row{'s' if rows > 1 else ''}"
+
+
+def problems_at(lines: Sequence[int] | pd.Index, problem: Callable[[int], Problem]) -> list[Problem]:
+    """Return the problems of the first of some lines, the last of them with the number of the rest.
+
+    Parameters
+    ----------
+    lines : sequence of int
+        Lines with problems of one sort.
+    problem : callable
+        From a line to its problem.
+    """
+    found = [problem(int(line)) for line in lines[:MAX_SHOWN]]
+    if len(lines) > MAX_SHOWN:
+        found[-1] = replace(found[-1], message=f"{found[-1].message}; {len(lines) - MAX_SHOWN} more like it")
+    return found

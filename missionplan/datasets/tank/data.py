@@ -1,0 +1,126 @@
+"""Data sets from a tank, of any of its kinds."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+from missionplan.arrays import Array
+from missionplan.datasets.reading import DatasetFormat, RawDataset, dataset_kind, read_dataset, read_named_table
+from missionplan.datasets.table import Columns, CsvTable
+from missionplan.datasets.tank.drag import DRAG, DragSettings
+from missionplan.datasets.tank.oscillation import FREE_OSCILLATION, OscillationSettings
+from missionplan.datasets.tank.propeller import PROPELLER_TRANSIENT, PropellerSettings
+from missionplan.datasets.tank.thruster import THRUSTER, ThrusterSettings
+from missionplan.errors import Problem
+from missionplan.mission.schema.site import WaterSection
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.physics.water import sea_water
+
+Settings = DragSettings | OscillationSettings | ThrusterSettings | PropellerSettings
+TANK_FORMATS: Mapping[str, DatasetFormat[Settings]] = {
+    "drag": DRAG,
+    "free-oscillation": FREE_OSCILLATION,
+    "thruster": THRUSTER,
+    "propeller-transient": PROPELLER_TRANSIENT,
+}
+FRESH_WATER = (1000.0, 1.01e-6)
+"""Density [kg/m³] and kinematic viscosity [m²/s] where nothing is said of the tank's water: Avila et al., 19 °C."""
+
+
+@dataclass(frozen=True)
+class TankData:
+    """A data set from a tank.
+
+    Attributes
+    ----------
+    name : str
+        Of the data set.
+    settings : DragSettings, OscillationSettings, ThrusterSettings or PropellerSettings
+        Keys of ``dataset.yaml``, in SI.
+    columns : dict
+        Numbers of each column, nan where blank; rows with ``ok`` = 0 are left out.
+    labels : dict
+        Columns of text: `mode`, `run`.
+    compared : dict or None
+        Columns of the table to compare with.
+    notices : tuple of str
+        Columns ignored, rows left out.
+    raw : mapping
+        Data of ``dataset.yaml``.
+    """
+
+    name: str
+    settings: Settings
+    columns: dict[str, Array]
+    labels: dict[str, list[str]]
+    compared: dict[str, Array] | None
+    notices: tuple[str, ...]
+    raw: Mapping[str, object]
+
+    @property
+    def density(self) -> float:
+        """Density of the tank's water [kg/m³]."""
+        return _density_and_viscosity(self.settings.water)[0]
+
+    @property
+    def viscosity(self) -> float:
+        """Kinematic viscosity of the tank's water [m²/s]."""
+        return _density_and_viscosity(self.settings.water)[1]
+
+
+def _density_and_viscosity(water: WaterSection | None) -> tuple[float, float]:
+    if water is None:
+        return FRESH_WATER
+    if water.temperature is not None and water.salinity is not None:
+        state = sea_water(mean_of(water.temperature), mean_of(water.salinity))
+        return float(state.density), float(state.viscosity)
+    return mean_of(water.density or math.nan), mean_of(water.viscosity or math.nan)
+
+
+def read_tank_data(folder: str | Path) -> TankData:
+    """Read a data set of one of the kinds drag, free-oscillation, thruster and propeller-transient.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Folder with `dataset.yaml` and its CSV file.
+
+    Raises
+    ------
+    InputError
+        With every problem of `dataset.yaml` and of the tables.
+    """
+    folder = Path(folder)
+    form = TANK_FORMATS[dataset_kind(folder, TANK_FORMATS)]
+    raw = read_dataset(folder, form)
+    problems: list[Problem] = []
+    compared = _compared(folder, raw, form.columns, problems)
+    settings = raw.checked(problems)
+    columns, labels = _split(raw.table)
+    return TankData(
+        raw.name,
+        settings,
+        columns,
+        labels,
+        _split(compared.rows)[0] if compared is not None else None,
+        (*raw.notices, *(compared.notices if compared is not None else ())),
+        raw.document.data,
+    )
+
+
+def _compared(folder: Path, raw: RawDataset[Settings], columns: Columns, problems: list[Problem]) -> CsvTable | None:
+    """Read the table to compare with, where there is one; its problems are added."""
+    if not isinstance(raw.document.data.get("compare"), dict):
+        return None
+    return read_named_table(folder, raw.document, ("compare", "file"), columns, problems)
+
+
+def _split(rows: pd.DataFrame) -> tuple[dict[str, Array], dict[str, list[str]]]:
+    """Columns of numbers, and columns of text."""
+    numbers = rows.select_dtypes("float64")
+    columns = {str(name): cells.to_numpy() for name, cells in numbers.items()}
+    labels = {str(name): cells.tolist() for name, cells in rows.items() if name not in numbers}
+    return columns, labels

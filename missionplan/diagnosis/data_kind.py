@@ -1,0 +1,109 @@
+"""What the diagnosis asks of a kind of data; `kinds` lists them all."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import ClassVar, Protocol, Self
+
+import pandas as pd
+
+from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
+from missionplan.diagnosis.inference.model import CauseFit, Model
+from missionplan.mission import Mission
+from missionplan.results.diagnosis import Verdict
+
+
+class Dataset(Protocol):
+    """What every data set says of itself."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def source(self) -> str:
+        """Where it comes from."""
+        ...
+
+    @property
+    def notices(self) -> tuple[str, ...]:
+        """Treatments the reader should know of."""
+        ...
+
+
+class DataKind(ABC):
+    """A kind of measured data; an instance is one data set of the kind, bound to a mission.
+
+    Attributes
+    ----------
+    ids : tuple of str
+        ``kind`` in ``dataset.yaml``.
+    direct_measurements : mapping
+        Instruments that measure one effect by itself, by effect.
+    kind : str
+        One of `ids`.
+    mission : Mission
+        The base model.
+    data : Dataset
+        What was read.
+    model : Model
+        Base model and catalogue, bound to the data.
+    """
+
+    ids: ClassVar[tuple[str, ...]]
+    direct_measurements: ClassVar[Mapping[str, DirectMeasurement]] = {}
+
+    kind: str
+    mission: Mission
+    data: Dataset
+    model: Model
+
+    @classmethod
+    @abstractmethod
+    def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
+        """Read a data set and bind a mission to it.
+
+        Parameters
+        ----------
+        kind : str
+            One of `ids`.
+        folder : Path
+            Of the data set.
+        mission : Mission
+        seed : int
+            Of draws from the mission's own uncertainty, where the model needs them.
+
+        Raises
+        ------
+        InputError
+            All problems of the data set, or all that the mission lacks.
+        """
+
+    @abstractmethod
+    def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
+        """Return one row a datum: measured, as the base and as the extended model have it, and what is left."""
+
+    @abstractmethod
+    def misfit(self, residuals: pd.DataFrame) -> str:
+        """Describe the size of the base model's misfit in the planner's terms; `residuals` as by `residual_table`."""
+
+    @abstractmethod
+    def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
+        """Return the share of the base model's squared residuals that goes with each fit."""
+
+    @abstractmethod
+    def extended_mission(self, best: CauseFit) -> dict[str, object]:
+        """Return the mission file's data with the causes of a fit written into them."""
+
+    @abstractmethod
+    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> dict[str, object]:
+        """Return what the planner would choose with the base and with the extended mission: see `plan_gain`."""
+
+    def calibration(self, best: CauseFit) -> dict[str, float]:
+        """Return the base model's nuisance parameters as fitted, and what else the reader may set beside them."""
+        return dict(best.calibration)
+
+    def limited_verdict(self, verdict: Verdict) -> Verdict:
+        """Return the verdict, or a weaker one where data of this kind cannot support it."""
+        return verdict

@@ -1,0 +1,68 @@
+"""Dive logs as a kind of data."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import pandas as pd
+
+from missionplan.datasets.dives import read_descent
+from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.dives.model import DescentModel
+from missionplan.diagnosis.dives.model_factory import descent_model
+from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
+from missionplan.diagnosis.dives.tables import descent_misfit, descent_residuals, descent_shares
+from missionplan.diagnosis.extended_mission import extended_mission
+from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
+from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
+from missionplan.mission import Mission
+
+DIRECT_MEASUREMENTS = {
+    "depth-scale": DirectMeasurement("readings at two known depths (a lead line)", "fraction", 0.005),
+    "clock-offset": DirectMeasurement("the separation heard or filmed against the log's clock", "time", 0.05),
+    "sensor-lag": DirectMeasurement("a dip of the sensor by hand, sampled fast", "time", 0.05),
+    "stratification": DirectMeasurement("a density profile (CTD) at the place of the dives", "lift", 0.15),
+    "vertical-current": DirectMeasurement("a current profiler beside the dives", "speed", 0.02),
+}
+"""By effect; standard deviations are what such instruments state."""
+
+
+@dataclass(frozen=True)
+class DescentKind(DataKind):
+    """Depth against time, dive by dive."""
+
+    ids = ("descent",)
+    direct_measurements = DIRECT_MEASUREMENTS
+
+    kind: str
+    mission: Mission
+    data: PreparedDives
+    model: DescentModel
+
+    @classmethod
+    def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
+        """Read the dives and bind the mission's first mooring to them."""
+        data = prepare_dives(read_descent(folder, mission))
+        return cls(kind, mission, data, descent_model(data, mission))
+
+    def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
+        """Return one row a reading."""
+        return descent_residuals(self.model, base, best)
+
+    def misfit(self, residuals: pd.DataFrame) -> str:
+        """Describe how late or early the vehicle is."""
+        return descent_misfit(residuals)
+
+    def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
+        """Return the share of the squared depth residuals that goes with each fit."""
+        return descent_shares(self.model, base, fits)
+
+    def extended_mission(self, best: CauseFit) -> dict[str, object]:
+        """Write the causes as effects."""
+        return extended_mission(self.mission.raw, best.estimates, best.calibration)
+
+    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> dict[str, object]:
+        """Compare the anchors chosen."""
+        return plan_gain(anchor_choice, self.mission, extended, seed=seed, jobs=jobs)

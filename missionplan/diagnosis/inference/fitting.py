@@ -1,0 +1,54 @@
+"""Fits of several sets of causes, shared among processes; some are tried again, some are relinearised."""
+
+from collections.abc import Sequence
+from functools import partial
+
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, Model
+from missionplan.montecarlo.parallel_map import parallel_map
+
+RETRIES = 2
+"""Pairs that are fitted again when they ended where they are impossible."""
+
+
+def fitted(model: Model, requests: Sequence[FitRequest], jobs: int = 1) -> list[CauseFit | FailedFit]:
+    """Fit several sets, pairs that ended badly once more from a fresh start, and relinearise the best of them.
+
+    A local search finds a local optimum: a fresh start is multistart with two starts (Rinnooy Kan and Timmer 1987).
+
+    Parameters
+    ----------
+    model : Model
+        Which fits.
+    requests : sequence
+        Sets, each with fits to start from.
+    jobs : int
+        Processes.
+
+    Returns
+    -------
+    list
+        A fit, or why there is none, for each set in their order.
+    """
+    fits = parallel_map(model.fit_all, requests, jobs=jobs)
+    for index, other in _retried(model, requests, fits, jobs):
+        if isinstance(other, CauseFit) and other.possible:
+            fits[index] = other
+    best = max((fit.log_evidence for fit in fits if isinstance(fit, CauseFit)), default=0.0)
+    return parallel_map(partial(model.relinearised, best=best), fits, jobs=jobs)
+
+
+def _retried(
+    model: Model, requests: Sequence[FitRequest], fits: Sequence[CauseFit | FailedFit], jobs: int
+) -> list[tuple[int, CauseFit | FailedFit]]:
+    """Fit the best pairs that ended where they are impossible again, not started from the fits of their parts."""
+    impossible = [
+        (fit.log_evidence, index)
+        for index, fit in enumerate(fits)
+        if isinstance(fit, CauseFit)
+        and len(fit.causes) == 2
+        and not fit.possible
+        and model.may_be_multimodal(fit.causes)
+    ]
+    again = [index for _, index in sorted(impossible, reverse=True)[:RETRIES]]
+    afresh: list[FitRequest] = [(requests[index][0], ()) for index in again]
+    return list(zip(again, parallel_map(model.fit_all, afresh, jobs=jobs), strict=True))

@@ -1,0 +1,48 @@
+"""Posterior probabilities of the sets of causes, the credible set, and rivals of a claimed set."""
+
+import numpy as np
+
+from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection
+from missionplan.results.diagnosis import Causes
+
+CREDIBLE = 0.95
+
+
+def posteriors(selection: Selection, claimed: Causes | None) -> dict[Causes, float]:
+    """Return the posterior probability of each set, the empty one included; supersets of a claimed set are left out.
+
+    Prior odds times Bayes factor, normalised (Kass and Raftery 1995). Each non-empty set has prior 1/(size of the
+    catalogue) relative to the empty set, so that the chance of a false claim does not grow with the catalogue (Scott
+    and Berger 2010 on multiplicity), and a factor exp(−3) for each cause beyond the first.
+    """
+    kept = [candidate for candidate in selection.ranking if claimed is None or not set(claimed) < set(candidate.causes)]
+    logs = np.array([0.0] + [candidate.score - np.log(selection.catalogue) for candidate in kept])
+    weights = np.exp(logs - logs.max())
+    weights /= weights.sum()
+    return dict(zip([(), *(candidate.causes for candidate in kept)], weights.tolist(), strict=True))
+
+
+def credible_set(posterior: dict[Causes, float]) -> list[Causes]:
+    """Return the smallest list of sets that holds 95 % of the probability, best first.
+
+    It is a highest-posterior-density region (Box and Tiao 1973) of a discrete variable.
+    """
+    chosen: list[Causes] = []
+    total = 0.0
+    for causes, probability in sorted(posterior.items(), key=lambda item: -item[1]):
+        chosen.append(causes)
+        total += probability
+        if total >= CREDIBLE:
+            break
+    return chosen
+
+
+def rivals(selection: Selection, claimed: Candidate) -> list[Candidate]:
+    """Return the other sets within 3 nats of the claimed one, its supersets left out."""
+    return [
+        candidate
+        for candidate in selection.ranking
+        if candidate.causes != claimed.causes
+        and not set(claimed.causes) < set(candidate.causes)
+        and candidate.score > claimed.score - COMPLEXITY_PENALTY
+    ]

@@ -1,0 +1,78 @@
+"""Navigation logs as a kind of data."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import pandas as pd
+
+from missionplan.datasets.legs import TransitData, read_transit
+from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
+from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.legs.extended_mission import extended_transit_mission
+from missionplan.diagnosis.legs.model import TransitModel
+from missionplan.diagnosis.legs.model_factory import transit_model
+from missionplan.diagnosis.legs.one_step import one_step
+from missionplan.diagnosis.legs.tables import transit_misfit, transit_residuals, transit_share
+from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
+from missionplan.mission import Mission
+
+DIRECT_MEASUREMENTS = {
+    "compass-bias": DirectMeasurement("a swing of the compass on land, all round", "angle", 0.009),
+    "compass-deviation": DirectMeasurement("a swing of the compass on land, all round", "amplitude", 0.009),
+    "fix-error": DirectMeasurement("an hour of fixes with the vehicle at a known place in the water", "sd", 3.0),
+}
+"""By effect; standard deviations are what such instruments state."""
+
+
+@dataclass(frozen=True)
+class TransitKind(DataKind):
+    """Legs between fixes."""
+
+    ids = ("transit",)
+    direct_measurements = DIRECT_MEASUREMENTS
+
+    kind: str
+    mission: Mission
+    data: TransitData
+    model: TransitModel
+
+    @classmethod
+    def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
+        """Read the legs and bind the mission's first transit to them."""
+        data = read_transit(folder, mission)
+        return cls(kind, mission, data, transit_model(data, mission, seed))
+
+    def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
+        """Return one row a leg."""
+        return transit_residuals(self.model, best)
+
+    def misfit(self, residuals: pd.DataFrame) -> str:
+        """Describe how errors add up over many legs."""
+        return transit_misfit(self.model)
+
+    def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
+        """Return the share of the squared velocity errors that each fit predicts one leg ahead."""
+        return [transit_share(self.model, fit) for fit in fits]
+
+    def extended_mission(self, best: CauseFit) -> dict[str, object]:
+        """Write the causes as effects, with the place and time to which their phases refer."""
+        return extended_transit_mission(self.mission.raw, best, self.data)
+
+    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> dict[str, object]:
+        """Compare the maximum leg lengths chosen."""
+        return plan_gain(leg_length_choice, self.mission, extended, seed=seed, jobs=jobs)
+
+    def calibration(self, best: CauseFit) -> dict[str, float]:
+        """Return the nuisance parameters as fitted, and how well the next leg's position error is predicted [m]."""
+        ahead = one_step(self.model, best)
+        if ahead is None:
+            return dict(best.calibration)
+        return {
+            **best.calibration,
+            "next_leg_mean_so_far_rms_m": ahead.mean_so_far,
+            "next_leg_last_leg_rms_m": ahead.last_leg,
+            "next_leg_model_rms_m": ahead.model,
+        }

@@ -1,0 +1,74 @@
+"""From a mission and a navigation log to a model: the mission's first transit at its means, bound to the legs."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.datasets.legs import TransitData
+from missionplan.diagnosis.given_effects import given_effects
+from missionplan.diagnosis.legs.model import TransitModel
+from missionplan.mission import Mission
+from missionplan.mission.views import TransitMission
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.phases.hooks import TransitEffect
+from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import recorded_current
+
+DRAWS = 512
+"""Draws of the mission from which its own uncertainty of the current is taken."""
+
+
+def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitModel:
+    """Bind a mission's first transit to a navigation log.
+
+    Parameters
+    ----------
+    data : TransitData
+        The log.
+    mission : Mission
+    seed : int
+        Of the draws of the mission's current.
+
+    Raises
+    ------
+    InputError
+        When the mission has no transit or no navigation, or its current cannot be read.
+    """
+    transits = TransitMission.of(mission)
+    recorded = recorded_current(mission)
+    means = Scenario.at_means(mission, recorded)
+    drawn = Scenario.drawn(mission, recorded, seed=seed, block=0, size=DRAWS)
+    base, spread = _expected_velocity(data, means, drawn, transits.transit().name)
+    error = transits.navigation.velocity_error
+    base = base + np.array([[mean_of(part)] for part in error.mean])
+    spread = np.hypot(spread, [np.std(np.asarray(drawn[f"navigation.velocity_error.mean[{k}]"])) for k in (0, 1)])
+    fix_error = float(np.sqrt(max(mean_of(transits.navigation.fix_error) ** 2, 0.0)))
+    model = TransitModel(data, base, error.covariance, fix_error, (float(spread[0]), float(spread[1])))
+    return replace(model, base=_with_given_effects(model, mission))
+
+
+def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario, name: str) -> tuple[Array, Array]:
+    """Velocity error that the site's current gives each leg, shape (2, n), and its standard deviation (2,) [m/s]."""
+    if means.current is None or drawn.current is None:
+        return np.zeros((2, data.n)), np.zeros(2)
+    depth = float(np.mean(means[f"{name}.depth"]))
+    through = data.dead_reckoned - data.start
+    velocity = means.current.mean_velocity(data.t_start, data.under_way, depth, data.start, through)
+    surfaced = data.t_start + data.under_way
+    drift = means.current.velocity(surfaced, 0.0, data.end)
+    expected = velocity + drift * data.surface / data.under_way
+    place = np.repeat(data.start[:, :1], DRAWS, axis=1)
+    draws = drawn.current.velocity(float(data.t_start[0]), depth, place)
+    return np.broadcast_to(expected, (2, data.n)).copy(), np.broadcast_to(draws, (2, DRAWS)).std(axis=1)
+
+
+def _with_given_effects(model: TransitModel, mission: Mission) -> Array:
+    """Velocity error that the mission expects, its own effects at their means included, shape (2, n) [m/s]."""
+    base = model.base.copy()
+    data, leg = model.data, model.leg
+    for effect in given_effects(mission):
+        if isinstance(effect, TransitEffect):
+            drift = effect.surface_velocity(data.t_start + data.under_way, data.surface, data.end)
+            base = base + effect.velocity(leg) + drift * data.surface / data.under_way
+    return base

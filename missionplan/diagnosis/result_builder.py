@@ -1,0 +1,74 @@
+"""From what the pipeline found to the tables and entries of the result."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.inference.discrepancy import Discrepancy
+from missionplan.diagnosis.inference.selection import Candidate
+from missionplan.diagnosis.pipeline import PipelineResult
+from missionplan.results.diagnosis import DiscrepancyFound, GroupScore, RankedSet
+
+LISTED = 12
+"""Sets of the ranking that are reported."""
+
+
+def ranked_sets(bound: DataKind, found: PipelineResult, residuals: pd.DataFrame) -> tuple[RankedSet, ...]:
+    """Return the best sets, best first.
+
+    Parameters
+    ----------
+    bound : DataKind
+        The data set.
+    found : PipelineResult
+        The diagnosis.
+    residuals : DataFrame
+        Of the data set under the best fit.
+    """
+    listed = found.selection.ranking[:LISTED]
+    shares = bound.shares_explained(found.selection.base, [candidate.fit for candidate in listed], residuals)
+    return tuple(_ranked(found, candidate, share) for candidate, share in zip(listed, shares, strict=True))
+
+
+def _ranked(found: PipelineResult, candidate: Candidate, share: float) -> RankedSet:
+    held_out = found.held_out.get(candidate.causes)
+    return RankedSet(
+        candidate.causes,
+        candidate.log_bayes_factor,
+        candidate.score,
+        found.posterior.get(candidate.causes),
+        candidate.fit.estimates,
+        held_out.gain if held_out else None,
+        share,
+        found.sampled.get(candidate.causes),
+    )
+
+
+def group_scores(found: PipelineResult) -> tuple[GroupScore, ...]:
+    """Return the held-out scores of the best set, group by group; none where it was not held out."""
+    ranking = found.selection.ranking
+    held_out = found.held_out.get(ranking[0].causes) if ranking else None
+    if held_out is None:
+        return ()
+    return tuple(
+        GroupScore(
+            before.group,
+            before.log_score,
+            after.log_score,
+            float(np.sqrt(before.squared_error / before.count)),
+            float(np.sqrt(after.squared_error / after.count)),
+        )
+        for before, after in zip(held_out.base, held_out.extended, strict=True)
+    )
+
+
+def discrepancy_found(found: Discrepancy) -> DiscrepancyFound:
+    """Return a discrepancy as the result has it."""
+    tests = tuple((test.name, test.p_value) for test in found.tests)
+    plain = DiscrepancyFound(found.log_bayes_factor, found.axis, found.resembles, found.by_axis, tests)
+    if found.shape is None:
+        return plain
+    table = pd.DataFrame({"at": found.shape.at, "mean": found.shape.mean, "sd": found.shape.sd})
+    return replace(plain, place=found.shape.place, value=found.shape.value, shape=table)

@@ -1,0 +1,77 @@
+"""Summaries of dives as a kind of data."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import pandas as pd
+
+from missionplan.datasets.summaries import SummaryData, read_summary
+from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.dives.kind import DIRECT_MEASUREMENTS
+from missionplan.diagnosis.dives.model_factory import descent_builder
+from missionplan.diagnosis.dives.tables import descent_shares
+from missionplan.diagnosis.extended_mission import extended_mission
+from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
+from missionplan.diagnosis.summaries.model import SummaryForward, SummaryModel, as_log
+from missionplan.diagnosis.summaries.tables import summary_misfit, summary_residuals
+from missionplan.mission import Mission
+from missionplan.results.diagnosis import Verdict
+
+
+@dataclass(frozen=True)
+class SummaryKind(DataKind):
+    """A few numbers a dive, as papers print them."""
+
+    ids = ("summary",)
+    direct_measurements = DIRECT_MEASUREMENTS
+
+    kind: str
+    mission: Mission
+    data: SummaryData
+    model: SummaryModel
+
+    @classmethod
+    def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
+        """Read the tests and bind the mission's first mooring to them."""
+        data = read_summary(folder, mission)
+        return cls(kind, mission, data, summary_model(data, mission))
+
+    def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
+        """Return one row a number."""
+        return summary_residuals(self.model, base, best)
+
+    def misfit(self, residuals: pd.DataFrame) -> str:
+        """Describe the number that is farthest off."""
+        return summary_misfit(residuals)
+
+    def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
+        """Return the share of the squared residuals, in standard deviations, that goes with each fit."""
+        return descent_shares(self.model, base, fits)
+
+    def extended_mission(self, best: CauseFit) -> dict[str, object]:
+        """Write the causes as effects."""
+        return extended_mission(self.mission.raw, best.estimates, best.calibration)
+
+    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> dict[str, object]:
+        """Compare the anchors chosen."""
+        return plan_gain(anchor_choice, self.mission, extended, seed=seed, jobs=jobs)
+
+    def limited_verdict(self, verdict: Verdict) -> Verdict:
+        """Return at most ``ambiguous``: a few numbers, their times shifted by hand, do not settle a cause."""
+        return "ambiguous" if verdict == "explained" else verdict
+
+
+def summary_model(data: SummaryData, mission: Mission) -> SummaryModel:
+    """Bind a mission's first mooring to summaries of dives.
+
+    Raises
+    ------
+    InputError
+        When the mission lacks what a descent needs.
+    """
+    build, given = descent_builder(mission)
+    logs = tuple(as_log(test) for test in data.tests)
+    return SummaryModel(SummaryForward(build, logs, given, tests=data.tests))

@@ -1,0 +1,60 @@
+"""Tank data as a kind of data."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import pandas as pd
+
+from missionplan.datasets.kinds import TANK_KINDS
+from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.plan_gain import anchor_choice, no_plans, plan_gain
+from missionplan.diagnosis.tank.data import TankSet, read_tank
+from missionplan.diagnosis.tank.extended_mission import extended_tank_mission
+from missionplan.diagnosis.tank.model import TankModel
+from missionplan.diagnosis.tank.model_factory import tank_forward
+from missionplan.diagnosis.tank.tables import tank_misfit, tank_residuals, tank_share
+from missionplan.mission import Mission
+
+
+@dataclass(frozen=True)
+class TankKind(DataKind):
+    """Drag, free oscillations, thrusters and propeller transients."""
+
+    ids = TANK_KINDS
+
+    kind: str
+    mission: Mission
+    data: TankSet
+    model: TankModel
+
+    @classmethod
+    def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
+        """Read the data and bind the base model of their kind to them."""
+        data = read_tank(folder)
+        return cls(kind, mission, data, TankModel(tank_forward(data.tank, mission)))
+
+    def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
+        """Return one row a datum."""
+        return tank_residuals(self.model, best)
+
+    def misfit(self, residuals: pd.DataFrame) -> str:
+        """Describe the root mean square of the residuals beside the sensor's noise."""
+        return tank_misfit(self.model, residuals)
+
+    def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
+        """Return the share of the squared residuals that goes with each fit."""
+        return [tank_share(residuals, fit) for fit in fits]
+
+    def extended_mission(self, best: CauseFit) -> dict[str, object]:
+        """Write the causes into the vehicle where it has keys for them, else as effects."""
+        return extended_tank_mission(self.mission, best.estimates, best.calibration, self.data)
+
+    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> dict[str, object]:
+        """Compare the anchors chosen, where the mission has a mooring and an anchor."""
+        vehicle = self.mission.vehicle
+        if not (self.mission.moors and vehicle and vehicle.anchor):
+            return no_plans("no mooring's anchor, whose choice the tank's data could change")
+        return plan_gain(anchor_choice, self.mission, extended, seed=seed, jobs=jobs)

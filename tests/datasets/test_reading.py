@@ -1,0 +1,119 @@
+"""`dataset.yaml` of all kinds: one schema a kind, with every problem of the folder at once."""
+
+import pytest
+import yaml
+
+from missionplan.datasets.kinds import FORMATS
+from missionplan.datasets.reading import dataset_kind, read_dataset
+from missionplan.datasets.summaries import SUMMARY, read_summary
+from missionplan.datasets.tank import read_tank_data
+from missionplan.datasets.tank.drag import DRAG
+from missionplan.errors import InputError
+
+TOWING = {"kind": "drag", "reference_area": "0.1 m^2", "reference_length": "0.3 m"}
+ROWS = "speed_m_s,force_n\n0.5,3\n1,10\n"
+TESTS = "run,quantity,value,sd\na,descent_time_s,12,1\nb,descent_time_s,13,\nb,terminal_velocity_m_s,,\n"
+
+
+def words(excinfo):
+    return "\n".join(str(problem) for problem in excinfo.value.problems)
+
+
+def test_kinds_go_by_the_name_in_the_file():
+    assert all(kind == form.kind for kind, form in FORMATS.items())
+
+
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        ({"kind": "drags"}, "given 'drags', expected one of transit, descent, drag, .*did you mean drag"),
+        ({"kind": None}, "kind: missing; expected one of"),
+        ({"kind": ["drag"]}, "kind: given .'drag'., expected one of"),
+    ],
+)
+def test_a_kind_that_is_none_is_told_the_known(folder, keys, expected):
+    with pytest.raises(InputError, match=expected):
+        dataset_kind(folder(keys, ROWS), FORMATS)
+
+
+def test_problems_of_both_files_come_together(folder):
+    place = folder(TOWING | {"reference_area": "1 kg", "sorce": "here", "noise": 3}, "speed_m_s,force_n\nx,1\n")
+    with pytest.raises(InputError) as excinfo:
+        read_dataset(place, DRAG).checked()
+    for part in (
+        "did you mean source?",
+        "given 1 kg",
+        "given 3, expected a mapping",
+        "rows.csv:2: speed_m_s: given 'x'",
+    ):
+        assert part in words(excinfo)
+
+
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        ({"file": None}, "file: missing"),
+        ({"file": "  "}, "expected the name of a CSV file"),
+        ({"file": 3}, "given 3, expected text"),
+        ({"file": "../data/../../rows.csv"}, "outside the data set's folder"),
+        ({"file": "/etc/passwd"}, "outside the data set's folder"),
+        ({"file": "other.csv"}, "no such file"),
+        ({"compare": {"name": "CFD", "file": "other.csv"}}, "no such file"),
+        ({"compare": {"name": "CFD"}}, "compare.file: missing"),
+    ],
+)
+def test_files_are_named_and_lie_in_the_folder(folder, keys, expected):
+    with pytest.raises(InputError, match=expected):
+        read_tank_data(folder(TOWING | keys, ROWS))
+
+
+def test_name_and_source_are_text_and_may_be_blank(folder):
+    place = folder(TOWING | {"name": 2024, "source": None, "noise": None}, ROWS)
+    raw = read_dataset(place, DRAG)
+    assert (raw.name, raw.source) == ("2024", "")
+    assert read_dataset(folder(TOWING, ROWS), DRAG).name == "data"
+
+
+def test_a_folder_was_expected(folder):
+    place = folder(TOWING, ROWS)
+    with pytest.raises(InputError, match="is a file; a data set is a folder"):
+        dataset_kind(place / "rows.csv", FORMATS)
+    with pytest.raises(InputError, match="no such file"):
+        dataset_kind(place / "nowhere", FORMATS)
+    (place / "dataset.yaml").write_text(yaml.safe_dump(["kind"]))
+    with pytest.raises(InputError, match="expected keys such as kind"):
+        dataset_kind(place, FORMATS)
+
+
+def test_runs_of_a_summary_are_the_missions_but_for_what_differed(folder, descent_mission):
+    runs = {"a": {"depth": "30 m"}}
+    data = read_summary(folder({"kind": "summary", "runs": runs}, TESTS), descent_mission)
+    assert [test.site_depth for test in data.tests] == [30.0, 24.0]
+    assert "b: descent_time_s states no sd; 5 % is assumed" in data.notices
+    assert "rows.csv: 1 row left out without value" in data.notices
+
+
+@pytest.mark.parametrize(
+    ("runs", "expected"),
+    [
+        ({"a": {"depht": "30 m"}}, "runs.a.depht: unknown key .did you mean depth"),
+        ({"a": {"line_length": "90 m"}}, "never pulled down"),
+        ({"a": 3}, "runs.a: given 3, expected a mapping"),
+        ([3], "expected a mapping"),
+    ],
+)
+def test_runs_of_a_summary_are_checked(folder, descent_mission, runs, expected):
+    with pytest.raises(InputError, match=expected):
+        read_summary(folder({"kind": "summary", "runs": runs}, TESTS), descent_mission)
+
+
+def test_a_mission_without_moorings_must_be_told_all(folder, transit_mission):
+    with pytest.raises(InputError) as excinfo:
+        read_summary(folder({"kind": "summary", "runs": {"a": {"depth": "30 m"}}}, TESTS), transit_mission)
+    assert "runs.a: needs line_length: neither the run nor the mission has it" in words(excinfo)
+    assert "runs.b: needs depth" in words(excinfo)
+
+
+def test_unknown_quantities(folder, descent_mission):
+    with pytest.raises(InputError, match=r"rows\.csv:2: quantity: given 'speed', expected one of descent_time_s"):
+        read_summary(folder({"kind": SUMMARY.kind}, "run,quantity,value\na,speed,1\n"), descent_mission)
