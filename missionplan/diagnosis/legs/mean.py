@@ -25,7 +25,7 @@ NONLINEAR_EFFECTS = ("compass-bias", "compass-deviation")
 MODULATED_EFFECTS = ("tidal-current", "inertial-current")
 """Oscillating currents whose amplitude and phase change slowly; see `modulation`."""
 MAX_MEAN_HEADING = 2.0 / math.pi
-"""Length of the mean heading vector above which the headings cover less than half the compass."""
+"""Mean resultant length of headings that are uniform over half the compass (Mardia & Jupp 2000, Section 2.3)."""
 DIFFERENCE_STEP = 1e-3
 """Step of the central differences, in slabs (prior standard deviations of a cause)."""
 SHEAR_SLAB, SHEAR_SPIKE = 0.1, 0.004
@@ -87,7 +87,7 @@ class TransitMean:
     only: tuple[Coordinate, ...] | None = None
 
     def minimum_evidence_gain(self, causes: Causes) -> float:
-        """The default: effects are nearly linear in their strengths and of known shape."""
+        """Return the default: effects are nearly linear in their strengths, and of known shape."""
         return MINIMUM_EVIDENCE_GAIN
 
     @cached_property

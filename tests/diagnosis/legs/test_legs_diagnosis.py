@@ -54,7 +54,7 @@ def test_persistence_is_the_effects_own_covariance(folder, transit_mission, legs
 @pytest.mark.parametrize("rows", [slice(None), np.array([0, 1, 2, 9, 10, 11, 30, 47])], ids=["all legs", "some legs"])
 @pytest.mark.parametrize("causes", [(), ("persistent-error",), ("inertial-current", "random-walk")])
 def test_marginal_is_the_density_of_the_total_covariance(folder, transit_mission, legs, causes, rows):
-    """What the chain of legs gives is the density under the covariance that predictions use."""
+    """The banded likelihood is the density under the dense covariance that predictions use."""
     table = legs()
     table.loc[1:, ["x_start_m", "y_start_m"]] = table[["x_end_m", "y_end_m"]].to_numpy()[:-1]
     bound = model(folder, transit_mission, table)

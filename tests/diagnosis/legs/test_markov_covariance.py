@@ -61,7 +61,7 @@ def test_covariance_follows_from_the_transition(process):
     assert covariance[0, 0] == pytest.approx(process.first_variance)
 
 
-def test_what_has_no_covariance_is_refused():
+def test_negative_variances_are_refused():
     legs, _ = covariance_of_legs(SHARES, (0,))
     with pytest.raises(np.linalg.LinAlgError, match="not positive"):
         legs.gram(np.ones((2, LEGS, 1)), np.array([-1.0, -1.0]), 0.0, None)

@@ -1,4 +1,4 @@
-"""The slow factor of a current that oscillates."""
+"""Slow modulation of an oscillating current."""
 
 import numpy as np
 
@@ -17,8 +17,8 @@ def test_a_short_record_needs_few_functions():
     assert smooth_functions(T[:5]).shape[1] < smooth_functions(T).shape[1]
 
 
-def test_waver_is_as_large_in_phase_as_in_quadrature():
-    """Variance of Re(ε·w): SHARE² of the squared amplitude, at any moment of the oscillation."""
+def test_modulation_is_as_large_in_phase_as_in_quadrature():
+    """Variance of Re(ε·w): `RELATIVE_SD`² of the squared amplitude, at any moment of the oscillation."""
     phase = 2.0 * np.pi * T / 45000.0
     swirl = 0.1 * np.stack([np.cos(phase), -np.sin(phase)])
     later = 0.1 * np.stack([np.sin(phase), np.cos(phase)])
