@@ -1,4 +1,4 @@
-"""Table I of Briggs et al.: simulated against measured dives, and what the table cannot tell."""
+"""Table I of Briggs et al.: simulated against measured dives, and what the table cannot determine."""
 
 import csv
 import json
@@ -88,7 +88,7 @@ def misfit(table, speeds, times, simulated_times):
     return float(np.sum(np.square(residuals)))
 
 
-def test_the_table_cannot_tell_drag_from_weight_from_an_upward_current(table, prototype):
+def test_the_table_cannot_distinguish_drag_weight_and_an_upward_current(table, prototype):
     _, simulated = dives(prototype)
     causes = {
         "drag": lambda x: dives(prototype, (DragBias(x),)),
@@ -114,8 +114,8 @@ def test_the_table_cannot_tell_drag_from_weight_from_an_upward_current(table, pr
     assert misfit(table, speed - 0.37, times, simulated) < 9.0
 
 
-def test_the_diagnosis_says_that_the_table_does_not_settle_it(tmp_path):
-    """Six numbers: a misfit, several causes that would do, the measurement that would tell, a report."""
+def test_the_diagnosis_of_the_table_does_not_settle_it(tmp_path):
+    """Six numbers: a misfit, several causes that fit, the measurement that distinguishes them, a report."""
     command = ["diagnose", MISSIONS / "chesapeake.yaml", MISSIONS / "measured" / "table-1", "--out", tmp_path]
     subprocess.run([sys.executable, "-m", "missionplan", *map(str, command)], check=True, capture_output=True)
     found = json.loads((tmp_path / "diagnosis.json").read_text())

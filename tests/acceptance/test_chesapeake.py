@@ -66,7 +66,7 @@ def test_the_mission_meets_its_requirements(outcome):
     assert outcome.phases[2].events["arrived"].low > 0.99
 
 
-def test_the_anchors_radius_holds_as_the_sizing_promised():
+def test_the_anchor_stays_within_the_radius_as_often_as_the_sizing_found():
     """Eq. 1 leaves out release, pay-out and acceleration, but takes the worst currents as aligned."""
     design = load(MISSION.with_name("anchor-design.yaml"))
     promised = size_anchor(design, trials=16384).anchor.probabilities

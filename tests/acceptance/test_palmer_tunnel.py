@@ -1,4 +1,4 @@
-"""Palmer, Hearn & Stevenson (2009): what the text says of forward and aft tunnel thrusters."""
+"""Palmer, Hearn & Stevenson (2009): statements of the text on forward and aft tunnel thrusters."""
 
 import pytest
 from scipy.optimize import brentq

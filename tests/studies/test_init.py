@@ -61,7 +61,7 @@ def test_a_file_in_the_folders_place_is_refused(tmp_path):
         init(tmp_path / "file")
 
 
-def test_the_sea_trial_can_be_read_and_holds_the_compass_bias_it_says(starter):
+def test_the_sea_trial_can_be_read_and_has_the_stated_compass_bias(starter):
     mission = load(starter / "mission.yaml")
     data = read_transit(starter / "sea-trial", mission)
     assert data.n == LEGS

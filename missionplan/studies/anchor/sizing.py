@@ -106,7 +106,7 @@ class AnchorSizer:
         return ProbableAnchor(required, anchor, found.reason, found.best, found.line_length, found.line_weight)
 
     def notes(self, anchor: SizedAnchor) -> tuple[str, ...]:
-        """Where the model leaves its range for an anchor, one sentence each."""
+        """Sentences on where the model leaves its range for an anchor."""
         fineness = anchor.design.length / (2.0 * anchor.design.problem.radius) if anchor.design else None
         notes = range_notes(self.means.vehicle_drag, anchor.terminal_velocity, fineness)
         buoyancy = float(self.means["vehicle.net_buoyancy"])

@@ -1,4 +1,4 @@
-"""What differs between two mission files, key by key."""
+"""Differences between two mission files, key by key."""
 
 import math
 import re

@@ -81,15 +81,7 @@ def fit(
     def misfit(values: Array) -> Array:
         return (model(values) - data) / scale
 
-    solution = least_squares(
-        misfit,
-        start,
-        bounds=bounds,
-        x_scale="jac",
-        xtol=1e-12,
-        ftol=1e-12,
-        gtol=1e-12,
-    )
+    solution = least_squares(misfit, start, bounds=bounds, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
     if not solution.success:
         raise RunError(f"{name}: the fit did not converge ({solution.message})")
     covariance = _covariance(name, np.asarray(solution.jac), parameters)

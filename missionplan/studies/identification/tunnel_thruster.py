@@ -143,55 +143,63 @@ def _joint_fit(
 
 def _panels(run: TunnelThrusterRun, best: FittedModel, force: Array, moments: Array | None) -> tuple[FitPanel, ...]:
     """Force factor against speed ratio and, where moments are given about another point, the moment factor."""
-    values, geometry = _constants(best), run.geometry
-    ratio, static = run.ratio(values), tt.static_thrust(values[0], run.revolutions)
+    force_panel = _force_panel(run, best, force)
+    if moments is None or run.geometry.position == 0.0:
+        return (force_panel,)
+    return (force_panel, _moment_panel(run, best, moments))
+
+
+def _ratios(run: TunnelThrusterRun, best: FittedModel) -> tuple[Array, Array, Array]:
+    """Speed ratios of the data, and a grid of them with its force factors."""
+    constant, decay = best["thrust_constant"].value, best["decay"].value
+    ratio = run.ratio(np.array([constant, decay]))
     line = np.linspace(0.0, max(float(ratio.max()), 0.1), 100)
-    factor = np.asarray(tt.force_factor(line, values[1]))
-    count = len(force)
-    force_panel = FitPanel(
+    return ratio, line, np.asarray(tt.force_factor(line, decay))
+
+
+def _force_panel(run: TunnelThrusterRun, best: FittedModel, force: Array) -> FitPanel:
+    ratio, line, factor = _ratios(run, best)
+    static = tt.static_thrust(best["thrust_constant"].value, run.revolutions)
+    return FitPanel(
         name="force-factor",
         x_label="speed ratio u/u_j",
         y_label="K_F",
         x=ratio,
         y=force / static,
         y_sd=np.full_like(force, np.nan),
-        fitted=best.fitted[:count] / static,
+        fitted=best.fitted[: len(force)] / static,
         curves=(FitCurve("exp(-c (u/u_j)²)", line, factor),),
         alt="Share of the static force that the vehicle feels against speed ratio, falling to little as speed rises.",
     )
-    if moments is None or geometry.position == 0.0:
-        return (force_panel,)
+
+
+def _moment_panel(run: TunnelThrusterRun, best: FittedModel, moments: Array) -> FitPanel:
+    geometry, (ratio, line, factor) = run.geometry, _ratios(run, best)
     gradient = best["suction_gradient"].value if "suction_gradient" in best else 0.0
     offset = best["suction_offset"].value if "suction_offset" in best else 0.0
     centre = geometry.position - offset - gradient * geometry.diameter * line
-    at_rest = static * geometry.position
-    moment_panel = FitPanel(
+    at_rest = tt.static_thrust(best["thrust_constant"].value, run.revolutions) * geometry.position
+    return FitPanel(
         name="moment-factor",
         x_label="speed ratio u/u_j",
         y_label="K_N",
         x=ratio,
         y=moments / at_rest,
-        y_sd=np.full_like(force, np.nan),
-        fitted=best.fitted[count:] / at_rest,
+        y_sd=np.full_like(moments, np.nan),
+        fitted=best.fitted[len(moments) :] / at_rest,
         curves=(FitCurve(best.name, line, np.asarray(tt.moment_factor(factor, centre / geometry.position))),),
         alt="Moment over the static moment against speed ratio.",
     )
-    return (force_panel, moment_panel)
 
 
 def _remarks(run: TunnelThrusterRun, best: FittedModel) -> tuple[str, ...]:
-    values = _constants(best)
+    values = np.array([best["thrust_constant"].value, best["decay"].value])
     limit = float(np.asarray(tt.highest_ratio(values[1])))
     beyond = int(np.sum(tt.out_of_range(run.ratio(values), values[1])))
     remarks = [f"The exponential holds up to u/u_j = {limit:.2f}; beyond, forces may recover as ships' do."]
     if beyond:
         remarks.append(f"{beyond} of {len(run.speed)} points lie beyond that.")
     return tuple(remarks)
-
-
-def _constants(best: FittedModel) -> Array:
-    """K_3 and c."""
-    return np.array([best["thrust_constant"].value, best["decay"].value])
 
 
 def _fragment(best: FittedModel, geometry: ThrusterGeometry) -> dict[str, object]:

@@ -95,7 +95,7 @@ class PlanTrials:
 
 
 Objective = Callable[[PlanTrials], float]
-"""What a plan is chosen for; the less the better."""
+"""Function of a plan's trials whose least value is sought."""
 
 
 def run_plans(

@@ -18,24 +18,26 @@ TRACKED_TRIALS = 6
 
 def error_scenarios(scenario: SweepScenario) -> tuple[ErrorScenario, ...]:
     """The mission itself; σ_v half and double; the mean drift half and double, or one that was not expected."""
-    drift = scenario.mean_drift
-    sigma = scenario.sigma(0)
-    if np.any(drift):
-        means = [("mean drift half as large", -0.5 * drift), ("mean drift twice as large", drift)]
-    else:
-        course = scenario.means.position(scenario.phase.to, f"{scenario.phase.name}.to")
-        course = course - scenario.means.position(*scenario.start)
-        across = np.array([-course[1], course[0]]) / np.hypot(*course)
-        means = [
-            ("unexpected mean error of σ_v/2 across the course", 0.5 * sigma * across),
-            ("unexpected mean error of σ_v across the course", sigma * across),
-        ]
     return (
         AS_PLANNED,
         ErrorScenario("σ_v half as large", 0.5),
         ErrorScenario("σ_v twice as large", 2.0),
-        *(ErrorScenario(name, mean=(float(shift[0]), float(shift[1]))) for name, shift in means),
+        *(ErrorScenario(name, mean=(float(mean[0]), float(mean[1]))) for name, mean in _mean_errors(scenario)),
     )
+
+
+def _mean_errors(scenario: SweepScenario) -> list[tuple[str, Array]]:
+    """Mean errors beyond the mission's, with names; shape (2,) each [m/s]."""
+    drift, sigma = scenario.mean_drift, scenario.sigma(0)
+    if np.any(drift):
+        return [("mean drift half as large", -0.5 * drift), ("mean drift twice as large", drift)]
+    course = scenario.means.position(scenario.phase.to, f"{scenario.phase.name}.to")
+    course = course - scenario.means.position(*scenario.start)
+    across = np.array([-course[1], course[0]]) / np.hypot(*course)
+    return [
+        ("unexpected mean error of σ_v/2 across the course", 0.5 * sigma * across),
+        ("unexpected mean error of σ_v across the course", sigma * across),
+    ]
 
 
 @dataclass(frozen=True)

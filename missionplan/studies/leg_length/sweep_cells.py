@@ -21,7 +21,7 @@ from missionplan.phases.transit.transit import transit
 
 GROUP = 16
 """Trials in a group. What is left of a block over whole groups is not used for differences."""
-MOST_PAIRED = 1000
+MAX_PAIRED = 1000
 """Largest number of d_max for which covariances are kept; beyond, differences ignore the common random numbers."""
 _FEWEST_GROUPS = 8
 
@@ -106,7 +106,7 @@ def run_cells(
     d_max: Array,
     table: LegTable | None = None,
 ) -> CellTotals:
-    """PlanTrials one block of trials through the transit for every d_max, and for a table of legs after them.
+    """Run one block of trials through the transit for every d_max, and for a table of legs after them.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def _typical_costs(plan: TransitPlan, state: TrialState, d_max: Array, cells: in
 def _totals(costs: Array, surfacings: Array, reference: Array) -> CellTotals:
     cells, trials = costs.shape
     groups = trials // GROUP
-    kept = cells if cells <= MOST_PAIRED else 0
+    kept = cells if cells <= MAX_PAIRED else 0
     grouped = np.nan_to_num(costs[:kept, : groups * GROUP]).reshape(kept, groups, GROUP).mean(axis=-1)
     about = grouped - reference[:kept, None]
     return CellTotals(

@@ -50,7 +50,7 @@ def sweep_dmax(
     Raises
     ------
     InputError
-        When the mission has no transit, the vehicle cannot stem its mean drift, or the analytic form is asked for
+        When the mission has no transit, the mean drift is as fast as the vehicle, or the analytic form is requested
         where it does not apply.
     """
     started = time.perf_counter()
@@ -178,7 +178,7 @@ class _Costs:
 
 
 def _curve(scenario: SweepScenario, index: int, sampled: CellTotals | None, analytic: Analytic) -> SweepCurve:
-    """Make a curve; after the grid come the whole distance in one leg, and the table where there is one."""
+    """Curve of one σ_v; after the grid follow the whole distance in one leg, and the table where there is one."""
     grid = len(scenario.d_max) - 1
     costs = _Costs.of_expectations(analytic, grid) if sampled is None else _Costs.of_trials(sampled, grid)
     points = [_point(scenario, number, costs, analytic) for number in range(len(costs.cost))]

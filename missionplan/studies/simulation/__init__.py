@@ -1,4 +1,4 @@
-"""Will the mission work? Blocks of trials through all phases, reduced as they come.
+"""Will the mission work? Blocks of trials through all phases, reduced as they finish.
 
-Read first `simulate`, then `trial_block` (one block), `block_statistics` (what is kept of it) and `outcome_builder`.
+Read first `simulate`, then `trial_block` (one block), `block_statistics` (its statistics) and `outcome_builder`.
 """

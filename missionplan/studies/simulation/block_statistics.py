@@ -22,7 +22,7 @@ Value = TypeVar("Value")
 Side = Literal["at_most", "at_least"]
 
 SAMPLED_BLOCKS = 4
-"""Blocks of which inputs and key figures are kept trial by trial, for sensitivities and circles of error."""
+"""Blocks whose inputs and key figures are kept trial by trial, for sensitivities and circles of error."""
 SUFFIXES = {"s": "_s", "m": "_m", "m/s": "_m_s", "J": "_wh", "rad": "_rad", "": ""}
 """How the name of a quantity ends in results, by the SI unit in which the mission file bounds it."""
 SCALES = {"J": 1.0 / JOULES_PER_WATT_HOUR}
@@ -33,7 +33,7 @@ KEY_FIGURES = {
     "transition": ("depth_excursion_m", "energy_wh", "hovering"),
     "total": ("duration_s", "energy_wh", "success"),
 }
-"""What sensitivities are given for, by kind of phase."""
+"""Quantities and events whose sensitivities are computed, by kind of phase."""
 
 
 @dataclass(frozen=True)

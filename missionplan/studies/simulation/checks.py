@@ -1,4 +1,4 @@
-"""What a mission must have to be simulated, checked before any work is done, and what its reader should know."""
+"""What a mission needs to be simulated, checked before any trial is run, and notices for the reader."""
 
 import numpy as np
 
@@ -65,6 +65,7 @@ def check_current(mission: Mission, means: Scenario) -> None:
 
 
 def _places_outside(mission: Mission, means: Scenario, field: FieldCurrent) -> list[Problem]:
+    """Ends of transits outside the field."""
     problems = []
     for name, place in _places(mission, means):
         for value, axis, way in zip(place, (field.east_axis, field.north_axis), ("east", "north"), strict=True):
@@ -75,6 +76,7 @@ def _places_outside(mission: Mission, means: Scenario, field: FieldCurrent) -> l
 
 
 def _places(mission: Mission, means: Scenario) -> list[tuple[str, Array]]:
+    """Ends of the transits by key path, shape (2,) each [m]."""
     found = []
     for phase in mission.transits:
         ends = {"from": phase.start, "to": phase.to}
@@ -87,7 +89,7 @@ def _places(mission: Mission, means: Scenario) -> list[tuple[str, Array]]:
 
 
 def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
-    """What the reader should know of the input: cut distributions, models out of their range, what is left out."""
+    """Notices of the input: truncated distributions, models out of their range, what is left out."""
     return (
         *mission.notices(),
         *_energy_notices(mission),
@@ -99,7 +101,7 @@ def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
 
 
 def _energy_notices(mission: Mission) -> tuple[str, ...]:
-    """Whether energy is computed, and all of it."""
+    """Notice where energy is not computed, or not all of it."""
     if mission.vehicle is None:
         return ("The mission has no vehicle: energy is not computed.",)
     if mission.budget is None:
@@ -110,7 +112,7 @@ def _energy_notices(mission: Mission) -> tuple[str, ...]:
 
 
 def _drag_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
-    """Where the model of the drag leaves its range."""
+    """Notices where the model of the drag leaves its range."""
     if mission.vehicle is None or mission.site is None or mission.site.water is None or not mission.transits:
         return ()
     return range_notes(means.vehicle_drag, min(float(means[f"{phase.name}.speed"]) for phase in mission.transits))
@@ -129,7 +131,7 @@ def _drift_notice(means: Scenario, phase: TransitPhase) -> str:
 
 
 def _effect_notices(mission: Mission) -> list[str]:
-    """Effects that do not change the plan."""
+    """Notices of effects that do not change the plan."""
     found = []
     for entry in mission.effects:
         if not CATALOGUE[entry.effect].changes_plan:
@@ -139,7 +141,7 @@ def _effect_notices(mission: Mission) -> list[str]:
 
 
 def _anchor_notices(mission: Mission, means: Scenario) -> list[str]:
-    """Parts that are not drawn, and anchors that cannot be built."""
+    """Notices of parts that are not drawn, and of anchors that cannot be built."""
     anchor = mission.vehicle.anchor if mission.vehicle else None
     if not mission.moors or anchor is None or anchor.construction is None or anchor.flooded_mass is not None:
         return []
@@ -157,7 +159,7 @@ def _anchor_notices(mission: Mission, means: Scenario) -> list[str]:
 
 
 def run_notices(means: Scenario, merged: MergedBlocks, goal: Precision | None) -> tuple[str, ...]:
-    """What the reader should know of the run: precision not reached, missions that outlast a record, failed blocks."""
+    """Notices of the run: precision not reached, missions that outlast a record, failed blocks."""
     trials, failures = merged.totals.trials, len(merged.failures)
     found = []
     if goal is not None and not goal.is_reached(merged.totals):

@@ -72,7 +72,7 @@ class MapTracks:
 
     @classmethod
     def of(cls, trials: MissionTrials) -> "MapTracks":
-        """Take them from a block."""
+        """Collect them from a block."""
         phases = trials.phases
         return cls(
             position=np.concatenate([phase.track for phase in phases]),

@@ -45,7 +45,7 @@ def mooring_trials(
         effects=scenario.descent_effects,
         surface_effects=scenario.transit_effects,
     )
-    kept, exhausted = end_exhausted(after, scenario.capacity)
+    continuing, exhausted = end_exhausted(after, scenario.capacity)
     moored, ended = begun & record.descent.touched_down, after.alive & ~exhausted
     within, struck = moored & record.within_radius, moored & record.struck
     points = (record.anchor, record.surfaced_at, after.position)
@@ -70,7 +70,7 @@ def mooring_trials(
         radius=plan.radius,
         inputs={},
     )
-    return kept, found
+    return continuing, found
 
 
 def _quantities(

@@ -9,6 +9,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.mission import Mission
+from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.montecarlo.sensitivity import Influence, sensitivities
 from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic, Statistic
 from missionplan.results.base import Provenance
@@ -89,24 +90,22 @@ class OutcomeBuilder:
         )
 
     def _requirements(self) -> tuple[RequirementOutcome, ...]:
-        found = []
-        for index, requirement in enumerate(self.mission.requirements):
-            probability = self.totals.counts[f"requirement {index}"].probability()
-            required, (_, unit) = requirement.probability, requirement_key(self.mission, requirement.quantity)
-            side, limit = bound_of(requirement) or (None, None)
-            found.append(
-                RequirementOutcome(
-                    quantity=requirement.quantity,
-                    bound=side,
-                    limit=limit,
-                    unit=unit or "",
-                    required=required,
-                    probability=probability,
-                    met=probability.value >= required,
-                    undecided=probability.low <= required <= probability.high,
-                )
-            )
-        return tuple(found)
+        return tuple(self._requirement(*numbered) for numbered in enumerate(self.mission.requirements))
+
+    def _requirement(self, index: int, requirement: Requirement) -> RequirementOutcome:
+        probability = self.totals.counts[f"requirement {index}"].probability()
+        required, (_, unit) = requirement.probability, requirement_key(self.mission, requirement.quantity)
+        side, limit = bound_of(requirement) or (None, None)
+        return RequirementOutcome(
+            quantity=requirement.quantity,
+            bound=side,
+            limit=limit,
+            unit=unit or "",
+            required=required,
+            probability=probability,
+            met=probability.value >= required,
+            undecided=probability.low <= required <= probability.high,
+        )
 
     def _attrition(self) -> tuple[Attrition, ...]:
         steps, left, trials = [], self.totals.trials, self.totals.trials
@@ -133,7 +132,7 @@ class OutcomeBuilder:
 
 
 def _statistic(quantity: str, running: RunningStatistic) -> Statistic:
-    """What is reported of a quantity; the sketch's quantiles of integers are rounded."""
+    """Statistic of a quantity; the sketch's quantiles of integers are rounded."""
     found = running.statistic()
     if quantity not in INTEGER_QUANTITIES or not found.count:
         return found

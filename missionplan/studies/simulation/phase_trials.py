@@ -1,4 +1,4 @@
-"""What one phase did with every trial of a block, and what all phases need to find it out."""
+"""The trials of a block in one phase, and what all kinds of phase need to run them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -64,7 +64,7 @@ class PhaseTrials:
     radius : float or array, shape (n,)
         Of arrival or of the mooring [m].
     inputs : mapping of str to array, shape (n,)
-        What was drawn anew each leg or fix, in one number a trial; empty where it was not asked for.
+        Draws of each leg or fix, summed up in one number a trial; empty where not requested.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""How precise a run is to be: a standard error of one key figure below which no further block is run."""
+"""Required precision of a run: a standard error of one key figure below which no further block is run."""
 
 import math
 from dataclasses import dataclass, field
@@ -64,7 +64,7 @@ class Precision:
         return cls(key, error, relative=share and unit is not None, is_event=unit is None, text=text)
 
     def is_reached(self, totals: BlockStatistics) -> bool:
-        """Whether the standard error is below the one wanted.
+        """Whether the standard error is below the required one.
 
         Of a probability, a quarter of Wilson's 95 % interval (Wilson 1927, J. Am. Stat. Assoc. 22, 209–212) takes the
         place of √(p(1 − p)/n), which is 0 as long as p is 0 or 1.

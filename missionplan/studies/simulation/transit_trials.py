@@ -34,7 +34,7 @@ def transit_trials(block: TrialBlock, phase: TransitPhase, state: TrialState) ->
     plan, normals = scenario.transit_plan(phase), transit_normals(scenario, phase, block.seed, block.block)
     environment = scenario.environment(phase)
     after, record = transit(plan, state, normals, environment, tracked=min(block.tracked, state.trials))
-    kept, exhausted = end_exhausted(after, scenario.capacity)
+    continuing, exhausted = end_exhausted(after, scenario.capacity)
     goal, arrived = column(plan.goal), record.arrived & ~exhausted
     found = PhaseTrials(
         name=phase.name,
@@ -51,7 +51,7 @@ def transit_trials(block: TrialBlock, phase: TransitPhase, state: TrialState) ->
         radius=plan.arrival_radius,
         inputs=_leg_inputs(plan, normals, state, record, goal) if block.inputs else {},
     )
-    return kept, found
+    return continuing, found
 
 
 def _quantities(record: TransitRecord, arrived: Flags) -> dict[str, Array]:

@@ -45,7 +45,7 @@ def transition_trials(block: TrialBlock, phase: TransitionPhase, state: TrialSta
         energy=state.energy + np.where(hovering, spent, 0.0),
         alive=hovering,
     )
-    kept, exhausted = end_exhausted(after, scenario.capacity)
+    continuing, exhausted = end_exhausted(after, scenario.capacity)
     quantities = {
         "depth_excursion_m": (state.alive, _each(record.depth_excursion, state)),
         "pitch_excursion_rad": (state.alive, _each(record.pitch_excursion, state)),
@@ -68,7 +68,7 @@ def transition_trials(block: TrialBlock, phase: TransitionPhase, state: TrialSta
         radius=0.0,
         inputs={},
     )
-    return kept, found
+    return continuing, found
 
 
 def _each(values: Scalars, state: TrialState) -> Array:

@@ -31,6 +31,6 @@ class TrialsTable:
         self._writer.write_table(table)
 
     def parquet(self) -> bytes:
-        """Close the table and give the file."""
+        """Close the table and return the file."""
         self._writer.close()
         return self._content.getvalue()

@@ -83,7 +83,7 @@ def test_design_current_defaults_to_mean_and_two_sd(tmp_path):
     assert size_anchor(mission, trials=10).required_velocity == pytest.approx((1.3 + 1.2) / 2 * 100 / 75)
 
 
-def test_the_layers_own_directions_ask_for_less(mission):
+def test_the_layers_own_directions_need_less(mission):
     sizing = size_anchor(mission, trials=10)
     aligned, vector = sizing.required_velocity, sizing.vector_velocity
     across = np.hypot(1.3 + 1.13 * np.cos(np.radians(30)), 1.13 * np.sin(np.radians(30)))
@@ -113,7 +113,7 @@ def test_probabilities_do_not_depend_on_the_number_of_jobs(mission):
     assert size_anchor(mission, trials=5000, jobs=2, backend="threading").anchor.probabilities == one
 
 
-def test_a_short_line_asks_for_a_longer_one(tmp_path):
+def test_a_short_line_needs_a_longer_one(tmp_path):
     mission = altered(tmp_path, ("line_length: 5 m", "line_length: 3.35 m"))
     sizing = size_anchor(mission, trials=200, probability=0.99)
     probable = sizing.probable
@@ -132,7 +132,7 @@ def test_a_release_that_drifts_too_far_is_beyond_any_anchor(tmp_path):
     assert "drift before the line is taut" in probable.reason
 
 
-def test_an_impossible_anchor_says_why_and_what_would_mend_it(tmp_path):
+def test_an_impossible_anchor_is_reported_with_reasons_and_remedies(tmp_path):
     mission = altered(tmp_path, vehicle=[("mass: 0.7 kg", "mass: 0.9 kg")])
     summary = size_anchor(mission, trials=10).summary()
     assert summary["anchor"]["feasible"] is False
@@ -163,7 +163,7 @@ def test_effects_on_readings_leave_the_plan_alone(tmp_path, mission):
     assert size_anchor(late, trials=10).anchor.descent_time == size_anchor(mission, trials=10).anchor.descent_time
 
 
-def test_everything_missing_is_said_at_once():
+def test_everything_missing_is_reported_at_once():
     with pytest.raises(InputError) as caught:
         size_anchor(load(MISSIONS / "fig8.yaml"))
     assert {problem.key for problem in caught.value.problems} >= {"phases", "vehicle", "site.depth"}
@@ -174,7 +174,7 @@ def test_a_probability_must_be_one(mission):
         size_anchor(mission, probability=1.5)
 
 
-def test_search_passes_the_shares_on():
+def test_search_finds_the_lightest_weight_within_the_radius():
     """A made-up mooring: within from 10 N, striking from 12 N."""
 
     class Probabilities:
@@ -195,6 +195,6 @@ def test_the_worst_case_by_itself_is_the_anchor_sized(mission):
     assert worst_case_anchor(mission) == size_anchor(mission, trials=10).anchor.wet_weight
 
 
-def test_the_worst_case_by_itself_says_what_is_missing():
+def test_the_worst_case_by_itself_reports_what_is_missing():
     with pytest.raises(InputError, match="no mooring"):
         worst_case_anchor(load(MISSIONS / "fig8.yaml"))

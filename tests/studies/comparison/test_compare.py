@@ -82,7 +82,7 @@ def test_a_report_is_the_same_as_itself(report):
     assert terminal_view(comparison).sentence == "The results are the same."
 
 
-def test_a_difference_beyond_noise_is_told_from_noise(report):
+def test_a_difference_beyond_noise_is_distinguished_from_noise(report):
     comparison = compare(report(simulated(seed=1)), report(simulated(offset=11.0, success=0.903, seed=2)))
     found = verdicts(comparison)
     assert found["moor", "offset_m"] == "changed"
@@ -102,7 +102,7 @@ def test_two_shares_are_tested_as_pooled(report):
     assert found.p_value == pytest.approx(2.0 * norm.sf(score))
 
 
-def test_a_requirement_that_is_no_longer_met_is_told(report):
+def test_a_requirement_that_is_no_longer_met_is_reported(report):
     comparison = compare(report(simulated()), report(simulated(met=False, seed=2)))
     assert "The requirement on moor offset was met and is now not met." in terminal_view(comparison).sentence
 
@@ -130,11 +130,11 @@ def test_seeds_and_options_are_named_apart_from_the_mission(report):
     assert comparison.provenance.notices == ()
 
 
-def test_of_one_seed_it_is_said_that_the_draws_are_shared(report):
+def test_runs_of_one_seed_are_reported_to_share_draws(report):
     assert "share draws" in compare(report(simulated()), report(simulated())).provenance.notices[0]
 
 
-def test_a_number_that_one_run_lacks_is_said_to_be_missing(report):
+def test_a_number_that_one_run_lacks_is_reported_as_missing(report):
     first = simulated()
     del first["total"]["quantities"]["energy_wh"]
     assert verdicts(compare(report(first), report(simulated())))["total", "energy_wh"] == "only second"
@@ -185,7 +185,7 @@ def test_anchors_are_compared_exactly(report):
         ('{"command": "identify"}', "cannot be compared"),
     ],
 )
-def test_what_is_no_report_is_refused_in_words(report, text, words):
+def test_what_is_no_report_is_refused(report, text, words):
     folder = report(text)
     with pytest.raises(InputError, match=words):
         compare(folder, folder)

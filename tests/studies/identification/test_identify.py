@@ -194,7 +194,7 @@ def test_a_bad_cell_is_named_by_line(tmp_path):
         identify(write(tmp_path / "bad", DRAG, {"speed_m_s": [0.1, 0.2], "force_n": [1, "abc"]}))
 
 
-def test_unknown_kind_is_told_the_known(tmp_path):
+def test_an_unknown_kind_is_reported_with_the_known_ones(tmp_path):
     with pytest.raises(InputError, match="did you mean drag"):
         identify(write(tmp_path / "bad", {"kind": "drags"}, {"speed_m_s": [1]}))
 
@@ -211,7 +211,7 @@ def test_too_few_points(tmp_path):
         identify(write(tmp_path / "few", DRAG, {"speed_m_s": [0.5], "force_n": [10.0]}))
 
 
-def test_rows_marked_and_columns_unknown_are_told(tmp_path):
+def test_marked_rows_and_unknown_columns_are_reported(tmp_path):
     data = towing(np.random.default_rng(8)) | {"ok": [0] + [1] * 19, "note": ["n"] * 20}
     result = identify(write(tmp_path / "drag", DRAG, data))
     assert any("1 row left out" in note for note in result.provenance.notices)

@@ -62,7 +62,7 @@ def test_robustness_covers_sigma_and_mean(plan):
         assert np.dot(case.mean_error, course) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_robustness_doubts_the_drift_that_the_mission_expects(tmp_path):
+def test_robustness_varies_the_drift_that_the_mission_expects(tmp_path):
     path = tmp_path / "drift.yaml"
     site = "site: {depth: 20 m, current: [{down_to: 20 m, speed: 0.1 m/s, toward: 0 deg}]}\n"
     path.write_text(
@@ -104,7 +104,7 @@ def test_tables_and_summary(plan):
     assert len(summary["cases"]) == 5
 
 
-def test_what_the_legs_leave_out_is_said(tmp_path, monkeypatch):
+def test_what_the_integral_equation_leaves_out_is_reported(tmp_path, monkeypatch):
     monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
     path = tmp_path / "fixes.yaml"
     path.write_text(MISSION.replace("surfacing_time: 90 s", "surfacing_time: 90 s\n  fix_error: 5 m"), encoding="utf-8")
@@ -186,7 +186,7 @@ def test_legs_for_a_deadline_are_on_time_as_often_as_any_other_plan(learning, mo
     assert "common trials" in plan.how_found
 
 
-def test_a_deadline_of_the_mission_is_what_p95_is_about(tmp_path, monkeypatch):
+def test_p95_uses_the_deadline_of_the_mission(tmp_path, monkeypatch):
     monkeypatch.setattr(optimise_legs, "DEADLINE_FAMILY", PolicyFamily((1.0,), (1.0,)))
     monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
     path = tmp_path / "deadline.yaml"
@@ -212,12 +212,12 @@ def test_energy_chooses_the_speed_and_needs_less_than_at_the_mission_s_own(tmp_p
     assert f"{plan.speed:.3f} m/s" in plan.files()["mission-with-legs.yaml"]
 
 
-def test_energy_without_a_vehicle_says_what_is_missing(mission):
+def test_energy_without_a_vehicle_is_refused(mission):
     with pytest.raises(InputError, match="needs a vehicle"):
         plan_legs(mission, aim="energy", trials=100)
 
 
-def test_the_spread_of_legs_is_found_in_a_pilot(mission):
+def test_the_spread_of_legs_is_estimated_from_pilot_trials(mission):
     scenario = replace(SweepScenario.of(mission), sigmas=(None,))
     spread = fit_leg_spread(scenario, 1)
     assert spread.sigma == pytest.approx(0.05, rel=0.03)

@@ -8,7 +8,7 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import load
-from missionplan.studies.leg_length.sweep_cells import MOST_PAIRED, CellTotals, _totals
+from missionplan.studies.leg_length.sweep_cells import MAX_PAIRED, CellTotals, _totals
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
 FIG8 = Path(__file__).parents[3] / "missions" / "fig8.yaml"
@@ -119,9 +119,9 @@ def test_trials_that_did_not_arrive_are_never_dropped_silently():
     assert totals.difference_error(0)[1] > totals.cost.standard_error[0]
 
 
-def test_a_grid_too_fine_to_be_paired_still_answers():
-    costs = np.tile(np.linspace(0.0, 1.0, 64), (MOST_PAIRED + 1, 1))
-    totals = _totals(costs, costs, np.zeros(MOST_PAIRED + 1))
+def test_a_grid_too_fine_to_be_paired_has_unpaired_errors():
+    costs = np.tile(np.linspace(0.0, 1.0, 64), (MAX_PAIRED + 1, 1))
+    totals = _totals(costs, costs, np.zeros(MAX_PAIRED + 1))
     assert totals.products.size == 0
     assert totals.difference_error(3)[0] == pytest.approx(math.sqrt(2.0) * totals.cost.standard_error[0])
 
@@ -199,7 +199,7 @@ def test_runs_that_never_arrive_are_reported_as_a_fraction(small):
     assert one_leg.arrived.low < one_leg.arrived.value < one_leg.arrived.high
 
 
-def test_nobody_arriving_gives_no_cost_rather_than_a_wrong_one(small):
+def test_where_no_trial_arrives_there_is_no_cost(small):
     sweep = sweep_dmax(small(more="max_legs: 1", sweep="{d_max: [100 m, 200 m]}"), trials=64, method="monte-carlo")
     assert all(math.isnan(point.cost) and point.arrived.value == 0.0 for point in sweep.curves[0].points)
     assert sweep.summary()["sweep"][0]["curve"][0]["arrived"]["value"] == 0.0

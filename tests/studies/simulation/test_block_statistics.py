@@ -14,7 +14,7 @@ from missionplan.studies.simulation.simulate import simulate_block
 VALUES = arrays(np.float64, st.integers(1, 60), elements=st.floats(-1e6, 1e6) | st.just(np.nan))
 
 
-def tally_of(values):
+def statistics_of(values):
     counts = {"total.success": Count.of(values > 0.0), "a: lost": Count.of(values < 0.0)}
     return BlockStatistics(RunningStatistics.of({"a.x_m": values}), counts, {"input:x": values})
 
@@ -26,8 +26,8 @@ def same(one, other):
 
 
 @given(VALUES)
-def test_a_tally_comes_back_from_its_arrays(values):
-    found = tally_of(values)
+def test_statistics_are_restored_from_their_arrays(values):
+    found = statistics_of(values)
     again = BlockStatistics.from_arrays(found.to_arrays())
     assert same(found, again)
     assert again.counts == found.counts
@@ -35,12 +35,12 @@ def test_a_tally_comes_back_from_its_arrays(values):
 
 
 @given(st.lists(VALUES, min_size=2, max_size=4))
-def test_merging_what_came_back_gives_the_same_bits(blocks):
-    direct = stored = tally_of(blocks[0])
+def test_merging_restored_statistics_gives_the_same_bits(blocks):
+    direct = stored = statistics_of(blocks[0])
     for values in blocks[1:]:
-        direct = direct.merge(tally_of(values))
+        direct = direct.merge(statistics_of(values))
         stored = BlockStatistics.from_arrays(stored.to_arrays()).merge(
-            BlockStatistics.from_arrays(tally_of(values).to_arrays())
+            BlockStatistics.from_arrays(statistics_of(values).to_arrays())
         )
     assert same(direct, stored)
     assert np.array_equal(direct.sample["input:x"], np.concatenate(blocks), equal_nan=True)

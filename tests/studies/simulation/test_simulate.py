@@ -279,7 +279,7 @@ def test_effects_may_be_uncertain(tmp_path):
     assert np.corrcoef(bias, time)[0, 1] > 0.9
 
 
-def test_an_effect_on_a_reading_is_said_not_to_change_the_plan(tmp_path):
+def test_an_effect_on_a_reading_is_reported_not_to_change_the_plan(tmp_path):
     found = simulate(chesapeake(tmp_path, {"effects": [{"depth-scale": {"fraction": 0.1}}]}), trials=10)
     assert any("depth-scale" in notice for notice in found.provenance.notices)
 
@@ -353,7 +353,7 @@ def test_a_sized_anchor_has_the_worst_case_weight(tmp_path):
     assert heavier == pytest.approx(dive.wet_weight + 0.2 * 4.4482216, rel=1e-6)
 
 
-def test_what_is_missing_is_said_before_any_work(tmp_path):
+def test_what_is_missing_is_reported_before_any_trial(tmp_path):
     with pytest.raises(InputError, match=r"site\.water.*a mooring needs it"):
         simulate(chesapeake(tmp_path, {"site.water": GONE}))
     with pytest.raises(InputError, match="at least one phase"):
@@ -366,7 +366,7 @@ def test_what_is_missing_is_said_before_any_work(tmp_path):
         simulate(chesapeake(tmp_path, unsized))
 
 
-def test_a_drift_as_fast_as_the_vehicle_is_said(tmp_path):
+def test_a_drift_as_fast_as_the_vehicle_is_reported(tmp_path):
     changes = {**EXACT, "navigation.velocity_error": {"mean": ["-1.6 m/s", "0 m/s"], "sigma": "0.01 m/s"}}
     found = simulate(chesapeake(tmp_path, {**changes, "navigation.max_legs": 20}), trials=10)
     assert found.phases[0].events["arrived"].value == 0.0
@@ -386,13 +386,13 @@ def test_keeping_trials_gives_one_row_each(tmp_path):
 
 
 def test_a_block_that_fails_is_reported_and_the_others_kept(tmp_path, monkeypatch):
-    honest = mooring_trials.moor
+    original = mooring_trials.moor
 
     def failing(plan, state, normals, *rest, **options):
         if failing.calls == 1:
             normals = np.full_like(normals, np.inf)
         failing.calls += 1
-        return honest(plan, state, normals, *rest, **options)
+        return original(plan, state, normals, *rest, **options)
 
     failing.calls = 0
     mission = chesapeake(tmp_path)

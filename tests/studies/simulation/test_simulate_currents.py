@@ -168,7 +168,7 @@ def test_a_field_that_does_not_reach_the_mission_is_refused(tmp_path):
         simulate(late, trials=10)
 
 
-def test_a_record_that_ends_early_is_said(tmp_path):
+def test_a_record_that_ends_early_is_reported(tmp_path):
     short = chesapeake(tmp_path, STEADY | csv(tmp_path, steady, times=(0, 1800)))
     found = simulate(short, trials=10)
     assert any("record of the current ends after 1800 s" in notice for notice in found.provenance.notices)

@@ -24,7 +24,7 @@ QUICK = {"phases": DATA["phases"][:1], "requirements": DATA["requirements"][:1]}
 
 
 def bits(outcome):
-    """Everything that a run came to, to the last bit, apart from when and how it ran."""
+    """All results of a run, bit by bit, without when and how it ran."""
     summary = outcome.summary()
     for key in ("elapsed_s", "created_utc", "options", "file"):
         del summary[key]
@@ -73,7 +73,7 @@ def test_a_precise_run_equals_the_run_of_that_many_trials(mission):
     assert bits(stopped) == bits(simulate(mission, trials=stopped.provenance.trials))
 
 
-def test_a_precision_out_of_reach_is_said(whole_mission):
+def test_a_precision_that_is_not_reached_is_reported(whole_mission):
     found = simulate(whole_mission, trials=500, precision="moor.offset=0.1 mm")
     assert any("was not reached in 500 trials" in notice for notice in found.provenance.notices)
 
@@ -115,11 +115,11 @@ def test_finished_blocks_are_not_run_again(mission, reference, tmp_path, monkeyp
     folder = tmp_path / "run"
     simulate(mission, trials=BLOCK, checkpoint=folder)
     ran = []
-    honest = block_task.run_block
+    original = block_task.run_block
 
     def spying(scenario, seed, block, *rest):
         ran.append(block)
-        return honest(scenario, seed, block, *rest)
+        return original(scenario, seed, block, *rest)
 
     monkeypatch.setattr(block_task, "run_block", spying)
     found = simulate(mission, trials=TRIALS, checkpoint=folder, resume=True)  # the trials have been raised
@@ -147,21 +147,21 @@ def test_a_damaged_block_is_run_again(mission, tmp_path):
 
 def failing_at(failed):
     """`run_block`, failing at one block."""
-    honest = block_task.run_block
+    original = block_task.run_block
 
     def run(scenario, seed, block, *rest):
         if block == failed:
             raise FloatingPointError("on purpose")
-        return honest(scenario, seed, block, *rest)
+        return original(scenario, seed, block, *rest)
 
     return run
 
 
 def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch):
-    honest = block_task.run_block
+    original = block_task.run_block
     monkeypatch.setattr(block_task, "run_block", failing_at(1))
     assert len(simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path).failed_blocks) == 1
-    monkeypatch.setattr(block_task, "run_block", honest)
+    monkeypatch.setattr(block_task, "run_block", original)
     found = simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path, resume=True)
     assert bits(found) == bits(simulate(mission, trials=2 * BLOCK))
 
@@ -214,11 +214,11 @@ def test_a_checkpoint_that_cannot_be_written_is_one_message(mission, tmp_path, m
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    honest = module.Checkpoints.write
+    original = module.Checkpoints.write
 
     def filling(store, *block):
         monkeypatch.setattr("pathlib.Path.replace", full)
-        honest(store, *block)
+        original(store, *block)
 
     monkeypatch.setattr(module.Checkpoints, "write", filling)
     with pytest.raises(RunError, match="No space left on device"):

@@ -42,7 +42,7 @@ def rewritten(tmp_path, old, new):
     return tmp_path / "mission.yaml"
 
 
-def test_unknown_derivative_is_told_the_nearest(tmp_path):
+def test_an_unknown_derivative_is_reported_with_the_nearest(tmp_path):
     with pytest.raises(InputError, match=r"did you mean z_wdot"):
         missionplan.load(rewritten(tmp_path, "z_wdot:", "z_wdott:"))
 
