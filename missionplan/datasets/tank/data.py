@@ -20,12 +20,8 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.physics.water import sea_water
 
 Settings = DragSettings | OscillationSettings | ThrusterSettings | PropellerSettings
-TANK_FORMATS: Mapping[str, DatasetFormat[Settings]] = {
-    "drag": DRAG,
-    "free-oscillation": FREE_OSCILLATION,
-    "thruster": THRUSTER,
-    "propeller-transient": PROPELLER_TRANSIENT,
-}
+_FORMATS: tuple[DatasetFormat[Settings], ...] = (DRAG, FREE_OSCILLATION, THRUSTER, PROPELLER_TRANSIENT)
+TANK_FORMATS = {form.kind: form for form in _FORMATS}
 FRESH_WATER = (1000.0, 1.01e-6)
 """Density [kg/m³] and kinematic viscosity [m²/s] where nothing is said of the tank's water: Avila et al., 19 °C."""
 
@@ -36,7 +32,7 @@ class TankData:
 
     Attributes
     ----------
-    name : str
+    name, source : str
         Of the data set.
     settings : DragSettings, OscillationSettings, ThrusterSettings or PropellerSettings
         Keys of ``dataset.yaml``, in SI.
@@ -53,6 +49,7 @@ class TankData:
     """
 
     name: str
+    source: str
     settings: Settings
     columns: dict[str, Array]
     labels: dict[str, list[str]]
@@ -102,6 +99,7 @@ def read_tank_data(folder: str | Path) -> TankData:
     columns, labels = _split(raw.table)
     return TankData(
         raw.name,
+        raw.source,
         settings,
         columns,
         labels,

@@ -1,7 +1,7 @@
 """Rows of tank data as they are fitted: at most so many, and in blocks."""
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,36 +17,15 @@ MAX_SINGLE_ROWS = 12
 """Up to so many rows each is a block by itself."""
 
 
-@dataclass(frozen=True)
-class TankSet:
-    """A data set of the tank.
-
-    Attributes
-    ----------
-    name, source : str
-        Of the data set.
-    notices : tuple of str
-        Treatments the reader should know of.
-    tank : TankData
-        The rows that are fitted.
-    """
-
-    name: str
-    source: str
-    notices: tuple[str, ...]
-    tank: TankData
-
-
-def read_tank(folder: Path) -> TankSet:
-    """Read a data set of one of the tank's kinds.
+def read_tank(folder: Path) -> TankData:
+    """Read a data set of one of the tank's kinds, with the rows that are fitted.
 
     Raises
     ------
     InputError
         With every problem of `dataset.yaml` and of the tables.
     """
-    data = decimated(read_tank_data(folder))
-    return TankSet(data.name, data.settings.source, data.notices, data)
+    return decimated(read_tank_data(folder))
 
 
 def decimated(data: TankData) -> TankData:

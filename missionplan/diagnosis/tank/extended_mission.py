@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 
 from missionplan.datasets.tank import DragSettings, OscillationSettings, TankData
 from missionplan.diagnosis.extended_mission import extended_mission
-from missionplan.diagnosis.tank.data import TankSet
 from missionplan.diagnosis.tank.free_oscillation import full_size_added_mass
 from missionplan.diagnosis.tank.towed_drag import drag_reynolds
 from missionplan.mission import Mission
@@ -18,7 +17,7 @@ IN_VEHICLE = ("drag-bias", "reynolds-drag", "added-mass")
 
 
 def extended_tank_mission(
-    mission: Mission, found: Sequence[ParameterEstimate], calibration: Mapping[str, float], data: TankSet
+    mission: Mission, found: Sequence[ParameterEstimate], calibration: Mapping[str, float], data: TankData
 ) -> dict[str, object]:
     """Write the causes into a mission's data.
 
@@ -33,7 +32,7 @@ def extended_tank_mission(
         Parameters of the causes.
     calibration : mapping
         Constants of the base model as fitted.
-    data : TankSet
+    data : TankData
         What was diagnosed.
     """
     others = [estimate for estimate in found if estimate.effect not in IN_VEHICLE]
@@ -42,9 +41,9 @@ def extended_tank_mission(
     given = extended.get("vehicle")
     if not own or mission.vehicle is None or not isinstance(given, dict):
         return extended
-    vehicle, settings = copy.deepcopy(given), data.tank.settings
+    vehicle, settings = copy.deepcopy(given), data.settings
     if isinstance(settings, DragSettings):
-        vehicle["drag"] = _drag(mission.vehicle, settings, own, calibration, data.tank)
+        vehicle["drag"] = _drag(mission.vehicle, settings, own, calibration, data)
     if isinstance(settings, OscillationSettings) and "added-mass" in own:
         estimate = own["added-mass"]
         surge, sd = full_size_added_mass(settings, mission.vehicle, estimate.value, estimate.sd)

@@ -7,11 +7,11 @@ from typing import Self
 
 import pandas as pd
 
-from missionplan.datasets.kinds import TANK_KINDS
+from missionplan.datasets.tank import TANK_FORMATS, TankData
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.plan_gain import anchor_choice, no_plans, plan_gain
-from missionplan.diagnosis.tank.data import TankSet, read_tank
+from missionplan.diagnosis.tank.data import read_tank
 from missionplan.diagnosis.tank.extended_mission import extended_tank_mission
 from missionplan.diagnosis.tank.model import TankModel
 from missionplan.diagnosis.tank.model_factory import tank_forward
@@ -23,18 +23,18 @@ from missionplan.mission import Mission
 class TankKind(DataKind):
     """Drag, free oscillations, thrusters and propeller transients."""
 
-    ids = TANK_KINDS
+    ids = tuple(TANK_FORMATS)
 
     kind: str
     mission: Mission
-    data: TankSet
+    data: TankData
     model: TankModel
 
     @classmethod
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the data and bind the base model of their kind to them."""
         data = read_tank(folder)
-        return cls(kind, mission, data, TankModel(tank_forward(data.tank, mission)))
+        return cls(kind, mission, data, TankModel(tank_forward(data, mission)))
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a datum."""

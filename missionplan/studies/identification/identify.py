@@ -53,7 +53,7 @@ def identify(dataset: str | Path) -> Identification:
         data=data.raw,
         notices=data.notices,
     )
-    return Identification(provenance, data.settings.kind, data.name, data.settings.source, analysis)
+    return Identification(provenance, data.settings.kind, data.name, data.source, analysis)
 
 
 def _analysis(data: TankData) -> TankAnalysis:
