@@ -1,4 +1,7 @@
-"""The catalogue of effects: one small file an effect."""
+"""The catalogue of effects: one module per effect, each with its data class and its `INFO`.
+
+Read first `info` (what an entry holds) and any effect, then `catalogue`. `oscillation` is shared by the currents.
+"""
 
 from missionplan.effects.catalogue import CATALOGUE, effects_of
 from missionplan.effects.info import Effect, EffectInfo, Parameter, TankEffect

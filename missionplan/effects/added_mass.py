@@ -1,4 +1,4 @@
-"""Water that is carried along and was not counted."""
+"""Added mass and floodwater beyond those of the drawings."""
 
 from dataclasses import dataclass
 
@@ -28,13 +28,13 @@ INFO = EffectInfo(
             "", "relative error of the joint mass, heavier positive", -0.1, 3.0, scale=0.4, spike=0.03
         )
     },
-    what="Flooded spaces and added mass that the drawings do not show: the train gathers speed more slowly.",
+    what="Flooded spaces and added mass that the drawings do not show: vehicle and anchor accelerate more slowly.",
     sizes=(
-        "Free-flooding volume of a hull is 10 to 80 % of its dry mass. Less than drawn is only water that is not "
-        "there, some tenth of the train: what was weighed remains."
+        "The free-flooding volume of a hull is 10 to 80 % of its dry mass. A mass below the drawings can only be "
+        "missing water, about a tenth of vehicle and anchor together, as their dry masses were weighed."
     ),
     confused_with=("broadside-start", "slow-flooding", "clock-offset"),
     distinguished_by=(
-        "Anchors of different weight: a mass error scales with 1/weight, a time constant of the start does not."
+        "Anchors of different weight: the effect of a mass error scales with 1/weight, a time constant does not."
     ),
 )

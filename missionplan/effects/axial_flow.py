@@ -1,4 +1,4 @@
-"""Water in the propeller's disc that takes time to gather speed (Blanke, Lindegaard & Fossen 2000)."""
+"""Dynamics of the axial flow through the propeller disc (Blanke, Lindegaard & Fossen 2000)."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from missionplan.effects.info import EffectInfo, Parameter, TankEffect
 
 @dataclass(frozen=True)
 class AxialFlow(TankEffect):
-    """Flow in the disc with dynamics of its own, its mass `mass_factor`·ρ A_p D (γ of the paper's m_f)."""
+    """Flow in the disc as a state of its own, with mass `mass_factor`·ρ A_p D (γ of the paper's m_f)."""
 
     mass_factor: Scalars = 1.0
 
@@ -27,8 +27,8 @@ INFO = EffectInfo(
             "", "water that moves with the disc over ρ A_p D", 0.02, 50.0, median=1.0, factor=3.0, default=1.0
         )
     },
-    what="After a change of shaft rate thrust overshoots until the flow in the disc has caught up.",
-    sizes="The paper leaves the factor open; a disc diameter of water is 1.",
+    what="After a change of shaft rate the thrust overshoots until the flow in the disc has adjusted.",
+    sizes="The paper does not give the factor; one disc diameter of water is 1.",
     confused_with=(),
     distinguished_by="Steps of shaft rate, thrust sampled several times within the flow's settling time.",
     changes_plan=False,

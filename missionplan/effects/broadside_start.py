@@ -1,4 +1,4 @@
-"""A vehicle that is drawn down broadside before it noses over."""
+"""Broadside drag at the start of the pull-down, until the vehicle has pitched nose down."""
 
 from dataclasses import dataclass
 
@@ -30,12 +30,12 @@ INFO = EffectInfo(
         "extra_drag": Parameter(
             "", "extra drag when the line goes taut, as a factor", 0.0, 60.0, scale=4.0, spike=0.05
         ),
-        "time": Parameter("s", "time constant of the nose going down", 0.1, 8.0, median=2.0, factor=1.9, default=1.5),
+        "time": Parameter("s", "time constant of the pitching", 0.1, 8.0, median=2.0, factor=1.9, default=1.5),
     },
-    what="The line draws a level vehicle down: until it has nosed over, its side and not its nose meets the water.",
+    what="The line pulls a level vehicle down: until it pitches nose down, the water meets its side and not its nose.",
     sizes=(
-        "Cross-flow drag of a slender hull is 10 to 30 times its axial drag; noses go down in 1 to 5 s. A hull "
-        "that takes longer has gone several lengths meanwhile, and is not on its way to nose down."
+        "The cross-flow drag of a slender hull is 10 to 30 times its axial drag; it pitches nose down in 1 to 5 s. A "
+        "hull that takes longer has sunk by several lengths meanwhile, and is not about to pitch down."
     ),
     confused_with=("added-mass", "slow-flooding"),
     distinguished_by="Pitch in the log; a dive released nose down; anchors of different weight.",

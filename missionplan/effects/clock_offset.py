@@ -9,7 +9,7 @@ from missionplan.phases.hooks import DescentEffect
 
 @dataclass(frozen=True)
 class ClockOffset(DescentEffect):
-    """Everything comes `time` late on the clock of the log."""
+    """Everything is delayed by `time` on the clock of the log."""
 
     time: Scalars = 0.0
 
@@ -24,10 +24,10 @@ INFO = EffectInfo(
     tier="physical",
     effect=ClockOffset,
     parameters={
-        "time": Parameter("s", "offset, positive when the dive comes late", -10.0, 10.0, scale=0.5, spike=0.02)
+        "time": Parameter("s", "offset, positive when the dive is late on the log", -10.0, 10.0, scale=0.5, spike=0.02)
     },
-    what="The log's zero is the release command, or another computer's clock, and not the separation of the anchor.",
-    sizes="Solenoids and pin pullers take 0.1 to 1 s; loggers' clocks differ by as much. Either sign.",
+    what="Time zero of the log is the release command, or the clock of another computer, not the anchor's separation.",
+    sizes="Solenoids and pin pullers take 0.1 to 1 s; the clocks of loggers differ by as much. Either sign.",
     confused_with=("line-payout", "sensor-lag"),
     distinguished_by="Dives with a much longer line (a payout delay grows with it, a clock does not).",
     changes_plan=False,

@@ -1,4 +1,4 @@
-"""A compass that is off by a constant angle."""
+"""A constant compass error."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ def turned(leg: Leg, angle: Scalars) -> Array:
 
 @dataclass(frozen=True)
 class CompassBias(TransitEffect):
-    """The course made through the water is turned clockwise by `angle` [rad] from the one believed."""
+    """The course made through the water is turned clockwise by `angle` [rad] from the assumed one."""
 
     angle: Scalars = 0.0
 
@@ -34,11 +34,11 @@ INFO = EffectInfo(
     effect=CompassBias,
     parameters={
         "angle": Parameter(
-            "rad", "angle of the true course from the believed one, clockwise", -0.8, 0.8, scale=0.08, spike=0.0026
+            "rad", "angle of the true course from the assumed one, clockwise", -0.8, 0.8, scale=0.08, spike=0.0026
         )
     },
-    what="Misalignment of the compass, wrong declination, magnetisation that turns with the hull.",
-    sizes="1 to 10°; the spike is 0.15°. Either sign.",
+    what="A misaligned compass, a wrong declination, or magnetisation that turns with the hull.",
+    sizes="1 to 10°, either sign.",
     confused_with=("compass-deviation", "mean-current"),
     distinguished_by="Legs on at least three headings.",
 )

@@ -1,4 +1,4 @@
-"""A compass whose error goes round with the heading."""
+"""A compass error that varies with the heading."""
 
 from dataclasses import dataclass
 
@@ -32,9 +32,9 @@ INFO = EffectInfo(
         "amplitude": Parameter("rad", "greatest deviation", 0.0, 0.8, scale=0.08, spike=0.0026),
         "phase": Parameter("rad", "heading at which the deviation is greatest, clockwise from north"),
     },
-    what="Hard iron beside the compass: the error is a sine of the heading (semicircular deviation).",
-    sizes="2 to 15° for a compass that was not swung.",
+    what="Hard iron near the compass: the error is a sine of the heading (semicircular deviation).",
+    sizes="2 to 15° for a compass that was not calibrated (swung).",
     confused_with=("compass-bias", "mean-current", "speed-scale"),
-    distinguished_by="Legs all round the compass.",
+    distinguished_by="Legs on headings all round the compass.",
     polar=(("amplitude", "phase"),),
 )

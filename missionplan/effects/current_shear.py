@@ -47,7 +47,7 @@ INFO = EffectInfo(
         for component in ("east", "north")
         for axis in ("east", "north")
     },
-    what="The edge of a jet, a river mouth, the shelf: the current is another one at the other end of the area.",
+    what="The edge of a jet, a river mouth, the shelf edge: the current differs from one end of the area to the other.",
     sizes="0.1 m/s over 1 to 10 km: 1e-5 to 1e-4 1/s.",
     confused_with=("mean-current", "tidal-current", "persistent-error"),
     distinguished_by="Legs that visit the same place at different times.",

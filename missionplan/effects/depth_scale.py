@@ -1,4 +1,4 @@
-"""A depth sensor whose scale is off."""
+"""A scale error of the depth sensor."""
 
 from dataclasses import dataclass
 
@@ -28,8 +28,8 @@ INFO = EffectInfo(
             "", "relative error of the reading, too deep positive", -0.5, 0.5, scale=0.06, spike=0.003
         )
     },
-    what="Wrong sensor range, or pressure turned into depth with the wrong density.",
-    sizes="Fresh for sea water is 2.6 %; uncalibrated sensors are off by 1 to 10 %.",
+    what="Wrong sensor range, or pressure converted to depth with the wrong density.",
+    sizes="Fresh water taken for sea water gives 2.6 %; sensors without calibration are wrong by 1 to 10 %.",
     confused_with=("drag-bias", "vertical-current"),
     distinguished_by="Readings at a known depth (a lead line, the seafloor at touchdown).",
     changes_plan=False,

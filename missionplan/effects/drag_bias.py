@@ -1,4 +1,4 @@
-"""Drag that the formulas misjudge by a constant factor."""
+"""Drag that differs from the formulae by a constant factor."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from missionplan.phases.hooks import DescentEffect
 
 @dataclass(frozen=True)
 class DragBias(DescentEffect):
-    """Both bodies' drag times ``1 + fraction``, the anchor's lone fall too."""
+    """Both bodies' drag times ``1 + fraction``, in the anchor's free fall too."""
 
     fraction: Scalars = 0.0
 
@@ -31,11 +31,11 @@ INFO = EffectInfo(
         "fraction": Parameter("", "relative error of the drag, more drag positive", -0.7, 2.0, scale=0.3, spike=0.01)
     },
     what=(
-        "Form factor, roughness, fins, line and fittings: the drag coefficient of the whole train is wrong by a factor."
+        "Form factor, roughness, fins, line and fittings: the drag of vehicle and anchor is wrong by a constant factor."
     ),
-    sizes="Component build-ups of streamlined bodies miss by 10 to 40 %; Table I of Briggs et al. asks for 60 to 80 %.",
+    sizes="Drag build-ups of streamlined bodies are wrong by 10 to 40 %; Table I of Briggs et al. requires 60 to 80 %.",
     confused_with=("depth-scale", "vertical-current", "trapped-gas", "drag-crisis"),
     distinguished_by=(
-        "A depth calibration; dives with much less anchor weight (a current shifts every speed alike, drag does not)."
+        "A depth calibration; dives with a much lighter anchor (a current shifts every speed alike, drag does not)."
     ),
 )

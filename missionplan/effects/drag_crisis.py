@@ -1,4 +1,4 @@
-"""Drag that changes about a critical speed."""
+"""Drag crisis: drag that falls about a critical speed."""
 
 from dataclasses import dataclass
 
@@ -36,7 +36,7 @@ INFO = EffectInfo(
         "width": Parameter("m/s", "half width of the change", 0.01, 2.0, median=0.12, factor=2.0, default=0.1),
     },
     what="The boundary layer of the anchor's blunt nose turns turbulent and the wake narrows.",
-    sizes="Spheres lose up to 80 % near Re 3e5, blunt anchors 10 to 50 %, at 0.8 to 1.8 m/s for this size. Drag falls.",
+    sizes="Spheres lose up to 80 % near Re 3e5, blunt anchors 10 to 50 %, at 0.8 to 1.8 m/s for this size.",
     confused_with=("drag-bias", "stratification"),
     distinguished_by="Anchor weights whose terminal speeds lie well below and well above the critical speed.",
 )

@@ -1,4 +1,4 @@
-"""Fixes that are worse than the mission says."""
+"""Fixes that are less accurate than the mission assumes."""
 
 from dataclasses import dataclass
 
@@ -28,10 +28,10 @@ INFO = EffectInfo(
     parameters={
         "sd": Parameter("m", "extra standard deviation of a fix, each axis", 0.0, 2000.0, median=25.0, factor=2.0)
     },
-    what="Few satellites, waves over the antenna, old ephemerides: fixes scatter more than assumed.",
+    what="Few satellites, waves over the antenna, outdated ephemerides: fixes scatter more than assumed.",
     sizes="10 to 100 m for a first fix with a wet antenna at the waterline.",
     confused_with=("heavy-tails",),
     distinguished_by=(
-        "Legs of very different duration: a fix error matters on short legs alone; a minute of fixes on a bench."
+        "Legs of very different duration, as a fix error matters on short legs alone; a minute of fixes on land."
     ),
 )

@@ -1,4 +1,4 @@
-"""Velocity errors that are now and then far larger than usual."""
+"""Heavy-tailed velocity errors: occasionally far larger than usual."""
 
 from dataclasses import dataclass
 
@@ -42,7 +42,7 @@ INFO = EffectInfo(
             "", "degrees of freedom; normal errors at infinity", 2.05, 1e6, median=4.0, factor=1.6, default=np.inf
         )
     },
-    what="Most legs are as good as expected and a few are bad: fronts, a bad fix, a propeller fouled for one leg.",
+    what="Most legs are as accurate as expected and a few are bad: fronts, a bad fix, a propeller fouled for one leg.",
     sizes="3 to 6 degrees of freedom in navigation logs with occasional bad legs.",
     confused_with=("fix-error", "persistent-error"),
     distinguished_by="The log of the bad legs: number of satellites, currents, revolutions.",

@@ -1,4 +1,4 @@
-"""A current that turns with the local inertial period."""
+"""An inertial current: one that rotates with the local inertial period."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ EARTH_ROTATION = 7.2921159e-5
 
 @dataclass(frozen=True)
 class InertialCurrent(TransitEffect):
-    """Current of constant speed `amplitude` [m/s] that turns clockwise in the northern hemisphere.
+    """Current of constant speed `amplitude` [m/s] that rotates clockwise in the northern hemisphere.
 
     At the mission's start it flows toward the angle `phase` [rad], counted counter-clockwise from east. Its angular
     frequency is f = 2Ω sin(latitude): period 12 h/sin(latitude) of a sidereal day, 25.97 h at 27.4° N.
@@ -46,10 +46,10 @@ INFO = EffectInfo(
     tier="physical",
     effect=InertialCurrent,
     parameters={
-        "amplitude": Parameter("m/s", "speed of the turning current", 0.0, 3.0, scale=0.15, spike=0.002),
+        "amplitude": Parameter("m/s", "speed of the rotating current", 0.0, 3.0, scale=0.15, spike=0.002),
         "phase": Parameter("rad", "direction at the mission's start, counter-clockwise from east"),
     },
-    what="Water set moving by a wind that has ceased turns under the Earth's rotation alone.",
+    what="Water set in motion by a wind that has ceased rotates by the Coriolis force alone.",
     sizes="0.05 to 0.5 m/s for days after a storm.",
     confused_with=("tidal-current", "persistent-error", "mean-current"),
     distinguished_by="A record of two inertial periods or more; both components, which are in quadrature.",

@@ -1,4 +1,4 @@
-"""What a file of the catalogue says about its effect."""
+"""Entries of the catalogue: an effect with its parameters, their plausible sizes, and what it is confused with."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ Tier = Literal["physical", "statistical"]
 
 @dataclass(frozen=True)
 class TankEffect:
-    """Neutral base of effects that the tank alone shows; it shows a descent's `drag-bias` and `added-mass` too."""
+    """Neutral base of effects seen only in a tank; a descent's `drag-bias` and `added-mass` are seen there too."""
 
     def drag_factor(self, reynolds_ratio: Array) -> Array | float:
         """Return the factor on the drag coefficient, from Re/Re₀."""
@@ -29,7 +29,7 @@ class TankEffect:
         return 0.0
 
     def flow_mass_factor(self) -> Scalars:
-        """Return the mass of the flow in the disc over ρ A_p D; 0 where it follows at once."""
+        """Return the mass of the flow in the disc over ρ A_p D; 0 where it adjusts at once."""
         return 0.0
 
 
@@ -38,7 +38,7 @@ Effect = TransitEffect | DescentEffect | TankEffect
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter of an effect, its unit, its possible range and the sizes at which it occurs.
+    """A parameter of an effect: unit, physical range and plausible sizes.
 
     A *strength* is zero when the effect is absent; its plausible sizes are a normal distribution about zero with
     standard deviation `scale`. A *shape* (a time constant, a depth) is positive and has no neutral value; its
@@ -49,19 +49,19 @@ class Parameter:
     unit : str
         SI unit as written in a mission file; empty for a bare number.
     doc : str
-        What it is, with its sign convention.
+        Description with sign convention.
     low, high : float
-        Physical range: a fitted value outside is not this effect [unit].
+        Physical range: a fitted value outside it is not this effect [unit].
     scale : float
         Standard deviation of the plausible sizes of a strength; 0 for a shape or a phase [unit].
     spike : float
-        What one is honestly unsure of in the base model, before any misfit: standard deviation [unit].
+        Standard deviation of a strength in the base model, its uncertainty before any misfit [unit].
     median, factor : float
         Plausible sizes of a shape [unit, 1].
     default : float
         Value when the mission file leaves it out [unit].
     field : str
-        Field of the data class, where a hook already bears the parameter's name; default the same name.
+        Field of the data class where a hook has the parameter's name; by default the same as the name.
     """
 
     unit: str
@@ -92,21 +92,21 @@ class EffectInfo:
     phase : str
         Phase it acts on.
     tier : str
-        ``physical`` names a cause; ``statistical`` describes what the errors do without saying why.
+        ``physical`` names a cause; ``statistical`` describes the errors without naming one.
     effect : type
         The data class that refines the phase's hooks.
     parameters : mapping
         Name of each field of the data class → `Parameter`.
     what : str
-        What it is physically and how it enters the model.
+        What happens physically.
     sizes : str
         Plausible sizes and signs, and where they come from.
     confused_with : tuple of str
         Effects that look alike.
     distinguished_by : str
-        What measurement would tell them apart.
+        Measurement that would distinguish them.
     changes_plan : bool
-        False for effects on a reading only.
+        False for effects on readings only.
     polar : tuple
         Pairs (amplitude, phase) of parameters: linear together as a·cos φ and a·sin φ.
     """

@@ -1,4 +1,4 @@
-"""A tunnel thruster's jet that bends back along the hull and sucks at it (Palmer, Hearn & Stevenson 2009)."""
+"""Suction of a tunnel thruster's jet on the hull under way (Palmer, Hearn & Stevenson 2009)."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ class JetSuction(TankEffect):
     decay: Scalars = 0.0
 
     def thrust_factor(self, command: Array, jet_ratio: Array) -> Array | float:
-        """Return the share of the static force that the vehicle feels."""
+        """Return the share of the static force that acts on the vehicle."""
         return force_factor(jet_ratio, self.decay)
 
 
@@ -24,9 +24,9 @@ INFO = EffectInfo(
     tier="physical",
     effect=JetSuction,
     parameters={"decay": Parameter("", "c of K_F = exp(-c(u/u_j)²)", 0.0, 50.0, scale=5.0, spike=0.05)},
-    what="Under way the jet lowers the pressure on the hull beside it: the vehicle feels less than the static thrust.",
+    what="Under way the jet lowers the pressure on the hull beside it, so that less than the static thrust acts.",
     sizes="c of 3 for an aft thruster to 7 for a forward one (Palmer et al.).",
     confused_with=("thrust-asymmetry",),
-    distinguished_by="Thrust at rest and at two speeds ahead, with the same shaft rates either way.",
+    distinguished_by="Thrust at rest and at two speeds ahead, with the same shaft rates in both directions.",
     changes_plan=False,
 )

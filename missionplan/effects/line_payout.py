@@ -1,4 +1,4 @@
-"""Line that pays out more slowly than the anchor falls."""
+"""A line that pays out more slowly than the anchor falls."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from missionplan.phases.hooks import DescentEffect
 
 @dataclass(frozen=True)
 class LinePayout(DescentEffect):
-    """Everything after the separation comes late by `delay_per_length` for each metre of line."""
+    """Everything after the separation is delayed by `delay_per_length` for each metre of line."""
 
     delay_per_length: Scalars = 0.0
 
@@ -25,12 +25,9 @@ INFO = EffectInfo(
     effect=LinePayout,
     parameters={"delay_per_length": Parameter("s/m", "delay for each metre of line", 0.0, 5.0, scale=0.2, spike=0.004)},
     what=(
-        "Friction or tangling on the spool: the line runs out more slowly than the free fall of the anchor "
-        "would draw it."
+        "Friction or tangling on the spool: the line pays out more slowly than the anchor's free fall would pull it."
     ),
-    sizes="From nothing to about half a second a metre; a delay is positive. Assumed from hand-wound spools.",
+    sizes="From zero to about half a second per metre; a delay is positive. Assumed from hand-wound spools.",
     confused_with=("clock-offset",),
-    distinguished_by=(
-        "Dives with a much longer or shorter line; with one length it cannot be told from a clock offset at all."
-    ),
+    distinguished_by=("Dives with a much longer or shorter line; with one length it is identical to a clock offset."),
 )

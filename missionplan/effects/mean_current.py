@@ -1,4 +1,4 @@
-"""A steady current that the mission does not hold."""
+"""A steady current beyond that of the mission."""
 
 from dataclasses import dataclass
 
@@ -31,10 +31,10 @@ INFO = EffectInfo(
         "east": Parameter("m/s", f"east {_COMPONENT}", -3.0, 3.0, scale=0.15, spike=0.004),
         "north": Parameter("m/s", f"north {_COMPONENT}", -3.0, 3.0, scale=0.15, spike=0.004),
     },
-    what="A current that stays the same over the whole record, on top of the site's current.",
+    what="A current that is constant over the whole record, in addition to the site's current.",
     sizes="0.02 to 0.5 m/s in coastal water.",
     confused_with=("speed-scale", "compass-bias", "current-shear", "persistent-error"),
     distinguished_by=(
-        "Legs on several headings: a current pushes the same way on all of them, a sensor error turns with the vehicle."
+        "Legs on several headings: a current has the same direction on all, a sensor error turns with the vehicle."
     ),
 )

@@ -1,4 +1,4 @@
-"""Mean of an oscillation over a leg: what the tidal and the inertial current share."""
+"""Mean of an oscillation over a leg, for the tidal and the inertial current."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A velocity error that lasts from leg to leg."""
+"""A velocity error that is correlated from leg to leg."""
 
 from dataclasses import dataclass
 
@@ -18,22 +18,22 @@ class PersistentError(TransitEffect):
 
     @property
     def is_random(self) -> bool:
-        """It needs normals of its own for each leg."""
+        """It needs standard normals for each leg."""
         return True
 
     def step(self, memory: Array | None, elapsed: Array, normals: Array) -> tuple[Array, Array]:
-        """Carry the velocity over `elapsed` by the exact transition of the process; stationary at first."""
+        """Advance the velocity over `elapsed` by the exact transition of the process; stationary on the first leg."""
         if memory is None:
             velocity = self.sigma * normals
         else:
-            kept, gathered = self.transition(elapsed)
-            velocity = kept * memory + np.sqrt(gathered) * normals
+            factor, variance = self.transition(elapsed)
+            velocity = factor * memory + np.sqrt(variance) * normals
         return velocity, velocity
 
     def transition(self, elapsed: Array) -> tuple[Array, Array]:
-        """Return the share kept, exp(−Δt/time), and the variance gathered, sigma²·(1 − exp(−2Δt/time)) [m²/s²]."""
-        kept = np.asarray(np.exp(-elapsed / self.time))
-        return kept, np.asarray(-np.square(self.sigma) * np.expm1(-2.0 * elapsed / self.time))
+        """Return the transition factor exp(−Δt/time) and the added variance sigma²·(1 − exp(−2Δt/time)) [m²/s²]."""
+        factor = np.asarray(np.exp(-elapsed / self.time))
+        return factor, np.asarray(-np.square(self.sigma) * np.expm1(-2.0 * elapsed / self.time))
 
     @property
     def first_variance(self) -> Scalars:
@@ -54,8 +54,8 @@ INFO = EffectInfo(
         "sigma": Parameter("m/s", "standard deviation on each axis", 0.0, 3.0, median=0.06, factor=2.5),
         "time": Parameter("s", "correlation time", 60.0, 1e7, median=30000.0, factor=6.0, default=7200.0),
     },
-    what="The error of one leg is like that of the leg before: eddies, slow currents, a compass that drifts.",
+    what="The error of one leg resembles that of the leg before: eddies, slow currents, a compass that drifts.",
     sizes="Mesoscale and tidal currents: 0.02 to 0.3 m/s over half an hour to weeks.",
     confused_with=("random-walk", "tidal-current", "inertial-current", "current-shear", "mean-current"),
-    distinguished_by="A longer record, or a current meter beside the track, would give the physical cause.",
+    distinguished_by="A longer record, or a current meter near the track, which would show the physical cause.",
 )

@@ -1,4 +1,4 @@
-"""Damping of an oscillation that grows with its speed."""
+"""Quadratic damping of an oscillation."""
 
 from dataclasses import dataclass
 
@@ -23,9 +23,9 @@ INFO = EffectInfo(
     tier="physical",
     effect=QuadraticDamping,
     parameters={"rate": Parameter("1/m", "quadratic damping over the total mass", 0.0, 50.0, scale=2.0, spike=0.02)},
-    what="Separated flow: large swings die away faster than small ones.",
+    what="Separated flow: large swings decay faster than small ones.",
     sizes="C_D/4 over the body's length: 0.1 to 5 1/m for models of 0.2 to 1 m.",
     confused_with=("added-mass",),
-    distinguished_by="Releases from several displacements: linear damping takes the same share of each swing.",
+    distinguished_by="Releases from several displacements: linear damping removes the same share of every swing.",
     changes_plan=False,
 )

@@ -1,4 +1,4 @@
-"""A velocity error that wanders off."""
+"""A velocity error that walks randomly from leg to leg."""
 
 from dataclasses import dataclass
 
@@ -11,27 +11,27 @@ from missionplan.phases.hooks import TransitEffect
 
 @dataclass(frozen=True)
 class RandomWalk(TransitEffect):
-    """Velocity that is zero on the first leg and gathers variance ``rate²`` a second on each axis."""
+    """Velocity that is zero on the first leg and whose variance grows by ``rate²`` per second on each axis."""
 
     rate: Scalars = 0.0
 
     @property
     def is_random(self) -> bool:
-        """It needs normals of its own for each leg."""
+        """It needs standard normals for each leg."""
         return True
 
     def step(self, memory: Array | None, elapsed: Array, normals: Array) -> tuple[Array, Array]:
-        """Add the step of the time that has passed between the middles of the legs."""
+        """Advance the velocity over the time between the middles of the legs."""
         velocity = 0.0 * normals if memory is None else memory + np.sqrt(self.transition(elapsed)[1]) * normals
         return velocity, velocity
 
     def transition(self, elapsed: Array) -> tuple[Array, Array]:
-        """Return the share kept, all of it, and the variance gathered, rate²·Δt [m²/s²]."""
+        """Return the transition factor 1 and the added variance rate²·Δt [m²/s²]."""
         return np.ones_like(elapsed), np.asarray(np.square(self.rate) * elapsed)
 
     @property
     def first_variance(self) -> Scalars:
-        """Variance on the first leg: none [m²/s²]."""
+        """Variance on the first leg: zero [m²/s²]."""
         return 0.0
 
     def covariance(self, t: Array) -> Array:
@@ -48,7 +48,7 @@ INFO = EffectInfo(
     parameters={
         "rate": Parameter("m/s**1.5", "growth: standard deviation after one second", 0.0, 1.0, median=5e-4, factor=3.0)
     },
-    what="The error drifts without bound: a gyro or a calibration that ages, water that changes along the way.",
+    what="The error drifts without bound: an ageing gyro or calibration, water that changes along the way.",
     sizes="0.01 to 0.1 m/s after an hour: 2e-4 to 2e-3 m/s per root second.",
     confused_with=("persistent-error", "current-shear", "mean-current", "tidal-current"),
     distinguished_by="A record several times as long: a persistent error stays within bounds, a walk does not.",

@@ -23,11 +23,11 @@ INFO = EffectInfo(
     tier="physical",
     effect=ReynoldsDrag,
     parameters={
-        "exponent": Parameter("", "power of Re that C_D follows, falling negative", -1.0, 1.0, scale=0.15, spike=0.01)
+        "exponent": Parameter("", "exponent of C_D in Re, negative where C_D falls", -1.0, 1.0, scale=0.15, spike=0.01)
     },
-    what="Friction or a boundary layer that is not yet turbulent: C_D is not the same at all speeds towed.",
-    sizes="Turbulent friction follows Re to the -1/6, laminar Re to the -1/2; bluff bodies none.",
+    what="Friction, or a boundary layer that is not yet turbulent: C_D depends on the towing speed.",
+    sizes="Turbulent friction varies as Re to the power -1/6, laminar friction -1/2; for bluff bodies 0.",
     confused_with=("drag-bias",),
-    distinguished_by="Towing over a wider range of speeds: a bias is the same at all of them.",
+    distinguished_by="Towing over a wider range of speeds: a bias is the same at all speeds.",
     changes_plan=False,
 )

@@ -1,4 +1,4 @@
-"""A depth sensor that answers slowly."""
+"""A depth sensor with a lag."""
 
 from dataclasses import dataclass
 
@@ -50,7 +50,7 @@ INFO = EffectInfo(
     sizes="Averaging in loggers gives 0.1 to 1 s; a lag is positive.",
     confused_with=("clock-offset", "line-payout"),
     distinguished_by=(
-        "The start of the dive sampled fast (a lag rounds it, a clock shifts it); a dip of the sensor by hand."
+        "Fast sampling at the start of the dive (a lag rounds it, a clock shifts it); dipping the sensor by hand."
     ),
     changes_plan=False,
 )

@@ -1,4 +1,4 @@
-"""Air in the anchor that gives way to water slowly."""
+"""An anchor that floods slowly."""
 
 from dataclasses import dataclass
 
@@ -30,9 +30,9 @@ INFO = EffectInfo(
         "fraction": Parameter("", "share of the wet weight missing at first", 0.0, 1.0, scale=0.3, spike=0.005),
         "time": Parameter("s", "time constant of the flooding", 0.2, 60.0, median=4.0, factor=2.2, default=5.0),
     },
-    what="The tube of the anchor floods through small holes: it starts light and reaches its wet weight exponentially.",
+    what="The anchor's tube floods through small holes: it starts light and approaches its wet weight exponentially.",
     sizes=(
-        "The free volume of the tube against its wet weight allows 0 to 60 %; holes of some mm empty it in 1 to 15 s."
+        "The tube's free volume relative to its wet weight allows 0 to 60 %; holes of a few mm flood it in 1 to 15 s."
     ),
     confused_with=("added-mass", "broadside-start", "trapped-gas"),
     distinguished_by="Anchors with large flooding holes, or a dive with the anchor flooded before release.",

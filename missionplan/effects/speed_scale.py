@@ -1,4 +1,4 @@
-"""A speed through the water that is believed wrongly."""
+"""A scale error of the speed through the water."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from missionplan.phases.hooks import Leg, TransitEffect
 
 @dataclass(frozen=True)
 class SpeedScale(TransitEffect):
-    """True speed through the water is the believed one times ``1 + fraction``."""
+    """True speed through the water is the assumed one times ``1 + fraction``."""
 
     fraction: Scalars = 0.0
 
@@ -26,10 +26,12 @@ INFO = EffectInfo(
     tier="physical",
     effect=SpeedScale,
     parameters={
-        "fraction": Parameter("", "relative error, faster than believed positive", -0.6, 0.6, scale=0.08, spike=0.002)
+        "fraction": Parameter(
+            "", "relative error, positive when faster than assumed", -0.6, 0.6, scale=0.08, spike=0.002
+        )
     },
-    what="Revolutions turned into speed with a wrong factor: fouling, propeller, battery voltage.",
+    what="Revolutions converted to speed with a wrong factor: fouling, propeller, battery voltage.",
     sizes="2 to 20 %; either sign.",
     confused_with=("mean-current", "compass-deviation"),
-    distinguished_by="Legs there and back on one line.",
+    distinguished_by="Legs in both directions along one line.",
 )

@@ -1,4 +1,4 @@
-"""Denser water below a pycnocline, which lifts the vehicle."""
+"""Denser water below a pycnocline, which buoys the vehicle up."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Drift at the surface that the site's current does not hold: wind and waves."""
+"""Drift at the surface beyond the site's current: wind and waves."""
 
 from dataclasses import dataclass
 
@@ -30,8 +30,8 @@ INFO = EffectInfo(
         "east": Parameter("m/s", "east component, toward positive", -3.0, 3.0, scale=0.25, spike=0.01),
         "north": Parameter("m/s", "north component, toward positive", -3.0, 3.0, scale=0.25, spike=0.01),
     },
-    what="Windage and Stokes drift move the vehicle between surfacing and its fix, beyond the current.",
+    what="Windage and Stokes drift move the vehicle between surfacing and its fix, in addition to the current.",
     sizes="About 3 % of the wind's speed: 0.1 to 0.5 m/s.",
     confused_with=("mean-current",),
-    distinguished_by="Surface times that vary: two fixes some minutes apart at one surfacing.",
+    distinguished_by="Surfacing times that vary; two fixes a few minutes apart at one surfacing.",
 )

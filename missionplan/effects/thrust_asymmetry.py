@@ -1,4 +1,4 @@
-"""A thruster that pushes less one way than the other."""
+"""A thruster with different thrust ahead and astern."""
 
 from dataclasses import dataclass
 
@@ -25,10 +25,12 @@ INFO = EffectInfo(
     tier="physical",
     effect=ThrustAsymmetry,
     parameters={
-        "fraction": Parameter("", "share of its thrust that it lacks astern", -2.0, 0.95, scale=0.25, spike=0.01)
+        "fraction": Parameter(
+            "", "share of the thrust ahead that is missing astern", -2.0, 0.95, scale=0.25, spike=0.01
+        )
     },
-    what="Blades, nozzle and hub are made for one direction: astern the same command gives another thrust.",
-    sizes="A third less astern for the thruster of Avila et al.; 0 to 40 %.",
+    what="Blades, nozzle and hub are designed for one direction: the same command gives a different thrust astern.",
+    sizes="0 to 40 % less astern; a third for the thruster of Avila et al.",
     confused_with=("jet-suction",),
     distinguished_by="Bollard pull with the same commands ahead and astern.",
     changes_plan=False,

@@ -50,10 +50,10 @@ class TidalCurrent(TransitEffect):
 
 
 def resolvable_constituents(duration: float) -> tuple[str, ...]:
-    """Name the constituents that a record can tell apart.
+    """Names of the constituents that a record can resolve.
 
     Rayleigh's criterion: two constituents need a record as long as their beat (14.8 days for M2 and S2, 13.7 days for
-    K1 and O1). M2 is tried on any record of half its period, K1 from one day.
+    K1 and O1). M2 alone needs half its period, K1 one day.
 
     Parameters
     ----------
@@ -85,9 +85,9 @@ INFO = EffectInfo(
     tier="physical",
     effect=TidalCurrent,
     parameters=_parameters(),
-    what="Tidal ellipses: each component of the current oscillates with the periods of moon and sun.",
+    what="Tidal ellipses: each component of the current oscillates with the periods of the moon and the sun.",
     sizes="0.02 to 0.5 m/s on shelves and in inlets; a few cm/s or less in the deep ocean.",
     confused_with=("inertial-current", "persistent-error", "current-shear"),
-    distinguished_by="A record of two periods or more; two weeks to part M2 from S2 and K1 from O1.",
+    distinguished_by="A record of two periods or more; two weeks to separate M2 from S2 and K1 from O1.",
     polar=tuple((f"{name}_{d}", f"{name}_{d}_phase") for name in PERIODS for d in ("east", "north")),
 )

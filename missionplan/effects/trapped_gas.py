@@ -1,4 +1,4 @@
-"""A gas bubble carried by the vehicle, compressed as it goes down."""
+"""A gas bubble in the vehicle, which is compressed with depth."""
 
 from dataclasses import dataclass
 
@@ -34,12 +34,11 @@ INFO = EffectInfo(
         )
     },
     what=(
-        "Air under fairings or in the sail lifts the vehicle and is compressed with depth: the dive speeds "
-        "up as it goes."
+        "Air under fairings or in the sail buoys the vehicle up and is compressed with depth: the descent accelerates."
     ),
     sizes="0.1 to 0.4 L of air, 1 to 4 N; always upward.",
     confused_with=("stratification", "drag-bias", "slow-flooding"),
     distinguished_by=(
-        "A dive twice as deep, or one with the vehicle purged by hand; a lift matters more the lighter the anchor."
+        "A dive twice as deep, or with the vehicle purged by hand; lighter anchors, with which a lift matters more."
     ),
 )

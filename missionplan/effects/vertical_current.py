@@ -1,4 +1,4 @@
-"""Water that moves up or down as a whole."""
+"""Water that moves up or down."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from missionplan.phases.hooks import DescentEffect
 
 @dataclass(frozen=True)
 class VerticalCurrent(DescentEffect):
-    """Water that goes down with `speed` [m/s] and carries the vehicle."""
+    """Water about both bodies that moves down at `speed` [m/s]."""
 
     speed: Scalars = 0.0
 
@@ -25,9 +25,9 @@ INFO = EffectInfo(
     effect=VerticalCurrent,
     parameters={"speed": Parameter("m/s", "of the water, down positive", -1.0, 1.0, scale=0.12, spike=0.003)},
     what=(
-        "Up- or downwelling along a slope, Langmuir circulation, internal waves: the train falls relative to the water."
+        "Up- or downwelling along a slope, Langmuir circulation, internal waves: the bodies sink through moving water."
     ),
-    sizes="0.02 to 0.3 m/s in coastal water; more is not known there. Either sign.",
+    sizes="0.02 to 0.3 m/s in coastal water, where more is not known. Either sign.",
     confused_with=("drag-bias", "depth-scale"),
     distinguished_by=(
         "Dives with 0.4 times the anchor's weight: a current shifts slow and fast dives alike, drag does not."

@@ -22,7 +22,7 @@ def lamb_axial_coefficient(fineness: Scalars) -> Scalars:
     Raises
     ------
     ValueError
-        When a fineness is below 1: an oblate body is another formula.
+        When a fineness is below 1: an oblate body has another formula.
     """
     ratio = np.asarray(fineness, dtype=float)
     if np.any(ratio < 1.0):
@@ -42,8 +42,8 @@ def lamb_axial_coefficient(fineness: Scalars) -> Scalars:
 def anchor_added_mass(radius: Scalars, water_density: Scalars) -> Scalars:
     """Estimate the anchor's axial added mass: half a sphere's and half a disc's, (π/3 + 4/3) ρ r³ = 2.38 ρ r³.
 
-    Half of the sphere's ⅔πρr³ for the rounded front and half of the disc's 8/3 ρr³ for the blunt back; an estimate,
-    checked against nothing. The water inside the anchor moves with it and is counted in its flooded mass.
+    Half of the sphere's ⅔πρr³ for the rounded front and half of the disc's 8/3 ρr³ for the blunt back: an estimate,
+    not validated. The water inside the anchor moves with it and is part of its flooded mass.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""An anchor that can be built: heavy enough flooded, neutral and in trim when attached (Briggs et al., Eqs. 15–17).
+"""Design of an anchor that is heavy enough flooded, neutral and in trim when attached (Briggs et al., Eqs. 15–17).
 
 Positions are measured from the anchor's tip, aft positive: a hemisphere of radius r, then a tube of length C, in whose
 end the vehicle's hemispherical nose sits.
@@ -24,7 +24,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Construction:
-    """What the anchor is made of, before its length and trim ring are known.
+    """Parts of the anchor, before its length and trim ring are known.
 
     Attributes
     ----------
@@ -47,14 +47,14 @@ class Construction:
 
 @dataclass(frozen=True)
 class AnchorProblem:
-    """What an anchor has to satisfy.
+    """Requirements of an anchor.
 
     Attributes
     ----------
     radius : float
         r of hemisphere and tube [m].
     overlap_volume : float
-        V_lost, taken by the vehicle's nose inside the anchor [m³].
+        V_lost, of the vehicle's nose inside the anchor [m³].
     nose_radius : float
         Of the vehicle's hemispherical nose [m].
     water_density : float
@@ -71,7 +71,7 @@ class AnchorProblem:
 
 @dataclass(frozen=True)
 class UnmetCondition:
-    """A condition that the anchor fails: which, by how much [kg or m], and what it means in words."""
+    """A condition that the anchor does not meet: which, by how much [kg or m], and what it means."""
 
     condition: str
     amount: float
@@ -96,7 +96,7 @@ class AnchorDesign:
     centre_of_gravity, centre_of_buoyancy : float
         Of the unflooded anchor and of the added displacement, from the tip [m].
     failures : tuple of UnmetCondition
-        Empty when the anchor can be built.
+        Conditions not met; empty when the anchor can be built.
     """
 
     problem: AnchorProblem
@@ -132,7 +132,7 @@ def cap_height(volume: float, radius: float) -> float:
     Raises
     ------
     ValueError
-        When the volume is more than half the sphere: more than the nose holds.
+        When the volume is more than half the sphere, the volume of the nose.
     """
     half = 2.0 / 3.0 * math.pi * radius**3
     if not 0.0 <= volume <= half * (1.0 + 1e-12):
@@ -183,18 +183,18 @@ def cylinder_and_trim(problem: AnchorProblem, weight: Scalars) -> tuple[Scalars,
     Raises
     ------
     ValueError
-        When the two equations are parallel: no tube and ring of these materials can meet them separately.
+        When the two equations are linearly dependent: tube and ring of these materials cannot meet both.
     """
-    made, rho, r = problem.construction, problem.water_density, problem.radius
-    sunk_tube = made.tube_mass_per_length * (1.0 - rho / made.tube_density)
-    sunk_trim = 1.0 - rho / made.trim_density
-    afloat = made.tube_mass_per_length - rho * math.pi * r**2
+    parts, rho, r = problem.construction, problem.water_density, problem.radius
+    sunk_tube = parts.tube_mass_per_length * (1.0 - rho / parts.tube_density)
+    sunk_trim = 1.0 - rho / parts.trim_density
+    afloat = parts.tube_mass_per_length - rho * math.pi * r**2
     determinant = afloat * sunk_trim - sunk_tube
     if abs(determinant) <= 1e-12 * (abs(afloat * sunk_trim) + abs(sunk_tube)):
         raise ValueError("tube and trim ring enter the dry and the wet balance in the same ratio: no unique anchor")
-    dry = rho * (2.0 / 3.0 * math.pi * r**3 - problem.overlap_volume) - made.front.mass - made.back.mass
+    dry = rho * (2.0 / 3.0 * math.pi * r**3 - problem.overlap_volume) - parts.front.mass - parts.back.mass
     wet = weight / STANDARD_GRAVITY
-    for part in (made.front, made.back):
+    for part in (parts.front, parts.back):
         wet = wet - part.mass * (1.0 - rho / part.density)
     return (dry * sunk_trim - wet) / determinant, (afloat * wet - sunk_tube * dry) / determinant
 
@@ -217,12 +217,12 @@ def solve_anchor(problem: AnchorProblem, weight: float) -> AnchorDesign:
     Returns
     -------
     AnchorDesign
-        With the conditions that it fails, if any; `anchor_remedies.find_remedies` says what would mend them.
+        With the conditions that it does not meet; `anchor_remedies.find_remedies` finds changes that would.
     """
     length, trim = (float(value) for value in cylinder_and_trim(problem, weight))
-    made, r = problem.construction, problem.radius
-    masses = np.array([made.front.mass, made.tube_mass_per_length * length, made.back.mass])
-    centres = np.array([made.front.centre, r + length / 2.0, r + length - made.back.centre])
+    parts, r = problem.construction, problem.radius
+    masses = np.array([parts.front.mass, parts.tube_mass_per_length * length, parts.back.mass])
+    centres = np.array([parts.front.centre, r + length / 2.0, r + length - parts.back.centre])
     displaced = problem.water_density * float(added_displacement(problem, length))
     centroid = displacement_centroid(problem, length) if displaced > 0.0 else math.nan
     mass = float(masses.sum()) + trim

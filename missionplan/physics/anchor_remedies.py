@@ -1,8 +1,8 @@
-"""What would mend an anchor that cannot be built."""
+"""Remedies for an anchor that cannot be built."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -26,65 +26,99 @@ class Remedy:
         return f"{self.part} with {self.quantity} {self.needed:.4g} {self.unit} instead of {self.given:.4g} {self.unit}"
 
 
-_KNOBS = (
-    ("front", "a mass of", "kg", ("front", "mass")),
-    ("back", "a mass of", "kg", ("back", "mass")),
-    ("front", "its centre at", "m", ("front", "centre")),
-    ("tube", "a mass per length of", "kg/m", ("tube_mass_per_length",)),
-    ("trim ring", "a density of", "kg/m³", ("trim_density",)),
+@dataclass(frozen=True)
+class _Number:
+    """A number of the construction that a remedy may change: part, quantity and unit in words, getter and setter."""
+
+    part: str
+    quantity: str
+    unit: str
+    of: Callable[[Construction], float]
+    changed: Callable[[Construction, float], Construction]
+
+
+_NUMBERS = (
+    _Number(
+        "front",
+        "a mass of",
+        "kg",
+        lambda c: c.front.mass,
+        lambda c, value: replace(c, front=replace(c.front, mass=value)),
+    ),
+    _Number(
+        "back", "a mass of", "kg", lambda c: c.back.mass, lambda c, value: replace(c, back=replace(c.back, mass=value))
+    ),
+    _Number(
+        "front",
+        "its centre at",
+        "m",
+        lambda c: c.front.centre,
+        lambda c, value: replace(c, front=replace(c.front, centre=value)),
+    ),
+    _Number(
+        "tube",
+        "a mass per length of",
+        "kg/m",
+        lambda c: c.tube_mass_per_length,
+        lambda c, value: replace(c, tube_mass_per_length=value),
+    ),
+    _Number(
+        "trim ring", "a density of", "kg/m³", lambda c: c.trim_density, lambda c, value: replace(c, trim_density=value)
+    ),
 )
 MAX_WET_WEIGHT = 500.0
-"""Wet weight [N] that no hand-launched anchor exceeds: where the search for buildable weights ends."""
-_DENSEST = 19300.0
-"""Tungsten [kg/m³]."""
+"""Largest wet weight of a hand-launched anchor, the end of the search for buildable weights [N]."""
+_MAX_DENSITY = 19300.0
+"""Of tungsten [kg/m³]."""
 _FACTORS: Array = np.geomspace(0.25, 4.0, 161)
 
 
 def find_remedies(design: AnchorDesign) -> tuple[Remedy, ...]:
     """Search for the least change of each single number of the construction that makes the anchor possible.
 
-    Each number is tried between a quarter and four times its value and refined to a thousandth. A wider search would
-    name parts that nobody can make; a ring is at most as dense as tungsten.
+    Each number is tried between a quarter and four times its value, and refined to a thousandth; changes beyond that
+    are not practicable. A ring is at most as dense as tungsten.
 
     Returns
     -------
     tuple of Remedy
-        The smallest relative change first; empty when no single change mends it, or when nothing is wrong.
+        The smallest relative change first; empty when no single change is enough, or none is needed.
     """
     if design.feasible:
         return ()
     found = []
-    for part, quantity, unit, path in _KNOBS:
-        factor = _least_factor(design, path)
+    for number in _NUMBERS:
+        factor = _least_factor(design, number)
         if factor is not None:
-            given = _knob(design.problem.construction, path)
-            found.append((abs(math.log(factor)), Remedy(part, quantity, given, given * factor, unit)))
+            given = number.of(design.problem.construction)
+            remedy = Remedy(number.part, number.quantity, given, given * factor, number.unit)
+            found.append((abs(math.log(factor)), remedy))
     return tuple(remedy for _, remedy in sorted(found, key=lambda item: item[0]))
 
 
 def buildable_weights(problem: AnchorProblem) -> tuple[float, float] | None:
-    """Range of wet weights [N], up to `MAX_WET_WEIGHT`, that the given parts can make with some tube and ring.
+    """Range of wet weights, up to `MAX_WET_WEIGHT`, that some tube and ring can give with these parts [N].
 
     Returns
     -------
     (low, high) or None
-        To a hundredth of their size; None when no weight can be made.
+        To one per cent; None when no weight can be built.
     """
     weights = np.geomspace(0.5, MAX_WET_WEIGHT, 695)
-    able = [float(weight) for weight in weights if solve_anchor(problem, float(weight)).feasible]
-    return (able[0], min(able[-1], MAX_WET_WEIGHT)) if able else None
+    buildable = [float(weight) for weight in weights if solve_anchor(problem, float(weight)).feasible]
+    return (buildable[0], min(buildable[-1], MAX_WET_WEIGHT)) if buildable else None
 
 
-def _least_factor(design: AnchorDesign, path: tuple[str, ...]) -> float | None:
+def _least_factor(design: AnchorDesign, number: _Number) -> float | None:
+    """Factor nearest to 1 on a number with which the anchor can be built, to a thousandth; None where there is none."""
+    construction = design.problem.construction
+
     def works(factor: float) -> bool:
-        made = _turned(design.problem.construction, path, factor)
-        if made.trim_density > _DENSEST:
-            return False
-        problem = replace(design.problem, construction=made)
-        if made.front.centre > problem.radius:
+        changed = number.changed(construction, number.of(construction) * factor)
+        if changed.trim_density > _MAX_DENSITY or changed.front.centre > design.problem.radius:
             return False
         try:
-            return solve_anchor(problem, design.wet_weight).feasible
+            return solve_anchor(replace(design.problem, construction=changed), design.wet_weight).feasible
         except ValueError:
             return False
 
@@ -96,17 +130,3 @@ def _least_factor(design: AnchorDesign, path: tuple[str, ...]) -> float | None:
                 bad, good = (bad, middle) if works(middle) else (middle, good)
             return good
     return None
-
-
-def _knob(made: Construction, path: tuple[str, ...]) -> float:
-    value: Any = made
-    for name in path:
-        value = getattr(value, name)
-    return float(value)
-
-
-def _turned(made: Construction, path: tuple[str, ...], factor: float) -> Construction:
-    changed: Any = _knob(made, path) * factor
-    if len(path) == 2:
-        changed = replace(getattr(made, path[0]), **{path[1]: changed})
-    return replace(made, **{path[0]: changed})

@@ -19,8 +19,8 @@ def displaced_mass(mass: Scalars, net_buoyancy: Scalars) -> Scalars:
 def flooded_mass(dry_mass: Scalars, weight_in_water: Scalars) -> Scalars:
     """Mass of a neutrally trimmed anchor once it is flooded.
 
-    Attached, the sealed anchor displaces its own mass of water (Eqs. 16–17): ρ∇ = m_dry. Flooded, the water inside
-    weighs ρ(∇ - Σ m_i/ρ_i), and the wet weight W = (m_dry - ρ Σ m_i/ρ_i) g gives the sum: m_dry + W/g.
+    Attached, the sealed anchor displaces its own mass of water (Eqs. 16–17): ρ∇ = m_dry. Flooded, the water inside has
+    mass ρ(∇ - Σ m_i/ρ_i), and with the wet weight W = (m_dry - ρ Σ m_i/ρ_i) g the sum is m_dry + W/g.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""Cruising and speeding up with the flow in the propeller disc settled (Blanke et al. 2000, Eqs. 26 to 28).
+"""Cruise and acceleration with steady flow in the propeller disc (Blanke et al. 2000, Eqs. 26 to 28).
 
 In the quasi-steady model the flow in the disc is (1 + a)(1 - w) times the vehicle's speed, so that speed, power and
-the start after each surfacing have closed forms.
+the acceleration after each surfacing have closed forms.
 """
 
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from missionplan.physics.propeller import Propeller, Resistance, torque
 
 @dataclass(frozen=True)
 class Surge:
-    """Coefficients of m u̇ = A - B u - C u²: quasi-steady surge ahead at a held shaft rate; floats or arrays.
+    """Coefficients of m u̇ = A - B u - C u²: quasi-steady surge ahead at a constant shaft rate; floats or arrays.
 
     `push` A [N], `slope` B [kg/s] and `curve` C [kg/m] over the `mass` [kg].
     """
@@ -27,7 +27,7 @@ class Surge:
 
     @property
     def stiffness(self) -> Scalars:
-        """√(B² + 4AC) [kg/s]: over the mass it is the rate at which speed settles."""
+        """√(B² + 4AC) [kg/s]: divided by the mass, the rate at which the speed converges."""
         root: Scalars = np.sqrt(self.slope**2 + 4.0 * self.push * self.curve)
         return root
 
@@ -38,7 +38,7 @@ class Surge:
 
 
 def quasi_steady_surge(propeller: Propeller, resistance: Resistance, shaft_rate: Scalars) -> Surge:
-    """Collect surge at a held shaft rate n > 0 [rad/s] when the flow in the disc keeps to (1 + a)(1 - w)u.
+    """Coefficients of surge at a constant shaft rate n > 0 [rad/s] with the flow in the disc (1 + a)(1 - w)u.
 
     Closed form of Eqs. 26 to 28 in steady state: C u² + B u = A with A = (1 - t)T_nn n² and
     B = R₁ - (1 - t)T°(1 + a)(1 - w) n.
@@ -53,14 +53,14 @@ def quasi_steady_surge(propeller: Propeller, resistance: Resistance, shaft_rate:
 
 
 def cruise_speed(propeller: Propeller, shaft_rate: Scalars, drag: Callable[[Scalars], Scalars]) -> Scalars:
-    """Speed through the water that a shaft rate gives against any law of drag.
+    """Speed through the water at a shaft rate, for any drag law.
 
     Parameters
     ----------
     shaft_rate : float or array
         n > 0 [rad/s].
     drag : callable
-        Drag [N] from speed [m/s]; nearly quadratic, so that its coefficient C = drag/u² may be iterated.
+        Drag [N] from speed [m/s]; nearly quadratic, so that iteration of C = drag/u² converges.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def cruise_speed(propeller: Propeller, shaft_rate: Scalars, drag: Callable[[Scal
     Raises
     ------
     ArithmeticError
-        When a hundred iterations do not settle it.
+        When a hundred iterations do not converge.
     """
     speed: Scalars = np.ones_like(np.asarray(shaft_rate))
     for _ in range(100):
@@ -78,7 +78,7 @@ def cruise_speed(propeller: Propeller, shaft_rate: Scalars, drag: Callable[[Scal
         last, speed = speed, quasi_steady_surge(propeller, resistance, shaft_rate).speed
         if np.all(magnitude(speed - last) <= 1e-10 * speed):
             return speed
-    raise ArithmeticError("the speed for this shaft rate did not settle: is the drag nearly quadratic?")
+    raise ArithmeticError("the speed for this shaft rate did not converge: is the drag nearly quadratic?")
 
 
 def shaft_rate_for(propeller: Propeller, drag: Scalars, speed: Scalars) -> Scalars:
@@ -91,13 +91,13 @@ def shaft_rate_for(propeller: Propeller, drag: Scalars, speed: Scalars) -> Scala
 
 
 def shaft_power(propeller: Propeller, shaft_rate: Scalars, speed: Scalars) -> Scalars:
-    """Power that the water takes from the shaft under way, Qω with the flow settled [W]."""
+    """Power of the shaft under way, Qω with steady flow [W]."""
     return shaft_rate * torque(propeller, shaft_rate, propeller.flow_ratio * speed)
 
 
 @dataclass(frozen=True)
 class SpeedUp:
-    """What a vehicle has done a time after it set off from rest: `speed` [m/s], `distance` [m], shaft `work` [J]."""
+    """State at a time after a start from rest: `speed` [m/s], `distance` [m], `work` of the shaft [J]."""
 
     speed: Scalars
     distance: Scalars
@@ -105,7 +105,7 @@ class SpeedUp:
 
 
 def speed_up(propeller: Propeller, resistance: Resistance, shaft_rate: Scalars, time: Scalars) -> SpeedUp:
-    """Set off from rest at a held shaft rate, as after each surfacing: the closed form of `quasi_steady_surge`.
+    """Acceleration from rest at a constant shaft rate, as after each surfacing: closed form of `quasi_steady_surge`.
 
     With λ = √(B² + 4AC)/m, U the cruising speed and r = C U²/A: u = U(1 - e^(-λt))/(1 + r e^(-λt)).
 
@@ -114,7 +114,7 @@ def speed_up(propeller: Propeller, resistance: Resistance, shaft_rate: Scalars, 
     shaft_rate : float or array
         n > 0 [rad/s].
     time : float or array
-        Since setting off [s].
+        Since the start [s].
     """
     surge = quasi_steady_surge(propeller, resistance, shaft_rate)
     cruise, rate = surge.speed, surge.stiffness / surge.mass
@@ -129,7 +129,7 @@ def speed_up(propeller: Propeller, resistance: Resistance, shaft_rate: Scalars, 
 
 
 def distance_lost(propeller: Propeller, resistance: Resistance, shaft_rate: Scalars) -> Scalars:
-    """Distance by which a leg from rest falls short of cruising all along, the limit of `speed_up` [m]."""
+    """Distance by which a leg from rest falls short of one at cruising speed, the limit of `speed_up` [m]."""
     surge = quasi_steady_surge(propeller, resistance, shaft_rate)
     ratio = surge.curve * surge.speed**2 / surge.push
     return surge.speed * (1.0 + ratio) * np.log1p(ratio) / (ratio * surge.stiffness / surge.mass)
@@ -146,8 +146,8 @@ def speed_error(
 ) -> Scalars:
     """Mean velocity error along the course over a leg when speed is inferred from the shaft rate.
 
-    The vehicle believes in the cruising speed of the nominal propeller and hull from the first second on; it truly
-    sets off from rest, with its own thrust and drag.
+    The vehicle assumes the cruising speed of the nominal propeller and hull from the start; in truth it accelerates
+    from rest, with its own thrust and drag.
 
     Parameters
     ----------
@@ -163,9 +163,9 @@ def speed_error(
     float or array
         True minus inferred mean speed [m/s].
     """
-    believed = quasi_steady_surge(propeller, resistance, shaft_rate).speed
+    inferred = quasi_steady_surge(propeller, resistance, shaft_rate).speed
     true_propeller = replace(
         propeller, thrust_nn=propeller.thrust_nn * thrust_factor, thrust_nu=propeller.thrust_nu * thrust_factor
     )
     true_resistance = Resistance(resistance.mass, resistance.linear * drag_factor, resistance.quadratic * drag_factor)
-    return speed_up(true_propeller, true_resistance, shaft_rate, duration).distance / duration - believed
+    return speed_up(true_propeller, true_resistance, shaft_rate, duration).distance / duration - inferred

@@ -5,13 +5,13 @@ import numpy as np
 from missionplan.arrays import Scalars
 
 REYNOLDS_HELD = 1e4
-"""Below it C_f keeps its value there: the ITTC line is singular at Re = 100, which every dive crosses."""
+"""Below it C_f is held constant: the ITTC line is singular at Re = 100, which every dive passes."""
 REYNOLDS_TURBULENT = 5e5
-"""Above it a smooth plate's boundary layer turns turbulent, as the ITTC line supposes."""
+"""Above it a smooth plate's boundary layer is turbulent, as the ITTC line assumes."""
 REYNOLDS_HIGHEST = 1e10
-"""Ships' Reynolds numbers end here, and with them the experience behind the ITTC line."""
+"""Largest Reynolds number of ships, and of the data behind the ITTC line."""
 FORM_CONSTANTS = {"briggs": 2.643, "hoerner": 1.0}
-"""First term of Eq. 5: as printed (C_d = 0.431 at 1.6 m/s, near a REMUS's 0.42), and Hoerner's streamlined body."""
+"""First term of Eq. 5: as printed (C_d = 0.431 at 1.6 m/s; a REMUS has 0.42), and for Hoerner's streamlined body."""
 ANCHOR_FINENESS = (2.0, 10.0)
 """Fineness ratios for which Hoerner gives the blunt cylinder with a round front C_d = 0.2."""
 
@@ -24,8 +24,8 @@ def reynolds_number(speed: Scalars, length: Scalars, viscosity: Scalars) -> Scal
 def friction_coefficient(reynolds: Scalars) -> Scalars:
     """Skin friction by the 1957 ITTC line, 0.075/(log₁₀ Re - 2)² (Eqs. 4, 10).
 
-    Below `REYNOLDS_HELD` the value there is held. The line is meant for turbulent flow, Re above some 5e5; between,
-    it overstates the friction of a smooth body.
+    Constant below `REYNOLDS_HELD`. The line is for turbulent flow, Re above about 5e5; between the two it overestimates
+    the friction of a smooth body.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def form_factor(length: Scalars, diameter: Scalars, constant: Scalars = FORM_CON
     length, diameter : float or array
         Of the body [m].
     constant : float or array
-        First term: 2.643 as printed and found nowhere else, or 1 after Hoerner (`FORM_CONSTANTS`).
+        First term: 2.643 as printed, found in no other source, or 1 after Hoerner (`FORM_CONSTANTS`).
 
     Returns
     -------

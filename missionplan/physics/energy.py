@@ -1,4 +1,4 @@
-"""Power that the vehicle draws under way, and its unit of energy."""
+"""Electrical power under way, and the unit of energy."""
 
 from missionplan.arrays import Scalars
 

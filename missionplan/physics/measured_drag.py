@@ -1,4 +1,4 @@
-"""Drag of a vehicle as the tank measured it, where Briggs's build-up would stand."""
+"""Drag of a vehicle by a coefficient measured in a tank, in place of the build-up of Briggs et al."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from missionplan.physics.vehicle_drag import VehicleDrag
 
 @dataclass(frozen=True)
 class MeasuredVehicleDrag(VehicleDrag):
-    """The whole vehicle's drag from one coefficient; its sail and appendages are in it.
+    """Drag of the whole vehicle, sail and appendages included, from one coefficient.
 
     Attributes
     ----------
@@ -23,7 +23,7 @@ class MeasuredVehicleDrag(VehicleDrag):
     exponent : float or array, shape (n,)
         p of C_D ∝ Re^p; 0 for a constant coefficient.
     at_reynolds, reference_length : float
-        Where the coefficient holds, and the length of the Reynolds number [m].
+        Reynolds number of the coefficient, and its reference length [m].
     """
 
     coefficient: Scalars = 0.0
@@ -33,14 +33,14 @@ class MeasuredVehicleDrag(VehicleDrag):
     reference_length: float = 1.0
 
     def body(self, speed: Scalars) -> Scalars:
-        """Drag of the whole vehicle [N]; below `REYNOLDS_HELD` the coefficient keeps its value there."""
+        """Drag of the whole vehicle [N]; the coefficient is constant below `REYNOLDS_HELD`."""
         reynolds = reynolds_number(speed, self.reference_length, self.water.viscosity)
         held = np.maximum(reynolds, REYNOLDS_HELD)
         coefficient = reynolds_drag_coefficient(held, self.coefficient, self.exponent, self.at_reynolds)
         return drag_force(speed, coefficient, self.area, self.water.density)
 
     def sail_drag(self, speed: Scalars) -> Scalars:
-        """None of its own."""
+        """Zero: the body's drag includes it [N]."""
         return 0.0 * speed
 
     def __call__(self, speed: Scalars) -> Scalars:

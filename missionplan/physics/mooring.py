@@ -1,4 +1,4 @@
-"""How fast the anchor must take the vehicle down (Briggs et al., Eq. 1)."""
+"""Terminal velocity required of the descent (Briggs et al., Eq. 1)."""
 
 import numpy as np
 
@@ -35,8 +35,8 @@ def layer_thicknesses(down_to: Array, depth: float) -> Array:
 def required_terminal_velocity(speeds: Array, thicknesses: Array, radius: Scalars) -> Scalars:
     """Terminal velocity that bounds the drift when the worst currents are aligned: Eq. 1 for any number of layers.
 
-    It takes the terminal velocity as reached at once and leaves out release and pay-out, so it is no upper bound of
-    the drift of a real dive.
+    It assumes terminal velocity from the start and neglects release and pay-out, so that the drift of a real dive may
+    be larger.
 
     Parameters
     ----------
@@ -56,12 +56,12 @@ def required_terminal_velocity(speeds: Array, thicknesses: Array, radius: Scalar
 
 
 def required_terminal_velocity_vector(speeds: Array, toward: Array, thicknesses: Array, radius: Scalars) -> Scalars:
-    """Terminal velocity that bounds the drift when each layer keeps its own direction.
+    """Terminal velocity that bounds the drift when each layer has its own direction.
 
     Parameters
     ----------
     speeds, toward : array, shape (k,) or (k, n)
-        Current of each layer [m/s], and where it goes, clockwise from north [rad].
+        Current of each layer [m/s], and direction towards which it flows, clockwise from north [rad].
     thicknesses : array, shape (k,)
         [m].
     radius : float or array, shape (n,)

@@ -7,10 +7,10 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars, magnitude
 
-STEPS_A_PERIOD = 40
-"""Steps in a period: 2e-5 of the release A where βA = 0.1, 2e-4 where it is 1; exact without quadratic damping."""
+STEPS_PER_PERIOD = 40
+"""The error is 2e-5 of the initial amplitude A at βA = 0.1, 2e-4 at 1; zero without quadratic damping."""
 NODE = 0.5 - math.sqrt(3.0) / 6.0
-"""First of the two Gauss nodes of a step."""
+"""First of the two Gauss nodes of a step, in steps."""
 
 
 def natural_frequency(stiffness: Scalars, total_mass: Scalars) -> Scalars:
@@ -22,7 +22,7 @@ def natural_frequency(stiffness: Scalars, total_mass: Scalars) -> Scalars:
 def added_mass(frequency: Scalars, stiffness: Scalars, mass: Scalars) -> Scalars:
     """m_ad = k/(2πf_n)² - m [kg]: Avila et al., Eq. 3 solved.
 
-    Only the two of k, m and m_ad that are given fix the third: no set of frequencies finds all of them.
+    Two of k, m and m_ad determine the third: frequencies alone cannot determine all of them.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def added_mass_sd(frequency: Scalars, frequency_sd: Scalars, stiffness: Scalars)
 
 
 def keulegan_carpenter(amplitude: Scalars, diameter: Scalars) -> Scalars:
-    """2πA/D of an oscillation (Avila et al., Eq. 4); below 10 inertia is more than drag. 2.6 for 50 mm on 121 mm."""
+    """2πA/D of an oscillation (Avila et al., Eq. 4); below 10 inertia exceeds drag. 2.6 for 50 mm on 121 mm."""
     return 2.0 * math.pi * amplitude / diameter
 
 
@@ -58,8 +58,8 @@ def displacement(
     """Displacement of a mass on a spring with linear and quadratic damping.
 
     ẍ + 2δẋ + βẋ|ẋ| + ω²x = 0 with ω² = k/(m + m_ad), split into its linear part and the quadratic damping, each
-    solved exactly: SABA2 (Laskar and Robutel 2001, Celest. Mech. 80), with an error of order βA h⁴ + (βA)²h². A step
-    of any length is stable, below and above critical damping.
+    solved exactly: SABA2 (Laskar and Robutel 2001, Celest. Mech. 80), with an error of order βA h⁴ + (βA)²h². Stable
+    for any step, below and above critical damping.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def displacement(
     """
     shape = np.broadcast_shapes(*(np.shape(value) for value in (start, start_velocity, frequency, linear, quadratic)))
     since = time - time[0]
-    count = max(1, math.ceil(float(since[-1]) * float(np.max(frequency)) * STEPS_A_PERIOD))
+    count = max(1, math.ceil(float(since[-1]) * float(np.max(frequency)) * STEPS_PER_PERIOD))
     h = float(since[-1]) / count or 1.0
     step = _Step.of(h, frequency, linear, quadratic)
     x, v = _plain(start), _plain(start_velocity)
@@ -87,19 +87,19 @@ def displacement(
     for k in range(count):
         positions[k], velocities[k] = x, v
         x, v = step(x, v)
-    # each sample is reached from the step before it, by a shorter one
+    # each sample is computed from the step before it, by a shorter step
     before = np.minimum((since / h).astype(int), count - 1)
     rest = (since - before * h).reshape(-1, *(1 for _ in shape))
     return np.asarray(_Step.of(rest, frequency, linear, quadratic)(positions[before], velocities[before])[0])
 
 
 Flow = tuple[Scalars, Scalars, Scalars, Scalars]
-"""Rows of the matrix that carries displacement and velocity over a time."""
+"""Rows of the matrix that advances displacement and velocity over a time."""
 
 
 @dataclass(frozen=True)
 class _Step:
-    """A step of `displacement`: linear flow to the Gauss nodes and on, quadratic damping for half a step at each."""
+    """A step of `displacement`: linear flow between the Gauss nodes, half a step of quadratic damping at each."""
 
     outer: Flow
     inner: Flow
@@ -107,13 +107,13 @@ class _Step:
 
     @classmethod
     def of(cls, time: Scalars, frequency: Scalars, linear: Scalars, quadratic: Scalars) -> "_Step":
-        """Of a length [s], with the constants of `displacement`."""
+        """Step of a length [s], with the constants of `displacement`."""
         outer = _linear_flow(NODE * time, frequency, linear)
         inner = _linear_flow((1.0 - 2.0 * NODE) * time, frequency, linear)
         return cls(outer, inner, _plain(0.5 * time * quadratic))
 
     def __call__(self, x: Scalars, v: Scalars) -> tuple[Scalars, Scalars]:
-        """Displacement and velocity at its end."""
+        """Displacement and velocity at the end of the step."""
         (a, b, c, d), (e, f, g, h), damping = self.outer, self.inner, self.damping
         x, v = a * x + b * v, c * x + d * v
         v = v / (1.0 + damping * magnitude(v))
@@ -134,7 +134,7 @@ def _linear_flow(time: Scalars, frequency: Scalars, linear: Scalars) -> Flow:
 
 
 def _plain(value: Scalars) -> Scalars:
-    """A float where there is one number: stepping is several times faster on floats than on numpy's."""
+    """Return a single number as a float: stepping is several times faster on floats than on numpy's."""
     return np.asarray(value, dtype=float) if np.ndim(value) else float(value)
 
 

@@ -1,7 +1,7 @@
 """Thrust and torque of a fixed-pitch propeller with axial-flow dynamics (Blanke, Lindegaard & Fossen 2000).
 
-Shaft rates are in rad/s throughout. The paper's constants hold for revolutions a second, with the advance ratio
-J = 2π u_a/(n D) of an n in rad/s (its Fig. 3); they are converted once, in `from_open_water`.
+Shaft rates are in rad/s throughout. The paper's constants are for revolutions per second, with the advance ratio
+J = 2π u_a/(n D) for n in rad/s (its Fig. 3); `from_open_water` converts them.
 """
 
 import math
@@ -65,7 +65,7 @@ def surge_flow_damping(
 ) -> tuple[float, float]:
     """Axial-flow damping that makes the steady flow (1 + a)(1 - w) times the speed, Eqs. 34 and 35.
 
-    It ties the water in the disc to the hull's resistance. For the paper's Table 1 it gives 2777.8 kg/m, nineteen
+    It relates the water in the disc to the hull's resistance. For the paper's Table 1 it gives 2777.8 kg/m, nineteen
     times the 2ρA_p = 144.9 kg/m of momentum theory (Eq. 12); the two agree for a resistance near 26 kg/m.
 
     Parameters
@@ -112,9 +112,9 @@ def from_open_water(
     axial_flow_factor, wake_fraction, thrust_deduction : float
         a, w and t.
     shaft_inertia : float
-        Of motor, shaft and propeller [kg m²]; infinite (the default) holds the shaft rate.
+        Of motor, shaft and propeller [kg m²]; infinite (the default) keeps the shaft rate constant.
     flow_mass : float, optional
-        m_f [kg]; default ρ A_p D. The paper leaves its factor γ open.
+        m_f [kg]; default ρ A_p D. The paper does not give its factor γ.
     flow_damping : (float, float), optional
         d_f0 [kg/s] and d_f [kg/m]; default 0 and 2ρA_p, momentum theory (Eq. 12).
 
@@ -151,8 +151,8 @@ def advance_ratio(advance_speed: Scalars, shaft_rate: Scalars, diameter: float) 
 def thrust(propeller: Propeller, shaft_rate: Scalars, axial_flow: Scalars) -> Scalars:
     """Thrust at a shaft rate and a flow in the disc, Eq. 28.
 
-    T = T_n|n||n|n + T°_|n|u|n|u_p with T° < 0 (the minus of Eq. 20 would count the sign twice). Odd in (n, u_p):
-    valid ahead and astern, not where the flow has separated from the blades.
+    T = T_n|n||n|n + T°_|n|u|n|u_p with T° < 0 (with the minus of Eq. 20 the sign would count twice). Odd in (n, u_p):
+    valid ahead and astern, but not for flow separated from the blades.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def thrust(propeller: Propeller, shaft_rate: Scalars, axial_flow: Scalars) -> Sc
 
 
 def torque(propeller: Propeller, shaft_rate: Scalars, axial_flow: Scalars) -> Scalars:
-    """Torque that the water asks of the shaft [N m], Eq. 22; arguments as in `thrust`."""
+    """Torque of the water on the shaft [N m], Eq. 22; arguments as in `thrust`."""
     return magnitude(shaft_rate) * (propeller.torque_nn * shaft_rate + propeller.torque_nu * axial_flow)
 
 
@@ -215,10 +215,10 @@ def flow_acceleration(propeller: Propeller, shaft_rate: Scalars, axial_flow: Sca
 
 
 def steady_axial_flow(propeller: Propeller, shaft_rate: Scalars, speed: Scalars) -> Scalars:
-    """Flow in the disc once it has settled: the closed form of `flow_acceleration` = 0.
+    """Steady flow in the disc: the closed form of `flow_acceleration` = 0.
 
-    Solved for a turning shaft whose flow goes its own way (u_p has the sign of n), which holds at rest and
-    whenever speed and shaft rate agree in sign.
+    For a turning shaft and flow in its direction (u_p has the sign of n), which holds at rest and whenever speed and
+    shaft rate have the same sign.
 
     Parameters
     ----------
@@ -241,7 +241,7 @@ def steady_axial_flow(propeller: Propeller, shaft_rate: Scalars, speed: Scalars)
 
 @dataclass(frozen=True)
 class Resistance:
-    """What the propeller has to move: R(u) = R₁u + R₂u|u| (Eq. 29 with the sign of a resistance), and a mass.
+    """Resistance of the vehicle, R(u) = R₁u + R₂u|u| (Eq. 29 with the sign of a resistance), and its mass.
 
     Attributes
     ----------

@@ -17,9 +17,9 @@ TABLE_1_RESISTANCE = Resistance(mass=1050.0, linear=0.2, quadratic=500.0)
 
 
 def table_1(damping: Damping = "surge") -> Propeller:
-    """Build the paper's example from Table 1, with the T° and Q° that its own a = 0.25 gives.
+    """Propeller of Table 1, with the T° and Q° that its a = 0.25 gives.
 
-    m_f = ρ A_p l with γ = 1 (21.74 kg) is assumed; the paper leaves γ open.
+    m_f = ρ A_p l with γ = 1 (21.74 kg) is assumed; the paper does not give γ.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def table_1(damping: Damping = "surge") -> Propeller:
 
 
 def as_printed(damping: Damping = "surge") -> Propeller:
-    """Build the paper's example with Table 2's constants, whose T° and Q° are those of a = 0.1, not of Table 1's a."""
+    """Propeller with the constants of Table 2, whose T° and Q° are those of a = 0.1, not of Table 1's a."""
     turn = 2.0 * math.pi
     return replace(
         table_1(damping),

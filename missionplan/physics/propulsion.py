@@ -14,8 +14,8 @@ State = tuple[Scalars, Scalars, Scalars]
 def rates(propeller: Propeller, resistance: Resistance, state: State, motor_torque: Scalars) -> State:
     """Time derivatives of shaft rate, flow in the disc and speed, Eqs. 24, 26, 30 and 31.
 
-    The shaft is J_m ω̇ = Q_m - Q with ω in rad/s; Eq. 24's last term is -Q°|n|u_p. Surge is
-    (m - X_u̇)u̇ = (1 - t)T - R(u): Eqs. 26 and 29 as printed together make resistance propel.
+    Shaft: J_m ω̇ = Q_m - Q with ω in rad/s; Eq. 24's last term is -Q°|n|u_p. Surge: (m - X_u̇)u̇ = (1 - t)T - R(u); in
+    Eqs. 26 and 29 as printed, resistance would propel.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def rates(propeller: Propeller, resistance: Resistance, state: State, motor_torq
 class PropulsionRun:
     """A simulated run: every array has shape (steps + 1,) or (steps + 1, n), times [s] (steps + 1,).
 
-    `shaft_rate` [rad/s], `axial_flow` and `speed` [m/s], `thrust` [N], `torque` asked by the water [N m].
+    `shaft_rate` [rad/s], `axial_flow` and `speed` [m/s], `thrust` [N], `torque` of the water on the shaft [N m].
     """
 
     time: Array
@@ -55,7 +55,7 @@ def simulate_propulsion(
     time_step: float,
     start: State = (0.0, 0.0, 0.0),
 ) -> PropulsionRun:
-    """Run the three states from rest under a motor torque held over each step (fixed-step Runge-Kutta).
+    """Simulate the three states under a motor torque held over each step (fixed-step Runge-Kutta).
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def simulate_propulsion(
     time_step : float
         Step [s]. The flow in the disc is the fast state: keep below about 2 m_f/(d_f |u_p|).
     start : tuple
-        Shaft rate, flow in the disc and speed at the start.
+        Shaft rate, flow in the disc and speed at the start; default at rest.
 
     Raises
     ------
@@ -116,51 +116,65 @@ def propeller_response(
     shaft_rate: Array | None = None,
     motor_torque: Array | None = None,
 ) -> tuple[Array, Array]:
-    """Follow a propeller through a measured run, its speed through the water imposed.
+    """Simulate a propeller in a measured run, with its measured speed through the water.
 
     The number of steps is fixed and the flow is stepped linearly implicitly, so that the result is a smooth function
-    of the propeller's constants: that is what fitting them needs.
+    of the propeller's constants, as fitting requires.
 
     Parameters
     ----------
     time, speed : array, shape (samples,)
         Ascending times [s] and the vehicle's speed [m/s].
     shaft_rate : array, shape (samples,), optional
-        Measured n [rad/s]; it is then imposed too.
+        Measured n [rad/s], which is then imposed too.
     motor_torque : array, shape (samples,), optional
-        Measured Q_m [N m], from which the shaft rate follows, from rest. One of the two must be given.
+        Measured Q_m [N m], which drives the shaft from rest. One of the two must be given.
 
     Returns
     -------
     shaft_rate, axial_flow : array, shape (samples,)
-        n [rad/s] and u_p [m/s]; the flow starts settled.
+        n [rad/s] and u_p [m/s]; the flow is steady at the start.
 
     Raises
     ------
     ValueError
         When not exactly one of shaft rate and torque is given.
     """
-    drive = shaft_rate if motor_torque is None else motor_torque
-    if drive is None or (shaft_rate is not None and motor_torque is not None):
+    if shaft_rate is not None and motor_torque is None:
+        drive, advance, rate = shaft_rate, _imposed_step, float(shaft_rate[0])
+    elif motor_torque is not None and shaft_rate is None:
+        drive, advance, rate = motor_torque, _driven_step, 0.0
+    else:
         raise ValueError("give either the shaft rate or the motor torque")
-    imposed = shaft_rate is not None
-    rate = float(drive[0]) if imposed else 0.0
     flow = float(steady_axial_flow(propeller, rate, float(speed[0]))) if rate else 0.0
     steps = np.linspace(0.5, SUBSTEPS - 0.5, SUBSTEPS) / SUBSTEPS
     drives, speeds = ((v[:-1, None] + np.diff(v)[:, None] * steps).tolist() for v in (drive, speed))
     rates_out, flows_out = [rate], [flow]
     for interval, drive_between, speed_between in zip(np.diff(time).tolist(), drives, speeds, strict=True):
-        h = interval / SUBSTEPS
         for applied, vehicle in zip(drive_between, speed_between, strict=True):
-            rate = applied if imposed else rate + h / 2.0 * _spin(propeller, rate, flow, applied)
-            flow = _implicit_flow_step(propeller, rate, flow, vehicle, h)
-            rate = rate if imposed else rate + h / 2.0 * _spin(propeller, rate, flow, applied)
+            rate, flow = advance(propeller, rate, flow, applied, vehicle, interval / SUBSTEPS)
         rates_out.append(rate)
         flows_out.append(flow)
-    return (shaft_rate if shaft_rate is not None else np.array(rates_out)), np.array(flows_out)
+    return (np.array(rates_out) if shaft_rate is None else shaft_rate), np.array(flows_out)
 
 
-def _spin(propeller: Propeller, rate: float, flow: float, applied: float) -> float:
+def _imposed_step(
+    propeller: Propeller, rate: float, flow: float, applied: float, speed: float, h: float
+) -> tuple[float, float]:
+    """Shaft rate and flow after a step at the `applied` shaft rate."""
+    return applied, _implicit_flow_step(propeller, applied, flow, speed, h)
+
+
+def _driven_step(
+    propeller: Propeller, rate: float, flow: float, applied: float, speed: float, h: float
+) -> tuple[float, float]:
+    """Shaft rate and flow after a step under the `applied` motor torque: half a step of the shaft before and after."""
+    rate = rate + h / 2.0 * _shaft_acceleration(propeller, rate, flow, applied)
+    flow = _implicit_flow_step(propeller, rate, flow, speed, h)
+    return rate + h / 2.0 * _shaft_acceleration(propeller, rate, flow, applied), flow
+
+
+def _shaft_acceleration(propeller: Propeller, rate: float, flow: float, applied: float) -> float:
     return float((applied - torque(propeller, rate, flow)) / propeller.shaft_inertia)
 
 

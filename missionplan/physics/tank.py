@@ -1,4 +1,4 @@
-"""What a towing tank says of a vehicle: drag coefficients, scaling to full size, speed under thrust (Avila et al.)."""
+"""Towing-tank results of a vehicle: drag coefficient, scaling to full size, speed under thrust (Avila et al.)."""
 
 import numpy as np
 
@@ -6,20 +6,20 @@ from missionplan.arrays import Array, Scalars
 
 
 def characteristic_length(displaced_volume: Scalars) -> Scalars:
-    """∇^(1/3), the length of a Reynolds number of an open-frame vehicle [m], from ∇ [m³] (Avila et al., sect. 4.1)."""
+    """∇^(1/3) [m], the reference length of an open-frame vehicle's Reynolds number, from ∇ [m³] (Avila, sect. 4.1)."""
     return displaced_volume ** (1.0 / 3.0)
 
 
 def characteristic_area(displaced_volume: Scalars) -> Scalars:
-    """∇^(2/3), the area of a drag coefficient of an open-frame vehicle [m²]; 0.3288 for ∇ = 0.1885 m³."""
+    """∇^(2/3) [m²], the reference area of an open-frame vehicle's drag coefficient; 0.3288 for ∇ = 0.1885 m³."""
     return displaced_volume ** (2.0 / 3.0)
 
 
 def drag_coefficient(force: Scalars, speed: Scalars, area: Scalars, density: Scalars) -> Scalars:
     """C_D = F/(½ρAU²) (Avila et al., sect. 4.1), from drag [N], speed [m/s], area [m²] and ρ [kg/m³].
 
-    Table 1 follows from ∇ = 0.0236 m³ (its 2.243 at 0.6 m/s), Table 6 from 0.02356 m³; the 0.0222 m³ of Eq. 5's
-    example fits neither.
+    Table 1 results from ∇ = 0.0236 m³ (its 2.243 at 0.6 m/s), Table 6 from 0.02356 m³; the 0.0222 m³ of Eq. 5's
+    example agrees with neither.
     """
     return force / (0.5 * density * area * speed**2)
 
@@ -27,7 +27,7 @@ def drag_coefficient(force: Scalars, speed: Scalars, area: Scalars, density: Sca
 def reynolds_drag_coefficient(
     reynolds: Scalars, coefficient: Scalars, exponent: Scalars, at_reynolds: float
 ) -> Scalars:
-    """C_D = C (Re/Re₀)^p: a drag coefficient that changes slowly with the Reynolds number.
+    """C_D = C (Re/Re₀)^p: a drag coefficient that varies slowly with the Reynolds number.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def reynolds_drag_coefficient(
     coefficient : float or array
         C, the value at Re₀.
     exponent : float or array
-        p; 0 for a bluff body with fixed separation, -1/6 or so for turbulent friction.
+        p; 0 for a bluff body with fixed separation, about -1/6 for turbulent friction.
     at_reynolds : float
         Re₀, the middle of the measured range.
     """
@@ -46,7 +46,7 @@ def reynolds_drag_coefficient(
 def full_size_mass(model_mass: Scalars, scale: float) -> Scalars:
     """Added mass of the full-size vehicle from that of a model 1:λ, m λ³ (Avila et al., Eq. 5) [kg].
 
-    λ = 2 gives 8 and 77.2/118.8/236.3 kg; the paper's 8.49 is 0.1885/0.0222, a wrong model volume.
+    λ = 2 gives a factor of 8 and 77.2/118.8/236.3 kg; the paper's 8.49 is 0.1885/0.0222, a wrong model volume.
     """
     return model_mass * scale**3
 

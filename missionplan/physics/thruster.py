@@ -8,8 +8,8 @@ from missionplan.arrays import Scalars
 def bollard_pull(command: Scalars, ahead: Scalars, astern: Scalars, deadband: Scalars = 0.0) -> Scalars:
     """Thrust in bollard pull, τ = cV|V| with a constant for each direction and a deadband.
 
-    Avila et al., Eq. 6, with V less the deadband: τ = ±c(|V| - V₀)², and zero inside it, so that thrust is
-    continuous where it begins.
+    Avila et al., Eq. 6, with V reduced by the deadband: τ = ±c(|V| - V₀)², and zero inside it, so that thrust is
+    continuous.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """A tunnel thruster on a vehicle under way (Palmer, Hearn & Stevenson 2009).
 
-The jet bends back along the hull and sucks at it: the vehicle feels less force than the thruster makes, and a
-moment that is not the force times the thruster's lever. Everything depends on the speed ratio u/u_j.
+The jet bends aft along the hull and lowers the pressure on it: the force on the vehicle is less than the thruster's
+static thrust, and the moment is not that force times the thruster's lever. Both depend on the speed ratio u/u_j.
 Forces are those on the vehicle, positive in the thruster's direction; levers are positive ahead of the pivot.
 """
 
@@ -17,11 +17,11 @@ from missionplan.physics.drag import disc_area
 LEAST_FORCE_FACTOR = 0.07
 """Least K_F in the measurements that the paper shows, a loss of 93 % (Beveridge's submersible, its Fig. 2).
 
-Where the exponential falls below it the force has passed its minimum, and the model its range.
+Where the exponential falls below it, the force has passed its minimum and the model is out of its range.
 """
 
 INDUCED_DRAG_LIMIT = 0.75
-"""Speed ratio at which a jet no longer stands in the flow like a cylinder: assumed, the paper shows a figure alone."""
+"""Speed ratio from which the jet no longer adds drag, as a cylinder in the flow does: assumed from a figure."""
 
 
 @dataclass(frozen=True)
@@ -35,14 +35,14 @@ class TunnelThruster:
     thrust_constant : float or array
         K_3: static thrust over shaft rate squared, with the rate in rev/s [N s²] (Palmer et al. 2009b, Eq. 10).
     decay : float or array
-        c of Eq. 4: about 7 for the forward thruster, 3 for the aft one of the model; 6.69 for Autosub's.
+        c of Eq. 4: about 7 for the forward and 3 for the aft thruster of the model; 6.69 for Autosub's.
     position : float
         x_T, of the thruster ahead of the vehicle's pivot [m].
     suction_gradient : float
         k of Eq. 6: the centre of suction lies k D u/u_j aft of the thruster.
     suction_offset : float
-        How far aft of the thruster the centre of suction lies whatever the speed [m]; the aft thruster of the model
-        has a constant centre.
+        Distance of the centre of suction aft of the thruster at any speed [m]; that of the model's aft thruster is
+        constant.
     """
 
     diameter: float
@@ -64,7 +64,7 @@ def static_thrust(thrust_constant: Scalars, revolutions: Scalars) -> Scalars:
 
 
 def revolutions_for(thrust_constant: Scalars, static: Scalars) -> Scalars:
-    """Shaft rate that makes a static thrust [N], the inverse of `static_thrust` [rev/s]; 10.85 for 105.9 N at 0.90."""
+    """Shaft rate for a static thrust [N], the inverse of `static_thrust` [rev/s]; 10.85 for 105.9 N and K_3 = 0.90."""
     revolutions: Scalars = np.sign(static) * np.sqrt(np.abs(static) / thrust_constant)
     return revolutions
 
@@ -86,7 +86,7 @@ def jet_speed(static: Scalars, area: Scalars, density: Scalars) -> Scalars:
 
 
 def speed_ratio(speed: Scalars, jet: Scalars) -> Scalars:
-    """|u|/u_j; without a jet it is infinite, and nothing else is asked of it than e^(-∞)."""
+    """|u|/u_j; infinite without a jet, 0 where vehicle and jet are both at rest."""
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.abs(speed) / np.asarray(jet)
     ratio = np.where(np.isnan(ratio), 0.0, ratio)
@@ -94,9 +94,9 @@ def speed_ratio(speed: Scalars, jet: Scalars) -> Scalars:
 
 
 def force_factor(ratio: Scalars, decay: Scalars) -> Scalars:
-    """K_F = exp(-c(u/u_j)²), the share of the static force that the vehicle feels (Eq. 4).
+    """K_F = exp(-c(u/u_j)²), the share of the static force that acts on the vehicle (Eq. 4).
 
-    It falls to nothing for high ratios, where ships' thrusters recover: see `out_of_range`.
+    It vanishes at high ratios, where the force of ships' thrusters recovers: see `out_of_range`.
     """
     factor: Scalars = np.exp(-decay * ratio**2)
     return factor
@@ -109,12 +109,12 @@ def highest_ratio(decay: Scalars) -> Scalars:
 
 
 def out_of_range(ratio: Scalars, decay: Scalars) -> NDArray[np.bool_]:
-    """Whether a speed ratio lies beyond the force minimum, where the exponential goes on falling and ships recover."""
+    """Whether a speed ratio is beyond the force minimum, where ships' thrusters recover but the model does not."""
     return np.asarray(ratio) > highest_ratio(decay)
 
 
 def suction_force(static: Scalars, factor: Scalars) -> Scalars:
-    """F_S = F_T(0, n) - F_T(u, n) (Eq. 2a) [N]: how much of the static force suction takes away, of the same sign."""
+    """F_S = F_T(0, n) - F_T(u, n) (Eq. 2a) [N]: the part of the static force lost to suction, with its sign."""
     return static * (1.0 - factor)
 
 
@@ -145,7 +145,7 @@ def moment_factor(factor: Scalars, centre_over_position: Scalars) -> Scalars:
 
 @dataclass(frozen=True)
 class ThrusterLoad:
-    """What the vehicle feels: `force` [N], `moment` about its pivot [N m], and the speed `ratio` at which."""
+    """`force` on the vehicle [N], `moment` about its pivot [N m], and the speed `ratio`."""
 
     force: Scalars
     moment: Scalars
@@ -153,7 +153,7 @@ class ThrusterLoad:
 
 
 def thruster_load(thruster: TunnelThruster, revolutions: Scalars, speed: Scalars, density: Scalars) -> ThrusterLoad:
-    """Force and moment of a thruster on a vehicle under way.
+    """Force and moment of a tunnel thruster on a vehicle under way.
 
     Parameters
     ----------
@@ -172,28 +172,28 @@ def thruster_load(thruster: TunnelThruster, revolutions: Scalars, speed: Scalars
 
 
 def induced_drag_coefficient(ratio: Scalars, at_rest: Scalars, vanishes_at: float = INDUCED_DRAG_LIMIT) -> Scalars:
-    """Increase of the volumetric drag coefficient that a jet brings, largest at low speed ratios (Fig. 11).
+    """Increase of the volumetric drag coefficient by a jet, largest at low speed ratios (Fig. 11).
 
-    The paper prints the trend alone, as a figure: a fall that is linear in u/u_j is assumed, and its size at u = 0
-    must be given.
+    The paper gives only the trend, in a figure: a decrease linear in u/u_j is assumed, and the value at u = 0 is an
+    argument.
 
     Parameters
     ----------
     ratio : float or array
         u/u_j.
     at_rest : float or array
-        ΔC_D on ∇^(2/3) as u/u_j goes to nothing.
+        ΔC_D on ∇^(2/3) as u/u_j tends to 0.
     vanishes_at : float
-        u/u_j from which there is none.
+        u/u_j from which it is 0.
     """
     drop: Scalars = at_rest * np.clip(1.0 - ratio / vanishes_at, 0.0, 1.0)
     return drop
 
 
 def thruster_power(static: Scalars, area: Scalars, density: Scalars, performance: Scalars = 0.55) -> Scalars:
-    """Power of a thruster that makes a static thrust, F^(3/2)/(2α^(3/2)√(ρA)) (2009b, Eq. 13) [W].
+    """Power of a thruster at a static thrust, F^(3/2)/(2α^(3/2)√(ρA)) (2009b, Eq. 13) [W].
 
-    About 240 W for the 105.9 N that hold Autosub, with A of a 0.196 m tunnel and the paper's α = 0.55.
+    About 240 W for the 105.9 N that keep Autosub at depth, with a 0.196 m tunnel and the paper's α = 0.55.
 
     Parameters
     ----------
@@ -209,10 +209,10 @@ def thruster_power(static: Scalars, area: Scalars, density: Scalars, performance
 
 
 def hover_power(force: float, area: float, density: float, thrusters: int = 1) -> float:
-    """Power of some equal thrusters that share a force at rest [W]: two of the same diameter need 1/√2 (sect. 7.2)."""
+    """Power of several equal thrusters that share a force at rest [W]: two need 1/√2 of one's power (sect. 7.2)."""
     return float(thrusters * thruster_power(force / thrusters, area, density))
 
 
 def diameter_for_same_power(diameter: float, thrusters: int) -> float:
-    """Diameter of each of some thrusters that together draw what one of `diameter` draws, D/√thrusters [m]."""
+    """Diameter of each of several thrusters that together need the power of one of `diameter`, D/√thrusters [m]."""
     return diameter / math.sqrt(thrusters)

@@ -1,4 +1,4 @@
-"""Drag laws of whole bodies, as objects that a descent calls with a speed."""
+"""Drag laws of whole bodies: callables of the speed."""
 
 import math
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class DragLaw(Protocol):
 
 @dataclass(frozen=True)
 class QuadraticDrag:
-    """Drag with a constant coefficient, k v|v|: the anchor's, and the one with closed-form descents.
+    """Drag with a constant coefficient, k v|v|: the anchor's, and that of descents in closed form.
 
     Attributes
     ----------
@@ -65,14 +65,14 @@ class Sail:
 
 @dataclass(frozen=True)
 class DragBuildUp:
-    """Where the drag comes from at one speed [N].
+    """Contributions to the drag at one speed [N].
 
     Attributes
     ----------
     body, sail : float or array
         Eqs. 8 and 12, before the appendage factor.
     vehicle : float or array
-        Eq. 13: both with the appendage factor.
+        Eq. 13: the sum of both times the appendage factor.
     anchor, total : float or array
         Eqs. 2 and 14.
     """
@@ -88,7 +88,8 @@ class DragBuildUp:
 class VehicleDrag:
     """Drag of the egress vehicle along its axis (Eqs. 3–13).
 
-    Calling it evaluates the sum with one logarithm; `body` and `sail` are the plain equations, and agree to rounding.
+    A call evaluates the sum with one logarithm; `body` and `sail_drag` are the equations as printed and agree with it
+    to rounding.
 
     Attributes
     ----------
@@ -122,7 +123,7 @@ class VehicleDrag:
         return drag.drag_force(speed, coefficient, sail.chord * sail.span, water.density)
 
     def build_up(self, speed: Scalars, anchor: DragLaw) -> DragBuildUp:
-        """Drag by its sources at a speed [m/s], with the anchor's law."""
+        """Contributions to the drag at a speed [m/s], the anchor's included."""
         body, sail, lone = self.body(speed), self.sail_drag(speed), anchor(speed)
         vehicle = (body + sail) * self.appendage_factor
         return DragBuildUp(body, sail, vehicle, lone, vehicle + lone)
@@ -152,7 +153,7 @@ class VehicleDrag:
 
 _LOG_HELD = math.log(drag.REYNOLDS_HELD / 100.0)
 _SLOWEST = 1e-12
-"""Speed [m/s] that keeps the logarithm finite at rest, where C_f is held anyway."""
+"""Speed that keeps the logarithm finite at rest, where C_f is constant anyway [m/s]."""
 
 
 def anchor_drag(diameter: Scalars, coefficient: Scalars, density: Scalars) -> QuadraticDrag:
@@ -163,8 +164,8 @@ def anchor_drag(diameter: Scalars, coefficient: Scalars, density: Scalars) -> Qu
 def terminal_velocity(law: DragLaw, weight: Scalars, *, start: float = 1.0) -> Scalars:
     """Speed at which a drag law balances a weight.
 
-    Root finding by v ← v √(W/F(v)). Drag here grows as v^p with 1.56 ≤ p ≤ 2, so that every step leaves at most
-    0.22 of the error, in the logarithm, of the one before; 30 steps reach rounding.
+    Fixed-point iteration v ← v √(W/F(v)). Drag here grows as v^p with 1.56 ≤ p ≤ 2, so that each step reduces the error
+    of log v to 0.22 of the last or less; 30 steps reach rounding.
 
     Parameters
     ----------
@@ -178,7 +179,7 @@ def terminal_velocity(law: DragLaw, weight: Scalars, *, start: float = 1.0) -> S
     Returns
     -------
     float or array, shape (n,)
-        [m/s]; 0 where nothing pulls down.
+        [m/s]; 0 where the force is not downward.
     """
     pull = np.maximum(weight, 0.0)
     v = np.full(np.shape(law(start) + pull), start)
@@ -189,7 +190,7 @@ def terminal_velocity(law: DragLaw, weight: Scalars, *, start: float = 1.0) -> S
 
 
 def range_notes(law: VehicleDrag, speed: float, anchor_fineness: float | None = None) -> tuple[str, ...]:
-    """Say where a drag estimate leaves the range in which its formulae hold.
+    """Describe where a drag estimate is outside the range of its formulae.
 
     Parameters
     ----------
@@ -203,7 +204,7 @@ def range_notes(law: VehicleDrag, speed: float, anchor_fineness: float | None = 
     Returns
     -------
     tuple of str
-        One sentence each; empty when all is within range.
+        One sentence each; empty when the estimate is within range.
     """
     notes = []
     parts = [("hull", law.hull.length)] + ([("sail", law.sail.chord)] if law.sail is not None else [])
@@ -226,6 +227,6 @@ def range_notes(law: VehicleDrag, speed: float, anchor_fineness: float | None = 
 
 
 def _rounded(value: float) -> str:
-    """Two digits, thousands apart: 140 000."""
+    """Two significant digits, with thousands separated: 140 000."""
     digits = 1 - math.floor(math.log10(max(value, 1.0)))
     return f"{round(value, digits):,.0f}".replace(",", "\u202f")

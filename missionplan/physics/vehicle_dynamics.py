@@ -1,8 +1,8 @@
 """Surge, heave and pitch of a submerged vehicle in the vertical plane (Palmer, Hearn & Stevenson, Eqs. 4 to 6).
 
 Body axes with z down and the pitch θ nose up; forces on the vehicle are positive along the axes, the moment nose
-up. The printed equations carry damaged subscripts: the cross-flow terms are read in the Gertler-Hagen form,
-Z'_w|w| w|w|, Z'_w|q| w|q| and M'_|w|q |w|q. Meant for small angles of attack, not for broadside motion.
+up. Subscripts of the printed equations are damaged: the cross-flow terms are read in the Gertler-Hagen form,
+Z'_w|w| w|w|, Z'_w|q| w|q| and M'_|w|q |w|q. For small angles of attack, not for broadside motion.
 """
 
 from dataclasses import dataclass
@@ -12,15 +12,15 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 
 GRAVITY = 9.81
-"""Standard gravity as the paper's 0.3 % of 3600 kg = 105.9 N supposes [m/s²]."""
+"""Gravity for which 0.3 % of 3600 kg is the paper's 105.9 N [m/s²]."""
 
 
 @dataclass(frozen=True)
 class Derivatives:
     """Hydrodynamic derivatives, made dimensionless by ½ρ and powers of the length; floats or arrays over trials.
 
-    Names are those of Eqs. 4 to 6: ``z_uud`` is Z'_uuδS, ``m_qdot`` is M'_q̇, ``z_w_abs_q`` is Z'_w|q|. What is not
-    given is nought.
+    Names are those of Eqs. 4 to 6: ``z_uud`` is Z'_uuδS, ``m_qdot`` is M'_q̇, ``z_w_abs_q`` is Z'_w|q|. The default is
+    zero.
     """
 
     x_uu: Scalars = 0.0
@@ -110,7 +110,7 @@ class Load:
 
 
 def hydrodynamic_load(body: Body, motion: Motion, sternplane: Scalars) -> Load:
-    """Velocity-dependent hydrodynamic forces and moment, right sides of Eqs. 4 to 6 without the accelerations.
+    """Velocity-dependent hydrodynamic forces and moment [N, N m], right sides of Eqs. 4 to 6 without accelerations.
 
     Parameters
     ----------
@@ -130,14 +130,14 @@ def hydrodynamic_load(body: Body, motion: Motion, sternplane: Scalars) -> Load:
 
 
 def hydrostatic_load(body: Body, pitch: Scalars) -> Load:
-    """Buoyancy and weight, last lines of Eqs. 4 to 6, with the centre of buoyancy at the origin."""
+    """Buoyancy and weight, last lines of Eqs. 4 to 6 [N, N m], with the centre of buoyancy at the origin."""
     sine, cosine = np.sin(pitch), np.cos(pitch)
     moment = -body.weight * (body.x_g * cosine + body.z_g * sine)
     return Load(body.excess_buoyancy * sine, -body.excess_buoyancy * cosine, moment)
 
 
 def rigid_body_load(body: Body, motion: Motion) -> Load:
-    """Centrifugal terms of the left sides of Eqs. 4 to 6, brought to the right."""
+    """Centrifugal terms of the left sides of Eqs. 4 to 6, moved to the right [N, N m]."""
     u, w, q = motion.u, motion.w, motion.q
     return Load(
         -body.mass * (w * q - body.x_g * q**2),
@@ -182,7 +182,7 @@ class Trim:
 
 
 def level_trim(body: Body, speed: Scalars) -> Trim:
-    """Pitch and sternplane that hold depth at a speed without thrusters: Eqs. 5 and 6 in equilibrium.
+    """Pitch and sternplane that keep depth at a speed without thrusters: equilibrium of Eqs. 5 and 6.
 
     Newton's method from level pitch; the sternplane enters linearly and is eliminated by the heave equation.
 
@@ -194,7 +194,7 @@ def level_trim(body: Body, speed: Scalars) -> Trim:
     Raises
     ------
     ArithmeticError
-        When no trim is found: the vehicle cannot hold depth at that speed at any deflection.
+        When no trim is found: no deflection keeps the vehicle at depth at that speed.
     """
     d = body.derivatives
     u = np.asarray(speed, dtype=float) + 0.0 * np.asarray(body.excess_buoyancy + body.x_g + body.z_g)
@@ -225,9 +225,9 @@ def propeller_force(body: Body, coefficients: tuple[float, float, float], speed:
     Parameters
     ----------
     coefficients : (float, float, float)
-        b₁, b₂, b₃ with b₁ + b₂ + b₃ = -X'_uu, so that the command is the speed that it holds.
+        b₁, b₂, b₃ with b₁ + b₂ + b₃ = -X'_uu, so that a steady speed equals its command.
     speed, command : array
-        u, and the speed that the shaft rate would hold [m/s].
+        u, and the steady speed of the shaft rate [m/s].
     """
     one, two, three = coefficients
     force: Array = body.scale(2) * (

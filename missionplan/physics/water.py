@@ -13,7 +13,7 @@ REFERENCE_SALINITY_RATIO = 35.16504 / 35.0
 
 @dataclass(frozen=True)
 class Water:
-    """The two properties of water that move a vehicle.
+    """Density and viscosity of water.
 
     Attributes
     ----------
