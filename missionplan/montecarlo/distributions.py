@@ -215,7 +215,7 @@ class Choices(NormalTransform):
 
 @dataclass(frozen=True)
 class Truncated(NormalTransform):
-    """Any distribution, truncated to the physical range of its quantity."""
+    """A distribution truncated to the physical range of its quantity."""
 
     parent: "Distribution"
     low: float

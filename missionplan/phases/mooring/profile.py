@@ -49,7 +49,7 @@ class DescentProfile:
         return np.gradient(self.vehicle_depth, self.time)
 
 
-def descent_profile(
+def simulate_profile(
     dive: Dive,
     *,
     effects: Iterable[DescentEffect] = (),

@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
-from missionplan.phases.mooring.profile import descent_profile
+from missionplan.phases.mooring.profile import simulate_profile
 from missionplan.physics.anchor import AnchorDesign, solve_anchor
 from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
 from missionplan.physics.mooring import required_terminal_velocity, required_terminal_velocity_vector
@@ -77,7 +77,7 @@ class AnchorSizer:
         design = self._design(weight)
         dive = dive_with(self.means, self.moor, weight)
         position, t_start = start_of(self.means, self.moor)
-        profile = descent_profile(
+        profile = simulate_profile(
             dive,
             effects=self.means.descent_effects,
             release_time=float(self.means[f"{self.moor.name}.release_time"]),

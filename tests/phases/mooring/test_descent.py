@@ -18,7 +18,7 @@ from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import simulate_readings
 from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
-from missionplan.phases.mooring.profile import descent_profile
+from missionplan.phases.mooring.profile import simulate_profile
 from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, Sail, VehicleDrag, anchor_drag
 from missionplan.physics.water import Water
 
@@ -173,7 +173,7 @@ def test_anchor_drifts_with_the_layer_that_it_is_in():
     deep = 20.0
     current = layers([deep, 100.0], [1.0, 0.5], [np.pi / 2, 0.0])
     record = run(PROTOTYPE, current=current, release=3.0)
-    profile = descent_profile(PROTOTYPE, release_time=3.0, current=current, position=np.zeros(2))
+    profile = simulate_profile(PROTOTYPE, release_time=3.0, current=current, position=np.zeros(2))
     crossed = np.interp(deep, profile.anchor_depth, profile.time)
     down = record.release_time[0] + record.descent_time[0]
     assert record.offset[:, 0] == pytest.approx([crossed, 0.5 * (down - crossed)], abs=0.06)
@@ -301,7 +301,7 @@ def test_neutral_effects_change_nothing():
 
 
 def test_profile_agrees_with_the_record():
-    profile = descent_profile(PROTOTYPE, release_time=2.0, current=STILL, position=np.zeros(2))
+    profile = simulate_profile(PROTOTYPE, release_time=2.0, current=STILL, position=np.zeros(2))
     marks, record = profile.stages, profile.record
     assert marks["separation"] == 2.0
     assert marks["touchdown"] - marks["separation"] == pytest.approx(record.descent_time[0])
