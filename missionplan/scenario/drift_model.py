@@ -101,7 +101,7 @@ def _states(sample: DriftSample, forecast: Forecast, tides: Sequence[str], *, tu
                 first = WAVES + 4 * index
                 states[first : first + 4] += _waves(effect, name)
         if isinstance(effect, InertialCurrent):
-            states[-2:] += np.stack(np.broadcast_arrays(*_polar(effect.amplitude, effect.phase)))
+            states[-2:] += np.stack(np.broadcast_arrays(*_polar(effect.amplitude, effect.phase))).reshape(2, -1)
     return states
 
 

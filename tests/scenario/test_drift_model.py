@@ -1,0 +1,59 @@
+"""The drift filter's model from a sample of draws."""
+
+import numpy as np
+import pytest
+
+from missionplan.effects.inertial_current import EARTH_ROTATION, InertialCurrent
+from missionplan.effects.mean_current import MeanCurrent
+from missionplan.effects.persistent_error import PersistentError
+from missionplan.effects.random_walk import RandomWalk
+from missionplan.effects.tidal_current import PERIODS, TidalCurrent
+from missionplan.phases.transit.compensation import Forecast
+from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, WAVES
+from missionplan.scenario.drift_model import DriftSample, drift_model
+
+FORECAST = Forecast(current=None, mean_error=np.array([0.01, 0.0]), depth=5.0, surfacing_time=60.0)
+NORMALS = np.random.default_rng(1).standard_normal((4, 500))
+
+
+def model(*effects, error=(0.01, 0.0), is_recorded=False):
+    sample = DriftSample(
+        trials=500,
+        velocity_error=np.array(error)[:, None],
+        current=None,
+        is_recorded=is_recorded,
+        depth=5.0,
+        surfacing_time=60.0,
+        effects=effects,
+    )
+    return drift_model(sample, FORECAST, covariance=0.03**2 * np.eye(2), latitude=0.6, fix_error=3.0)
+
+
+@pytest.mark.parametrize("is_recorded", [False, True])
+def test_the_prior_is_that_of_the_draws_beyond_the_forecast(is_recorded):
+    built = model(MeanCurrent(0.1 + 0.02 * NORMALS[0], 0.05 * NORMALS[1]), is_recorded=is_recorded)
+    steady = slice(STEADY, STEADY + 2)
+    assert built.mean[steady] == pytest.approx([0.1 + 0.02 * NORMALS[0].mean(), 0.05 * NORMALS[1].mean()])
+    expected = np.cov(np.array([0.02, 0.05])[:, None] * NORMALS[:2])
+    np.testing.assert_allclose(built.prior[steady, steady], expected, rtol=1e-9)
+
+
+def test_waves_are_coefficients_of_cosine_and_sine():
+    tide = TidalCurrent(m2_east=0.2, m2_east_phase=np.pi / 2.0)
+    built = model(tide, InertialCurrent(0.1, 0.0))
+    assert built.tides == (2.0 * np.pi / PERIODS["m2"],)
+    assert built.turning == pytest.approx(2.0 * EARTH_ROTATION * np.sin(0.6))
+    assert built.mean[WAVES:] == pytest.approx([0.0, 0.2, 0.0, 0.0, 0.1, 0.0], abs=1e-12)
+
+
+def test_variances_of_persistent_errors_and_walks_add_up():
+    built = model(PersistentError(sigma=0.03, time=900.0), PersistentError(sigma=0.04, time=100.0), RandomWalk(1e-4))
+    assert built.prior[PERSISTENT, PERSISTENT] == pytest.approx(0.05**2)
+    assert built.persistence == 900.0
+    assert built.walk == pytest.approx(1e-4)
+
+
+def test_nothing_uncertain_leaves_no_prior():
+    built = model()
+    assert not built.prior.any()
+    assert not built.mean.any()
