@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 KeyPath = tuple[str | int, ...]
-"""Where a value stands in a file: keys of mappings and indices of lists, from the outside in."""
+"""Place of a value in a file: keys of mappings and indices of lists, from the outside in."""
 
 _LONGEST = 60
 """Characters of a value that a message shows."""

@@ -1,4 +1,4 @@
-"""The mission: what a mission file says, validated and in SI, with distributions kept as distributions."""
+"""The mission: what a mission file holds, validated and in SI, with distributions kept as distributions."""
 
 import copy
 from collections.abc import Mapping

@@ -77,7 +77,7 @@ class MooringMission:
     anchor : Anchor
         With a flooded mass or a construction.
     site : Site
-        With water, and with a depth unless `of` was told that it need not.
+        With water, and with a depth unless `of` was called with `depth=False`.
     """
 
     mission: Mission

@@ -50,7 +50,7 @@ class DrawnMission:
         return self.draws.get(path, default)
 
     def position(self, position: Position, path: str) -> Array:
-        """Return a position that stands at a key path, east and north of the origin, shape (2,) or (2, n) [m].
+        """Return the position at a key path, east and north of the origin, shape (2,) or (2, n) [m].
 
         Raises
         ------

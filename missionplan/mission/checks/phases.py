@@ -42,7 +42,7 @@ def phase_path(index: int, phase: Phase) -> KeyPath:
 
 def _start(phase: TransitPhase, *, is_first: bool) -> Iterator[LocalProblem]:
     if is_first and phase.start is None:
-        yield LocalProblem(("from",), "missing; the first transit says where it starts")
+        yield LocalProblem(("from",), "missing; the first transit needs its start")
     if not is_first and phase.start is not None:
         yield LocalProblem(("from",), "only the first phase has `from`; later ones start where the last one ended")
 

@@ -16,11 +16,11 @@ MAX_NODES = 50_000
 
 @dataclass
 class Document:
-    """Plain data of a YAML file and where each value stands.
+    """Plain data of a YAML file, with the line of each value.
 
     Attributes
     ----------
-    data
+    data : dict, list or scalar
         Mappings, lists and scalars.
     marks : dict
         File and line of each key path; empty where the data come from no file.
@@ -30,7 +30,7 @@ class Document:
     marks: dict[KeyPath, tuple[str, int | None]] = field(default_factory=dict)
 
     def mark(self, path: KeyPath) -> tuple[str, int | None]:
-        """File and line of a key path, or of its nearest ancestor that stands in a file."""
+        """File and line of a key path, or of its nearest ancestor that has them."""
         for length in range(len(path), -1, -1):
             if path[:length] in self.marks:
                 return self.marks[path[:length]]
