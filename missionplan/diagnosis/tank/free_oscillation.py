@@ -78,7 +78,7 @@ def oscillation_forward(
         words = "a frequency of each mode is one number for one unknown: nothing is left to test a model by"
         raise InputError([Problem(words, data.settings.file, hint="`missionplan identify` finds the added masses")])
     time, record = data.columns["t_s"], data.columns["displacement_m"]
-    mass, stiffness = base_mass(settings, vehicle), _given(settings.stiffness, "stiffness", settings)
+    mass, stiffness = base_mass(settings, vehicle), settings.stiffness
     begin = {parameter.name: parameter.start for parameter in starting_values(time, record)}
     heavier = stiffness / (2.0 * math.pi * begin["frequency"]) ** 2 / mass - 1.0
     sd, stated = noise_sd(record, settings.noise.displacement)
@@ -109,8 +109,7 @@ def _nuisances(begin: dict[str, float], spread: float) -> tuple[Nuisance, ...]:
 def base_mass(settings: OscillationSettings, vehicle: Vehicle | None) -> float:
     """Mass in air, and the added mass in surge that the vehicle file already has, at the tank's scale [kg]."""
     known = vehicle.added_mass.surge if vehicle is not None and vehicle.added_mass is not None else None
-    mass = _given(settings.mass, "mass", settings)
-    return mass + (mean_of(known) / settings.scale**3 if known is not None else 0.0)
+    return settings.mass + (mean_of(known) / settings.scale**3 if known is not None else 0.0)
 
 
 def full_size_added_mass(
@@ -127,11 +126,5 @@ def full_size_added_mass(
     fraction, sd : float
         By which the oscillating mass is larger than the base model's, and its standard deviation.
     """
-    base, in_air = base_mass(settings, vehicle), _given(settings.mass, "mass", settings)
-    return (base * (1.0 + fraction) - in_air) * settings.scale**3, base * sd * settings.scale**3
-
-
-def _given(value: float | None, key: str, settings: OscillationSettings) -> float:
-    if value is None:
-        raise InputError([Problem("missing", settings.file, key=key)])
-    return value
+    base = base_mass(settings, vehicle)
+    return (base * (1.0 + fraction) - settings.mass) * settings.scale**3, base * sd * settings.scale**3
