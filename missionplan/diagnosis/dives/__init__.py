@@ -1,6 +1,7 @@
 """Dive logs: depth against time, dive by dive.
 
 Read `preparation` (logs as they are fitted), `forward` (the descent phase under many settings), `priors`, `linearised`,
-`noise` and `likelihood`, `fitting` (search from `starts`), then `model`. Beside them: `discrepancy_axes` along
-which a discrepancy may be smooth, and `designs` of further dives.
+`noise` and `likelihood`, `fitting` (search from `starts`), then `model`. Beside them: `discrepancy_axes` along which a
+discrepancy may be smooth, and `designs` of further dives. `kind` is what `diagnose` calls: `model_factory` binds a
+mission, `tables` lists residuals.
 """
