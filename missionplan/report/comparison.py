@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.display_units import Unit, unit_for
-from missionplan.report.numbers import number, with_error
+from missionplan.report.numbers import NARROW_SPACE, has_spread, number, with_error
 from missionplan.report.page import BLUE, INK, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
 from missionplan.report.wording import in_words
 from missionplan.results.comparison import ChangedValue, ComparedNumber, Comparison
@@ -17,6 +17,8 @@ _MOST_ROWS = 60
 _MOST_DOTS = 16
 """Numbers in the figure."""
 _PERCENT = Unit("%", 0.01)
+_GROUPS = {"sweep": "", "anchor": "", "odds": "dives"}
+"""Sections of `summary.json` that are not named, or otherwise."""
 
 
 def page(comparison: Comparison) -> Page:
@@ -73,42 +75,50 @@ def _requirement_change(change: ChangedValue) -> str:
 def _importance(difference: ComparedNumber) -> float:
     """Size of the change against its noise, or, without noise, against the number."""
     change = abs(difference.change or 0.0)
-    if difference.standard_error:
-        return change / difference.standard_error
+    noise = _noise(difference)
+    if noise:
+        return change / noise
     return change / max(abs(difference.first or 0.0), abs(difference.second or 0.0), 1e-300)
+
+
+def _noise(difference: ComparedNumber) -> float:
+    """Standard error of the change; nil where it is rounding."""
+    error = difference.standard_error or 0.0
+    size = max(abs(difference.first or 0.0), abs(difference.second or 0.0))
+    return error if has_spread(size, error) else 0.0
 
 
 def _name(comparison: Comparison, difference: ComparedNumber) -> str:
     if difference.group == "requirement":
-        return f"{_requirement(comparison, difference.key)} (requirement)"
-    group = difference.group if difference.group not in ("sweep", "anchor") else ""
+        return f"{_requirement(comparison, difference)} (requirement)"
+    group = _GROUPS.get(difference.group, difference.group)
     return in_words(f"{group}.{difference.key}".lstrip(".")) if group != difference.key else in_words(difference.key)
 
 
-def _requirement(comparison: Comparison, key: str) -> str:
+def _requirement(comparison: Comparison, difference: ComparedNumber) -> str:
     """Write a requirement with its limit as the mission does; in SI where the mission has several on a quantity."""
-    quantity, _, limit = key.partition(", ")
-    alike = [item for item in _requirements(comparison) if item.get("quantity") == quantity]
+    quantity, _, limit = difference.key.partition(", ")
+    alike = [item for item in _requirements(_mission(comparison, difference)) if item.get("quantity") == quantity]
     if limit and len(alike) == 1:
         limit = _limit(alike[0]) or limit
     return f"{in_words(quantity)} {limit}".strip()
 
 
-def _requirements(comparison: Comparison) -> list[Mapping[str, object]]:
-    written = _mission(comparison).get("requirements")
+def _requirements(mission: Mapping[str, object]) -> list[Mapping[str, object]]:
+    written = mission.get("requirements")
     return [item for item in written if isinstance(item, Mapping)] if isinstance(written, list | tuple) else []
 
 
-def _mission(comparison: Comparison) -> Mapping[str, object]:
-    """Data of the second run's mission."""
-    data = comparison.provenance.data["second"]
+def _mission(comparison: Comparison, difference: ComparedNumber) -> Mapping[str, object]:
+    """Data of the second run's mission; of the first's where only that has the number."""
+    data = comparison.provenance.data["second" if difference.second is not None else "first"]
     return data if isinstance(data, Mapping) else {}
 
 
 def _limit(requirement: Mapping[str, object]) -> str:
     for bound in ("at_most", "at_least"):
         if bound in requirement:
-            return f"{bound.replace('_', ' ')} {requirement[bound]}"
+            return f"{bound.replace('_', ' ')} {str(requirement[bound]).replace('*', NARROW_SPACE)}"
     return ""
 
 
@@ -116,19 +126,19 @@ def _unit(comparison: Comparison, difference: ComparedNumber) -> Unit:
     if difference.kind == "probability":
         return _PERCENT
     typical = difference.first if difference.first is not None else difference.second
-    return unit_for(difference.group, difference.key, _mission(comparison), typical=abs(typical or 0.0))
+    return unit_for(difference.group, difference.key, _mission(comparison, difference), typical=abs(typical or 0.0))
 
 
 def _shown_change(comparison: Comparison, difference: ComparedNumber) -> str:
     change = difference.change
     if change is None:
         return "–"
-    words = with_error(change, difference.standard_error or 0.0, _unit(comparison, difference))
+    words = with_error(change, _noise(difference), _unit(comparison, difference))
     return words if words.startswith("−") or change == 0.0 else f"+{words}"
 
 
 def _row(comparison: Comparison, difference: ComparedNumber) -> tuple[str, str, str, str, str]:
-    unit, error = _unit(comparison, difference), difference.standard_error or 0.0
+    unit, error = _unit(comparison, difference), _noise(difference)
     first, second = (
         "–" if value is None else number(unit(value), unit(error)) + unit.suffix
         for value in (difference.first, difference.second)
@@ -150,7 +160,7 @@ def _count(items: Sequence[object], noun: str) -> str:
 
 def changes_figure(comparison: Comparison) -> Figure | None:
     """Draw the changes in standard errors, the clearest first; None where no number is noisy."""
-    noisy = [item for item in comparison.differences if item.standard_error and item.change is not None]
+    noisy = [item for item in comparison.differences if item.change is not None and _noise(item)]
     shown = sorted(noisy, key=_importance, reverse=True)[:_MOST_DOTS]
     if not shown:
         return None
@@ -158,7 +168,7 @@ def changes_figure(comparison: Comparison) -> Figure | None:
     axes = figure.add_subplot()
     axes.axvspan(-1.96, 1.96, color=BLUE, alpha=0.15, linewidth=0.0)
     axes.axvline(0.0, color=INK, linewidth=0.8)
-    scores = [(item.change or 0.0) / (item.standard_error or 1.0) for item in shown]
+    scores = [(item.change or 0.0) / _noise(item) for item in shown]
     _draw_scores(axes, scores, [(_name(comparison, item), item.verdict == "changed") for item in shown])
     reach = 1.1 * max(3.0, *(abs(score) for score in scores))
     axes.set(yticks=[], ylim=(len(shown) - 0.5, -0.8), xlim=(-reach, reach))

@@ -152,4 +152,5 @@ def _statistic(outcome: Outcome, phase: PhaseOutcome, key: str) -> tuple[str, ..
     statistic = phase.quantities[key]
     unit = unit_of(outcome, phase, key)
     mean = with_error(statistic.mean, statistic.standard_error, unit)
-    return mean, number(unit(statistic.sd), unit(0.1 * statistic.sd)), *span(statistic, unit)
+    sd = statistic.sd if has_spread(statistic.mean, statistic.sd) else 0.0
+    return mean, number(unit(sd), unit(0.1 * sd)), *span(statistic, unit)
