@@ -1,21 +1,20 @@
-"""Text with a unit to a bare float in SI. The only user of pint."""
+"""Text with a unit to a bare float in SI: by the project's own table, else by pint, whose only user this is."""
 
 import math
 import re
 from collections.abc import Iterable
 from functools import lru_cache
-
-import pint
+from typing import TYPE_CHECKING
 
 from missionplan.errors import KeyPath, LocalProblem, did_you_mean, shown
+from missionplan.mission.unit_table import FACTORS, dimension_of, factor
+
+if TYPE_CHECKING:
+    import pint
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 _MAX_LENGTH = 80
-_COMMON_UNITS = (
-    "m", "km", "cm", "mm", "ft", "in", "nmi", "mi", "m/s", "kn", "cm/s", "mm/s", "ft/s", "km/h", "s", "min", "h", "day",
-    "N", "kN", "lbf", "kg", "g", "lb", "kg/m", "kg/m^3", "m^2", "m^2/s", "m^2/s^2", "m^3", "L", "W", "kW", "J", "W*h",
-    "kW*h", "deg", "rad", "degC", "degF", "K", "1/s", "s/m", "rpm", "V",
-)  # fmt: skip
+_COMMON_UNITS = (*(name for names in FACTORS.values() for name in names), "degF", "K", "1/s", "s/m", "rpm")
 """Units that a hint may name."""
 
 
@@ -35,6 +34,8 @@ class QuantityError(ValueError):
 
 @lru_cache(maxsize=1)
 def _registry() -> "pint.UnitRegistry[float]":
+    import pint  # half of what reading a mission would cost, and few files need it
+
     return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
 
@@ -83,17 +84,29 @@ def _bare_number(value: object) -> float:
 
 
 def _convert(number: float, name: str, unit: str, difference: bool) -> float:
+    known = factor(name, unit)
+    if known is None and dimension_of(name) is not None:
+        raise QuantityError(f"given {number:g} {name}, expected a quantity in {unit} or a unit like it")
+    result = number * known if known is not None else _convert_by_pint(number, name, unit, difference)
+    if not math.isfinite(result):
+        raise QuantityError(f"given {number:g} {name}, expected a finite quantity")
+    return result
+
+
+def _convert_by_pint(number: float, name: str, unit: str, difference: bool) -> float:
+    import pint
+
     registry = _registry()
     try:
         given = registry.parse_units(name)
-    except Exception as error:  # pint raises many kinds, some from its tokenizer
+    except pint.UndefinedUnitError as error:
         hint = did_you_mean(name, _COMMON_UNITS, before="; ")
         raise QuantityError(f"given the unit {shown(name)}, which is not known{hint}") from error
+    except Exception as error:  # pint and its tokenizer raise many kinds for what is no expression of units
+        hint = did_you_mean(name, _COMMON_UNITS, before="; ")
+        raise QuantityError(f"given {shown(name)}, which is not a unit{hint}") from error
     if given.dimensionality != registry.parse_units(unit).dimensionality:
         raise QuantityError(f"given {number:g} {name}, expected a quantity in {unit} or a unit like it")
     if difference and unit == "degC":
         given, unit = registry.parse_units(name.replace("deg", "delta_deg")), "delta_degC"
-    result = float(registry.Quantity(number, given).to(unit).magnitude)
-    if not math.isfinite(result):
-        raise QuantityError(f"given {number:g} {name}, expected a finite quantity")
-    return result
+    return float(registry.Quantity(number, given).to(unit).magnitude)

@@ -1,14 +1,17 @@
 """Quantities with units."""
 
+import functools
 import math
 from typing import Any
 
+import pint
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic_core import PydanticCustomError
 
 from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.unit_table import FACTORS
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.distributions import Choices, LogNormal, Normal, TruncatedNormal, Uniform
 
@@ -43,6 +46,39 @@ def test_units_are_converted(text: str, unit: str, value: float) -> None:
 def test_what_is_no_length_is_refused(given_: Any) -> None:
     with pytest.raises(QuantityError):
         parse_number_with_unit(given_, "m")
+
+
+@functools.cache
+def pint_registry() -> Any:
+    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+
+@pytest.mark.parametrize(("unit", "name"), [(unit, name) for unit, names in FACTORS.items() for name in names])
+def test_the_table_agrees_with_pint(unit: str, name: str) -> None:
+    registry = pint_registry()
+    if name in ("kn", "kt") and name not in registry:
+        name = "knot"  # pint before 0.25.1
+    assert FACTORS[unit].get(name) == pytest.approx(registry.Quantity(1.0, name).to(unit).magnitude, rel=1e-14)
+
+
+def test_a_foot_is_exact() -> None:
+    assert parse_number_with_unit("75 ft", "m") == 75 * 0.3048
+
+
+def test_units_beyond_the_table_are_known_too() -> None:
+    assert parse_number_with_unit("2 furlong", "m") == pytest.approx(402.336, rel=1e-5)
+    assert parse_number_with_unit("3 hectometer / minute", "m/s") == pytest.approx(5.0)
+
+
+def test_a_known_unit_of_another_dimension_is_refused_without_pint() -> None:
+    with pytest.raises(QuantityError, match="given 3 kn, expected a quantity in m or a unit like it"):
+        parse_number_with_unit("3 kn", "m")
+
+
+def test_what_is_no_expression_of_units_is_said_to_be_none() -> None:
+    for text in ("3 m^", "3 (m", "3 m m)", "3 4 m", "3 m**m"):
+        with pytest.raises(QuantityError, match=r"which is not (a unit|known)"):
+            parse_number_with_unit(text, "m")
 
 
 def test_an_unknown_unit_names_the_nearest() -> None:
