@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from scipy.special import expit
+import scipy
 
 from missionplan.arrays import Scalars
 from missionplan.effects.info import EffectInfo, Parameter
@@ -22,7 +22,7 @@ class DragCrisis(DescentEffect):
 
     def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
         """Return the factor on both bodies' drag."""
-        return 1.0 - self.fraction * expit(2.0 * (speed - self.speed) / self.width)
+        return 1.0 - self.fraction * scipy.special.expit(2.0 * (speed - self.speed) / self.width)
 
 
 INFO = EffectInfo(

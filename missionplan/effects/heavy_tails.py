@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import gammaincinv, ndtr
+import scipy
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter
@@ -28,7 +28,7 @@ class HeavyTails(TransitEffect):
         """Return the factor on each leg's random velocity error, shape (n,), from the first of its normals."""
         finite = np.isfinite(self.dof)
         dof = np.where(finite, self.dof, 4.0)
-        chi_squared = 2.0 * gammaincinv(0.5 * dof, ndtr(normals[0]))
+        chi_squared = 2.0 * scipy.special.gammaincinv(0.5 * dof, scipy.special.ndtr(normals[0]))
         return np.where(finite, np.sqrt((dof - 2.0) / chi_squared), 1.0)
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from scipy.special import expit
+import scipy
 
 from missionplan.arrays import Scalars
 from missionplan.effects.info import EffectInfo, Parameter
@@ -22,7 +22,7 @@ class Stratification(DescentEffect):
 
     def lift(self, depth: Scalars) -> Scalars:
         """Return the upward force [N]."""
-        return self.lift_below * expit(4.0 * (depth - self.depth) / self.thickness)
+        return self.lift_below * scipy.special.expit(4.0 * (depth - self.depth) / self.thickness)
 
 
 INFO = EffectInfo(

@@ -11,11 +11,11 @@ from functools import cached_property
 from typing import cast
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+import scipy
 from typing_extensions import override
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.restricted_normal import restricted_cdf, restricted_moments, restricted_normal
+from missionplan.montecarlo.restricted_normal import normal_cdf, restricted_cdf, restricted_moments, restricted_normal
 
 NEGLIGIBLE = 1e-20
 """Probability of a draw that no run will ever contain."""
@@ -70,7 +70,7 @@ class Normal(NormalTransform):
 
     @override
     def cdf(self, value: float) -> float:
-        return float(ndtr((value - self.mean) / self.sd)) if self.sd > 0.0 else float(self.mean <= value)
+        return normal_cdf((value - self.mean) / self.sd) if self.sd > 0.0 else float(self.mean <= value)
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ class Uniform(NormalTransform):
 
     @override
     def from_normal(self, z: Array) -> Array:
-        return self.low + (self.high - self.low) * ndtr(z)
+        return self.low + (self.high - self.low) * scipy.special.ndtr(z)
 
     @override
     def cdf(self, value: float) -> float:
@@ -163,7 +163,7 @@ class LogNormal(NormalTransform):
 
     @override
     def cdf(self, value: float) -> float:
-        return float(ndtr(math.log(value / self.median) / math.log(self.factor))) if value > 0.0 else 0.0
+        return normal_cdf(math.log(value / self.median) / math.log(self.factor)) if value > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ class Choices(NormalTransform):
     @override
     def from_normal(self, z: Array) -> Array:
         ordered = np.sort(np.asarray(self.values, dtype=float))
-        index = np.minimum((ndtr(z) * len(ordered)).astype(np.intp), len(ordered) - 1)
+        index = np.minimum((scipy.special.ndtr(z) * len(ordered)).astype(np.intp), len(ordered) - 1)
         return ordered[index]
 
     @override
@@ -224,7 +224,7 @@ class Truncated(NormalTransform):
     @cached_property
     def _bounds(self) -> tuple[float, float]:
         below, above = _tails(self.parent, self.low, self.high)
-        return float(ndtri(below)), -float(ndtri(above))
+        return float(scipy.special.ndtri(below)), -float(scipy.special.ndtri(above))
 
     @property
     @override
@@ -248,7 +248,7 @@ class Truncated(NormalTransform):
     @override
     def cdf(self, value: float) -> float:
         low, high = self._bounds
-        return restricted_cdf(float(ndtri(self.parent.cdf(value))), low, high)
+        return restricted_cdf(float(scipy.special.ndtri(self.parent.cdf(value))), low, high)
 
 
 Distribution = Normal | TruncatedNormal | Uniform | LogNormal | Choices | Truncated

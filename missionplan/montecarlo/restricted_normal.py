@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+import scipy  # its submodules are loaded when first used: checking a mission needs none
 
 from missionplan.arrays import Array
 
@@ -13,12 +13,17 @@ _NORMAL_REACH = 12.0
 """Standard deviations beyond which the normal has no weight in double precision."""
 
 
+def normal_cdf(z: float) -> float:
+    """Distribution function of the standard normal, ½ erfc(-z/√2), of one number."""
+    return 0.5 * math.erfc(-z / math.sqrt(2.0))
+
+
 def restricted_normal(z: Array, low: float, high: float) -> Array:
     """Map standard normals to normals restricted to [low, high], through their probabilities (inverse transform)."""
     if low > 0.0:  # the lower tail keeps digits that the upper one rounds away
         return -restricted_normal(-z, -high, -low)
-    p_low, p_high = ndtr(low), ndtr(high)
-    restricted: Array = ndtri(p_low + (p_high - p_low) * ndtr(z))
+    p_low, p_high = scipy.special.ndtr(low), scipy.special.ndtr(high)
+    restricted: Array = scipy.special.ndtri(p_low + (p_high - p_low) * scipy.special.ndtr(z))
     return np.clip(restricted, low, high)
 
 
@@ -26,7 +31,7 @@ def restricted_cdf(z: float, low: float, high: float) -> float:
     """Distribution function at `z` of a standard normal restricted to [low, high]."""
     if low > 0.0:
         return 1.0 - restricted_cdf(-z, -high, -low)
-    return float((ndtr(min(max(z, low), high)) - ndtr(low)) / (ndtr(high) - ndtr(low)))
+    return (normal_cdf(min(max(z, low), high)) - normal_cdf(low)) / (normal_cdf(high) - normal_cdf(low))
 
 
 def restricted_moments(transform: Callable[[Array], Array], low: float, high: float) -> tuple[float, float]:

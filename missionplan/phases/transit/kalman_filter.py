@@ -13,8 +13,8 @@ drift's rate, added to the first, makes their errors independent, with σ_v² + 
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import erfc
 from typing_extensions import override
 
 from missionplan.arrays import Array, Scalars
@@ -248,7 +248,7 @@ def stop_short(radius: Scalars, along: Array, across: Array, surfacing_cost: Sca
     edge = np.where(ratio > 1.0, np.maximum(r - across**2 / (2.0 * r) - margin, 0.0), 0.0)
     s = np.maximum(np.sqrt(0.5 * (along**2 + across**2)), 1e-9)
     missed = np.exp(-0.5 * np.minimum(r / s, 30.0) ** 2)
-    left = r * missed + s * np.sqrt(0.5 * np.pi) * erfc(r / (s * np.sqrt(2.0)))
+    left = r * missed + s * np.sqrt(0.5 * np.pi) * scipy.special.erfc(r / (s * np.sqrt(2.0)))
     will_miss = left - MISS_REMAINDER * s > (1.0 - missed) * surfacing_cost
     return np.asarray(np.where(will_miss & (np.asarray(radius) > 0.0), MISS_UNDERSHOOT * s, edge))
 
