@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from joblib.externals.loky.backend.reduction import dumps
+from loky.backend.reduction import dumps
 
 from missionplan.montecarlo.pool import process_pool, shut_down_on_failure
 

@@ -1,4 +1,4 @@
-"""The process pool (loky, as in joblib): kept from call to call, shut down at once when the command is interrupted."""
+"""The process pool (loky): kept from call to call, shut down at once when the command is interrupted."""
 
 import multiprocessing.resource_tracker
 import signal
@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 
-from joblib.externals.loky import ProcessPoolExecutor
-from joblib.externals.loky.backend import resource_tracker
-from joblib.externals.loky.process_executor import BrokenProcessPool
+from loky import ProcessPoolExecutor
+from loky.backend import resource_tracker
+from loky.process_executor import BrokenProcessPool
 
 from missionplan.errors import RunError
 
