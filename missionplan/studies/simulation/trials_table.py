@@ -2,16 +2,30 @@
 
 import io
 from collections.abc import Mapping
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from missionplan.errors import InputError
 
 
 class TrialsTable:
     """Parquet in memory, a row group a block: inputs, quantities and events of every trial; null where not reached."""
 
     def __init__(self) -> None:
+        """Start an empty table.
+
+        Raises
+        ------
+        InputError
+            When pyarrow, which writes it, is not installed: found out before the first trial is run.
+        """
+        try:
+            import_module("pyarrow")
+        except ImportError as error:
+            raise InputError("--keep-trials needs pyarrow: pip install 'missionplan[parquet]'") from error
         self._content = io.BytesIO()
         self._writer: Any = None
 

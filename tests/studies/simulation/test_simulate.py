@@ -1,6 +1,7 @@
 import io
 import json
 import math
+import sys
 
 import numpy as np
 import pyarrow.parquet
@@ -383,6 +384,12 @@ def test_keeping_trials_gives_one_row_each(tmp_path):
     assert frame["ingress.duration_s"].mean() == pytest.approx(found.phases[0].quantities["duration_s"].mean)
     assert {"moor.release_time", "site.current[0].speed", "moor.offset_m"} <= set(frame)
     assert "trials.parquet" in found.files()
+
+
+def test_keeping_trials_without_pyarrow_says_what_to_install_before_any_trial(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(InputError, match=r"pip install 'missionplan\[parquet\]'"):
+        simulate(chesapeake(tmp_path), trials=10, keep_trials=True)
 
 
 def test_a_block_that_fails_is_reported_and_the_others_kept(tmp_path, monkeypatch):
