@@ -1,10 +1,11 @@
-"""SampledEvidence sampling: a check of the evidence that leans neither on linearity nor on a normal posterior."""
+"""Importance sampling: a check of the evidence that leans neither on linearity nor on a normal posterior."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import multivariate_t
+from scipy.linalg import solve_triangular
+from scipy.special import gammaln
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.streams import stream
@@ -47,12 +48,37 @@ def sampled_evidence(log_joint: Callable[[Array], Array], mean: Array, covarianc
     numpy.linalg.LinAlgError
         When the covariance is not positive definite.
     """
-    proposal = multivariate_t(mean, WIDENED**2 * covariance, df=DOF)
-    at = np.reshape(proposal.rvs(DRAWS, random_state=stream(0, "diagnose.importance", 0)), (DRAWS, len(mean)))
-    logs = log_joint(at) - np.reshape(proposal.logpdf(at), DRAWS)
+    shape = WIDENED**2 * np.asarray(covariance)
+    factor = np.linalg.cholesky(shape)
+    generator = stream(0, "diagnose.importance", 0)
+    scale = generator.chisquare(DOF, DRAWS) / DOF
+    normals = generator.multivariate_normal(np.zeros(len(mean)), shape, DRAWS)
+    at = mean + normals / np.sqrt(scale)[:, None]
+    logs = log_joint(at) - log_student_density(at, mean, factor)
     logs = np.where(np.isfinite(logs), logs, -np.inf)
     if np.all(np.isneginf(logs)):
         return SampledEvidence(-np.inf, 0.0)
     weights = np.exp(logs - logs.max())
     evidence = float(logs.max() + np.log(weights.mean()))
     return SampledEvidence(evidence, float(weights.sum() ** 2 / np.sum(weights**2)))
+
+
+def log_student_density(at: Array, mean: Array, factor: Array) -> Array:
+    """Log density of the multivariate Student-t distribution with `DOF` degrees of freedom.
+
+    Parameters
+    ----------
+    at : array, shape (s, k)
+    mean : array, shape (k,)
+    factor : array, shape (k, k)
+        Lower Cholesky factor of its shape matrix.
+
+    Returns
+    -------
+    array, shape (s,)
+    """
+    dimension = len(mean)
+    squared = np.sum(solve_triangular(factor, (at - mean).T, lower=True) ** 2, axis=0)
+    constant = gammaln(0.5 * (DOF + dimension)) - gammaln(0.5 * DOF) - 0.5 * dimension * np.log(DOF * np.pi)
+    density: Array = constant - np.log(np.diag(factor)).sum() - 0.5 * (DOF + dimension) * np.log1p(squared / DOF)
+    return density

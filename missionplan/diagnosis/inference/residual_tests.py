@@ -3,10 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2, norm
-from statsmodels.regression.linear_model import OLS
-from statsmodels.stats.diagnostic import acorr_ljungbox
-from statsmodels.tools import add_constant
+from scipy.special import chdtrc, ndtri
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.residuals import Residuals
@@ -46,22 +43,52 @@ def residual_tests(residuals: Residuals, innovations: Array) -> tuple[ResidualTe
         if len(z) < 16:
             continue
         ranks = np.argsort(np.argsort(z))
-        scores = norm.ppf((ranks + 0.5) / len(z))
+        scores = ndtri((ranks + 0.5) / len(z))
         lags = min(8, len(z) // 4)
-        portmanteau = float(acorr_ljungbox(scores, lags=[lags], return_df=True)["lb_pvalue"].iloc[0])
+        portmanteau = ljung_box_p_value(scores, lags)
         if residuals.quantised and sum(float(scores[k:] @ scores[:-k]) for k in range(1, lags + 1)) <= 0.0:
             portmanteau = 1.0
         tests.append(ResidualTest(f"autocorrelation {number + 1}", portmanteau))
-        tests.append(ResidualTest(f"changing spread {number + 1}", _arch_p_value(scores, min(4, lags))))
+        tests.append(ResidualTest(f"changing spread {number + 1}", arch_p_value(scores, min(4, lags))))
     return tuple(tests)
 
 
-def _arch_p_value(scores: Array, lags: int) -> float:
-    """Engle's test: regress the squares on their past; n·R² is χ² with as many degrees of freedom as lags."""
-    squares = scores**2
+def ljung_box_p_value(series: Array, lags: int) -> float:
+    """P-value of the portmanteau test that the first autocorrelations of a series are zero.
+
+    Q = n(n + 2) Σ_k r_k²/(n - k) is χ² with as many degrees of freedom as lags (Ljung & Box 1978, Eq. 1.3).
+
+    Parameters
+    ----------
+    series : array, shape (n,)
+    lags : int
+        Fewer than n.
+    """
+    n, centred = len(series), series - series.mean()
+    lag = np.arange(1, lags + 1)
+    correlation = np.array([centred[k:] @ centred[:-k] for k in lag]) / (centred @ centred)
+    return float(chdtrc(lags, n * (n + 2.0) * np.sum(correlation**2 / (n - lag))))
+
+
+def arch_p_value(series: Array, lags: int) -> float:
+    """P-value of the test that the spread of a series does not depend on its past.
+
+    Regress the squares on the squares before them: n·R² is χ² with as many degrees of freedom as lags, n the number
+    of squares regressed (Engle 1982, section 8).
+
+    Parameters
+    ----------
+    series : array, shape (n,)
+    lags : int
+        Fewer than (n - 1)/2.
+    """
+    squares = series**2
     past = np.stack([squares[lags - k - 1 : -k - 1] for k in range(lags)], axis=1)
-    fitted = OLS(squares[lags:], add_constant(past, has_constant="add")).fit()
-    return float(chi2.sf(len(past) * fitted.rsquared, lags))
+    design = np.column_stack([np.ones(len(past)), past])
+    present = squares[lags:]
+    left = present - design @ np.linalg.lstsq(design, present, rcond=None)[0]
+    determination = 1.0 - float(left @ left) / float(np.sum((present - present.mean()) ** 2))
+    return float(chdtrc(lags, len(past) * determination))
 
 
 def rejects(tests: tuple[ResidualTest, ...]) -> bool:
@@ -82,7 +109,7 @@ def outlying_groups(residuals: Residuals) -> tuple[tuple[str, float], ...]:
     for name in names:
         own = np.flatnonzero(residuals.groups == name)
         squared = float(pulled[own] @ np.linalg.solve(precision[np.ix_(own, own)], pulled[own]))
-        p_value = min(1.0, float(chi2.sf(squared, len(own))) * len(names))
+        p_value = min(1.0, float(chdtrc(len(own), squared)) * len(names))
         if p_value < OUTLYING and len(names) > 1:
             found.append((name, p_value))
     return tuple(found)

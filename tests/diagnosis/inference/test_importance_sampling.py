@@ -1,10 +1,10 @@
-"""SampledEvidence sampling against integrals that are known."""
+"""Importance sampling against integrals that are known."""
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal, norm
+from scipy.stats import multivariate_normal, multivariate_t, norm
 
-from missionplan.diagnosis.inference.importance_sampling import DRAWS, sampled_evidence
+from missionplan.diagnosis.inference.importance_sampling import DOF, DRAWS, log_student_density, sampled_evidence
 
 
 def test_normal_joint_density_is_integrated():
@@ -31,3 +31,11 @@ def test_a_posterior_elsewhere_shows_in_the_draws_that_count():
 def test_nothing_possible_is_no_evidence():
     found = sampled_evidence(lambda at: np.full(len(at), np.nan), np.zeros(1), np.eye(1))
     assert (found.log_evidence, found.effective) == (-np.inf, 0.0)
+
+
+def test_student_density_is_scipys():
+    rng = np.random.default_rng(5)
+    mean, root = rng.normal(size=3), np.tril(rng.normal(size=(3, 3))) + 2.0 * np.eye(3)
+    at = rng.normal(size=(9, 3))
+    expected = multivariate_t(mean, root @ root.T, df=DOF).logpdf(at)
+    assert log_student_density(at, mean, root) == pytest.approx(expected, rel=1e-12)
