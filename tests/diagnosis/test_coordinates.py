@@ -43,3 +43,9 @@ def test_shape_has_a_log_normal_interval():
 def test_wrong_sign_or_size_is_not_the_effect(value, possible):
     coordinates = coordinates_of(CATALOGUE["line-payout"])
     assert is_possible(estimates(coordinates, np.array([value]), np.array([[1e-4]]))) is possible
+
+
+def test_an_unknown_phase_is_as_unsure_as_an_angle_can_be():
+    coordinates = coordinates_of(CATALOGUE["inertial-current"])
+    _, phase = estimates(coordinates, np.array([1e-5, 0.0]), 0.02**2 * np.eye(2))
+    assert phase.sd == pytest.approx(np.std(np.linspace(-np.pi, np.pi, 100_001)), rel=1e-4)

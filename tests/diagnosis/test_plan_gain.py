@@ -7,6 +7,7 @@ import pytest
 
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission, load
+from missionplan.studies.anchor.size_anchor import worst_case_anchor
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 LIFT = {"lift": "2 N", "depth": "8 m", "thickness": "2 m"}
@@ -29,6 +30,13 @@ def test_the_anchor_chosen_carries_the_vehicle_down(mission: Mission) -> None:
     assert plan["before"]["within_radius"] > 0.9
     assert plan["after"]["within_radius"] > 0.9
     assert plan["after"]["success"] == plan["after"]["within_radius"]  # nothing else can fail here
+
+
+def test_the_anchor_is_heavier_by_the_net_buoyancy_than_the_mission_asks_for(mission: Mission) -> None:
+    plan = planned(mission)
+    carried = plan["before"]["anchor_wet_weight_n"] - worst_case_anchor(mission)
+    assert not mission.moors[0].carry_net_buoyancy
+    assert carried == pytest.approx(mission.quantities()["vehicle.net_buoyancy"])
 
 
 def test_a_lift_asks_for_a_heavier_anchor_and_the_old_one_drifts_too_far(mission: Mission) -> None:
