@@ -174,7 +174,7 @@ def test_ctrl_c_ends_a_run_in_few_words(tmp_path: Path, blocks: int) -> None:
     while run.poll() is None and len(list(out.rglob("block-*.npz"))) < blocks:
         time.sleep(0.02)
     os.killpg(run.pid, signal.SIGINT)
-    said, _ = run.communicate(timeout=20)  # until the last process that could write has ended
+    said, _ = run.communicate(timeout=120)  # until the last process that could write has ended
     assert run.returncode == 130
     assert (
         said.replace("\n", " ").split()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import trapezoid
 
 from missionplan.physics import cruise
 from missionplan.physics import propeller as p
@@ -47,7 +48,7 @@ def test_shaft_work_pays_for_every_motion():
     run = pr.simulate_propulsion(propeller, HULL, torque, step)
     work = np.sum(torque * (run.shaft_rate[1:] + run.shaft_rate[:-1]) / 2.0) * step
     kinetic = 0.5 * (propeller.shaft_inertia * run.shaft_rate[-1] ** 2 + HULL.mass * run.speed[-1] ** 2)
-    resisted = np.trapezoid(HULL.force(run.speed) * run.speed, run.time)
+    resisted = trapezoid(HULL.force(run.speed) * run.speed, run.time)
     assert work > kinetic + resisted
 
 
@@ -77,7 +78,7 @@ def test_speeding_up_against_the_stepped_model():
     closed = cruise.speed_up(example.table_1(), HULL, 40.0, run.time[1:])
     assert run.speed[-1] == pytest.approx(closed.speed[-1], rel=1e-4)
     np.testing.assert_allclose(run.speed[1:], closed.speed, atol=0.10 * run.speed[-1])
-    travelled = np.trapezoid(run.speed, run.time)
+    travelled = trapezoid(run.speed, run.time)
     assert travelled == pytest.approx(closed.distance[-1], rel=0.04)
 
 

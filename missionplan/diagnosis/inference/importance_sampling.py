@@ -48,12 +48,12 @@ def sampled_evidence(log_joint: Callable[[Array], Array], mean: Array, covarianc
     numpy.linalg.LinAlgError
         When the covariance is not positive definite.
     """
-    shape = WIDENED**2 * np.asarray(covariance)
-    factor = np.linalg.cholesky(shape)
+    shape: Array = WIDENED**2 * covariance
+    factor: Array = np.asarray(np.linalg.cholesky(shape), dtype=float)
     generator = stream(0, "diagnose.importance", 0)
     scale = generator.chisquare(DOF, DRAWS) / DOF
     normals = generator.multivariate_normal(np.zeros(len(mean)), shape, DRAWS)
-    at = mean + normals / np.sqrt(scale)[:, None]
+    at: Array = mean + normals / np.sqrt(scale)[:, None]
     logs = log_joint(at) - log_student_density(at, mean, factor)
     logs = np.where(np.isfinite(logs), logs, -np.inf)
     if np.all(np.isneginf(logs)):
