@@ -95,7 +95,7 @@ def _method(scenario: SweepScenario, requested: Method | None) -> Method:
     obstacle = scenario.analytic_obstacle()
     if obstacle and requested in ("both", "analytic"):
         hint = "use --method monte-carlo"
-        raise InputError([Problem(f"the analytic cost is not known with {obstacle}", key="--method", hint=hint)])
+        raise InputError([Problem(f"the analytic cost does not allow for {obstacle}", key="--method", hint=hint)])
     return requested or ("monte-carlo" if obstacle else "both")
 
 
