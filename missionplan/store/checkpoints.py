@@ -26,7 +26,7 @@ Arrays = Mapping[str, NDArray[np.generic]]
 
 @dataclass(frozen=True)
 class Identity:
-    """What the blocks of a run depend on, beside their number.
+    """What the blocks of a run depend on, apart from their number.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Checkpoints:
         shown = str(self._folder)
         if not resume:
             message = "holds the finished blocks of a run"
-            raise InputError([Problem(message, shown, hint="--resume goes on with them")])
+            raise InputError([Problem(message, shown, hint="--resume continues with them")])
         try:
             old = Identity(**json.loads(before))
         except (ValueError, TypeError):
@@ -132,7 +132,7 @@ class Checkpoints:
             When the disk is full, or the folder is missing or not writable.
         """
         if not self._folder.is_dir():
-            raise RunError(f"cannot write {self._path(block, size)}: the folder {self._folder} has gone")
+            raise RunError(f"cannot write {self._path(block, size)}: the folder {self._folder} no longer exists")
         content = BytesIO()
         np.savez_compressed(content, digest=np.array(self._digest), **dict(arrays))  # type: ignore[arg-type]
         write_atomically(self._path(block, size), content.getvalue())

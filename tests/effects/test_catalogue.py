@@ -1,4 +1,4 @@
-"""The catalogue as a whole: the contract's names, neutral at zero strength, linear where the diagnosis counts on it."""
+"""The catalogue as a whole: the contract's names, neutral at zero strength, linear where the diagnosis relies on it."""
 
 import dataclasses
 

@@ -30,7 +30,7 @@ def test_sampled_covariance_is_the_one_of_the_diagnosis(effect):
 
 
 def test_persistent_error_has_an_exact_step():
-    """Two steps of half the time are distributed as one: kept shares multiply and variances add up."""
+    """Two steps of half the time are distributed as one: transition factors multiply and variances add."""
     effect = PersistentError(0.1, 1000.0)
     zero, one = np.zeros((2, 1)), np.ones((2, 1))
     kept_half = effect.step(one, np.array([300.0]), zero)[1]

@@ -85,7 +85,7 @@ def die_elsewhere(here, block):
 
 
 @pytest.mark.usefixtures("warm_worker")
-def test_a_worker_that_dies_is_told_and_replaced():
+def test_a_dead_worker_is_reported_and_replaced():
     with pytest.raises(RunError, match="worker process died"):
         list(run_blocks(functools.partial(die_elsewhere, os.getpid()), range(20), jobs=2))
     assert list(run_blocks(slow_block, range(4), jobs=2)) == [0, 1, 2, 3]

@@ -19,7 +19,7 @@ def processes(items):
 
 
 class Remembering:
-    """A task that keeps what it finds, as a model its cached properties, while others are still being sent it."""
+    """A task that caches what it computes, like a model its properties, while it is still being sent to workers."""
 
     def __getstate__(self):
         return {"thread": threading.current_thread().name}
@@ -54,12 +54,12 @@ def test_an_error_in_a_part_is_raised():
         parallel_map(squares, [1, "a"], jobs=2)
 
 
-def test_a_worker_that_dies_is_told():
+def test_a_dead_worker_is_reported():
     with pytest.raises(RunError, match="worker process died"):
         parallel_map(functools.partial(die_elsewhere, os.getpid()), range(4), jobs=2)
     assert parallel_map(squares, range(4), jobs=2) == [0, 1, 4, 9]
 
 
-def test_a_task_is_sent_as_it_was_when_it_was_shared():
+def test_a_task_is_sent_as_it_was_at_the_call():
     found = parallel_map(Remembering(), range(4), jobs=2)
     assert found[1] == found[3] == threading.main_thread().name  # no other thread reads it while it changes

@@ -1,4 +1,4 @@
-"""The sketch's own promise: quantiles to 0.05 % of their value, and exact merging."""
+"""Accuracy of the sketch: quantiles to 0.05 % of their value, and exact merging."""
 
 import numpy as np
 import pytest

@@ -116,6 +116,6 @@ def test_missing_nodes_take_the_water_above_them_then_beside_them():
     assert np.isnan(values).sum() == 3, "the caller's array is left alone"
 
 
-def test_a_moment_without_any_value_is_refused():
+def test_a_time_without_any_value_is_refused():
     with pytest.raises(InputError, match="time without any value"):
         fill_gaps(np.full((1, 1, 2, 2), np.nan))

@@ -18,7 +18,7 @@ def test_series_near_the_sphere_joins_the_closed_form():
 
 
 @given(st.floats(1.0, 50.0), st.floats(1.001, 2.0))
-def test_slender_bodies_carry_less_water_along(fineness, factor):
+def test_slender_bodies_have_less_added_mass(fineness, factor):
     assert 0.0 < lamb_axial_coefficient(fineness * factor) < lamb_axial_coefficient(fineness) <= 0.5
 
 

@@ -94,7 +94,7 @@ def test_more_overlap_than_the_nose_holds_is_refused():
         cap_height(1.0, 0.06)
 
 
-def test_ring_of_negative_mass_is_said_with_its_amount():
+def test_a_ring_of_negative_mass_is_reported_with_its_amount():
     design = solve_anchor(PROBLEM, 6.0)
     assert not design.feasible
     assert design.failures[0].condition == "trim_mass >= 0"
@@ -103,7 +103,7 @@ def test_ring_of_negative_mass_is_said_with_its_amount():
     assert 6.0 < low < 11.7 < high
 
 
-def test_ring_outside_the_tube_is_mended_by_a_change_of_the_front():
+def test_a_ring_outside_the_tube_is_remedied_by_a_change_of_the_front():
     nose_heavy = replace(PROBLEM, construction=replace(MADE, front=Part(0.9, 7850.0, 1.2 * INCH)))
     design = solve_anchor(nose_heavy, 11.6974)
     assert [failure.condition for failure in design.failures] == ["ring inside the tube"]

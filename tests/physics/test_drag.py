@@ -96,7 +96,7 @@ def test_parameters_may_be_arrays_over_trials():
     assert law(1.2) == pytest.approx(single)
 
 
-def test_ranges_are_told():
+def test_ranges_are_reported():
     notes = range_notes(PROTOTYPE, 1.62, 1.515)
     assert len(notes) == 2
     assert "sail" in notes[0]

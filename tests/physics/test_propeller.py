@@ -74,14 +74,14 @@ def test_ahead_and_astern_mirror_each_other(propeller, shaft_rate, flow):
 
 @pytest.mark.parametrize("propeller", PRESETS)
 @given(shaft_rate=shaft_rates, flow=flows)
-def test_the_blades_make_no_energy(propeller, shaft_rate, flow):
+def test_the_blades_generate_no_energy(propeller, shaft_rate, flow):
     shaft, water = p.torque(propeller, shaft_rate, flow) * shaft_rate, p.thrust(propeller, shaft_rate, flow) * flow
     assert shaft - water >= -1e-9 * (abs(shaft) + abs(water))
 
 
 @pytest.mark.parametrize("propeller", PRESETS)
 @given(shaft_rate=st.floats(0.5, 200.0), speed=st.floats(0.0, 3.0), sign=st.sampled_from([-1.0, 1.0]))
-def test_settled_flow_no_longer_accelerates(propeller, shaft_rate, speed, sign):
+def test_steady_flow_does_not_accelerate(propeller, shaft_rate, speed, sign):
     flow = p.steady_axial_flow(propeller, sign * shaft_rate, sign * speed)
     size = abs(p.thrust(propeller, shaft_rate, 0.0)) + propeller.flow_damping_quadratic * flow**2
     assert flow * sign > 0.0

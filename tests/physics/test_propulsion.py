@@ -109,7 +109,7 @@ def test_cruise_speed_and_shaft_rate_are_inverse(rate, exponent):
     assert cruise.shaft_rate_for(example.table_1(), drag(speed), speed) == pytest.approx(rate, rel=1e-8)
 
 
-def test_a_true_vehicle_like_the_believed_one_errs_only_by_its_start():
+def test_a_true_vehicle_like_the_nominal_one_differs_only_by_its_start():
     error = cruise.speed_error(example.table_1(), HULL, 40.0, 300.0)
     assert error == pytest.approx(-float(cruise.distance_lost(example.table_1(), HULL, 40.0)) / 300.0, rel=1e-9)
 

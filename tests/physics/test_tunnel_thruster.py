@@ -11,7 +11,7 @@ AUTOSUB = tt.TunnelThruster(0.196, 0.90, 6.69, position=0.0, suction_gradient=8.
 ratios = st.floats(0.0, 3.0)
 
 
-def test_at_rest_the_vehicle_feels_the_static_force_at_the_thruster():
+def test_at_rest_the_static_force_acts_at_the_thruster():
     thruster = tt.TunnelThruster(0.07, 0.02, 7.0, position=0.8, suction_gradient=5.0)
     load = tt.thruster_load(thruster, 30.0, 0.0, 1000.0)
     assert load.force == pytest.approx(0.02 * 900.0)
@@ -25,7 +25,7 @@ def test_no_jet_no_force():
 
 
 @given(ratio=ratios, decay=st.floats(0.5, 10.0))
-def test_suction_and_felt_force_add_to_the_static_force(ratio, decay):
+def test_suction_and_net_force_add_to_the_static_force(ratio, decay):
     factor = tt.force_factor(ratio, decay)
     assert 0.0 <= factor <= 1.0
     assert tt.suction_force(50.0, factor) + 50.0 * factor == pytest.approx(50.0)

@@ -96,7 +96,7 @@ def test_a_vanished_folder_is_said(tmp_path):
     store = Checkpoints(tmp_path / "run", IDENTITY)
     (tmp_path / "run" / "run.json").unlink()
     (tmp_path / "run").rmdir()
-    with pytest.raises(RunError, match="has gone"):
+    with pytest.raises(RunError, match="no longer exists"):
         store.write(0, 10, ARRAYS)
 
 

@@ -178,7 +178,7 @@ def descent_stages(
         FreeVehicle(dive, hooks, pull_down.time),
         pull_down.depth,
         pull_down.speed,
-        Stop(deepest=2.0 * bottom, at_rest=True),  # a vehicle without buoyancy would sink for ever
+        Stop(deepest=2.0 * bottom, at_rest=True),  # a vehicle without buoyancy would sink without end
         time_limit=min(limit, until),
     )
     return DescentStages(lone, pull_down, coast, delay)

@@ -125,7 +125,7 @@ class TransitPlan:
         return time if self.length_lost is None else time + legs * (self.length_lost / self.speed)
 
     def nominal_time(self, start: Array) -> Array:
-        """Time of the straight way from a start, shape (2, 1) or (2, n), t_nom = ‖x_f − x_0‖/U [s]."""
+        """Time of the straight course from a start, shape (2, 1) or (2, n), t_nom = ‖x_f − x_0‖/U [s]."""
         return np.asarray(np.hypot(*(column(self.goal) - start)) / self.speed)
 
     def cost(self, record: "TransitRecord", nominal: Array) -> Array:
@@ -164,7 +164,7 @@ class TransitNormals:
 
 @dataclass(frozen=True)
 class Environment:
-    """The environment of a transit, with the vehicle's way of compensating its drift.
+    """The environment of a transit, with the vehicle's drift compensation.
 
     Attributes
     ----------

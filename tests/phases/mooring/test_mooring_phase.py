@@ -127,7 +127,7 @@ def test_a_vehicle_without_buoyancy_does_not_come_up():
     assert not after.alive.any()
 
 
-def test_one_that_strikes_the_seafloor_comes_up_all_the_same():
+def test_a_vehicle_that_strikes_the_seafloor_surfaces_too():
     short = Dive(**{**vars(DIVE), "line_length": 1.0})
     after, record = moor(MoorPlan(**{**vars(PLAN), "dive": short}), state(), NONE, still())
     assert record.struck.all()
@@ -135,20 +135,20 @@ def test_one_that_strikes_the_seafloor_comes_up_all_the_same():
 
 
 class TautClock(DescentEffect):
-    """Notes the times since the taut line at which the vehicle's drag is asked for."""
+    """Records the times since the taut line at which the vehicle's drag is computed."""
 
     def __init__(self) -> None:
-        self.asked: list[np.ndarray] = []
+        self.times: list[np.ndarray] = []
 
     def drag_factor(self, since_taut, speed):
-        self.asked.append(np.broadcast_to(since_taut, (N,)).copy())
+        self.times.append(np.broadcast_to(since_taut, (N,)).copy())
         return 1.0
 
 
 def test_the_ascent_goes_on_counting_from_the_taut_line():
     clock = TautClock()
     _, record = moor(PLAN, state(), NONE, still(), effects=[clock])
-    asked = np.array(clock.asked)
-    first_of_ascent = asked[asked[:, 0] > 1000.0].min(axis=0)
+    times = np.array(clock.times)
+    first_of_ascent = times[times[:, 0] > 1000.0].min(axis=0)
     expected = record.descent.descent_time - record.descent.payout_time + 1200.0 + 600.0
     assert first_of_ascent == pytest.approx(expected)

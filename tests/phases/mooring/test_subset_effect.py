@@ -29,12 +29,12 @@ def parameters(info, strength_on):
 
 
 @pytest.mark.parametrize("name", [info.id for info in effects_of("descent")])
-def test_among_some_trials_is_zero_strength_among_the_others(name):
+def test_outside_the_subset_an_effect_has_zero_strength(name):
     info = CATALOGUE[name]
     dive = replace(DIVE, wet_weight=np.linspace(9.0, 14.0, 5))
     everywhere = info.make(parameters(info, slice(None)))
-    among = SubsetEffect(info.make(parameters(info, TRIALS)), TRIALS, 5)
-    found = simulate_readings(dive, TIMES, effects=(among,), step=0.1)
+    subset = SubsetEffect(info.make(parameters(info, TRIALS)), TRIALS, 5)
+    found = simulate_readings(dive, TIMES, effects=(subset,), step=0.1)
     np.testing.assert_allclose(found, simulate_readings(dive, TIMES, effects=(everywhere,), step=0.1), atol=1e-9)
     plain = simulate_readings(dive, TIMES, step=0.1)
     assert np.abs(found - plain)[:, TRIALS].max(axis=0).min() > 1e-4
@@ -42,7 +42,7 @@ def test_among_some_trials_is_zero_strength_among_the_others(name):
 
 
 def test_refines_what_its_effect_refines():
-    among = SubsetEffect(CATALOGUE["added-mass"].make({"fraction": np.array([0.1])}), np.array([0]), 2)
-    assert among.refines("mass_factor")
-    assert not among.refines("lift")
+    subset = SubsetEffect(CATALOGUE["added-mass"].make({"fraction": np.array([0.1])}), np.array([0]), 2)
+    assert subset.refines("mass_factor")
+    assert not subset.refines("lift")
     assert not DescentEffect().refines("mass_factor")

@@ -26,10 +26,12 @@ def two_layers():
     return LayeredCurrent(np.array([2.0, 50.0]), np.array([0.1, 0.02]), np.array([0.1, -0.05]))
 
 
-@pytest.mark.parametrize("way", [LastLeg(), RunningMean(np.zeros((2, 2)), 0.0), RunningMean(1e-4 * np.eye(2), 3.0)])
-def test_a_steady_drift_is_aimed_off_from_the_second_leg_on(way):
+@pytest.mark.parametrize("compensation", [LastLeg(), RunningMean(np.zeros((2, 2)), 0.0), RunningMean(1e-4 * np.eye(2), 3.0)])
+def test_a_steady_drift_is_aimed_off_from_the_second_leg_on(compensation):
     error = VelocityError.isotropic(0.0, DRIFT)
-    _, record = run({"d_max": 500.0, "velocity_error": error, "arrival_radius": 0.6}, compensation=way, tracked=1)
+    _, record = run(
+        {"d_max": 500.0, "velocity_error": error, "arrival_radius": 0.6}, compensation=compensation, tracked=1
+    )
     after_first = record.track[:, 2, 0]
     assert after_first == pytest.approx([500.0 + 500.0 * DRIFT[0], 500.0 * DRIFT[1]])
     left = np.array([1000.0, 0.0]) - after_first
@@ -40,9 +42,9 @@ def test_a_steady_drift_is_aimed_off_from_the_second_leg_on(way):
 
 def test_forecast_is_right_from_the_first_leg_on():
     error = VelocityError.isotropic(0.0, DRIFT)
-    way = Forecast(two_layers(), DRIFT, depth=10.0, surfacing_time=60.0)
+    compensation = Forecast(two_layers(), DRIFT, depth=10.0, surfacing_time=60.0)
     changes = {"d_max": 250.0, "velocity_error": error, "depth": 10.0, "arrival_radius": 30.0}
-    _, record = run(changes, compensation=way, current=two_layers(), tracked=1)
+    _, record = run(changes, compensation=compensation, current=two_layers(), tracked=1)
     under_way = DRIFT + np.array([0.02, -0.05])
     carried = under_way * 250.0 + np.array([0.1, 0.1]) * 60.0
     aimed = np.array([250.0, 0.0]) - carried
@@ -53,9 +55,9 @@ def test_forecast_is_right_from_the_first_leg_on():
 
 def test_surface_drift_is_learnt_apart_from_the_velocity_error():
     current = LayeredCurrent(np.array([2.0, 50.0]), np.array([0.0, 0.0]), np.array([0.2, 0.0]))
-    for way in (LastLeg(), RunningMean(np.zeros((2, 2)), 0.0)):
+    for compensation in (LastLeg(), RunningMean(np.zeros((2, 2)), 0.0)):
         changes = {"d_max": 400.0, "depth": 10.0, "max_legs": 2}
-        _, record = run(changes, compensation=way, current=current, tracked=1)
+        _, record = run(changes, compensation=compensation, current=current, tracked=1)
         nominal_end = record.track[:, 2, 0]
         left = np.array([1000.0, 0.0]) - nominal_end
         expected = nominal_end + 400.0 * left / np.linalg.norm(left)
@@ -91,35 +93,35 @@ def test_as_printed_does_not_converge():
 
 def test_running_mean_weights_short_legs_less():
     sigma, fix = 0.02, 5.0
-    way = RunningMean(sigma**2 * np.eye(2), fix)
-    memory = way.begin(1)
+    compensation = RunningMean(sigma**2 * np.eye(2), fix)
+    memory = compensation.begin(1)
     legs = [(np.array([[0.1], [0.0]]), 100.0), (np.array([[0.3], [0.2]]), 1000.0), (np.array([[9.0], [9.0]]), 0.0)]
     for velocity, seconds in legs:
-        memory = way.update(memory, behind(velocity, seconds))
+        memory = compensation.update(memory, behind(velocity, seconds))
     weights = [1.0 / (sigma**2 + 2.0 * fix**2 / seconds**2) for _, seconds in legs[:2]]
     expected = (0.1 * weights[0] + 0.3 * weights[1]) / sum(weights)
 
     class Ahead:
         duration = np.array([1.0])
 
-    assert way.offset(memory, Ahead())[0, 0] == pytest.approx(expected)
+    assert compensation.offset(memory, Ahead())[0, 0] == pytest.approx(expected)
 
 
 def test_running_mean_of_correlated_errors_is_generalised_least_squares():
     covariance, fix = np.array([[4e-4, 1.5e-4], [1.5e-4, 1e-4]]), 4.0
-    way = RunningMean(covariance, fix)
-    memory = way.begin(1)
+    compensation = RunningMean(covariance, fix)
+    memory = compensation.begin(1)
     errors, times = np.array([[0.1, -0.05], [0.02, 0.07], [0.0, 0.01]]), [200.0, 900.0, 400.0]
     information, weighted = np.zeros((2, 2)), np.zeros(2)
     for error, seconds in zip(errors, times, strict=True):
-        memory = way.update(memory, behind(error[:, None], seconds))
+        memory = compensation.update(memory, behind(error[:, None], seconds))
         weight = np.linalg.inv(covariance + 2.0 * fix**2 / seconds**2 * np.eye(2))
         information, weighted = information + weight, weighted + weight @ error
 
     class Ahead:
         duration = np.array([1.0])
 
-    assert way.offset(memory, Ahead())[:, 0] == pytest.approx(np.linalg.solve(information, weighted))
+    assert compensation.offset(memory, Ahead())[:, 0] == pytest.approx(np.linalg.solve(information, weighted))
 
 
 def test_measured_velocity_error_is_from_the_aim_to_the_fix_on_surfacing():
@@ -130,15 +132,20 @@ def test_measured_velocity_error_is_from_the_aim_to_the_fix_on_surfacing():
             self.heard = self.heard or leg
             return super().update(memory, leg)
 
-    way, trials = Listening(), 3
+    compensation, trials = Listening(), 3
     draws = TransitNormals(
         FixedNormals(np.ones((2, trials))), FixedNormals(np.full((2, trials), 0.5)), FixedNormals(np.zeros((2, trials)))
     )
     changes = {"velocity_error": VelocityError.isotropic(0.01), "fix_error": 2.0, "max_legs": 1}
-    run(changes, draws=draws, compensation=way, current=LayeredCurrent(np.ones(1), np.zeros(1), np.array([0.1])))
-    assert way.heard.velocity_error[:, 0] == pytest.approx([0.01 + 0.001, 0.01 + 0.1 + 0.001])
-    assert way.heard.surface_drift[:, 0] == pytest.approx([-1.0, 0.1 * 60.0 - 1.0])
-    assert way.heard.duration == pytest.approx(1000.0)
+    run(
+        changes,
+        draws=draws,
+        compensation=compensation,
+        current=LayeredCurrent(np.ones(1), np.zeros(1), np.array([0.1])),
+    )
+    assert compensation.heard.velocity_error[:, 0] == pytest.approx([0.01 + 0.001, 0.01 + 0.1 + 0.001])
+    assert compensation.heard.surface_drift[:, 0] == pytest.approx([-1.0, 0.1 * 60.0 - 1.0])
+    assert compensation.heard.duration == pytest.approx(1000.0)
 
 
 def test_independent_errors_are_best_left_alone_and_persistent_ones_are_not():
@@ -146,8 +153,8 @@ def test_independent_errors_are_best_left_alone_and_persistent_ones_are_not():
     independent = {"d_max": 480.0, "velocity_error": VelocityError.isotropic(0.05)}
     means = np.stack([0.2 * np.cos(np.linspace(0, 6.28, trials)), 0.2 * np.sin(np.linspace(0, 6.28, trials))])
     drifting = {**independent, "velocity_error": VelocityError.isotropic(0.01, means)}
-    way = RunningMean(1e-4 * np.eye(2), 0.0)
-    for changes, better, worse in ((independent, None, LastLeg()), (drifting, way, None)):
+    compensation = RunningMean(1e-4 * np.eye(2), 0.0)
+    for changes, better, worse in ((independent, None, LastLeg()), (drifting, compensation, None)):
         good, bad = (run(changes, start(trials), normals(), compensation=c)[1] for c in (better, worse))
         assert good.duration.mean() < bad.duration.mean()
 
@@ -161,7 +168,7 @@ def test_compensations_go_by_the_names_of_the_mission_file():
 
 def test_dropping_trials_keeps_what_they_have_learnt():
     changes = {"d_max": 700.0, "velocity_error": VelocityError.isotropic(0.1, DRIFT), "fix_error": 2.0}
-    for way in (LastLeg(), RunningMean(0.01 * np.eye(2), 2.0), AsPrinted()):
-        dropped = run({**changes, "max_legs": 40}, start(1024), compensation=way)[1]
-        kept = run({**changes, "max_legs": 40}, start(1024), compensation=way, tracked=1)[1]
+    for compensation in (LastLeg(), RunningMean(0.01 * np.eye(2), 2.0), AsPrinted()):
+        dropped = run({**changes, "max_legs": 40}, start(1024), compensation=compensation)[1]
+        kept = run({**changes, "max_legs": 40}, start(1024), compensation=compensation, tracked=1)[1]
         assert np.array_equal(dropped.duration, kept.duration)

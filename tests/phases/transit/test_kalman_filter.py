@@ -57,7 +57,7 @@ def ahead(t, seconds, nominal=(0.0, 0.0)):
 
 
 def wide_prior(size):
-    """A prior that ties everything to everything."""
+    """A prior in which all components are correlated."""
     root = np.random.default_rng(3).normal(size=(size, size)) * 0.05
     root[SURFACE : SURFACE + 2] *= 60.0
     prior = root @ root.T
@@ -71,7 +71,7 @@ def wide_prior(size):
 def test_the_estimate_is_the_conditional_mean_of_the_model(fix_error):
     """Every leg's measurements and the state ahead are jointly normal: compare with one solve for all of them."""
     covariance = np.array([[4e-4, 1e-4], [1e-4, 2e-4]])
-    told = model(
+    drift_model = model(
         tides=(M2,),
         prior=wide_prior(WAVES + 4),
         mean=np.linspace(-0.05, 0.05, WAVES + 4),
@@ -81,19 +81,19 @@ def test_the_estimate_is_the_conditional_mean_of_the_model(fix_error):
     )
     times, durations = np.array([0.0, 700.0, 1900.0, 2200.0]), np.array([600.0, 1100.0, 200.0, 900.0])
     middles = times + 0.5 * durations
-    size = len(told.mean)
+    size = len(drift_model.mean)
 
     def state_covariance(i, j):
         """Covariance of the states at the middles of two legs."""
-        result = told.prior.copy()
+        result = drift_model.prior.copy()
         persistent = slice(PERSISTENT, PERSISTENT + 2)
-        result[persistent, persistent] *= np.exp(-abs(middles[i] - middles[j]) / told.persistence)
-        walked = told.walk**2 * (min(middles[i], middles[j]) - middles[0])
+        result[persistent, persistent] *= np.exp(-abs(middles[i] - middles[j]) / drift_model.persistence)
+        walked = drift_model.walk**2 * (min(middles[i], middles[j]) - middles[0])
         result[[STEADY, STEADY + 1], [STEADY, STEADY + 1]] += walked
         return result
 
     legs = len(times) - 1
-    rows = [told.under_way(times[i : i + 1], durations[i : i + 1])[:, :, 0] for i in range(len(times))]
+    rows = [drift_model.under_way(times[i : i + 1], durations[i : i + 1])[:, :, 0] for i in range(len(times))]
     surface = np.zeros((2, size))
     surface[[0, 1], [SURFACE, SURFACE + 1]] = 1.0
     seen_by = [np.concatenate([row, surface]) for row in rows[:legs]]
@@ -110,24 +110,24 @@ def test_the_estimate_is_the_conditional_mean_of_the_model(fix_error):
         joint[part, part] += noise
         ahead_with[:, part] = state_covariance(legs, i) @ seen_by[i].T
     seen = np.random.default_rng(5).normal(size=4 * legs) * np.tile([0.1, 0.1, 5.0, 5.0], legs)
-    mean = told.mean.copy()
+    mean = drift_model.mean.copy()
     mean[PERSISTENT : PERSISTENT + 2] = 0.0
     expected_seen = np.concatenate([row @ mean for row in seen_by])
     best = mean + ahead_with @ np.linalg.solve(joint, seen - expected_seen)
 
-    told = model(**{**vars(told), "mean": mean})
-    way = DriftFilter(STILL, told)
-    memory = way.begin(1)
+    drift_model = model(**{**vars(drift_model), "mean": mean})
+    drift_filter = DriftFilter(STILL, drift_model)
+    memory = drift_filter.begin(1)
     for i in range(legs):
-        memory = way.update(
+        memory = drift_filter.update(
             memory, behind(seen[4 * i : 4 * i + 2], durations[i], seen[4 * i + 2 : 4 * i + 4], times[i])
         )
-    velocity, drift = way.expected(memory, ahead(times[-1], durations[-1]))
+    velocity, drift = drift_filter.expected(memory, ahead(times[-1], durations[-1]))
     assert velocity[:, 0] == pytest.approx(rows[-1] @ best, rel=1e-5)
     assert drift[:, 0] == pytest.approx(best[SURFACE : SURFACE + 2], rel=1e-5)
 
     course = np.array([0.6, -0.8])
-    along, across = way.spread(memory, ahead(times[-1], durations[-1], 900.0 * course))
+    along, across = drift_filter.spread(memory, ahead(times[-1], durations[-1], 900.0 * course))
     left = state_covariance(legs, legs) - ahead_with @ np.linalg.solve(joint, ahead_with.T)
     moves = rows[-1] * durations[-1] + surface
     ends = moves @ left @ moves.T + covariance * durations[-1] ** 2 + 2.0 * fix_error**2 * np.eye(2)
@@ -137,10 +137,10 @@ def test_the_estimate_is_the_conditional_mean_of_the_model(fix_error):
 
 def test_without_anything_uncertain_it_is_the_forecast():
     forecast = Forecast(None, np.array([0.03, -0.04]), 0.0, 60.0)
-    way = DriftFilter(forecast, model())
-    memory = way.update(way.begin(1), behind(np.array([0.2, 0.1]), 500.0, np.array([9.0, 9.0]), 0.0))
+    drift_filter = DriftFilter(forecast, model())
+    memory = drift_filter.update(drift_filter.begin(1), behind(np.array([0.2, 0.1]), 500.0, np.array([9.0, 9.0]), 0.0))
     leg = ahead(600.0, 300.0)
-    velocity, drift = way.expected(memory, leg)
+    velocity, drift = drift_filter.expected(memory, leg)
     assert velocity * leg.duration + drift == pytest.approx(forecast.offset((), leg))
 
 
@@ -151,10 +151,10 @@ def test_without_anything_uncertain_it_is_the_forecast():
 def test_what_is_expected_takes_the_vehicle_where_it_was_to_go(velocity, nominal):
     """The leg as steered and the drift while it lasts, not while the nominal leg would, add up to the nominal leg."""
     speed = 0.9
-    way = DriftFilter(Forecast(None, velocity[:, 0], 0.0, 60.0), model())
+    drift_filter = DriftFilter(Forecast(None, velocity[:, 0], 0.0, 60.0), model())
     seconds = np.hypot(*nominal) / speed
     leg = PlannedLeg(np.zeros(1), np.zeros((2, 1)), nominal, seconds, nominal, 0.0)
-    steered = nominal - way.offset(way.begin(1), leg)
+    steered = nominal - drift_filter.offset(drift_filter.begin(1), leg)
     assert steered + velocity * np.hypot(*steered) / speed == pytest.approx(nominal, abs=1e-6)
 
 
@@ -204,46 +204,46 @@ def test_the_mean_left_over_is_that_of_a_rice_distance():
 
 
 def test_a_plan_that_stops_short_by_itself_is_kept():
-    way = DriftFilter(STILL, model())
-    memory, seconds, nominal = way.begin(1), np.array([300.0]), np.array([[300.0], [0.0]])
+    drift_filter = DriftFilter(STILL, model())
+    memory, seconds, nominal = drift_filter.begin(1), np.array([300.0]), np.array([[300.0], [0.0]])
     zero = np.zeros((2, 1))
-    to_centre = way.offset(memory, PlannedLeg(zero[0], zero, nominal, seconds, nominal, 50.0))[0, 0]
+    to_centre = drift_filter.offset(memory, PlannedLeg(zero[0], zero, nominal, seconds, nominal, 50.0))[0, 0]
     assert 20.0 < to_centre < 50.0
     for planned in (10.0, 45.0):
         goal = nominal + np.array([[planned], [0.0]])
-        found = way.offset(memory, PlannedLeg(zero[0], zero, nominal, seconds, goal, 50.0))
+        found = drift_filter.offset(memory, PlannedLeg(zero[0], zero, nominal, seconds, goal, 50.0))
         assert found == pytest.approx(np.array([[max(to_centre - planned, 0.0)], [0.0]]), abs=1e-9)
 
 
 def test_with_a_wide_prior_on_a_steady_drift_it_is_the_weighted_mean():
     sigma, prior = 0.02, np.zeros((WAVES, WAVES))
     prior[[STEADY, STEADY + 1], [STEADY, STEADY + 1]] = 1e4
-    way = DriftFilter(STILL, model(prior=prior, covariance=sigma**2 * np.eye(2), fix_error=0.0))
+    drift_filter = DriftFilter(STILL, model(prior=prior, covariance=sigma**2 * np.eye(2), fix_error=0.0))
     mean = RunningMean(sigma**2 * np.eye(2), 0.0)
-    memory, known = way.begin(1), mean.begin(1)
+    memory, known = drift_filter.begin(1), mean.begin(1)
     for t, velocity in ((0.0, [0.1, -0.2]), (800.0, [0.05, 0.3]), (1900.0, [-0.02, 0.0])):
         leg = behind(np.array(velocity), 600.0, np.zeros(2), t)
-        memory, known = way.update(memory, leg), mean.update(known, leg)
+        memory, known = drift_filter.update(memory, leg), mean.update(known, leg)
     leg = ahead(3000.0, 400.0)
-    velocity, _ = way.expected(memory, leg)
+    velocity, _ = drift_filter.expected(memory, leg)
     assert velocity * leg.duration == pytest.approx(mean.offset(known, leg), rel=1e-6)
 
 
 def test_a_trial_that_did_not_move_learns_nothing():
-    way = DriftFilter(STILL, model(prior=np.eye(WAVES)))
-    before = way.begin(1)
-    after = way.update(before, behind(np.array([9.0, 9.0]), 0.0, np.array([9.0, 9.0]), 100.0))
+    drift_filter = DriftFilter(STILL, model(prior=np.eye(WAVES)))
+    before = drift_filter.begin(1)
+    after = drift_filter.update(before, behind(np.array([9.0, 9.0]), 0.0, np.array([9.0, 9.0]), 100.0))
     for old, new in zip(before, after, strict=True):
         np.testing.assert_array_equal(old, new)
 
 
 def test_variances_shrink_with_every_fix_and_stay_positive():
     prior = wide_prior(WAVES)
-    way = DriftFilter(STILL, model(prior=prior, persistence=1e9))
-    memory = way.begin(1)
+    drift_filter = DriftFilter(STILL, model(prior=prior, persistence=1e9))
+    memory = drift_filter.begin(1)
     for number in range(30):
         before = np.diag(memory[1][:, :, 0])
-        memory = way.update(memory, behind(np.array([0.1, 0.0]), 500.0, np.array([1.0, 2.0]), 600.0 * number))
+        memory = drift_filter.update(memory, behind(np.array([0.1, 0.0]), 500.0, np.array([1.0, 2.0]), 600.0 * number))
         covariance = memory[1][:, :, 0]
         assert np.all(np.diag(covariance) <= before + 1e-9)
         assert np.linalg.eigvalsh(covariance).min() > -1e-9
@@ -255,7 +255,7 @@ def test_oscillations_are_those_of_the_effects():
     amplitude, phase, turned = 0.2, 0.7, 1.9
     tide = TidalCurrent(m2_east=amplitude, m2_east_phase=phase, m2_north=0.1, m2_north_phase=turned)
     inertial = InertialCurrent(0.3, 0.4)
-    told = model(tides=(M2,), turning=2.0 * EARTH_ROTATION * np.sin(latitude))
+    drift_model = model(tides=(M2,), turning=2.0 * EARTH_ROTATION * np.sin(latitude))
     state = np.zeros(WAVES + 6)
     state[WAVES:] = [
         amplitude * np.cos(phase),
@@ -265,20 +265,20 @@ def test_oscillations_are_those_of_the_effects():
         0.3 * np.cos(0.4),
         0.3 * np.sin(0.4),
     ]
-    velocity = np.einsum("akn,k->an", told.under_way(t, duration), state)
+    velocity = np.einsum("akn,k->an", drift_model.under_way(t, duration), state)
     assert velocity == pytest.approx(tide.velocity(legs) + inertial.velocity(legs))
 
 
 def test_dropping_trials_keeps_what_they_have_learnt():
     prior = np.zeros((WAVES, WAVES))
     prior[[0, 1, 2, 3], [0, 1, 2, 3]] = [0.01, 0.01, 9.0, 9.0]
-    way = DriftFilter(STILL, model(prior=prior))
+    drift_filter = DriftFilter(STILL, model(prior=prior))
     changes = {
         "d_max": 700.0,
         "velocity_error": VelocityError.isotropic(0.1, np.array([0.03, -0.04])),
         "fix_error": 2.0,
         "max_legs": 40,
     }
-    dropped = run(changes, start(1024), compensation=way)[1]
-    kept = run(changes, start(1024), compensation=way, tracked=1)[1]
+    dropped = run(changes, start(1024), compensation=drift_filter)[1]
+    kept = run(changes, start(1024), compensation=drift_filter, tracked=1)[1]
     assert np.array_equal(dropped.duration, kept.duration)

@@ -1,4 +1,4 @@
-"""The best legs: the values asked for, optimality against perturbations, Monte Carlo, and the table's form."""
+"""The optimal legs: reference values, optimality against perturbations, Monte Carlo, and the table's form."""
 
 from functools import cache
 
@@ -137,7 +137,7 @@ def test_a_jump_is_two_knots_a_metre_apart():
 
 
 def test_last_legs_end_just_inside_the_arrival_circle():
-    """Where the error of a leg is small beside the circle, the aim is as near its edge as that error allows."""
+    """Where the error of a leg is small compared with the circle, the aim is as near its edge as that error allows."""
     _, speed, arrival_radius, sigma = case = (7408.0, 1.25, 50.0, 0.035)
     left = np.array([80.0, 150.0, 300.0])
     leg = policy_of(case).legs(left)
@@ -171,7 +171,7 @@ def test_arguments_out_of_range(change):
         best_legs(**arguments | change)
 
 
-def test_thinning_keeps_ends_bends_and_jumps():
+def test_simplification_keeps_ends_kinks_and_jumps():
     left = np.concatenate([np.linspace(50.0, 400.0, 36), np.linspace(401.0, 1000.0, 50)])
     leg = np.concatenate([np.linspace(10.0, 360.0, 36), np.full(50, 250.0)])
     thin = simplify_table(LegTable(left, leg), np.full(left.size, 0.5))
@@ -180,7 +180,7 @@ def test_thinning_keeps_ends_bends_and_jumps():
 
 
 @given(st.lists(st.floats(1.0, 1000.0), min_size=2, max_size=40), st.floats(0.1, 100.0))
-def test_thinning_stays_within_its_tolerance(leg, tolerance):
+def test_simplification_stays_within_its_tolerance(leg, tolerance):
     table = LegTable(np.arange(len(leg)) * 500.0, np.array(leg))
     thin = simplify_table(table, np.full(len(leg), tolerance))
     assert np.all(np.abs(np.interp(table.left, thin.left, thin.leg) - table.leg) <= tolerance)

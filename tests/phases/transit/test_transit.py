@@ -112,7 +112,7 @@ def test_mean_time_and_surfacings_are_the_integral_equations(d_max, sigma):
 
 
 def test_dropping_trials_that_have_arrived_changes_no_bit():
-    """Keeping tracks keeps all trials in the arrays; the numbers must not know."""
+    """Keeping tracks keeps all trials in the arrays; the results must not depend on it."""
     changes = {"d_max": 900.0, "velocity_error": VelocityError.isotropic(0.2), "fix_error": 3.0}
     dropped = run(changes, start(4096))[1]
     kept = run(changes, start(4096), tracked=1)[1]
@@ -221,7 +221,7 @@ def test_tracks_are_the_fixes_of_each_leg_and_end_at_arrival():
 
 
 class Everything(TransitEffect):
-    """One of each hook, with values that can be reckoned by hand."""
+    """One of each hook, with values that can be computed by hand."""
 
     is_random = True
 

@@ -11,7 +11,7 @@ GOAL = np.array([1000.0, 0.0])
 
 
 class FixedNormals:
-    """Normals written down by hand, the same for every leg or one array a leg."""
+    """Given normals, the same for every leg or one array per leg."""
 
     def __init__(self, *legs):
         self.legs = [np.array(leg, dtype=float) for leg in legs]

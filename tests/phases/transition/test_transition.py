@@ -24,7 +24,7 @@ def vehicle():
 
 
 @pytest.fixture(scope="module")
-def asked():
+def slow_down():
     mission = missionplan.load(MISSION)
     return replace(manoeuvre(Scenario.at_means(mission), mission.transitions[0]), after=110.0)
 
@@ -47,47 +47,47 @@ def test_allocation_shares_out_everything(demand):
     assert share + plan.allocation(-demand, 1.0, 0.17) == pytest.approx(1.0)
 
 
-def test_survey_flight_is_steady_until_it_slows(vehicle, asked):
+def test_survey_flight_is_steady_until_it_slows(vehicle, slow_down):
     """Level trim and integrators fit each other: nothing moves before the deceleration but a little speed."""
-    record = tr.simulate_transition(vehicle, replace(asked, before=60.0, after=0.0), time_step=0.5, sample=1.0)
+    record = tr.simulate_transition(vehicle, replace(slow_down, before=60.0, after=0.0), time_step=0.5, sample=1.0)
     before = record.history.time < 0.0
     assert np.abs(record.history.depth[before]).max() < 0.05
     assert np.ptp(record.history.speed[before]) < 0.01
 
 
-def test_it_ends_at_hover_with_the_thrust_that_holds_it(vehicle, asked):
-    record = tr.simulate_transition(vehicle, replace(asked, after=200.0), time_step=0.5, sample=1.0)
+def test_it_ends_at_hover_with_the_thrust_that_holds_it(vehicle, slow_down):
+    record = tr.simulate_transition(vehicle, replace(slow_down, after=200.0), time_step=0.5, sample=1.0)
     history = record.history
     assert abs(history.speed[-1, 0]) < 0.01
     assert abs(history.depth[-1, 0]) < 0.02
     assert vehicle.thrusters[0].thrust_constant * history.revolutions[-1, 0] ** 2 == pytest.approx(105.9, rel=0.01)
 
 
-def test_halving_the_step_changes_little(vehicle, asked):
-    coarse, fine = (tr.simulate_transition(vehicle, asked, time_step=h) for h in (0.5, 0.25))
+def test_halving_the_step_changes_little(vehicle, slow_down):
+    coarse, fine = (tr.simulate_transition(vehicle, slow_down, time_step=h) for h in (0.5, 0.25))
     assert coarse.depth_excursion == pytest.approx(fine.depth_excursion, rel=0.02)
     assert coarse.energy_to_hover == pytest.approx(fine.energy_to_hover, rel=0.02)
 
 
-def test_trials_do_not_know_of_each_other(vehicle, asked):
-    varied = replace(asked, mid_speed=np.array([0.6, 0.75, 1.0]))
+def test_trials_do_not_know_of_each_other(vehicle, slow_down):
+    varied = replace(slow_down, mid_speed=np.array([0.6, 0.75, 1.0]))
     together = tr.simulate_transition(vehicle, varied, time_step=0.5)
-    alone = tr.simulate_transition(vehicle, replace(asked, mid_speed=0.75), time_step=0.5)
+    alone = tr.simulate_transition(vehicle, replace(slow_down, mid_speed=0.75), time_step=0.5)
     np.testing.assert_allclose(together.depth_excursion[1], alone.depth_excursion[0], rtol=1e-9)
     np.testing.assert_allclose(together.energy_to_hover[1], alone.energy_to_hover[0], rtol=1e-9)
 
 
-def test_heavier_ballast_errors_cost_energy(vehicle, asked):
+def test_heavier_ballast_errors_cost_energy(vehicle, slow_down):
     body = replace(vehicle.body, excess_buoyancy=np.array([53.0, 105.9, 212.0]))
-    record = tr.simulate_transition(replace(vehicle, body=body), asked, time_step=0.5)
+    record = tr.simulate_transition(replace(vehicle, body=body), slow_down, time_step=0.5)
     assert np.all(np.diff(record.end_energy) > 0.0)
 
 
-def test_energy_until_the_end_is_the_end_energy(vehicle, asked):
-    record = tr.simulate_transition(vehicle, asked, time_step=0.5, sample=0.5)
+def test_energy_until_the_end_is_the_end_energy(vehicle, slow_down):
+    record = tr.simulate_transition(vehicle, slow_down, time_step=0.5, sample=0.5)
     assert plan.energy_until(record.history, record.end_time) == pytest.approx(record.end_energy)
     assert np.isnan(plan.energy_until(record.history, np.nan)).all()
 
 
-def test_no_history_after_the_start_unless_asked(vehicle, asked):
-    assert tr.simulate_transition(vehicle, replace(asked, after=101.0), time_step=0.5).history.time.size == 1
+def test_no_history_after_the_start_by_default(vehicle, slow_down):
+    assert tr.simulate_transition(vehicle, replace(slow_down, after=101.0), time_step=0.5).history.time.size == 1

@@ -149,7 +149,7 @@ def _check(
             raise ValueError(f"{name} must be finite and not negative, not {value:g}")
     if sigma / speed > MAX_RATIO:
         raise ValueError(
-            f"a velocity error of {sigma:g} m/s is too large beside a speed of {speed:g} m/s: "
+            f"a velocity error of {sigma:g} m/s is too large compared with a speed of {speed:g} m/s: "
             f"above {MAX_RATIO:g} times the speed a leg does not bring the vehicle nearer in the mean square"
         )
 
