@@ -26,7 +26,9 @@ def two_layers():
     return LayeredCurrent(np.array([2.0, 50.0]), np.array([0.1, 0.02]), np.array([0.1, -0.05]))
 
 
-@pytest.mark.parametrize("compensation", [LastLeg(), RunningMean(np.zeros((2, 2)), 0.0), RunningMean(1e-4 * np.eye(2), 3.0)])
+@pytest.mark.parametrize(
+    "compensation", [LastLeg(), RunningMean(np.zeros((2, 2)), 0.0), RunningMean(1e-4 * np.eye(2), 3.0)]
+)
 def test_a_steady_drift_is_aimed_off_from_the_second_leg_on(compensation):
     error = VelocityError.isotropic(0.0, DRIFT)
     _, record = run(
