@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from missionplan import diagnose, load
-from missionplan.report.diagnosis.figures import main_figure, ranking_figure
+from missionplan.report.diagnosis.figures import ranking_figure
+from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.page import style
 
 HERE = Path(__file__).parent
@@ -24,7 +25,7 @@ def main() -> None:
             continue
         found = diagnose(load(mission), data, plan=False)
         with style():
-            pictures = {"data": main_figure(found), "ranking": ranking_figure(found)}
+            pictures = {"data": REPORTS[found.kind].data_figure(found), "ranking": ranking_figure(found)}
         for kind, picture in pictures.items():
             (HERE / f"diagnosis-{name}-{kind}.svg").write_text(picture.svg, encoding="utf-8")
 

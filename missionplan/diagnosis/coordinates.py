@@ -1,8 +1,8 @@
 """Parameters of effects as the diagnosis fits them: unbounded coordinates with normal priors.
 
 A strength is its own coordinate, a shape enters by its logarithm, an amplitude and its phase as a·cos φ and a·sin φ.
-Every prior is then normal: narrow about zero while the effect is no cause (a *spike*: what one is honestly unsure of
-before any misfit), wide when it is (a *slab*: the sizes at which the effect occurs).
+Every prior is then normal: narrow about zero while the effect is no cause (a *spike*: its uncertainty before any
+misfit is seen), wide when it is (a *slab*: the sizes at which the effect occurs); George and McCulloch (1993).
 """
 
 import math

@@ -10,7 +10,7 @@ import pandas as pd
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.mission import Mission
-from missionplan.results.diagnosis import Verdict
+from missionplan.results.diagnosis import PlanGain, Verdict
 
 
 class Dataset(Protocol):
@@ -97,7 +97,7 @@ class DataKind(ABC):
         """Return the mission file's data with the causes of a fit written into them."""
 
     @abstractmethod
-    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> dict[str, object]:
+    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Return what the planner would choose with the base and with the extended mission: see `plan_gain`."""
 
     def calibration(self, best: CauseFit) -> dict[str, float]:

@@ -10,10 +10,10 @@ from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
-from missionplan.diagnosis.result_builder import discrepancy_found, group_scores, ranked_sets
+from missionplan.diagnosis.result_builder import group_scores, ranked_sets
 from missionplan.mission import Mission
 from missionplan.results.base import Provenance
-from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.diagnosis import Diagnosis, PlanGain
 
 Progress = Callable[[int, int], None]
 """Told stages done, of how many."""
@@ -70,7 +70,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: bo
     stage()
     separated = _separated(bound, found, jobs)
     stage()
-    decision = bound.plan_gain(extended, seed=seed, jobs=jobs) if plan else {"before": {}, "after": {}}
+    decision = bound.plan_gain(extended, seed=seed, jobs=jobs) if plan else PlanGain()
     provenance = Provenance(
         command="diagnose",
         mission=mission.name,
@@ -96,7 +96,7 @@ def _result(
     bound: DataKind,
     found: PipelineResult,
     separated: tuple[Discrimination, ...],
-    decision: dict[str, object],
+    decision: PlanGain,
     extended: dict[str, object],
 ) -> Diagnosis:
     residuals = bound.residual_table(found.selection.base, found.best)
@@ -111,8 +111,8 @@ def _result(
         credible_set=found.credible_set,
         ranking=ranked_sets(bound, found, residuals),
         rivals=tuple(rival.causes for rival in found.claimed.rivals) if found.claimed else (),
-        discrepancy=discrepancy_found(found.discrepancy),
-        base_discrepancy=discrepancy_found(found.base_discrepancy),
+        discrepancy=found.discrepancy,
+        base_discrepancy=found.base_discrepancy,
         scores=group_scores(found),
         outlying_groups=found.outlying_groups,
         indistinguishable=tuple(each.measurement.separates for each in separated if each.indistinguishable),

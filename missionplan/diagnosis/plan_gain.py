@@ -8,25 +8,22 @@ from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.parallel_map import parallel_map
+from missionplan.results.diagnosis import Plan, PlanGain
 from missionplan.results.sweep import SweepCurve, SweepPoint
 from missionplan.studies.anchor.size_anchor import worst_case_anchor
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate
 
-Plan = dict[str, float | None]
-"""What is chosen, and how it fares."""
-Choice = Callable[[Mission, Mission, int, int], dict[str, object]]
-"""Of base and extended mission, seed and processes: plans ``before``, ``after`` and ``base_choice_under_extended``."""
+Choice = Callable[[Mission, Mission, int, int], PlanGain]
+"""Of base and extended mission, seed and processes."""
 
 TRIALS = 1000
 GRID = {"from": 0.1, "to": 1.0, "points": 10, "of": "distance"}
 """Maximum leg lengths that are tried."""
 
 
-def plan_gain(
-    choice: Choice, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int
-) -> dict[str, object]:
-    """Plan with both missions; where the plan lacks a part, say which.
+def plan_gain(choice: Choice, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
+    """Plan with both missions, or find out why that cannot be done.
 
     Parameters
     ----------
@@ -39,32 +36,17 @@ def plan_gain(
         Of the Monte Carlo runs.
     jobs : int
         Processes among which the missions are shared.
-
-    Returns
-    -------
-    dict
-        ``before`` and ``after``, and ``base_choice_under_extended``: how the base model's choice fares when the
-        extended model is true; or ``reason`` why there is no plan to compare.
     """
     try:
         return choice(base, Mission.from_data(extended), seed, jobs)
     except MissionplanError as error:
-        return no_plans(str(error))
+        return PlanGain(reason=str(error))
 
 
-def no_plans(reason: str) -> dict[str, object]:
-    """Return the gain where there are no plans to compare."""
-    return {"before": {}, "after": {}, "reason": reason}
-
-
-def leg_length_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> dict[str, object]:
+def leg_length_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> PlanGain:
     """Choose the maximum leg length of least cost."""
     before, after = parallel_map(partial(_sweeps, seed), (base, extended), jobs=jobs)
-    return {
-        "before": _leg_plan(before.best),
-        "after": _leg_plan(after.best),
-        "base_choice_under_extended": _leg_plan(after.points[before.best_index]),
-    }
+    return PlanGain(_leg_plan(before.best), _leg_plan(after.best), _leg_plan(after.points[before.best_index]))
 
 
 def _sweeps(seed: int, missions: Sequence[Mission]) -> list[SweepCurve]:
@@ -78,7 +60,7 @@ def _leg_plan(point: SweepPoint) -> Plan:
     return {"d_max_m": point.d_max, "cost": cost, "arrived": float(point.arrived.value)}
 
 
-def anchor_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> dict[str, object]:
+def anchor_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> PlanGain:
     """Choose the anchor for the worst current of the design."""
     missions = [_carrying_net_buoyancy(mission) for mission in (base, extended)]
     chosen = [worst_case_anchor(mission) for mission in missions]
@@ -86,7 +68,7 @@ def anchor_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> dic
     if chosen[0] != chosen[1]:
         cases.append((missions[1], chosen[0]))
     results = parallel_map(partial(_anchor_plans, seed), cases, jobs=jobs)
-    return {"before": results[0], "after": results[1], "base_choice_under_extended": results[-1]}
+    return PlanGain(results[0], results[1], results[-1])
 
 
 def _carrying_net_buoyancy(mission: Mission) -> Mission:

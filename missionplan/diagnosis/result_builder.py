@@ -1,15 +1,12 @@
 """From what the pipeline found to the tables and entries of the result."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.inference.discrepancy import Discrepancy
 from missionplan.diagnosis.inference.selection import Candidate
 from missionplan.diagnosis.pipeline import PipelineResult
-from missionplan.results.diagnosis import DiscrepancyFound, GroupScore, RankedSet
+from missionplan.results.diagnosis import GroupScore, RankedSet
 
 LISTED = 12
 """Sets of the ranking that are reported."""
@@ -62,13 +59,3 @@ def group_scores(found: PipelineResult) -> tuple[GroupScore, ...]:
         )
         for before, after in zip(held_out.base, held_out.extended, strict=True)
     )
-
-
-def discrepancy_found(found: Discrepancy) -> DiscrepancyFound:
-    """Return a discrepancy as the result has it."""
-    tests = tuple((test.name, test.p_value) for test in found.tests)
-    plain = DiscrepancyFound(found.log_bayes_factor, found.axis, found.resembles, found.by_axis, tests)
-    if found.shape is None:
-        return plain
-    table = pd.DataFrame({"at": found.shape.at, "mean": found.shape.mean, "sd": found.shape.sd})
-    return replace(plain, place=found.shape.place, value=found.shape.value, shape=table)

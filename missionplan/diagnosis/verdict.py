@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison
-from missionplan.diagnosis.inference.discrepancy import Discrepancy
 from missionplan.diagnosis.inference.posterior import rivals
 from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection
-from missionplan.results.diagnosis import Verdict
+from missionplan.results.diagnosis import Discrepancy, Verdict
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,12 @@
 """The answer of a diagnosis: what the simulation gets wrong, why, and what the extended model gains."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any, ClassVar, Literal
+from dataclasses import asdict, dataclass, field
+from typing import ClassVar, Literal
 
 import pandas as pd
 
+from missionplan.arrays import Array
 from missionplan.results.base import Provenance, Result, to_csv, to_json, to_yaml
 
 Verdict = Literal["adequate", "explained", "ambiguous", "partly-explained", "unexplained"]
@@ -105,8 +106,8 @@ class RankedSet:
     share_explained: float
     importance: float | None = None
 
-    def summary(self) -> dict[str, Any]:
-        """Give the entry of ``ranking``."""
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``ranking``."""
         return {
             "causes": list(self.causes),
             "log_bayes_factor": self.log_bayes_factor,
@@ -120,20 +121,67 @@ class RankedSet:
 
 
 @dataclass(frozen=True)
-class DiscrepancyFound:
-    """What is left: ln Bayes factor of a smooth remainder, its axis, what it resembles, axes one by one, and tests.
+class ResidualTest:
+    """A test that the residuals' innovations are independent and of constant spread."""
 
-    Its shape along the axis, where it has one, has columns ``at``, ``mean`` and ``sd`` and labels `place` and `value`.
+    name: str
+    p_value: float
+
+
+@dataclass(frozen=True)
+class DiscrepancyShape:
+    """A discrepancy along its axis, to first order: the likeliest smooth function and its uncertainty.
+
+    Attributes
+    ----------
+    place, value : str
+        Labels with units.
+    at, mean, sd : array, shape (m,)
+        Places on the axis, the function's posterior mean there and its standard deviation.
+    """
+
+    place: str
+    value: str
+    at: Array
+    mean: Array
+    sd: Array
+
+
+@dataclass(frozen=True)
+class Discrepancy:
+    """What a model leaves of the data beyond its noise.
+
+    Attributes
+    ----------
+    log_bayes_factor : float
+        Of a smooth discrepancy along some axis over none; the axes share the prior equally.
+    axis : str or None
+        Along which, where there is one: ``time`` where only a residual test says so.
+    by_axis : tuple
+        What would be smooth along each axis, in words, and its own ln Bayes factor, greatest first.
+    tests : tuple of ResidualTest
+        Tests of the innovations.
+    resembles : str or None
+        What it resembles most, in words, where it is smooth.
+    shape : DiscrepancyShape or None
+        That function, where it is a single one of one dimension.
     """
 
     log_bayes_factor: float
     axis: str | None
-    resembles: str | None
     by_axis: tuple[tuple[str, float], ...]
-    tests: tuple[tuple[str, float], ...]
-    place: str = ""
-    value: str = ""
-    shape: pd.DataFrame | None = None
+    tests: tuple[ResidualTest, ...]
+    resembles: str | None = None
+    shape: DiscrepancyShape | None = None
+
+    @property
+    def significant(self) -> bool:
+        """Whether there is a discrepancy."""
+        return self.axis is not None
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``remainder``."""
+        return {"log_bayes_factor": self.log_bayes_factor, "axis": self.axis}
 
 
 @dataclass(frozen=True)
@@ -144,13 +192,46 @@ class NextMeasurement:
     measurement: str
     expected_log_bayes_factor: float
 
-    def summary(self) -> dict[str, Any]:
-        """Give the entry of ``next_measurements``; a set of several causes is written with plus signs."""
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``next_measurements``; a set of several causes is written with plus signs."""
         return {
             "separates": ["+".join(causes) for causes in self.separates],
             "measurement": self.measurement,
             "expected_log_bayes_factor": self.expected_log_bayes_factor,
         }
+
+
+Plan = Mapping[str, float | None]
+"""What is chosen, and how it fares; keys end with their units."""
+
+
+@dataclass(frozen=True)
+class PlanGain:
+    """What the planner would choose before and after a diagnosis.
+
+    Attributes
+    ----------
+    before, after : mapping
+        Plans with the base and with the extended mission; empty where there is none.
+    base_choice_under_extended : mapping or None
+        How the base mission's choice fares when the extended mission is true.
+    reason : str or None
+        Why there is no plan to compare.
+    """
+
+    before: Plan = field(default_factory=dict)
+    after: Plan = field(default_factory=dict)
+    base_choice_under_extended: Plan | None = None
+    reason: str | None = None
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``decision``."""
+        found: dict[str, object] = {"before": dict(self.before), "after": dict(self.after)}
+        if self.base_choice_under_extended is not None:
+            found["base_choice_under_extended"] = dict(self.base_choice_under_extended)
+        if self.reason is not None:
+            found["reason"] = self.reason
+        return found
 
 
 @dataclass(frozen=True)
@@ -173,7 +254,7 @@ class Diagnosis(Result):
         Best first.
     rivals : tuple
         Sets within 3 nats of the claimed one.
-    discrepancy, base_discrepancy : DiscrepancyFound
+    discrepancy, base_discrepancy : Discrepancy
         What the claimed model leaves, and the base model.
     scores : tuple of GroupScore
         Held-out scores of the best set, group by group; empty where there are none.
@@ -182,10 +263,10 @@ class Diagnosis(Result):
     indistinguishable : tuple
         Pairs of sets that these data cannot tell apart.
     next_measurements : tuple of NextMeasurement
-    decision : mapping
+    decision : PlanGain
         What the planner would choose before and after.
     calibration : mapping
-        Nuisances of the base model as fitted.
+        Nuisance parameters of the base model as fitted.
     untestable, failures : mapping
         Effects that the data could not show and sets that could not be fitted, and why.
     residuals : DataFrame
@@ -206,49 +287,46 @@ class Diagnosis(Result):
     credible_set: tuple[Causes, ...]
     ranking: tuple[RankedSet, ...]
     rivals: tuple[Causes, ...]
-    discrepancy: DiscrepancyFound
-    base_discrepancy: DiscrepancyFound
+    discrepancy: Discrepancy
+    base_discrepancy: Discrepancy
     scores: tuple[GroupScore, ...]
     outlying_groups: tuple[tuple[str, float], ...]
     indistinguishable: tuple[tuple[Causes, Causes], ...]
     next_measurements: tuple[NextMeasurement, ...]
-    decision: Mapping[str, Any]
+    decision: PlanGain
     calibration: Mapping[str, float]
     untestable: Mapping[str, str]
     failures: Mapping[str, str]
     residuals: pd.DataFrame
-    extended: Mapping[str, Any]
+    extended: Mapping[str, object]
 
     @property
     def best(self) -> RankedSet | None:
         """The claimed set's entry; the first of the ranking where nothing is claimed; None without any."""
         return self.ranking[0] if self.ranking else None
 
-    def diagnosis(self) -> dict[str, Any]:
-        """Give the dictionary of ``diagnosis.json``."""
+    def diagnosis(self) -> dict[str, object]:
+        """Return the dictionary of ``diagnosis.json``."""
         return {
             "verdict": self.verdict,
             "causes": list(self.causes),
             "misfit": self.misfit,
             "credible_set": [list(causes) for causes in self.credible_set],
             "ranking": [entry.summary() for entry in self.ranking],
-            "remainder": {"log_bayes_factor": self.discrepancy.log_bayes_factor, "axis": self.discrepancy.axis},
-            "base_remainder": {
-                "log_bayes_factor": self.base_discrepancy.log_bayes_factor,
-                "axis": self.base_discrepancy.axis,
-            },
+            "remainder": self.discrepancy.summary(),
+            "base_remainder": self.base_discrepancy.summary(),
             "outlying_groups": [{"group": group, "p_value": p_value} for group, p_value in self.outlying_groups],
             "indistinguishable": [["+".join(causes) for causes in pair] for pair in self.indistinguishable],
             "next_measurements": [entry.summary() for entry in self.next_measurements],
-            "decision": self.decision,
+            "decision": self.decision.summary(),
             "calibration": dict(self.calibration),
             "untestable": dict(self.untestable),
             "failures": dict(self.failures),
             "extended_mission": "mission.yaml",
         }
 
-    def summary(self) -> dict[str, Any]:
-        """Give the dictionary of ``summary.json``."""
+    def summary(self) -> dict[str, object]:
+        """Return the dictionary of ``summary.json``."""
         return {**self.provenance.summary(), "dataset": self.data, "kind": self.kind, **self.diagnosis()}
 
     def to_frame(self) -> pd.DataFrame:

@@ -5,11 +5,11 @@ import itertools
 import pytest
 
 from missionplan.diagnosis.inference.cross_validation import compare_held_out
-from missionplan.diagnosis.inference.discrepancy import Discrepancy
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.posterior import credible_set, posteriors, rivals
 from missionplan.diagnosis.inference.selection import Candidate, Selection
 from missionplan.diagnosis.verdict import claim, verdict
+from missionplan.results.diagnosis import Discrepancy
 
 GOOD, BAD = (
     compare_held_out(
@@ -27,7 +27,7 @@ def selection(*entries):
 
 
 def left(significant):
-    return Discrepancy(5.0 if significant else 0.0, "time" if significant else None, (), (), significant, None, None)
+    return Discrepancy(5.0 if significant else 0.0, "time" if significant else None, (), ())
 
 
 def test_score_charges_each_further_cause():

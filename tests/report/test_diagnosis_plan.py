@@ -6,11 +6,11 @@ from typing import Any
 import pytest
 
 from missionplan.report.diagnosis.plan import plan_section, plan_words
+from missionplan.results.diagnosis import PlanGain
 
 
 def diagnosed(before: dict[str, Any], after: dict[str, Any], kept: dict[str, Any], verdict: str = "explained") -> Any:
-    decision = {"before": before, "after": after, "base_choice_under_extended": kept}
-    return SimpleNamespace(decision=decision, verdict=verdict)
+    return SimpleNamespace(decision=PlanGain(before, after, kept), verdict=verdict)
 
 
 def anchor(weight: float, within: float) -> dict[str, Any]:
@@ -73,7 +73,7 @@ def test_legs_that_never_arrive_take_no_end() -> None:
 
 
 def test_without_plans_nothing_is_said_but_why() -> None:
-    none: Any = SimpleNamespace(decision={"before": {}, "after": {}, "reason": "no mooring"}, verdict="explained")
+    none: Any = SimpleNamespace(decision=PlanGain(reason="no mooring"), verdict="explained")
     assert plan_words(none) == []
     (section,) = plan_section(none)
     assert section.heading == "No plans to compare"

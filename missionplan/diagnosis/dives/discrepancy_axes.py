@@ -50,7 +50,7 @@ def _reading_error(name: str, values: Array) -> Axis:
     """Error of the depth reading along an axis, the same in all dives."""
     axis = pointwise(name, f"an error of the depth read that changes with {name}", scaled(values))
     scale = AxisScale(float(values.min()), float(values.max()), AXIS_LABELS[name], "Error of the depth read (m)")
-    return replace(axis, measure=scale)
+    return replace(axis, scale=scale)
 
 
 def _dive_by_dive(logs: Sequence[DiveLog], t: Array, drag: Array) -> list[Axis]:

@@ -18,6 +18,7 @@ from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission
+from missionplan.results.diagnosis import PlanGain
 
 DIRECT_MEASUREMENTS = {
     "depth-scale": DirectMeasurement("readings at two known depths (a lead line)", "fraction", 0.005),
@@ -63,6 +64,6 @@ class DescentKind(DataKind):
         """Write the causes as effects."""
         return extended_mission(self.mission.raw, best.estimates, best.calibration)
 
-    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> dict[str, object]:
+    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen."""
         return plan_gain(anchor_choice, self.mission, extended, seed=seed, jobs=jobs)

@@ -71,7 +71,7 @@ class DescentModel(DescentFitting):
             self.axes(linear),
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
             quantised=True,
-            averaged=partial(self.products, linear, prior_sd),
+            products_by_noise=partial(self.products, linear, prior_sd),
         )
 
     def _covariance(self, fit: CauseFit) -> Array:

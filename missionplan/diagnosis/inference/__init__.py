@@ -1,5 +1,7 @@
 """Bayesian comparison of candidate causes, for any model that satisfies `model.Model`; nothing here knows a vehicle.
 
-Read first `model` (the protocol), then `selection`, `likelihood`, `importance_sampling`, `cross_validation`,
-`discrepancy`, `residual_tests` and `experiment_design`.
+Read first `model` (the protocol), then `selection` with `fitting` and `posterior`; `marginal_likelihood`, `laplace`
+and `importance_sampling` compute evidences; `cross_validation` scores predictions of held-out data; `discrepancy`
+(with `axes`), `residuals` and `residual_tests` look at what a fit leaves; `experiment_design` at what to measure next.
+What is reported is in the data classes of `missionplan.results.diagnosis`.
 """

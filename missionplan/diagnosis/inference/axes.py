@@ -1,4 +1,4 @@
-"""Axes along which a remainder may be smooth: functions of a place on the axis, and what the data feel of them."""
+"""Axes along which a discrepancy may be smooth: functions of a place on the axis, and how the data respond to them."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,21 +10,21 @@ from scipy.spatial.distance import cdist
 from missionplan.arrays import Array
 
 NODES = 33
-"""Places along an axis of one dimension at which its functions are given; between them they are linear."""
+"""Most places along an axis of one dimension at which its functions are given; between them they are linear."""
 NEGLIGIBLE = 1e-4
-"""Share of the variance of a smooth function that may be lost."""
+"""Share of a smooth function's variance that the low-rank factor may lose."""
 
 
 @dataclass(frozen=True)
 class AxisScale:
-    """What the numbers of an axis of one dimension mean.
+    """Ends and labels of an axis of one dimension, for a figure.
 
     Attributes
     ----------
     low, high : float
-        Where it begins and ends [unit].
+        Its ends [unit].
     place, value : str
-        What is laid off along it, and what would be smooth, with units, for a figure.
+        Labels of the axis and of the function, with units.
     factor : float
         From a value of the function to the value shown.
     """
@@ -38,30 +38,34 @@ class AxisScale:
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis along which a remainder may be smooth.
+    """An axis along which a discrepancy may be smooth.
 
     Attributes
     ----------
     name : str
         As `diagnosis.json` names it.
-    words : str
+    description : str
         What would be smooth, and along what, in words.
     places : array, shape (m, d)
         Where its functions are given, scaled so that the record spans about one.
     response : array, shape (N, p·m)
-        What each value feels of p independent functions at the places, function by function.
-    measure : AxisScale, optional
-        Of a single function that can be drawn.
+        Response of each value to p independent functions at the places, function by function.
+    scale : AxisScale, optional
+        For a single function, which can be drawn.
     """
 
     name: str
-    words: str
+    description: str
     places: Array
     response: Array
-    measure: AxisScale | None = None
+    scale: AxisScale | None = None
 
     def smooth(self, length: float) -> Array:
-        """Columns B, shape (m, r), with B Bᵀ the squared-exponential covariance of a function at the places."""
+        """Return columns B, shape (m, r), with B Bᵀ ≈ exp(−½(d/length)²) between places (m, m).
+
+        The squared-exponential covariance (Rasmussen and Williams 2006, Eq. 4.9) by a Cholesky factorisation with
+        pivoting, stopped where the remaining variance is negligible (Harbrecht, Peters and Schneider 2012).
+        """
         return _smooth(self.places.tobytes(), self.places.shape, length)
 
 
@@ -76,22 +80,22 @@ def _smooth(places: bytes, shape: tuple[int, int], length: float) -> Array:
     return basis
 
 
-def pointwise(name: str, words: str, inputs: Array, directions: Array | None = None) -> Axis:
-    """Axis of functions that each value feels where it lies itself.
+def pointwise(name: str, description: str, inputs: Array, directions: Array | None = None) -> Axis:
+    """Return the axis of functions to which each value responds where it lies itself.
 
     Parameters
     ----------
-    name, words : str
+    name, description : str
         Of the axis.
     inputs : array, shape (N, d)
         Where each value lies.
     directions : array, shape (N, p), optional
-        How much each value feels of each of p functions; default one function that all feel alike.
+        Response of each value to each of p functions; default one function, to which all respond alike.
     """
     places, weights = _between_nodes(inputs[:, 0]) if inputs.shape[1] == 1 else _unique(inputs)
     if directions is None:
-        return Axis(name, words, places, weights)
-    return Axis(name, words, places, np.concatenate([weights * one[:, None] for one in directions.T], axis=1))
+        return Axis(name, description, places, weights)
+    return Axis(name, description, places, np.concatenate([weights * one[:, None] for one in directions.T], axis=1))
 
 
 def _between_nodes(inputs: Array) -> tuple[Array, Array]:
@@ -103,7 +107,7 @@ def _between_nodes(inputs: Array) -> tuple[Array, Array]:
 
 
 def hat_basis(inputs: Array, nodes: Array) -> Array:
-    """Values at inputs, shape (N,), of the hat functions of increasing nodes, shape (m,): (N, m)."""
+    """Return the values at inputs, shape (N,), of the hat functions of increasing nodes, shape (m,): (N, m)."""
     return np.stack([np.interp(inputs, nodes, one) for one in np.eye(len(nodes))], axis=1)
 
 
@@ -113,5 +117,5 @@ def _unique(inputs: Array) -> tuple[Array, Array]:
 
 
 def scaled(values: Array) -> Array:
-    """Values scaled to span one, shape (n,) → (n, 1)."""
+    """Return values scaled to the range 0 to 1, shape (n,) → (n, 1)."""
     return np.asarray((values - values.min()) / max(float(np.ptp(values)), 1e-12))[:, None]

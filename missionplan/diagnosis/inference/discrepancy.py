@@ -1,7 +1,12 @@
-"""Discrepancy: is anything smooth left? A Gaussian process, as a test and not as a repair (Kennedy & O'Hagan 2001)."""
+"""Model discrepancy: whether a fitted model leaves something smooth along an axis, or innovations that are not white.
 
+A Gaussian process δ(x) beside the model, as Kennedy and O'Hagan (2001) have it, but as a test and not as a
+repair: its Bayes factor is computed and its shape shown; nothing of it enters the extended model. Marginal likelihoods
+of Gaussian processes are those of Rasmussen and Williams (2006, Eq. 2.30), with a covariance of low rank.
+"""
+
+import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -9,90 +14,47 @@ from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.axes import Axis
-from missionplan.diagnosis.inference.residual_tests import ResidualTest, rejects, residual_tests
-from missionplan.diagnosis.inference.residuals import Residuals
+from missionplan.diagnosis.inference.residual_tests import rejects, residual_tests
+from missionplan.diagnosis.inference.residuals import InnerProducts, Residuals
+from missionplan.results.diagnosis import Discrepancy, DiscrepancyShape
 
 THRESHOLD = 3.0
-"""ln Bayes factor above which a remainder is claimed."""
+"""ln Bayes factor above which there is a discrepancy."""
 LENGTHS = (0.06, 0.12, 0.25, 0.5, 1.0)
-"""Correlation lengths, of the axis' extent."""
+"""Correlation lengths over which the test averages, as shares of the axis' extent."""
 SIZES = (0.25, 0.5, 1.0, 2.0, 4.0)
-"""Standard deviations of the smooth part, of the model's own typical one."""
+"""Standard deviations of the smooth part over which it averages, as multiples of the residuals' typical one."""
 SCALES = (0.7, 0.8, 0.9, 1.0, 1.1, 1.2)
-"""Factors by which the model's own standard deviation may be off."""
+"""Factors on the model's own standard deviation over which it averages."""
 SCALE_SPREAD = 0.12
+"""Prior standard deviation of their logarithm."""
 SCALE_PRIOR = -0.5 * (np.log(SCALES) / SCALE_SPREAD) ** 2
 SCALE_PRIOR -= logsumexp(SCALE_PRIOR)
 NEGLIGIBLE = 1e-7
-
-
-@dataclass(frozen=True)
-class Shape:
-    """What a remainder would be along its axis, to first order: the likeliest smooth function and how unsure it is.
-
-    Attributes
-    ----------
-    place, value : str
-        Labels with units.
-    at, mean, sd : array, shape (m,)
-        Places on the axis, the function's posterior mean there and its standard deviation.
-    """
-
-    place: str
-    value: str
-    at: Array
-    mean: Array
-    sd: Array
-
-
-@dataclass(frozen=True)
-class Discrepancy:
-    """What is left after the causes.
-
-    Attributes
-    ----------
-    log_bayes_factor : float
-        Of a smooth remainder along some axis over none; the axes share the prior equally.
-    axis : str or None
-        Along which, when there is one.
-    by_axis : tuple
-        What would be smooth along each axis, in words, and its own ln Bayes factor, greatest first.
-    tests : tuple of ResidualTest
-        Tests of the innovations.
-    significant : bool
-        Whether there is a remainder.
-    resembles : str or None
-        What it looks like most, in words, when it is smooth.
-    shape : Shape or None
-        That function, where it is a single one of one dimension.
-    """
-
-    log_bayes_factor: float
-    axis: str | None
-    by_axis: tuple[tuple[str, float], ...]
-    tests: tuple[ResidualTest, ...]
-    significant: bool
-    resembles: str | None
-    shape: Shape | None
+"""Eigenvalues below this share of the greatest count as zero."""
 
 
 def discrepancy(residuals: Residuals) -> Discrepancy:
-    """Test what a model leaves, along every axis and by residual tests."""
-    innovations = residuals.innovations()
+    """Test what a model leaves, along every axis and by residual tests.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        What it leaves, with their covariance and the axes to look along.
+    """
     found = _by_axis(residuals)
     together = float(logsumexp([value for _, value in found]) - np.log(len(found))) if found else 0.0
-    tests = residual_tests(residuals, innovations)
-    failed = rejects(tests)
-    significant = together > THRESHOLD or failed
+    tests = residual_tests(residuals, residuals.innovations())
     likeliest = found[0][0] if together > THRESHOLD else None
-    axis = (likeliest.name if likeliest else "time") if significant else None
-    by_axis = tuple((axis.words, value) for axis, value in found)
-    words, shape = (likeliest.words, _shape(likeliest, residuals)) if likeliest else (None, None)
-    return Discrepancy(together, axis, by_axis, tests, significant, words, shape)
+    by_axis = tuple((axis.description, value) for axis, value in found)
+    if likeliest is not None:
+        shape = _shape(likeliest, residuals)
+        return Discrepancy(together, likeliest.name, by_axis, tests, likeliest.description, shape)
+    return Discrepancy(together, "time" if rejects(tests) else None, by_axis, tests)
 
 
 def _by_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
-    """Ln Bayes factor of a smooth remainder along each axis over none, greatest first."""
+    """Ln Bayes factor of a smooth function along each axis over none, greatest first."""
     axes = residuals.axes
     if not axes:
         return []
@@ -101,7 +63,7 @@ def _by_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
     parts = [slice(end - axis.response.shape[1], end) for axis, end in zip(axes, ends, strict=True)]
     bases = [_bases(axis, residuals) for axis in axes]
     plain, with_it = [], []
-    for found in residuals.products(columns):
+    for found in residuals.inner_products(columns):
         total, count = float(found.gram[-1, -1]), len(residuals.values)
         known = found.log_weight - 0.5 * found.log_determinant
         plain.append(known + float(logsumexp(_log_likelihoods(np.zeros(0), np.zeros(0), total, count))))
@@ -116,45 +78,46 @@ def _by_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
     return [(axes[index], float(logs[index])) for index in order]
 
 
-def _shape(axis: Axis, residuals: Residuals) -> Shape | None:
-    """Posterior of the function at the likeliest noise, length and size."""
-    if axis.measure is None:
+def _shape(axis: Axis, residuals: Residuals) -> DiscrepancyShape | None:
+    """Posterior of the function at the likeliest noise, length and size (Rasmussen and Williams 2006, Eq. 2.8)."""
+    scale = axis.scale
+    if scale is None:
         return None
-    best, mean, sd = -np.inf, np.zeros(len(axis.places)), np.zeros(len(axis.places))
     bases = _bases(axis, residuals)
-    for found in residuals.products(axis.response):
-        for basis in bases:
-            gram, right = basis.T @ found.gram[:-1, :-1] @ basis, basis.T @ found.gram[:-1, -1]
-            for size in SIZES:
-                factor = np.linalg.cholesky(gram + np.eye(len(gram)) / size**2)
-                half = solve_triangular(factor, np.column_stack([right, basis.T]), lower=True)
-                log_likelihood = found.log_weight - 0.5 * found.log_determinant + 0.5 * float(half[:, 0] @ half[:, 0])
-                log_likelihood -= 0.5 * float(found.gram[-1, -1]) + float(np.log(size * np.diag(factor)).sum())
-                if log_likelihood > best:
-                    best, mean, sd = (
-                        log_likelihood,
-                        half[:, 1:].T @ half[:, 0],
-                        np.sqrt(np.sum(half[:, 1:] ** 2, axis=0)),
-                    )
-    measure = axis.measure
-    at = measure.low + (measure.high - measure.low) * axis.places[:, 0]
-    return Shape(measure.place, measure.value, at, measure.factor * mean, measure.factor * sd)
+    posteriors = (
+        _function_posterior(products, basis, size)
+        for products in residuals.inner_products(axis.response)
+        for basis, size in itertools.product(bases, SIZES)
+    )
+    _, mean, sd = max(posteriors, key=lambda found: found[0])
+    at = scale.low + (scale.high - scale.low) * axis.places[:, 0]
+    return DiscrepancyShape(scale.place, scale.value, at, scale.factor * mean, scale.factor * sd)
+
+
+def _function_posterior(products: InnerProducts, basis: Array, size: float) -> tuple[float, Array, Array]:
+    """Log evidence of a function size·basis·z with z ~ N(0, I), and its posterior mean and sd at the places, (m,)."""
+    gram, right = basis.T @ products.gram[:-1, :-1] @ basis, basis.T @ products.gram[:-1, -1]
+    factor = np.linalg.cholesky(gram + np.eye(len(gram)) / size**2)
+    half = solve_triangular(factor, np.column_stack([right, basis.T]), lower=True)
+    evidence = products.log_weight - 0.5 * products.log_determinant + 0.5 * float(half[:, 0] @ half[:, 0])
+    evidence -= 0.5 * float(products.gram[-1, -1]) + float(np.log(size * np.diag(factor)).sum())
+    return evidence, half[:, 1:].T @ half[:, 0], np.sqrt(np.sum(half[:, 1:] ** 2, axis=0))
 
 
 def _bases(axis: Axis, residuals: Residuals) -> list[Array]:
-    """Smooth functions of each length: they move the data, on average over the record, by the model's typical sd."""
+    """Columns of smooth functions of each length, scaled so that their mean variance in the data is the typical one."""
     typical = float(np.sqrt(np.median(np.diag(residuals.covariance))))
     inner, size = axis.response.T @ axis.response, len(axis.places)
     bases = []
     for length in LENGTHS:
         basis = np.kron(np.eye(axis.response.shape[1] // size), axis.smooth(length))
         variance = float(np.sum(basis * (inner @ basis))) / len(axis.response)
-        bases.append(typical / np.sqrt(max(variance, 1e-300)) * basis)  # nothing may feel it at all
+        bases.append(typical / np.sqrt(max(variance, 1e-300)) * basis)  # the data may not respond at all
     return bases
 
 
 def _averaged(gram: Array, right: Array, bases: Sequence[Array], total: float, count: int) -> float:
-    """Log evidence with a smooth part along one axis, mean over lengths and sizes, up to a constant."""
+    """Log evidence with a smooth function along one axis, averaged over lengths and sizes, up to a constant."""
     logs = []
     for basis in bases:
         values, vectors = np.linalg.eigh(basis.T @ gram @ basis)
@@ -165,7 +128,20 @@ def _averaged(gram: Array, right: Array, bases: Sequence[Array], total: float, c
 
 
 def _log_likelihoods(values: Array, projected: Array, total: float, count: int) -> Array:
-    """Log likelihood with covariance scale²·I + size²·values in the eigenbasis at each size and scale, with priors."""
+    """Log likelihood with covariance scale²·I + size²·values at each size and scale, with their priors.
+
+    In the eigenbasis of the smooth function's covariance, where the determinant and the quadratic form of Rasmussen
+    and Williams (2006, Eq. 2.30) are sums.
+
+    Parameters
+    ----------
+    values, projected : array, shape (r,)
+        Eigenvalues, and squares of the data's components along their vectors.
+    total : float
+        Squared length of the data.
+    count : int
+        Number of data.
+    """
     variance = np.array(SCALES)[:, None] ** 2
     along = variance + np.array(SIZES)[:, None, None] ** 2 * values
     rest = (count - len(values)) * np.log(variance[:, 0]) + (total - projected.sum()) / variance[:, 0]

@@ -1,4 +1,7 @@
-"""Importance sampling: a check of the evidence that leans neither on linearity nor on a normal posterior."""
+"""Importance sampling: a check of the evidence that assumes neither linearity nor a normal posterior.
+
+Geweke (1989); Owen (2013, Ch. 9).
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +15,8 @@ from missionplan.montecarlo.streams import stream
 
 DRAWS = 128
 DOF, WIDENED = 5, 1.2
-"""Of the Student-t proposal: its tails are heavier than the posterior's, and so is its middle wider."""
+"""Degrees of freedom of the Student-t proposal, and factor on the posterior's standard deviations: tails heavier than
+the posterior's keep the weights bounded (Geweke 1989)."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,7 @@ class SampledEvidence:
     log_evidence : float
         ln p(data).
     effective : float
-        Draws that count, (Σw)²/Σw²: a few only where the posterior is unlike the one that was assumed.
+        Effective number of draws, (Σw)²/Σw² (Kong 1992): small where the posterior is unlike the one assumed.
     """
 
     log_evidence: float
@@ -32,16 +36,18 @@ class SampledEvidence:
 
 
 def sampled_evidence(log_joint: Callable[[Array], Array], mean: Array, covariance: Array) -> SampledEvidence:
-    """Integrate a joint density of data and parameters with draws from about the assumed posterior.
+    """Integrate a joint density of data and parameters with draws from a Student-t about the assumed posterior.
+
+    The evidence is the mean of the weights, joint density over proposal density (Owen 2013, Sec. 9.1).
 
     Parameters
     ----------
     log_joint : callable
-        ln p(data, parameters) of parameters, shape (s, k) → (s,); what is not finite counts as impossible.
+        ln p(data, parameters) of parameters, shape (s, k) → (s,); a value that is not finite counts as −∞.
     mean : array, shape (k,)
-        Of the posterior as assumed.
+        Of the assumed posterior.
     covariance : array, shape (k, k)
-        Of the posterior as assumed.
+        Of the assumed posterior.
 
     Raises
     ------

@@ -1,29 +1,37 @@
-"""Laplace's approximation of the evidence, about the mode of a few hyperparameters."""
+"""Laplace's approximation of the evidence, about the mode of a few hyperparameters.
+
+Kass and Raftery (1995, Sec. 4.1); MacKay (2003, Ch. 27).
+"""
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 
 SEARCH_STEP = 1e-4
+"""Step of the gradient's forward differences."""
 GRADIENT = 0.1
-"""Gradient at which the climb ends: within 0.005 nats of the top where the posterior's standard deviation is 1."""
+"""Gradient at which the search ends: within 0.005 nats of the mode where the posterior's standard deviation is 1."""
+STEPS = 60
+"""Most steps of the search."""
 CURVATURE_STEP = 0.05
+"""Step of the second differences."""
 HALVINGS = 8
-"""Times that step is halved where the function does not exist on both sides."""
+"""Most times that step is halved where the function does not exist on both sides."""
 IMPOSSIBLE = 1e12
+"""Minus the log of a density of zero."""
+LEAST_CURVATURE = 1e-2
+"""Least second derivative that is believed: the data may say nothing along a direction."""
 
 
 @dataclass(frozen=True)
 class Laplace:
-    """Evidence about the mode of a few hyperparameters.
+    """Evidence of a model with a few hyperparameters, and a normal approximation of their posterior.
 
     Attributes
     ----------
@@ -45,24 +53,27 @@ def laplace(
 ) -> Laplace:
     """Maximise a log posterior (normalised prior times likelihood) and integrate it about its mode.
 
+    The mode by BFGS with gradients from forward differences (Nocedal and Wright 2006, Secs. 6.1 and 8.1), the evidence
+    by Laplace's method, ln p(mode) + (h/2) ln 2π − ½ ln |A| with A the negative curvature (MacKay 2003, Ch. 27).
+
     Parameters
     ----------
     log_posterior : callable
         Of an array of shape (h,), smooth.
     starts : list of array
-        Where to start; the best of them is climbed.
+        Where to start; the search goes on from the best of them.
     spread : array, shape (h, h)
-        A guess of the posterior covariance, which sets the first steps.
+        A guess of the posterior covariance: the first inverse Hessian of the search.
     integrate : bool
         Whether the curvature is wanted; without it the evidence is nan and the covariance is the guess.
 
     Raises
     ------
     numpy.linalg.LinAlgError
-        When the mode lies on the edge of what is possible, where there is no curvature.
+        When the mode lies on the boundary of the support, where there is no curvature.
     """
 
-    def negative(at: NDArray[Any]) -> float:
+    def negative(at: Array) -> float:
         try:
             value = log_posterior(at)
         except np.linalg.LinAlgError:
@@ -70,21 +81,25 @@ def laplace(
         return -value if math.isfinite(value) else IMPOSSIBLE
 
     best = min(starts, key=negative)
-    options: dict[str, Any] = {"gtol": GRADIENT, "eps": SEARCH_STEP, "maxiter": 60, "hess_inv0": spread}
-    found = cast(Any, minimize)(negative, best, method="BFGS", options=options)
+    found = minimize(
+        negative,
+        best,
+        method="BFGS",
+        options={"gtol": GRADIENT, "eps": SEARCH_STEP, "maxiter": STEPS, "hess_inv0": spread},
+    )
     mode = found.x if found.fun <= negative(best) else best
     if not integrate:
         return Laplace(math.nan, mode, spread)
     curvature = _curvature(negative, mode)
     values, vectors = np.linalg.eigh(curvature)
-    values = np.maximum(values, 1e-2)
+    values = np.maximum(values, LEAST_CURVATURE)
     evidence = -negative(mode) + 0.5 * len(mode) * LOG_2PI - 0.5 * float(np.log(values).sum())
     covariance = (vectors / values) @ vectors.T
     return Laplace(evidence, mode, 0.5 * (covariance + covariance.T))
 
 
 def _curvature(negative: Callable[[Array], float], mode: Array) -> Array:
-    """Second derivatives by central differences, with shorter steps beside an edge of what is possible."""
+    """Second derivatives by central differences (Nocedal and Wright 2006, Sec. 8.1), shorter steps at a boundary."""
     count = len(mode)
     centre = negative(mode)
     found = [_either_side(negative, mode, unit) for unit in CURVATURE_STEP * np.eye(count)]

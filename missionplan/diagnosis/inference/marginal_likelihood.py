@@ -1,6 +1,6 @@
 """Marginal likelihoods of linear models, coefficients integrated out: normal errors exactly, Student-t by Laplace.
 
-Shapes: two independent axes (east and north, or the principal axes of the velocity error), n legs, k coefficients.
+Shapes: two independent components of each of n errors, k coefficients.
 """
 
 import math
@@ -14,12 +14,12 @@ from missionplan.arrays import Array
 
 LOG_2PI = math.log(2.0 * math.pi)
 NEAR, TOLERANCE = 0.01, 1e-6
-"""Steps below which Newton's are tried, and below which the mode is found, in prior standard deviations."""
+"""Last step below which Newton's is tried, and below which the mode is found [prior standard deviations]."""
 
 
 @dataclass(frozen=True)
 class Marginal:
-    """Log density of the data with the coefficients integrated out, and their posterior.
+    """Log density of the data with the coefficients of a linear model integrated out, and their posterior.
 
     Attributes
     ----------
@@ -37,7 +37,10 @@ class Marginal:
 
 
 def gaussian_marginal(gram: Array, prior_sd: Array, log_determinant: float, count: int) -> Marginal:
-    """Marginalise the coefficients of a linear model of whitened data.
+    """Integrate out the coefficients of a linear model with normal errors and a normal prior about zero.
+
+    Evidence and posterior of Bayesian linear regression (Rasmussen and Williams 2006, Eqs. 2.8 and 2.30; Bishop 2006,
+    Eqs. 3.49–3.51 and 3.86), from inner products of whitened columns.
 
     Parameters
     ----------
@@ -69,10 +72,11 @@ def gaussian_marginal(gram: Array, prior_sd: Array, log_determinant: float, coun
 
 
 def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, dof: float) -> Marginal:
-    """Marginalise the coefficients under Student-t errors of a leg (both axes share the tail), by Laplace.
+    """Integrate out the coefficients under bivariate Student-t errors, by Laplace's approximation.
 
-    Errors of a leg are bivariate t of covariance diag(variance): ln p is −½(ν+2)·ln(1 + q/(ν−2)) with
-    q = Σ r²/variance. The mode is found by iteratively reweighted least squares, near it by Newton's steps.
+    Errors of covariance diag(variance): ln p is −½(ν+2)·ln(1 + q/(ν−2)) + constant with q = Σ r²/variance. The mode is
+    found by iteratively reweighted least squares with weights (ν+2)/(ν−2+q) (Lange, Little and Taylor 1989), near it
+    by Newton's steps where they are shorter than the last step and lead uphill.
 
     Parameters
     ----------
@@ -118,7 +122,9 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
 
 
 def expected_log_ratio(mean: Array, truth: Array, first: Array, second: Array) -> float:
-    """Mean of ln N(y; 0, first) − ln N(y; 0, second) over y ~ N(mean, truth): what data are expected to say.
+    """Return the mean of ln N(y; 0, first) − ln N(y; 0, second) over y ~ N(mean, truth): an expected log Bayes factor.
+
+    The difference of two Kullback–Leibler divergences between normals (Rasmussen and Williams 2006, Eq. A.23).
 
     Parameters
     ----------

@@ -1,4 +1,9 @@
-"""What selection, remainder, gain and next measurement ask of a model of the data, whatever its phase."""
+"""What the inference asks of a model of the data, and what a fit of it says.
+
+A model has a catalogue of effects, any of which may be causes of what a base model gets wrong. Every parameter of
+every effect has a normal prior: a wide one (slab) where its effect is a cause, a narrow one (spike) otherwise (George
+and McCulloch 1993). A set of causes is compared with another by the evidence, ln p(data | causes).
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,9 +14,9 @@ from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.results.diagnosis import Causes, ParameterEstimate
 
 FitRequest = tuple[Causes, Sequence["CauseFit"]]
-"""A set to fit, and fits of its parts to start from."""
+"""A set to fit, and fits of subsets of it to start from."""
 MINIMUM_EVIDENCE_GAIN = 0.02
-"""Share of the others' evidence that a further cause must add, where a model knows no better."""
+"""Minimum relative evidence gain of a further cause, where a model states no other."""
 
 
 @dataclass(frozen=True)
@@ -21,17 +26,17 @@ class CauseFit:
     Attributes
     ----------
     causes : tuple of str
-        Effects under their wide priors; the others stay under their narrow ones.
+        Effects under their slab priors; the others are under their spikes.
     log_evidence : float
         ln p(data | causes).
     estimates : tuple of ParameterEstimate
         The causes' parameters.
     calibration : mapping
-        Nuisances of the base model as fitted, such as ``sigma_v_m_s``.
+        Nuisance parameters of the base model as fitted, such as ``sigma_v_m_s``.
     possible : bool
-        Whether signs and sizes are physically possible.
+        Whether signs and sizes are physically possible, and the fit lies where the model can be trusted.
     state : Any
-        What the model needs to go on from here.
+        The model's own: linearisation, posterior and what else it needs to go on from here.
     """
 
     causes: Causes
@@ -52,7 +57,7 @@ class FailedFit:
 
 @dataclass(frozen=True)
 class HeldOutScore:
-    """How well one held-out group was predicted.
+    """How well one held-out group was predicted from the others.
 
     Attributes
     ----------
@@ -80,41 +85,49 @@ class Model(Protocol):
 
     @property
     def candidates(self) -> Causes:
-        """Effects of the catalogue that this data set could show."""
+        """Effects of the catalogue that these data could show."""
         ...
 
     @property
     def alternatives(self) -> Sequence[frozenset[str]]:
-        """Groups of effects of which a set holds at most one."""
+        """Groups of effects that exclude each other: a set holds at most one of each."""
         ...
 
     def minimum_evidence_gain(self, causes: Causes) -> float:
-        """Share of the causes' evidence that a further one must add: no shape fits a large effect to the letter."""
+        """Minimum relative evidence gain of a further cause beside these, allowing for errors of their shapes."""
         ...
 
     def may_be_multimodal(self, causes: Causes) -> bool:
-        """Whether their likelihood may have several maxima: a search that ended badly is worth starting afresh."""
+        """Whether their likelihood may have several maxima, so that a search that ended badly is repeated afresh."""
         ...
 
     @property
     def untestable(self) -> Mapping[str, str]:
-        """Effects of the catalogue that it could not show, and why."""
+        """Effects of the catalogue that these data could not show, and why."""
         ...
 
     def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
-        """Fit several sets of causes, each started from the fits of its parts and independent of the others."""
+        """Fit several sets of causes, each started from the fits given with it and independent of the other sets."""
         ...
 
     def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
-        """Improve fits where that could matter, given the greatest log evidence of those fitted together."""
+        """Linearise the best fits anew where their posteriors lie off the point of linearisation.
+
+        Parameters
+        ----------
+        fits : sequence
+            To improve; a model that is linear enough returns them.
+        best : float
+            Greatest log evidence of those fitted together: fits far below it need no improvement.
+        """
         ...
 
     def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
-        """A quick bound on what further causes would add to a parent's log evidence, prices aside; inf if unknown."""
+        """Estimate the log evidence that a set adds to a fit of a part of it, without fitting; inf if unknown."""
         ...
 
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
-        """Evidence of a fit by importance sampling."""
+        """Evidence of a fit's causes by importance sampling."""
         ...
 
     def residuals(self, fit: CauseFit) -> Residuals:
@@ -127,9 +140,9 @@ class Model(Protocol):
 
     @property
     def designs(self) -> Sequence[str]:
-        """Measurements that could be made next, in words, cheapest first."""
+        """Designs of further measurements, in words, cheapest first."""
         ...
 
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
-        """Expected ln Bayes factor of the first set over the second, were the first true: with an entry of the menu."""
+        """Expected log Bayes factor of the first fit over the second if the first is true, with or without a design."""
         ...

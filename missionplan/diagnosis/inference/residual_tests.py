@@ -1,46 +1,39 @@
 """Tests of residuals: independence, constant spread, and groups that the others do not predict."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.special import chdtrc, ndtri
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.residuals import Residuals
+from missionplan.results.diagnosis import ResidualTest
 
 OUTLYING = 0.01
-"""Level at which groups are outlying, all together."""
+"""Level at which a group is outlying, for all groups together."""
 TEST_LEVEL = 0.001
-"""Level of the residual tests, all together."""
-
-
-@dataclass(frozen=True)
-class ResidualTest:
-    """A test that the innovations are independent and of constant spread."""
-
-    name: str
-    p_value: float
+"""Level of the residual tests, for all of them together."""
+SHORTEST = 16
+"""Values that a series needs to be tested."""
 
 
 def residual_tests(residuals: Residuals, innovations: Array) -> tuple[ResidualTest, ...]:
-    """Ljung–Box test of the innovations and Engle's ARCH test of their squares, for each series of 16 or more.
+    """Test each series for autocorrelation (Ljung and Box 1978) and for changing spread (Engle 1982).
 
-    Innovations enter by their normal scores, so that a heavy tail alone rejects nothing.
+    Innovations enter by their normal scores (van der Waerden 1952), so that a heavy tail alone rejects nothing.
 
     Parameters
     ----------
     residuals : Residuals
-        Which says what makes a series. The quantum of a coarse sensor beats with the sampling: of quantised ones
-        neighbours are taken together, and autocorrelations must add up to more than zero.
+        Which say what makes a series. The quantisation steps of a coarse sensor beat with the sampling: of quantised
+        residuals, neighbours are added together, and only a positive sum of autocorrelations counts.
     innovations : array, shape (N,)
-        Its innovations.
+        Their innovations.
     """
     tests = []
     for number in np.unique(residuals.series):
         z = innovations[residuals.series == number]
         if residuals.quantised:
             z = z[: len(z) // 2 * 2].reshape(-1, 2).sum(axis=1)
-        if len(z) < 16:
+        if len(z) < SHORTEST:
             continue
         ranks = np.argsort(np.argsort(z))
         scores = ndtri((ranks + 0.5) / len(z))
@@ -92,15 +85,16 @@ def arch_p_value(series: Array, lags: int) -> float:
 
 
 def rejects(tests: tuple[ResidualTest, ...]) -> bool:
-    """Whether any of the tests fails at a level that holds for all of them together (Bonferroni)."""
+    """Whether any of the tests rejects, at a level for all of them together (Bonferroni)."""
     return any(test.p_value < TEST_LEVEL / len(tests) for test in tests)
 
 
 def outlying_groups(residuals: Residuals) -> tuple[tuple[str, float], ...]:
-    """Groups that the others do not predict, with their p-values (Bonferroni over groups).
+    """Return groups that the others do not predict, with their p-values (Bonferroni over groups).
 
-    With the precision P = W⁻¹ a group's error against its prediction from all others is (P_gg)⁻¹(P r)_g, with
-    covariance (P_gg)⁻¹: its squared length is χ² with as many degrees of freedom as the group has values.
+    With the precision P = W⁻¹ a group's error of prediction from all others is (P_gg)⁻¹(P r)_g, with covariance
+    (P_gg)⁻¹: its squared Mahalanobis length is χ² with as many degrees of freedom as the group has values. For groups
+    of one these are the leave-one-out formulas of Dubrule (1983); Rasmussen and Williams (2006, Eqs. 5.10–5.12).
     """
     names = list(dict.fromkeys(residuals.groups.tolist()))
     precision = np.linalg.inv(residuals.covariance)

@@ -14,12 +14,12 @@ from missionplan.diagnosis.inference.axes import Axis
 
 @dataclass(frozen=True)
 class InnerProducts:
-    """Inner products xᵀW⁻¹y of columns and residuals, W the residuals' covariance at one noise of the model.
+    """Inner products xᵀW⁻¹y of columns and residuals, W the residuals' covariance at one level of the model's noise.
 
     Attributes
     ----------
     log_weight : float
-        Of the noise's prior.
+        Log prior weight of that noise.
     log_determinant : float
         ln |W|.
     gram : array, shape (m + 1, m + 1)
@@ -44,14 +44,14 @@ class Residuals:
     series : array of int, shape (N,)
         Which series each value belongs to: runs and components.
     axes : sequence of Axis
-        Along which a remainder may be smooth.
+        Along which a discrepancy may be smooth.
     groups : array of str, shape (N,)
-        Runs, for outlying groups.
+        Runs, which the search for outlying groups leaves out in turn.
     quantised : bool
-        Whether the residual tests pass over what alternates: readings of a coarse sensor in quick succession do.
-    averaged : callable, optional
-        From columns, shape (N, m), to their inner products at every noise over which a test of the remainder averages;
-        default the one noise of the covariance.
+        Whether the residual tests ignore what alternates, as readings of a coarse sensor in quick succession do.
+    products_by_noise : callable, optional
+        From columns, shape (N, m), to their inner products at every noise over which the test for a discrepancy
+        averages; default the one noise of the covariance.
     """
 
     values: Array
@@ -60,20 +60,23 @@ class Residuals:
     axes: Sequence[Axis]
     groups: NDArray[np.str_]
     quantised: bool = False
-    averaged: Callable[[Array], Sequence[InnerProducts]] | None = None
+    products_by_noise: Callable[[Array], Sequence[InnerProducts]] | None = None
 
     @cached_property
     def _factor(self) -> Array:
         return np.asarray(np.linalg.cholesky(self.covariance), dtype=float)
 
     def innovations(self) -> Array:
-        """One-step-ahead errors over their standard deviations, shape (N,): standard normals if all is well."""
+        """Return one-step-ahead errors over their standard deviations, shape (N,): white noise if all is well.
+
+        L⁻¹ r with W = L Lᵀ: the prediction-error decomposition (Harvey 1989, Sec. 3.4).
+        """
         return np.asarray(solve_triangular(self._factor, self.values, lower=True, check_finite=False))
 
-    def products(self, columns: Array) -> Sequence[InnerProducts]:
-        """Inner products of columns, shape (N, m), and the values at every noise over which to average."""
-        if self.averaged is not None:
-            return self.averaged(columns)
+    def inner_products(self, columns: Array) -> Sequence[InnerProducts]:
+        """Return inner products of columns, shape (N, m), and the values at every noise over which to average."""
+        if self.products_by_noise is not None:
+            return self.products_by_noise(columns)
         both = np.concatenate([columns, self.values[:, None]], axis=1)
         white = solve_triangular(self._factor, both, lower=True, check_finite=False)
         return [InnerProducts(0.0, 2.0 * float(np.log(np.diag(self._factor)).sum()), white.T @ white)]

@@ -18,6 +18,7 @@ from missionplan.diagnosis.legs.one_step import one_step
 from missionplan.diagnosis.legs.tables import transit_misfit, transit_residuals, transit_share
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
+from missionplan.results.diagnosis import PlanGain
 
 DIRECT_MEASUREMENTS = {
     "compass-bias": DirectMeasurement("a swing of the compass on land, all round", "angle", 0.009),
@@ -61,7 +62,7 @@ class TransitKind(DataKind):
         """Write the causes as effects, with the place and time to which their phases refer."""
         return extended_transit_mission(self.mission.raw, best, self.data)
 
-    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> dict[str, object]:
+    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the maximum leg lengths chosen."""
         return plan_gain(leg_length_choice, self.mission, extended, seed=seed, jobs=jobs)
 

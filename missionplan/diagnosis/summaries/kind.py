@@ -18,7 +18,7 @@ from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.diagnosis.summaries.model import SummaryForward, SummaryModel, as_log
 from missionplan.diagnosis.summaries.tables import summary_misfit, summary_residuals
 from missionplan.mission import Mission
-from missionplan.results.diagnosis import Verdict
+from missionplan.results.diagnosis import PlanGain, Verdict
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class SummaryKind(DataKind):
         """Write the causes as effects."""
         return extended_mission(self.mission.raw, best.estimates, best.calibration)
 
-    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> dict[str, object]:
+    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen."""
         return plan_gain(anchor_choice, self.mission, extended, seed=seed, jobs=jobs)
 

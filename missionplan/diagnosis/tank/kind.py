@@ -10,13 +10,14 @@ import pandas as pd
 from missionplan.datasets.tank import TANK_FORMATS, TankData
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.plan_gain import anchor_choice, no_plans, plan_gain
+from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.diagnosis.tank.data import read_tank
 from missionplan.diagnosis.tank.extended_mission import extended_tank_mission
 from missionplan.diagnosis.tank.model import TankModel
 from missionplan.diagnosis.tank.model_factory import tank_forward
 from missionplan.diagnosis.tank.tables import tank_misfit, tank_residuals, tank_share
 from missionplan.mission import Mission
+from missionplan.results.diagnosis import PlanGain
 
 
 @dataclass(frozen=True)
@@ -52,9 +53,9 @@ class TankKind(DataKind):
         """Write the causes into the vehicle where it has keys for them, else as effects."""
         return extended_tank_mission(self.mission, best.estimates, best.calibration, self.data)
 
-    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> dict[str, object]:
+    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen, where the mission has a mooring and an anchor."""
         vehicle = self.mission.vehicle
         if not (self.mission.moors and vehicle and vehicle.anchor):
-            return no_plans("no mooring's anchor, whose choice the tank's data could change")
+            return PlanGain(reason="no mooring's anchor, whose choice the tank's data could change")
         return plan_gain(anchor_choice, self.mission, extended, seed=seed, jobs=jobs)

@@ -32,7 +32,7 @@ def axes_of(model):
     extents = {"time": t, "depth": readings, "speed": np.gradient(readings, t)}
     delays = np.zeros(len(model.forward.logs))
     found = force_axes(model.forward, model.coordinates, model.centre, delays, extents)
-    return {axis.words: axis for axis in found}
+    return {axis.description: axis for axis in found}
 
 
 def moved(model, effect):
@@ -105,7 +105,7 @@ def test_products_are_those_of_the_whole_covariance(measured):
     (fit,) = model.fit_all([(("drag-bias",), ())])
     columns = np.random.default_rng(3).normal(size=(len(model.y), 2))
     residuals = model.residuals(fit)
-    found = residuals.products(columns)
+    found = residuals.inner_products(columns)
     assert [each.log_weight for each in found] == [noise.log_prior for noise in noise_grid()]
     best: InnerProducts = found[fit.state.best_noise]
     both = np.column_stack([columns, residuals.values])

@@ -110,7 +110,7 @@ def test_a_remainder_is_told_against_noise_that_is_not_known():
             both = np.column_stack([columns, values])
             return [InnerProducts(0.0, 2.0 * N * np.log(scale), both.T @ both / scale**2) for scale in scales]
 
-        return discrepancy(residuals(values, averaged=averaged)).log_bayes_factor
+        return discrepancy(residuals(values, products_by_noise=averaged)).log_bayes_factor
 
     assert at([1.0]) == pytest.approx(discrepancy(residuals(values)).log_bayes_factor, abs=1e-9)
     assert at([1.0, 2.0]) > at([2.0]) + 3.0

@@ -1,0 +1,84 @@
+"""Dive logs in the report: depth against time, dive by dive, and what is left against time, depth and speed."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.arrays import Array
+from missionplan.report.diagnosis.kind_report import KindReport
+from missionplan.report.diagnosis.residual_figures import ResidualSeries, against_axes, autocorrelation
+from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.results.diagnosis import Diagnosis
+
+_MOST_PANELS = 9
+
+
+def _data_figure(diagnosis: Diagnosis) -> Figure:
+    """Draw the depth of each dive against time, with both models."""
+    runs = list(diagnosis.residuals.groupby("run", sort=False))[:_MOST_PANELS]
+    columns = min(3, len(runs))
+    rows = -(-len(runs) // columns)
+    figure = MatplotlibFigure(figsize=(6.4, 2.0 * rows + 0.6))
+    panels = np.atleast_1d(figure.subplots(rows, columns, sharex=True, sharey=True)).ravel()
+    for axes, (name, run) in zip(panels, runs, strict=False):
+        _draw_dive(axes, str(name), run, extended=bool(diagnosis.causes))
+    for axes in panels[len(runs) :]:
+        axes.set_visible(False)
+    panels[0].invert_yaxis()
+    panels[0].legend(loc="lower left", fontsize=7.5, frameon=False)
+    for axes in panels[: len(runs)][-columns:]:
+        axes.set_xlabel("Time since separation (s)", fontsize=8.5)
+        axes.tick_params(labelbottom=True)
+    for axes in panels[::columns]:
+        axes.set_ylabel("Depth (m)", fontsize=8.5)
+    return to_figure(
+        figure,
+        "data",
+        alt=f"Depth against time of {len(runs)} dives: measured, mission's model and extended model",
+        caption="Depth of the vehicle against time, dive by dive: measured, as the mission simulates it, and extended.",
+    )
+
+
+def _draw_dive(axes: Axes, name: str, run: pd.DataFrame, *, extended: bool) -> None:
+    axes.plot(run["t_s"], run["depth_m"], ".", color=GREY, markersize=3.0, label="measured")
+    axes.plot(run["t_s"], run["base_m"], "--", color=ORANGE, linewidth=1.3, label="mission")
+    if extended:
+        axes.plot(run["t_s"], run["extended_m"], "-", color=BLUE, linewidth=1.1, label="extended")
+    axes.set_title(name, fontsize=9)
+
+
+def _residual_figures(diagnosis: Diagnosis) -> list[Figure]:
+    """Draw what is left against time, depth and speed, and by lag in each dive."""
+    table = diagnosis.residuals
+    runs = [run for _, run in table.groupby("run", sort=False)]
+    speeds = [np.gradient(run["base_m"].to_numpy(), run["t_s"].to_numpy()) for run in runs]
+    places = [
+        ("Time since separation (s)", table["t_s"].to_numpy()),
+        ("Depth (m)", table["base_m"].to_numpy()),
+        ("Speed (m/s)", np.concatenate(speeds)),
+    ]
+    left = ResidualSeries([table["residual_base_m"].to_numpy()], [table["residual_extended_m"].to_numpy()], "m")
+    return [against_axes(places, left), autocorrelation(_innovations(runs), "Readings")]
+
+
+def _innovations(runs: list[pd.DataFrame]) -> ResidualSeries:
+    """One-step-ahead errors of each dive, over their standard deviations."""
+    before, after = (_column(runs, f"innovation_{model}") for model in ("base", "extended"))
+    return ResidualSeries(before, after, "")
+
+
+def _column(runs: list[pd.DataFrame], name: str) -> list[Array]:
+    return [run[name].to_numpy() for run in runs]
+
+
+REPORT = KindReport(
+    unit="m",
+    data_figure=_data_figure,
+    residual_figures=_residual_figures,
+    calibration={
+        "dive_scatter": "Scatter from dive to dive, of the usual",
+        "depth_walk_m2_s": "Turbulence: rate at which the depth wanders (m²/s)",
+        "eddy_time_s": "Turbulence: how long a velocity lasts (s)",
+    },
+)

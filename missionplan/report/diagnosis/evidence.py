@@ -1,0 +1,109 @@
+"""What supports the verdict: the ranking of the sets, held-out data, and what the data cannot distinguish."""
+
+import math
+from collections.abc import Sequence
+
+from missionplan.report.diagnosis.causes import names
+from missionplan.report.diagnosis.figures import held_out_figure, ranking_figure
+from missionplan.report.diagnosis.kinds import REPORTS
+from missionplan.report.page import Block, PageSection, Table
+from missionplan.results.diagnosis import Diagnosis, ParameterEstimate, RankedSet
+
+
+def ranking_section(diagnosis: Diagnosis) -> PageSection:
+    """Show the sets of causes, best first, with the parameters of the first."""
+    if not diagnosis.ranking:
+        return PageSection("No cause of the catalogue could be fitted", ["See the failures below."])
+    columns, rows = ranking_rows(diagnosis.ranking)
+    best = diagnosis.ranking[0]
+    heading = f"{names(best.causes).capitalize()} {'comes' if len(best.causes) == 1 else 'come'} first"
+    meaning = (
+        "ln BF is the evidence for a set of causes over the mission's own model: 3 means that the data are 20 times "
+        "more probable with it. It is computed with the model linearised at its best fit, and checked for the first "
+        "few sets by importance sampling, which does not linearise. The score takes off 3 for each cause beyond the "
+        "first. The posterior is the probability among the sets tried, when each cause was equally likely before; "
+        "supersets of the best set have none."
+    )
+    table = Table(columns, rows, "Sets of causes, best first.")
+    return PageSection(heading, [ranking_figure(diagnosis), table, meaning, _parameters(best)])
+
+
+def ranking_rows(ranking: Sequence[RankedSet]) -> tuple[list[str], list[list[str]]]:
+    """Return columns and rows of a table of sets."""
+    columns = ["Causes", "ln BF", "Checked", "Score", "Posterior", "Held-out gain", "Share explained"]
+    rows = [
+        [
+            names(entry.causes),
+            f"{entry.log_bayes_factor:.1f}",
+            "" if entry.importance is None else f"{entry.importance:.1f}",
+            f"{entry.score:.1f}",
+            "" if entry.posterior is None else f"{100.0 * entry.posterior:.1f} %",
+            "" if entry.held_out is None else f"{entry.held_out.log_score_gain:.1f} ± {entry.held_out.paired_se:.1f}",
+            f"{100.0 * entry.share_explained:.0f} %",
+        ]
+        for entry in ranking
+    ]
+    return columns, rows
+
+
+def _parameters(best: RankedSet) -> Table:
+    rows = [
+        [f"{p.effect}: {p.name}", _shown(p, p.value), f"{_shown(p, p.low)} to {_shown(p, p.high)}", _unit(p)]
+        for p in best.parameters
+    ]
+    caption = "Parameters of the first set, with 90 % intervals."
+    return Table(["Parameter", "Value", "90 % interval", "Unit"], rows, caption)
+
+
+def _shown(parameter: ParameterEstimate, value: float) -> str:
+    return f"{math.degrees(value) if parameter.unit == 'rad' else value:.3g}"
+
+
+def _unit(parameter: ParameterEstimate) -> str:
+    return {"rad": "deg", "": "1"}.get(parameter.unit, parameter.unit)
+
+
+def held_out_section(diagnosis: Diagnosis) -> list[PageSection]:
+    """Show how the first set predicts each part of the data from the others."""
+    if not diagnosis.scores:
+        return []
+    better = sum(score.log_score_extended > score.log_score_base for score in diagnosis.scores)
+    heading = f"{better} of {len(diagnosis.scores)} parts are predicted better when they are held out"
+    rows = [
+        [
+            score.group,
+            f"{score.log_score_extended - score.log_score_base:+.1f}",
+            f"{score.rmse_base:.3g}",
+            f"{score.rmse_extended:.3g}",
+        ]
+        for score in diagnosis.scores
+    ]
+    unit = REPORTS[diagnosis.kind].unit
+    table = Table(["Held out", "Gain (nats)", f"Error before ({unit})", f"Error after ({unit})"], rows)
+    blocks: list[Block] = [held_out_figure(diagnosis), table]
+    best = diagnosis.best
+    if best is not None and best.held_out is not None:
+        gain = best.held_out
+        blocks.append(
+            f"90 % prediction intervals hold {100 * gain.coverage_90_base:.0f} % of the values with the mission's "
+            f"model and {100 * gain.coverage_90_extended:.0f} % with the extended one."
+        )
+    return [PageSection(heading, blocks)]
+
+
+def distinction_section(diagnosis: Diagnosis) -> PageSection:
+    """Show which sets the data leave probable, and which effects they could not show at all."""
+    held = ", ".join(names(causes) for causes in diagnosis.credible_set)
+    blocks: list[Block] = [f"95 % of the probability lies with: {held}."]
+    for first, second in diagnosis.indistinguishable:
+        blocks.append(f"{names(first).capitalize()} and {names(second)} predict the same of data like these.")
+    if diagnosis.untestable:
+        rows = [[name, why] for name, why in diagnosis.untestable.items()]
+        blocks.append(Table(["Effect that these data cannot show", "Why"], rows))
+    return PageSection(_distinction_heading(diagnosis), blocks)
+
+
+def _distinction_heading(diagnosis: Diagnosis) -> str:
+    if len(diagnosis.credible_set) > 1 or diagnosis.indistinguishable:
+        return "What these data cannot distinguish, and what would"
+    return "Nothing else comes near" if diagnosis.causes else "No cause comes near"

@@ -1,0 +1,40 @@
+"""What a report says and draws for one kind of data."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from missionplan.report.page import Figure
+from missionplan.results.diagnosis import Diagnosis
+
+
+def _no_figures(diagnosis: Diagnosis) -> list[Figure]:
+    return []
+
+
+def _no_numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    return []
+
+
+@dataclass(frozen=True)
+class KindReport:
+    """A kind of data in the report; `kinds.REPORTS` lists them all.
+
+    Attributes
+    ----------
+    unit : str
+        Of errors of prediction.
+    data_figure : callable
+        Draws the data against the base and the extended model: the report's main figure.
+    residual_figures : callable
+        Draws what is left before and after.
+    numbers : callable
+        Further main numbers, as label and value.
+    calibration : mapping
+        Keys of `Diagnosis.calibration` in words.
+    """
+
+    unit: str
+    data_figure: Callable[[Diagnosis], Figure]
+    residual_figures: Callable[[Diagnosis], list[Figure]] = _no_figures
+    numbers: Callable[[Diagnosis], list[tuple[str, str]]] = _no_numbers
+    calibration: Mapping[str, str] = field(default_factory=dict)

@@ -1,0 +1,14 @@
+"""The kinds of data that a report can show: a new kind has a module of its own and a line here."""
+
+from collections.abc import Mapping
+
+from missionplan.report.diagnosis import dives, legs, summaries, tank
+from missionplan.report.diagnosis.kind_report import KindReport
+
+REPORTS: Mapping[str, KindReport] = {
+    "transit": legs.REPORT,
+    "descent": dives.REPORT,
+    "summary": summaries.REPORT,
+    **tank.REPORTS,
+}
+"""By the data set's kind."""

@@ -1,0 +1,115 @@
+"""Navigation logs in the report: velocity errors leg by leg, against time, heading and duration, and on the chart."""
+
+import numpy as np
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.arrays import Array
+from missionplan.report.diagnosis.kind_report import KindReport
+from missionplan.report.diagnosis.residual_figures import ResidualSeries, against_axes, autocorrelation
+from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.results.diagnosis import Diagnosis
+
+_COMPONENTS = ("east", "north")
+
+
+def _data_figure(diagnosis: Diagnosis) -> Figure:
+    """Draw the velocity error of each leg against time, with both models."""
+    table = diagnosis.residuals
+    hours = (table["t_start_s"] + 0.5 * table["duration_s"]).to_numpy() / 3600.0
+    figure = MatplotlibFigure(figsize=(6.4, 4.6))
+    panels = figure.subplots(2, 1, sharex=True)
+    for axes, component in zip(panels, _COMPONENTS, strict=True):
+        error = 100.0 * table[f"error_{component}_m_s"].to_numpy()
+        expected = 100.0 * table[f"expected_{component}_m_s"].to_numpy()
+        axes.plot(hours, error, ".", color=GREY, markersize=4.0, label="measured")
+        axes.plot(hours, expected, "--", color=ORANGE, linewidth=1.3, label="mission")
+        if diagnosis.causes:
+            predicted = error - 100.0 * table[f"residual_extended_{component}_m_s"].to_numpy()
+            axes.plot(hours, predicted, "-", color=BLUE, linewidth=1.1, label="extended, a leg ahead")
+        axes.set(ylabel=f"{component.capitalize()} (cm/s)")
+    panels[0].legend(loc="best", fontsize=8, ncols=3, frameon=False)
+    panels[1].set_xlabel("Time (h)")
+    return to_figure(
+        figure,
+        "data",
+        alt="Velocity error of each leg toward east and north against time, with both models' predictions",
+        caption=(
+            "Velocity error of each leg: position error on surfacing over the time under way. Dashed: what the mission "
+            "expects. Line: what the extended model predicts from the legs before."
+        ),
+    )
+
+
+def _residual_figures(diagnosis: Diagnosis) -> list[Figure]:
+    """Draw what is left against time, heading and duration, where the legs began, and by lag."""
+    table, left = diagnosis.residuals, _residuals(diagnosis)
+    places = [
+        ("Time (h)", table["t_start_s"].to_numpy() / 3600.0),
+        ("Heading (deg)", table["heading_deg"].to_numpy()),
+        ("Leg duration (min)", table["duration_s"].to_numpy() / 60.0),
+    ]
+    return [against_axes(places, left), _chart(diagnosis, left), autocorrelation(left, "Legs")]
+
+
+def _residuals(diagnosis: Diagnosis) -> ResidualSeries:
+    before, after = (
+        [100.0 * diagnosis.residuals[f"residual_{model}_{component}_m_s"].to_numpy() for component in _COMPONENTS]
+        for model in ("base", "extended")
+    )
+    return ResidualSeries(before, after, "cm/s")
+
+
+def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
+    """Draw the velocity errors of the legs as arrows where the legs began."""
+    table = diagnosis.residuals
+    east, north = (table[f"{axis}_start_m"].to_numpy() / 1000.0 for axis in ("x", "y"))
+    longest = max(float(np.max(np.hypot(*left.before))), 1e-9)
+    figure = MatplotlibFigure(figsize=(6.4, 3.3))
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    shown: tuple[tuple[list[Array], str, str], ...] = (
+        (left.before, ORANGE, "Before"),
+        (left.after, BLUE, "After"),
+    )
+    scale = 5.0 * longest / max(float(np.ptp(east)), float(np.ptp(north)), 1e-3)
+    for axes, (values, colour, title) in zip(panels, shown, strict=True):
+        axes.plot(east, north, "-", color=GREY, linewidth=0.6, alpha=0.6)
+        arrows = axes.quiver(
+            east, north, *values, color=colour, angles="xy", scale_units="xy", scale=scale, width=0.005
+        )
+        axes.set_title(title, fontsize=9)
+        axes.set_xlabel("East (km)")
+        axes.set_aspect("equal")
+    axes.quiverkey(
+        arrows, 0.85, 0.06, 0.5 * longest, f"{0.5 * longest:.1f} {left.unit}", labelpos="N", fontproperties={"size": 8}
+    )
+    panels[0].set_ylabel("North (km)")
+    return to_figure(
+        figure,
+        "places",
+        alt="Velocity errors of the legs as arrows at the places where the legs began, before and after",
+        caption="Velocity error of each leg where the leg began: what depends on the place shows as a pattern.",
+    )
+
+
+def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """Write how well the next leg's position error is predicted, with and without the causes."""
+    model = diagnosis.calibration.get("next_leg_model_rms_m")
+    if model is None or not diagnosis.causes:
+        return []
+    mean = diagnosis.calibration["next_leg_mean_so_far_rms_m"]
+    return [("Next leg's position error: mean so far, and model", f"{mean:.0f} → {model:.0f} m")]
+
+
+REPORT = KindReport(
+    unit="m/s",
+    data_figure=_data_figure,
+    residual_figures=_residual_figures,
+    numbers=_numbers,
+    calibration={
+        "sigma_v_m_s": "Velocity error of a leg, σ_v (m/s)",
+        "fix_sd_m": "Error of a fix (m)",
+        "next_leg_mean_so_far_rms_m": "Next leg's position error, predicted by the mean so far (m)",
+        "next_leg_last_leg_rms_m": "Next leg's position error, predicted by the last leg (m)",
+        "next_leg_model_rms_m": "Next leg's position error, predicted by this model (m)",
+    },
+)
