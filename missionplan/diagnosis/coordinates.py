@@ -16,7 +16,7 @@ from scipy.stats import norm
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, EffectInfo
-from missionplan.results.diagnosis import Causes, ParameterEstimate
+from missionplan.results.evidence import Causes, ParameterEstimate
 
 LOWER, UPPER = 0.05, 0.95
 """Ends of the intervals that are reported."""

@@ -10,11 +10,12 @@ import pandas as pd
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.mission import Mission
-from missionplan.results.diagnosis import PlanGain, Verdict
+from missionplan.results.diagnosis import PlanGain
+from missionplan.results.evidence import Verdict
 
 
 class Dataset(Protocol):
-    """What every data set says of itself."""
+    """What every data set has."""
 
     @property
     def name(self) -> str:

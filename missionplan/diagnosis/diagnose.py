@@ -16,7 +16,7 @@ from missionplan.results.base import Provenance
 from missionplan.results.diagnosis import Diagnosis, PlanGain
 
 Progress = Callable[[int, int], None]
-"""Told stages done, of how many."""
+"""Called with stages done, of how many."""
 
 SEPARATED = 2
 """Rivals for which a next measurement is sought."""
@@ -47,7 +47,7 @@ def diagnose(
     plan : bool
         Whether to plan with both models.
     progress : callable, optional
-        Told stages done, of how many.
+        Called with stages done, of how many.
 
     Raises
     ------

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from missionplan.effects import CATALOGUE
-from missionplan.results.diagnosis import ParameterEstimate
+from missionplan.results.evidence import ParameterEstimate
 
 
 def extended_mission(

@@ -14,7 +14,7 @@ from missionplan.diagnosis.inference.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, no_progress, select
 from missionplan.diagnosis.verdict import Claim, claim, verdict
 from missionplan.montecarlo.parallel_map import parallel_map
-from missionplan.results.diagnosis import Causes, Discrepancy, Verdict
+from missionplan.results.evidence import Causes, Discrepancy, Verdict
 
 SCORED = 3
 """Sets whose held-out gain is measured, at most."""
@@ -74,7 +74,7 @@ def run_pipeline(model: Model, progress: Progress = no_progress, jobs: int = 1) 
     model : Model
         Base model and catalogue, bound to the data.
     progress : callable
-        Told what is being done.
+        Called with what is being done.
     jobs : int
         Processes.
     """

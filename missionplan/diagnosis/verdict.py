@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison
 from missionplan.diagnosis.inference.posterior import rivals
 from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection
-from missionplan.results.diagnosis import Discrepancy, Verdict
+from missionplan.results.evidence import Discrepancy, Verdict
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, has_sh
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.effects import effects_of
-from missionplan.results.diagnosis import Causes
+from missionplan.results.evidence import Causes
 
 MINIMUM_EVIDENCE_GAIN_SHAPED = 0.05
 """Minimum relative evidence gain beside causes with shape parameters, whose shape error another cause may absorb."""

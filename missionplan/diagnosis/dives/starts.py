@@ -7,7 +7,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.results.diagnosis import Causes
+from missionplan.results.evidence import Causes
 
 INITIAL_STRENGTH = 0.5
 """Strength at a fresh start of an effect with shape parameters, in prior standard deviations."""

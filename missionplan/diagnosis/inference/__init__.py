@@ -3,5 +3,5 @@
 Read first `model` (the protocol), then `selection` with `fitting` and `posterior`; `marginal_likelihood`, `laplace`
 and `importance_sampling` compute evidences; `cross_validation` scores predictions of held-out data; `discrepancy`
 (with `axes`), `residuals` and `residual_tests` look at what a fit leaves; `experiment_design` at what to measure next.
-What is reported is in the data classes of `missionplan.results.diagnosis`.
+What is reported is in the data classes of `missionplan.results.evidence`.
 """

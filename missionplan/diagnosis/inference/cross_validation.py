@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.diagnosis.inference.model import HeldOutScore
-from missionplan.results.diagnosis import HeldOutGain
+from missionplan.results.evidence import HeldOutGain
 
 
 @dataclass(frozen=True)

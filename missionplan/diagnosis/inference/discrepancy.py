@@ -16,7 +16,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.residual_tests import rejects, residual_tests
 from missionplan.diagnosis.inference.residuals import InnerProducts, Residuals
-from missionplan.results.diagnosis import Discrepancy, DiscrepancyShape
+from missionplan.results.evidence import Discrepancy, DiscrepancyShape
 
 THRESHOLD = 3.0
 """ln Bayes factor above which there is a discrepancy."""

@@ -1,7 +1,7 @@
 """Next measurement: the cheapest design that discriminates between two sets of causes.
 
-T-optimality (Atkinson and Fedorov 1975): with the first set taken as true, a design is worth the lack of fit that is
-left to the second one, fitted to what the first predicts. Here lack of fit is the expected log Bayes factor.
+T-optimality (Atkinson and Fedorov 1975): with the first set taken as true, the value of a design is the lack of
+fit of the second set to what the first predicts. Here lack of fit is the expected log Bayes factor.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,10 +10,10 @@ from functools import partial
 
 from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.montecarlo.parallel_map import parallel_map
-from missionplan.results.diagnosis import NextMeasurement
+from missionplan.results.evidence import NextMeasurement
 
 SUFFICIENT = 5.0
-"""Expected nats from which a design discriminates well enough: no dearer one is looked at."""
+"""Expected nats from which a design discriminates well enough: no more expensive one is considered."""
 INDISTINGUISHABLE_BELOW = 1.0
 """Expected nats of data like those in hand below which these cannot discriminate between two sets."""
 
@@ -39,7 +39,7 @@ class DirectMeasurement:
 
 @dataclass(frozen=True)
 class Discrimination:
-    """How a rival can be told from the first set.
+    """How a rival can be separated from the first set.
 
     Attributes
     ----------
@@ -60,12 +60,12 @@ def discriminations(
     direct: Mapping[str, DirectMeasurement],
     jobs: int = 1,
 ) -> tuple[Discrimination, ...]:
-    """Look for the cheapest measurement that separates each rival from the first set.
+    """Find the cheapest measurement that separates each rival from the first set.
 
     Parameters
     ----------
     model : Model
-        Which predicts what further data would say, by `Model.discrimination`.
+        Which computes what further data would bring, by `Model.discrimination`.
     first : CauseFit
         The set taken as true.
     rivals : sequence of CauseFit
@@ -101,7 +101,7 @@ def _cheapest(
     model: Model, first: CauseFit, rival: CauseFit, direct: Mapping[str, DirectMeasurement]
 ) -> NextMeasurement:
     separates = (first.causes, rival.causes)
-    best = NextMeasurement(separates, "none on the menu tells them apart", 0.0)
+    best = NextMeasurement(separates, "no measurement considered separates them", 0.0)
     for description, expected in _designs(model, first, rival, direct):
         if expected > best.expected_log_bayes_factor:
             best = NextMeasurement(separates, description, expected)

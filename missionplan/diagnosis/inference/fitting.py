@@ -1,4 +1,4 @@
-"""Fits of several sets of causes, shared among processes; some are tried again, some are relinearised."""
+"""Fits of several sets of causes, divided among processes; some are repeated, some are relinearised."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -40,7 +40,7 @@ def fitted(model: Model, requests: Sequence[FitRequest], jobs: int = 1) -> list[
 def _retried(
     model: Model, requests: Sequence[FitRequest], fits: Sequence[CauseFit | FailedFit], jobs: int
 ) -> list[tuple[int, CauseFit | FailedFit]]:
-    """Fit the best pairs that ended where they are impossible again, not started from the fits of their parts."""
+    """Fit again, from a fresh start, the best pairs that ended where they are impossible."""
     impossible = [
         (fit.log_evidence, index)
         for index, fit in enumerate(fits)

@@ -26,7 +26,7 @@ HALVINGS = 8
 IMPOSSIBLE = 1e12
 """Minus the log of a density of zero."""
 LEAST_CURVATURE = 1e-2
-"""Least second derivative that is believed: the data may say nothing along a direction."""
+"""Least second derivative: along some direction the data may hold no information."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
 from missionplan.diagnosis.inference.residuals import Residuals
-from missionplan.results.diagnosis import Causes, ParameterEstimate
+from missionplan.results.evidence import Causes, ParameterEstimate
 
 FitRequest = tuple[Causes, Sequence["CauseFit"]]
 """A set to fit, and fits of subsets of it to start from."""

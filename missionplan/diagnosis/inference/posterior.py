@@ -3,7 +3,7 @@
 import numpy as np
 
 from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection
-from missionplan.results.diagnosis import Causes
+from missionplan.results.evidence import Causes
 
 CREDIBLE = 0.95
 

@@ -15,7 +15,7 @@ import numpy as np
 from missionplan.diagnosis.inference.fitting import fitted
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model
 from missionplan.errors import RunError
-from missionplan.results.diagnosis import Causes
+from missionplan.results.evidence import Causes
 
 COMPLEXITY_PENALTY = 3.0
 """Nats that each cause beyond the first must add, and that a claim must exceed: "strong" evidence, 20 to 1, on the
@@ -29,7 +29,7 @@ EXTRA_PAIRS = 8
 MOST_CAUSES = 3
 
 Progress = Callable[[str, int, int], None]
-"""Told what is being done, how many of how many."""
+"""Called with what is being done, how many of how many."""
 
 Extension = tuple[Causes, CauseFit]
 """A set to fit, and the fit that it extends by a cause."""
@@ -98,7 +98,7 @@ def select(model: Model, progress: Progress = no_progress, jobs: int = 1) -> Sel
     model : Model
         Model of the data.
     progress : callable
-        Told what is being done.
+        Called with what is being done.
     jobs : int
         Processes that fit.
 
@@ -132,7 +132,7 @@ class _Search:
         self._order = {name: index for index, name in enumerate(model.candidates)}
 
     def extensions(self, frontier: Sequence[Candidate], size: int) -> list[Extension]:
-        """Sets of a size that are worth fitting, and the fits that they extend."""
+        """Sets of a size to be fitted, and the fits that they extend."""
         wanted = self._extended(frontier)
         if size > 1:
             wanted = [
@@ -141,7 +141,7 @@ class _Search:
                 if self._model.estimated_gain(causes, parent) > PRUNE_BELOW
             ]
         if size == 2:
-            wanted += self._pairs_that_mask_each_other(frozenset(causes) for causes, _ in wanted)
+            wanted += self._masked_pairs(frozenset(causes) for causes, _ in wanted)
         return wanted
 
     def _extended(self, frontier: Sequence[Candidate]) -> list[Extension]:
@@ -153,8 +153,8 @@ class _Search:
                 found.setdefault(together, parent.fit)
         return [(tuple(sorted(causes, key=self._order.__getitem__)), parent) for causes, parent in found.items()]
 
-    def _pairs_that_mask_each_other(self, wanted: Iterable[frozenset[str]]) -> list[Extension]:
-        """Pairs of great estimated gain together, though neither cause is among the best alone."""
+    def _masked_pairs(self, wanted: Iterable[frozenset[str]]) -> list[Extension]:
+        """Pairs of great estimated gain whose causes, alone, may mask each other and not be among the best."""
         known = set(wanted)
         pairs = [
             pair
@@ -213,10 +213,10 @@ class _Search:
         if len(candidate.causes) == 1:
             return True
         parts = [self._tried.get(frozenset(candidate.causes) - {name}) for name in candidate.causes]
-        asked = [
+        required = [
             part.log_bayes_factor
             + max(COMPLEXITY_PENALTY, self._model.minimum_evidence_gain(part.causes) * part.log_bayes_factor)
             for part in parts
             if part is not None
         ]
-        return candidate.log_bayes_factor >= max(asked, default=-np.inf)
+        return candidate.log_bayes_factor >= max(required, default=-np.inf)

@@ -15,7 +15,7 @@ from missionplan.diagnosis.legs.mean import COVARIANCE_EFFECTS, LinearisedLegs, 
 from missionplan.effects import CATALOGUE
 from missionplan.effects.persistent_error import PersistentError
 from missionplan.effects.random_walk import RandomWalk
-from missionplan.results.diagnosis import Causes
+from missionplan.results.evidence import Causes
 
 HyperparameterValues = Mapping[tuple[str, str], float]
 """Hyperparameters by effect and name, not their logarithms."""

@@ -15,7 +15,7 @@ from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.covariance import ALL_LEGS, Hyperparameter, TransitCovariance
 from missionplan.diagnosis.legs.markov_covariance import LegSelection
 from missionplan.diagnosis.legs.mean import MODULATED_EFFECTS, NONLINEAR_EFFECTS, LinearisedLegs
-from missionplan.results.diagnosis import Causes, ParameterEstimate
+from missionplan.results.evidence import Causes, ParameterEstimate
 
 MAX_LINEARISATIONS = 5
 """Times, at most, that a nonlinear model is linearised anew."""

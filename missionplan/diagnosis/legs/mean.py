@@ -16,7 +16,7 @@ from missionplan.diagnosis.legs.modulation import modulation
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.effects.tidal_current import resolvable_constituents
 from missionplan.phases.hooks import Leg, TransitEffect
-from missionplan.results.diagnosis import Causes
+from missionplan.results.evidence import Causes
 
 COVARIANCE_EFFECTS = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
 """Effects that enter the covariance and not the mean."""

@@ -18,7 +18,7 @@ from missionplan.diagnosis.legs.axes import transit_axes
 from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_further_legs
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.mean import COVARIANCE_EFFECTS, MODULATED_EFFECTS, LinearisedLegs
-from missionplan.results.diagnosis import Causes
+from missionplan.results.evidence import Causes
 
 ALTERNATIVES = (frozenset({"persistent-error", "random-walk", "heavy-tails"}),)
 """Effects of which a set holds at most one: each describes how the errors are random."""

@@ -10,20 +10,21 @@ import pandas as pd
 from missionplan.datasets.summaries import SummaryData, read_summary
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.kind import DIRECT_MEASUREMENTS
-from missionplan.diagnosis.dives.model_factory import descent_builder
 from missionplan.diagnosis.dives.tables import descent_shares
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
-from missionplan.diagnosis.summaries.model import SummaryForward, SummaryModel, as_log
+from missionplan.diagnosis.summaries.model import SummaryModel
+from missionplan.diagnosis.summaries.model_factory import summary_model
 from missionplan.diagnosis.summaries.tables import summary_misfit, summary_residuals
 from missionplan.mission import Mission
-from missionplan.results.diagnosis import PlanGain, Verdict
+from missionplan.results.diagnosis import PlanGain
+from missionplan.results.evidence import Verdict
 
 
 @dataclass(frozen=True)
 class SummaryKind(DataKind):
-    """A few numbers a dive, as papers print them."""
+    """A few numbers of each dive, as papers print them."""
 
     ids = ("summary",)
     direct_measurements = DIRECT_MEASUREMENTS
@@ -60,18 +61,5 @@ class SummaryKind(DataKind):
         return plan_gain(anchor_choice, self.mission, extended, seed=seed, jobs=jobs)
 
     def limited_verdict(self, verdict: Verdict) -> Verdict:
-        """Return at most ``ambiguous``: a few numbers, their times shifted by hand, do not settle a cause."""
+        """Return at most ``ambiguous``: a few numbers, their times shifted by hand, prove no cause."""
         return "ambiguous" if verdict == "explained" else verdict
-
-
-def summary_model(data: SummaryData, mission: Mission) -> SummaryModel:
-    """Bind a mission's first mooring to summaries of dives.
-
-    Raises
-    ------
-    InputError
-        When the mission lacks what a descent needs.
-    """
-    build, given = descent_builder(mission)
-    logs = tuple(as_log(test) for test in data.tests)
-    return SummaryModel(SummaryForward(build, logs, given, tests=data.tests))

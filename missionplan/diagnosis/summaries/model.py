@@ -1,4 +1,4 @@
-"""Model of summaries of dives: the descent phase again, asked for terminal speeds and times instead of depths."""
+"""Model of summaries of dives: the descent phase as for dive logs, with terminal speeds and times instead of depths."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,16 +17,15 @@ from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.phases.currents import LayeredCurrent
 from missionplan.phases.mooring.descent import descend
+from missionplan.scenario.scenario import STILL_WATER
 
-STILL_WATER = LayeredCurrent(np.ones(1), np.zeros(1), np.zeros(1))
 LOGGED_SD = 0.05
-"""Noise of the depth sensor that a proposed log is reckoned with [m]."""
+"""Noise of the depth sensor that is assumed for a proposed log [m]."""
 
 
 def as_log(test: TestSummary) -> DiveLog:
-    """A test in the shape of a dive log: all of its numbers at time zero, where no turbulence has gathered."""
+    """Return a test as a dive log: its numbers are readings at time zero, before any turbulence has added up."""
     zeros = np.zeros(len(test.values))
     places = np.arange(len(zeros))
     return DiveLog(
@@ -45,14 +44,14 @@ def as_log(test: TestSummary) -> DiveLog:
 
 @dataclass(frozen=True)
 class SummaryForward(DescentForward):
-    """Quantities of all tests under many settings at once, as `DescentForward` gives readings."""
+    """Quantities of all tests under many settings at once, in the place of readings of `DescentForward`."""
 
     tests: tuple[TestSummary, ...] = ()
 
     def histories(
         self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0
     ) -> "SummaryQuantities":
-        """Quantities of all tests, less the base model's where the table prints measured less simulated."""
+        """Return quantities of all tests, less the base model's where data are measured less simulated values."""
         relative = np.concatenate([test.relative for test in self.tests])
         found = self._quantities(coordinates, values, weight_factor)
         return SummaryQuantities(found - np.where(relative[:, None], self._plain, 0.0))
@@ -88,7 +87,7 @@ class SummaryForward(DescentForward):
 
 @dataclass(frozen=True)
 class SummaryQuantities:
-    """Quantities of all tests under b settings, shape (N, b), where logs have the histories of their sensor."""
+    """Quantities of all tests under b settings, shape (N, b); dive logs have histories of the sensor instead."""
 
     values: Array
 
@@ -102,7 +101,7 @@ class SummaryQuantities:
         return self.values
 
     def subset(self, settings: NDArray[np.intp]) -> "SummaryQuantities":
-        """Those under some of the settings."""
+        """Return those under some of the settings."""
         return SummaryQuantities(self.values[:, settings])
 
 
@@ -113,11 +112,11 @@ class SummaryModel(DescentModel):
     forward: SummaryForward
 
     def most_likely_release_delays(self, histories: Histories) -> Array:
-        """Zero: the numbers of a table are linear in the lateness of a separation."""
+        """Return zeros: the quantities are linear in the delay of a release."""
         return np.zeros((histories.settings, len(self.parts)))
 
     def axes(self, linear: DiveLinearisation) -> Sequence[Axis]:
-        """None: a handful of numbers has no structure to be tested."""
+        """Return none: a handful of numbers has no structure to be tested."""
         return ()
 
     @property
@@ -127,12 +126,12 @@ class SummaryModel(DescentModel):
 
     @property
     def designs(self) -> Sequence[str]:
-        """Logs of dives, in words."""
+        """Dives to be logged, in words."""
         same = "depth logged five times a second on two such dives"
         return [same, *(f"{what}, depth logged" for what, *_ in dive_designs.DESIGNS)]
 
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
-        """Fit both sets to noise-free readings of the first on the dives of a menu entry, or to the numbers in hand."""
+        """Fit both sets to noise-free readings of the first on a design's dives, or to the numbers in hand."""
         if entry is None:
             return super().discrimination(first, second, None)
         plain = DescentForward(self.forward.build, self.forward.logs, self.forward.given)

@@ -1,4 +1,4 @@
-"""Numbers of a summary one by one, and the size of the misfit in the planner's terms."""
+"""Residuals of summaries number by number, and the size of the misfit in the planner's terms."""
 
 import numpy as np
 import pandas as pd
@@ -11,9 +11,9 @@ WORDS = {"terminal_velocity_m_s": ("terminal velocity", "m/s"), "descent_time_s"
 
 
 def summary_residuals(model: SummaryModel, base: CauseFit, best: CauseFit) -> pd.DataFrame:
-    """One row a number: measured, both models', and what is left of each in its standard deviations.
+    """Return one row a number: measured, both models', and residuals in standard deviations.
 
-    Where the table prints a simulated number too, ``measured`` is less that, and a model's is less the mission's.
+    Where a test has a simulated number too, ``measured`` is less that, and a model's is less the base model's.
     """
     places = np.stack([base.state.linear.at, best.state.linear.at], axis=1)
     found = model.forward.readings(model.coordinates, places)
@@ -34,7 +34,7 @@ def summary_residuals(model: SummaryModel, base: CauseFit, best: CauseFit) -> pd
 
 
 def summary_misfit(table: pd.DataFrame) -> str:
-    """How far the numbers of the tests are from the model's, at worst."""
+    """Describe the number that is farthest from the base model's, in standard deviations."""
     worst = table.iloc[int(np.argmax(np.abs(table["residual_base_sd"].to_numpy())))]
     words, unit = WORDS[worst["quantity"]]
     off = worst["measured"] - worst["base"]

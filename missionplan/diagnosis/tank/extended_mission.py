@@ -10,7 +10,7 @@ from missionplan.diagnosis.tank.towed_drag import drag_reynolds
 from missionplan.mission import Mission
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.results.diagnosis import ParameterEstimate
+from missionplan.results.evidence import ParameterEstimate
 
 IN_VEHICLE = ("drag-bias", "reynolds-drag", "added-mass")
 """Causes that the vehicle file states better than an effect: effects of these names act on a descent's anchor too."""

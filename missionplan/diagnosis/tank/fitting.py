@@ -33,7 +33,7 @@ from missionplan.diagnosis.inference.model import (
 from missionplan.diagnosis.tank.forward import TankForward, build_effects
 from missionplan.diagnosis.tank.linearised import marginal
 from missionplan.effects import CATALOGUE
-from missionplan.results.diagnosis import Causes, ParameterEstimate
+from missionplan.results.evidence import Causes, ParameterEstimate
 
 SEARCH = GaussNewtonOptions(
     iterations=40,

@@ -16,7 +16,7 @@ from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFi
 from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.diagnosis.tank.fitting import TankFitting
 from missionplan.diagnosis.tank.linearised import LinearData
-from missionplan.results.diagnosis import Causes
+from missionplan.results.evidence import Causes
 
 COVARIANCE_INFLATION = 9.0
 """Factor on the posterior covariance with which fitted coordinates enter the residuals: as good as unknown there."""

@@ -2,7 +2,8 @@
 
 from missionplan.effects import CATALOGUE
 from missionplan.report.page import PageSection
-from missionplan.results.diagnosis import Causes, Diagnosis
+from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.evidence import Causes
 
 _DESCRIBED = 5
 

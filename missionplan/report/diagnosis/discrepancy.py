@@ -2,7 +2,8 @@
 
 from missionplan.report.diagnosis.figures import discrepancy_figure
 from missionplan.report.page import Block, PageSection, Table
-from missionplan.results.diagnosis import Diagnosis, Discrepancy, ResidualTest
+from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.evidence import Discrepancy, ResidualTest
 
 _TESTS_SHOWN = 5
 

@@ -7,7 +7,8 @@ from missionplan.report.diagnosis.causes import names
 from missionplan.report.diagnosis.figures import held_out_figure, ranking_figure
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.page import Block, PageSection, Table
-from missionplan.results.diagnosis import Diagnosis, ParameterEstimate, RankedSet
+from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.evidence import ParameterEstimate, RankedSet
 
 
 def ranking_section(diagnosis: Diagnosis) -> PageSection:

@@ -3,7 +3,8 @@
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
-from missionplan.results.diagnosis import Diagnosis, Discrepancy, DiscrepancyShape
+from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.evidence import Discrepancy, DiscrepancyShape
 
 _LISTED = 8
 

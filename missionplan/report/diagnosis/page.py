@@ -10,7 +10,8 @@ from missionplan.report.diagnosis.evidence import distinction_section, held_out_
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
-from missionplan.results.diagnosis import Diagnosis, NextMeasurement
+from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.evidence import NextMeasurement
 
 _INDISTINGUISHABLE = 1.0
 """Expected nats below which a measurement separates nothing."""
@@ -70,7 +71,7 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
         words = f"The largest share of the misfit resembles {named}, but not all of it: what is left {left}."
     elif diagnosis.verdict == "ambiguous":
         others = [names(causes) for causes in diagnosis.rivals[:3]]
-        rest = f"; {' or '.join(others)} would do nearly as well" if others else "; so few numbers settle nothing"
+        rest = f"; {' or '.join(others)} would do nearly as well" if others else "; so few numbers prove nothing"
         words = f"The data fit {named}{rest}."
     else:
         words = f"The misfit is explained by {named}."

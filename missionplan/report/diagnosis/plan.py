@@ -28,7 +28,7 @@ _SERVES = 0.9
 
 
 def plan_section(diagnosis: Diagnosis) -> list[PageSection]:
-    """Set the plans side by side, or give the reason why there are none."""
+    """Show the plans side by side, or the reason why there are none."""
     gain = diagnosis.decision
     if not gain.after:
         return [PageSection("No plans to compare", [gain.reason])] if gain.reason else []

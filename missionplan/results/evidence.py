@@ -1,0 +1,197 @@
+"""Parts of the answer of a diagnosis: sets of causes with their evidence and estimates, held-out gain, discrepancy."""
+
+from dataclasses import asdict, dataclass
+from typing import Literal
+
+from missionplan.arrays import Array
+
+Verdict = Literal["adequate", "explained", "ambiguous", "partly-explained", "unexplained"]
+Causes = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ParameterEstimate:
+    """A parameter of a cause: value, standard deviation and 90 % interval [unit]."""
+
+    effect: str
+    name: str
+    value: float
+    sd: float
+    low: float
+    high: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class GroupScore:
+    """How one held-out run or block of legs was predicted by the base model and by the extended one.
+
+    Attributes
+    ----------
+    group : str
+        Run, or first and last leg.
+    log_score_base, log_score_extended : float
+        ln p(group | the others).
+    rmse_base, rmse_extended : float
+        [m] for depths, [m/s] for velocity errors.
+    """
+
+    group: str
+    log_score_base: float
+    log_score_extended: float
+    rmse_base: float
+    rmse_extended: float
+
+
+@dataclass(frozen=True)
+class HeldOutGain:
+    """Held-out scores of an extended model beside the base model's, as in ``diagnosis.json``.
+
+    Attributes
+    ----------
+    log_score_gain : float
+        Sum over groups of the difference in ln p(group | the others).
+    paired_se : float
+        Standard error of that sum, from the groups' differences.
+    groups_improved, groups : int
+        How many groups the extended model predicts better, of how many.
+    rmse_base, rmse_extended : float
+        Root mean square error of the predictions [units of the data].
+    coverage_90_base, coverage_90_extended : float
+        Share of values inside their 90 % prediction intervals.
+    """
+
+    log_score_gain: float
+    paired_se: float
+    groups_improved: int
+    groups: int
+    rmse_base: float
+    rmse_extended: float
+    coverage_90_base: float
+    coverage_90_extended: float
+
+
+@dataclass(frozen=True)
+class RankedSet:
+    """A set of causes in the ranking.
+
+    Attributes
+    ----------
+    causes : tuple of str
+    log_bayes_factor : float
+        Over the base model.
+    score : float
+        Less 3 nats for each cause beyond the first.
+    posterior : float or None
+        Probability; None for a superset of the claimed set, which is no rival.
+    parameters : tuple of ParameterEstimate
+    held_out : HeldOutGain or None
+        Where it was measured: the best few.
+    share_explained : float
+        Share of the base model's squared residuals that goes with these causes.
+    importance : float or None
+        ln Bayes factor by importance sampling, where it was checked.
+    """
+
+    causes: Causes
+    log_bayes_factor: float
+    score: float
+    posterior: float | None
+    parameters: tuple[ParameterEstimate, ...]
+    held_out: HeldOutGain | None
+    share_explained: float
+    importance: float | None = None
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``ranking``."""
+        return {
+            "causes": list(self.causes),
+            "log_bayes_factor": self.log_bayes_factor,
+            "score": self.score,
+            "posterior": self.posterior,
+            "parameters": [asdict(parameter) for parameter in self.parameters],
+            "held_out": asdict(self.held_out) if self.held_out else None,
+            "share_explained": self.share_explained,
+            "log_bayes_factor_importance": self.importance,
+        }
+
+
+@dataclass(frozen=True)
+class ResidualTest:
+    """A test that the residuals' innovations are independent and of constant spread."""
+
+    name: str
+    p_value: float
+
+
+@dataclass(frozen=True)
+class DiscrepancyShape:
+    """A discrepancy along its axis, to first order: the likeliest smooth function and its uncertainty.
+
+    Attributes
+    ----------
+    place, value : str
+        Labels with units.
+    at, mean, sd : array, shape (m,)
+        Places on the axis, the function's posterior mean there and its standard deviation.
+    """
+
+    place: str
+    value: str
+    at: Array
+    mean: Array
+    sd: Array
+
+
+@dataclass(frozen=True)
+class Discrepancy:
+    """What a model leaves of the data beyond its noise.
+
+    Attributes
+    ----------
+    log_bayes_factor : float
+        Of a smooth discrepancy along some axis over none; the axes share the prior equally.
+    axis : str or None
+        Along which, where there is one: ``time`` where only a residual test says so.
+    by_axis : tuple
+        What would be smooth along each axis, in words, and its own ln Bayes factor, greatest first.
+    tests : tuple of ResidualTest
+        Tests of the innovations.
+    resembles : str or None
+        What it resembles most, in words, where it is smooth.
+    shape : DiscrepancyShape or None
+        That function, where it is a single one of one dimension.
+    """
+
+    log_bayes_factor: float
+    axis: str | None
+    by_axis: tuple[tuple[str, float], ...]
+    tests: tuple[ResidualTest, ...]
+    resembles: str | None = None
+    shape: DiscrepancyShape | None = None
+
+    @property
+    def significant(self) -> bool:
+        """Whether there is a discrepancy."""
+        return self.axis is not None
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``remainder``."""
+        return {"log_bayes_factor": self.log_bayes_factor, "axis": self.axis}
+
+
+@dataclass(frozen=True)
+class NextMeasurement:
+    """A measurement that would separate two sets of causes."""
+
+    separates: tuple[Causes, Causes]
+    measurement: str
+    expected_log_bayes_factor: float
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``next_measurements``; a set of several causes is written with plus signs."""
+        return {
+            "separates": ["+".join(causes) for causes in self.separates],
+            "measurement": self.measurement,
+            "expected_log_bayes_factor": self.expected_log_bayes_factor,
+        }
