@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.resuming import BLOCKS, discard_blocks, last_unfinished, told_how_to_resume
+from missionplan.cli.resuming import BLOCKS, discard_blocks, last_unfinished, resume_hint
 from missionplan.cli.running import Progress, deliver, new_folder_name, progress_bar, run_study
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ def simulate(
     loaded = load(mission, allow_outside=allow_outside)
     if output.force and not resume:
         discard_blocks(folder)
-    with told_how_to_resume(folder), progress_bar("simulate", shown=not output.quiet) as progress:
+    with resume_hint(folder), progress_bar("simulate", shown=not output.quiet) as progress:
         outcome = simulate(
             loaded,
             precision=precision,

@@ -29,8 +29,8 @@ def discard_blocks(folder: Path) -> None:
 
 
 @contextmanager
-def told_how_to_resume(folder: Path) -> Iterator[None]:
-    """Tell how to resume a run that is interrupted or fails, where it has finished blocks."""
+def resume_hint(folder: Path) -> Iterator[None]:
+    """Print how to resume a run that is interrupted or fails, where it has finished blocks."""
     try:
         yield
     except (KeyboardInterrupt, RunError):

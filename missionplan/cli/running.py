@@ -1,4 +1,4 @@
-"""What every study's command does around the study: load the mission, show progress, save the report, print it."""
+"""Around every study: load the mission, show progress, save the report, print the answer."""
 
 import sys
 from collections.abc import Callable, Iterator

@@ -18,7 +18,7 @@ _MOST_DOTS = 16
 """Numbers in the figure."""
 _PERCENT = Unit("%", 0.01)
 _GROUPS = {"sweep": "", "anchor": "", "odds": "dives"}
-"""Sections of `summary.json` that are not named, or otherwise."""
+"""How sections of `summary.json` are named, where not by their keys."""
 
 
 def page(comparison: Comparison) -> Page:
@@ -82,7 +82,7 @@ def _importance(difference: ComparedNumber) -> float:
 
 
 def _noise(difference: ComparedNumber) -> float:
-    """Standard error of the change; nil where it is rounding."""
+    """Standard error of the change; zero where it is only rounding."""
     error = difference.standard_error or 0.0
     size = max(abs(difference.first or 0.0), abs(difference.second or 0.0))
     return error if has_spread(size, error) else 0.0

@@ -57,7 +57,10 @@ def _numbers(result: Identification) -> list[tuple[str, str]]:
     shown = result.estimates[:4]
     symbols = [estimate.symbol for estimate in shown]
     return [
-        (estimate.symbol if symbols.count(estimate.symbol) == 1 else _name_in_words(estimate), with_error(estimate))
+        (
+            estimate.symbol if symbols.count(estimate.symbol) == 1 else _name_in_words(estimate),
+            estimate_in_words(estimate),
+        )
         for estimate in shown
     ]
 
@@ -150,7 +153,7 @@ def _fits_heading(fits: Sequence[FittedModel]) -> str:
     return f"The data support {fits[0].name}, not {fits[1].name}"
 
 
-def with_error(estimate: IdentifiedParameter) -> str:
+def estimate_in_words(estimate: IdentifiedParameter) -> str:
     """Write a parameter with its error and unit, to two figures of the error."""
     unit = f" {estimate.unit}" if estimate.unit else ""
     if not math.isfinite(estimate.sd):

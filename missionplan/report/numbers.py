@@ -14,7 +14,7 @@ def has_spread(value: float, spread: float) -> bool:
 
 
 def number(value: float, error: float = 0.0) -> str:
-    """Write a number with the digits that its standard error supports; four where the error is nil or rounding.
+    """Write a number with the digits that its standard error supports; four where it has none but rounding.
 
     The last digit shown stands in the place of the error's first digit, or of its second where the first is 1.
     """

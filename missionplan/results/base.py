@@ -1,4 +1,4 @@
-"""What every result of a study has: provenance, a summary, tables, and a folder to save it in."""
+"""Base of all results: provenance, a summary, tables, and saving as a report folder."""
 
 import json
 import math

@@ -115,7 +115,7 @@ class FitPanel:
 
 @dataclass(frozen=True)
 class TankAnalysis:
-    """What the analysis of one data set gives: the answer in words, fitted models (the preferred one first), figures.
+    """Analysis of one data set: the answer in words, fitted models (the preferred one first), and their figures.
 
     Attributes
     ----------

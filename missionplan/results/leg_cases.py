@@ -1,4 +1,4 @@
-"""What plans of legs cost on common trials: case by case when errors are not as planned, and candidate by candidate."""
+"""Costs of plans of legs on common trials: when errors are not as planned, and of each candidate plan."""
 
 from dataclasses import dataclass
 

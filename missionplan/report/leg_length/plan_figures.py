@@ -84,7 +84,7 @@ def _fixed_look(plan: LegPlan) -> tuple[str, float | None]:
 
 
 def _short(left: Array, leg: Array) -> Array:
-    """How far short of the target legs are aimed, nan where they are not [m]."""
+    """Distance by which legs stop short of the target; nan where they aim at it [m]."""
     return np.where(leg < left, left - leg, np.nan)
 
 

@@ -46,7 +46,7 @@ def close_ups(outcome: Outcome) -> Figure | None:
 
 
 def _panels(count: int) -> tuple[MatplotlibFigure, Sequence[Axes], Sequence[Axes]]:
-    """Lay out so many panels, two in a row, and one for the legend where a place is left."""
+    """Return a figure with so many panels, two in a row, and the panel that is left over, for the legend."""
     columns = min(2, count)
     rows = math.ceil(count / columns) if count > 1 else 2
     figure = MatplotlibFigure(figsize=(WIDTH, 2.5 * rows if count % 2 else 2.5 * rows + 0.7))

@@ -1,0 +1,49 @@
+"""What the report of two runs says of noise, and of requirements that only one run has."""
+
+import pytest
+
+from missionplan.report.comparison import answer, page
+from missionplan.report.page import Table
+from missionplan.results.base import Provenance
+from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
+
+
+def mission(limit):
+    return {"requirements": [{"quantity": "moor.offset", "at_most": limit, "probability": 0.9}]}
+
+
+@pytest.fixture
+def comparison():
+    run = ComparedRun("report", "Bay", "0.1", "2026-01-01T00:00:00+00:00", 1, 1000)
+    return Comparison(
+        provenance=Provenance(
+            "compare", "Bay", "report report", 1, 1000, {}, 0.1, {"first": mission("75 ft"), "second": mission("10 m")}
+        ),
+        compared="simulate",
+        runs=(run, run),
+        mission_changes=(),
+        option_changes=(),
+        differences=(
+            ComparedNumber("moor", "lowest_altitude_m", "mean", 1.5, 0.8, 4e-18, 0.0, "changed"),
+            ComparedNumber("moor", "offset_m", "mean", 4.0, 6.0, 0.1, 1e-9, "changed"),
+            ComparedNumber("requirement", "moor.offset, 22.86", "probability", 0.99, None, None, None, "only first"),
+        ),
+        requirement_changes=(ChangedValue("total.success", "met", ""), ChangedValue("egress.arrived", "", "not met")),
+    )
+
+
+def rows(comparison):
+    tables = (block for section in page(comparison).sections for block in section.blocks if isinstance(block, Table))
+    return {row[0]: row[1:] for table in tables for row in table.rows}
+
+
+def test_rounding_is_no_noise(comparison):
+    assert "most clearly moor offset" in answer(comparison)
+    assert rows(comparison)["moor lowest altitude"][-1] == "−0.7\u00a0m"
+    assert "the clearest is moor offset at 20.0" in page(comparison).figure.alt
+
+
+def test_requirements_of_one_run_are_named_as_that_run_has_them(comparison):
+    assert "moor offset at most 75 ft (requirement)" in rows(comparison)
+    assert "The requirement on total success, which was met, has been dropped." in answer(comparison)
+    assert "The new requirement on egress arrived is not met." in answer(comparison)
