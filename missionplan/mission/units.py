@@ -85,7 +85,7 @@ def _bare_number(value: object) -> float:
 
 def _convert(number: float, name: str, unit: str, difference: bool) -> float:
     known = factor(name, unit)
-    if known is None and dimension_of(name) is not None:
+    if known is None and dimension_of(name) not in (None, dimension_of(unit)):
         raise QuantityError(f"given {number:g} {name}, expected a quantity in {unit} or a unit like it")
     result = number * known if known is not None else _convert_by_pint(number, name, unit, difference)
     if not math.isfinite(result):
