@@ -8,8 +8,10 @@ from typing import cast
 
 from pydantic import BaseModel, Field, PrivateAttr, ValidationError, field_validator
 
-from missionplan.errors import InputError, LocalProblem
+from missionplan.errors import InputError, LocalProblem, key_path
 from missionplan.mission.checks.correlations import check_correlations
+from missionplan.mission.checks.limits.ranges import Findings, check_effects, check_ranges
+from missionplan.mission.checks.limits.relations import check_relations
 from missionplan.mission.checks.phases import check_phases
 from missionplan.mission.checks.requirements import read_requirements
 from missionplan.mission.checks.site import check_site
@@ -46,6 +48,7 @@ class Mission(FileSection):
 
     _raw: dict[str, object] = PrivateAttr(default_factory=dict)
     _file: str = PrivateAttr(default="")
+    _unusual: tuple[str, ...] = PrivateAttr(default=())
 
     @field_validator("effects", mode="plain")
     @classmethod
@@ -99,11 +102,13 @@ class Mission(FileSection):
         except ValidationError as error:
             raise InputError(in_order([*problems, *validation_problems(error, document, cls)])) from None
         requirements, wrong = read_requirements(mission.requirements, mission.phases)
-        problems += [document.located(problem) for problem in (*mission._contradictions(), *wrong)]
+        limits = mission._limits()
+        problems += [document.located(problem) for problem in (*mission._contradictions(), *wrong, *limits.problems)]
         if problems:
             raise InputError(in_order(problems))
         mission = mission.model_copy(update={"requirements": requirements})
         mission._raw, mission._file = document.data, file
+        mission._unusual = tuple(f"{key_path(notice.path)}: {notice.message}" for notice in limits.notices)
         return mission
 
     def _contradictions(self) -> list[LocalProblem]:
@@ -113,6 +118,15 @@ class Mission(FileSection):
             *check_site(self.site, self.phases),
             *check_correlations(self.correlations, self.quantities()),
         ]
+
+    def _limits(self) -> Findings:
+        """List what the world does not allow, and what is unusual."""
+        sections = [(name, value) for name, value in self if name not in ("entries", "effects")]
+        return (
+            check_ranges(sections, self.phases)
+            + check_effects(self.effects)
+            + check_relations(self.phases, self.site, self.vehicle, self.navigation)
+        )
 
     @property
     def phases(self) -> tuple[Phase, ...]:
@@ -161,12 +175,13 @@ class Mission(FileSection):
         return found
 
     def notices(self) -> tuple[str, ...]:
-        """Return a note for each distribution that was cut at the physical range of its quantity."""
-        return tuple(
+        """Return a note for each value that is unusual, and each distribution cut at its physical range."""
+        cut = (
             f"{path}: {value.mass_cut:.2g} of the distribution lies outside the physical range and was cut off"
             for path, value in self.uncertain().items()
             if value.mass_cut > 1e-12
         )
+        return (*self._unusual, *cut)
 
     def uncertain(self) -> dict[str, Distribution]:
         """Return the quantities that are distributions, by key path."""

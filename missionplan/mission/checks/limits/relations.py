@@ -1,0 +1,180 @@
+"""Keys against each other, every distribution at its mean: what cannot be together, and what is unusual together."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from missionplan.errors import KeyPath, LocalProblem
+from missionplan.mission.checks.limits.ranges import Findings
+from missionplan.mission.checks.limits.table import FARTHEST
+from missionplan.mission.checks.phases import phase_path
+from missionplan.mission.geodesy import to_plane
+from missionplan.mission.schema.navigation import Navigation
+from missionplan.mission.schema.phases import LegTableSection, MoorPhase, Phase, TransitPhase
+from missionplan.mission.schema.site import Geographic, Position, Site
+from missionplan.mission.schema.vehicle import Vehicle
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.physics.buoyancy import STANDARD_GRAVITY
+
+_SEA_WATER = 1025.0
+"""Density to compare a hull's volume with its mass [kg/m³]."""
+_BUOYANT = (0.5, 0.1)
+"""Net buoyancy over weight that is impossible, and that is unusual: AUVs are trimmed to 0.1 to 2 %."""
+_FILLED = ((0.1, 3.0), (0.4, 1.3))
+"""Displaced mass over the hull's volume of water that is possible, and that is usual: free flooding, appendages."""
+
+_Place = tuple[float, float]
+
+
+def check_relations(
+    phases: Sequence[Phase], site: Site | None, vehicle: Vehicle | None, navigation: Navigation | None
+) -> Findings:
+    """List what is impossible or unusual between keys, by key path from the top of the mission."""
+    depth = mean_of(site.depth) if site is not None and site.depth is not None else math.inf
+    problems: list[LocalProblem] = []
+    notices: list[LocalProblem] = []
+    for index, phase in enumerate(phases):
+        found: list[LocalProblem] = []
+        if isinstance(phase, TransitPhase):
+            found += _transit(phase, depth, navigation)
+        elif isinstance(phase, MoorPhase):
+            found += _mooring(phase, depth, vehicle)
+        problems += [problem.within(phase_path(index, phase)) for problem in found]
+    problems += _way(phases, site, navigation)
+    problems += _layers(site, depth)
+    if vehicle is not None:
+        wrong, odd = _vehicle(vehicle)
+        problems += [problem.within(("vehicle",)) for problem in wrong]
+        notices += [notice.within(("vehicle",)) for notice in odd]
+    if navigation is not None:
+        notices += _fixes(phases, navigation)
+    return Findings(tuple(problems), tuple(notices))
+
+
+def _transit(phase: TransitPhase, depth: float, navigation: Navigation | None) -> Iterator[LocalProblem]:
+    run_depth, radius = mean_of(phase.depth), mean_of(phase.arrival_radius)
+    if run_depth >= depth:
+        yield LocalProblem(("depth",), f"{run_depth:.4g} m runs aground: the site is {depth:.4g} m deep")
+    if isinstance(phase.d_max, LegTableSection):
+        return
+    leg = mean_of(phase.d_max)
+    if leg < radius:
+        message = f"{leg:.4g} m is less than the arrival radius, {radius:.4g} m: no leg needs to be so short"
+        yield LocalProblem(("d_max",), message, "is the unit right?")
+
+
+def _mooring(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterator[LocalProblem]:
+    line, length = mean_of(phase.line_length), mean_of(vehicle.hull.length) if vehicle else 0.0
+    if line + length >= depth:
+        words = f"{line:.4g} m of line" + (f" and {length:.4g} m of vehicle" if length else "")
+        message = f"{words} are longer than the water is deep, {depth:.4g} m: the anchor cannot draw the vehicle under"
+        yield LocalProblem(("line_length",), message)
+    if vehicle is None or isinstance(phase.anchor_wet_weight, str):
+        return
+    weight, buoyancy = mean_of(phase.anchor_wet_weight), mean_of(vehicle.net_buoyancy)
+    if weight <= buoyancy:
+        message = f"{weight:.4g} N cannot sink a vehicle of {buoyancy:.4g} N net buoyancy"
+        yield LocalProblem(("anchor_wet_weight",), message)
+
+
+def _way(phases: Sequence[Phase], site: Site | None, navigation: Navigation | None) -> Iterator[LocalProblem]:
+    """Follow the goals: how far they are, and whether there is a way to go between them."""
+    place: _Place | None = None
+    for index, phase in enumerate(phases):
+        if not isinstance(phase, TransitPhase):
+            continue
+        path = phase_path(index, phase)
+        for key, position in (("from", phase.start), ("to", phase.to)):
+            found = _planar(position, site)
+            if found is not None and math.hypot(*found) > FARTHEST:
+                yield _too_far((*path, key), math.hypot(*found))
+        start, goal = (place if phase.start is None else _planar(phase.start, site)), _planar(phase.to, site)
+        if start is not None and goal is not None:
+            yield from (problem.within(path) for problem in _leg_count(phase, math.dist(start, goal), navigation))
+        place = goal
+
+
+def _too_far(path: KeyPath, distance: float) -> LocalProblem:
+    message = f"lies {distance / 1e3:.4g} km from the origin; expected at most {FARTHEST / 1e3:g} km"
+    return LocalProblem(path, message, "the plane of the coordinates stretches distances by 0.1 % there")
+
+
+def _leg_count(phase: TransitPhase, distance: float, navigation: Navigation | None) -> Iterator[LocalProblem]:
+    radius = mean_of(phase.arrival_radius)
+    if distance < radius:
+        message = (
+            f"lies {distance:.4g} m from the start, within the arrival radius, {radius:.4g} m: there is no transit"
+        )
+        yield LocalProblem(("to",), message)
+    if navigation is None or isinstance(phase.d_max, LegTableSection):
+        return
+    fewest = (distance - radius) / mean_of(phase.d_max)
+    if fewest > navigation.max_legs:
+        message = (
+            f"{distance:.4g} m take at least {math.ceil(fewest)} legs; navigation.max_legs is {navigation.max_legs}"
+        )
+        yield LocalProblem(("d_max",), message)
+
+
+def _planar(position: Position | None, site: Site | None) -> _Place | None:
+    """East and north of the origin [m]; None where it is not known."""
+    if position is None:
+        return None
+    if not isinstance(position, Geographic):
+        return mean_of(position[0]), mean_of(position[1])
+    if site is None or site.origin is None:
+        return None
+    east, north = to_plane(np.array(position.latitude), np.array(position.longitude), site.origin)
+    return float(east), float(north)
+
+
+def _layers(site: Site | None, depth: float) -> Iterator[LocalProblem]:
+    if site is None or not isinstance(site.current, tuple):
+        return
+    above = 0.0
+    for index, layer in enumerate(site.current):
+        if above >= depth:
+            message = f"this layer begins at {above:.4g} m, below the seafloor at {depth:.4g} m"
+            yield LocalProblem(("site", "current", index), message)
+        above = mean_of(layer.down_to)
+
+
+def _vehicle(vehicle: Vehicle) -> tuple[list[LocalProblem], list[LocalProblem]]:
+    """What is impossible of a vehicle, and what is unusual."""
+    problems: list[LocalProblem] = []
+    notices: list[LocalProblem] = []
+    length, diameter = mean_of(vehicle.hull.length), mean_of(vehicle.hull.diameter)
+    if diameter > length:
+        message = f"{diameter:.4g} m is more than the hull's length, {length:.4g} m"
+        problems.append(LocalProblem(("hull", "diameter"), message))
+    if vehicle.sail is not None and mean_of(vehicle.sail.thickness) > mean_of(vehicle.sail.chord):
+        problems.append(LocalProblem(("sail", "thickness"), "is more than the sail's chord"))
+    if vehicle.mass is None or diameter > length:
+        return problems, notices
+    mass, buoyancy = mean_of(vehicle.mass), mean_of(vehicle.net_buoyancy)
+    share = abs(buoyancy) / (mass * STANDARD_GRAVITY)
+    message = f"{buoyancy:.4g} N is {100.0 * share:.3g} % of the vehicle's weight"
+    if share > _BUOYANT[0]:
+        problems.append(LocalProblem(("net_buoyancy",), f"{message}; expected at most {100.0 * _BUOYANT[0]:g} %"))
+    elif share > _BUOYANT[1]:
+        notices.append(
+            LocalProblem(("net_buoyancy",), f"{message}; AUVs are trimmed to 0.1 to 2 %. Is the unit right?")
+        )
+    volume = math.pi / 4.0 * diameter**2 * (length - diameter / 3.0)  # a cylinder with hemispherical ends
+    filled = (mass + buoyancy / STANDARD_GRAVITY) / (_SEA_WATER * volume)
+    message = f"{mass:.4g} kg displace {filled:.3g} of the hull's volume, {1e3 * volume:.4g} L"
+    if not _FILLED[0][0] <= filled <= _FILLED[0][1]:
+        problems.append(LocalProblem(("mass",), f"{message}: it cannot float in this hull", "is the unit right?"))
+    elif not _FILLED[1][0] <= filled <= _FILLED[1][1]:
+        notices.append(LocalProblem(("mass",), f"{message}, which is unusual. Is the unit right?"))
+    return problems, notices
+
+
+def _fixes(phases: Sequence[Phase], navigation: Navigation) -> Iterator[LocalProblem]:
+    error = mean_of(navigation.fix_error)
+    for index, phase in enumerate(phases):
+        radius = mean_of(phase.arrival_radius) if isinstance(phase, TransitPhase) else math.inf
+        if error > radius:
+            message = f"{radius:.4g} m is less than the error of a fix, {error:.4g} m: arriving is a matter of chance"
+            yield LocalProblem((*phase_path(index, phase), "arrival_radius"), message)
