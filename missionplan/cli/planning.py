@@ -155,7 +155,7 @@ def simulate(
     loaded = load(mission, allow_outside=allow_outside)
     if output.force and not resume:
         discard_blocks(folder)
-    with resume_hint(folder), progress_bar("simulate", shown=not output.quiet) as progress:
+    with resume_hint(folder, resumed=resume), progress_bar("simulate", shown=not output.quiet) as progress:
         outcome = simulate(
             loaded,
             precision=precision,

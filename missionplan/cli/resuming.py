@@ -22,17 +22,32 @@ def last_unfinished(stem: str) -> Path:
 
 
 def discard_blocks(folder: Path) -> None:
-    """Remove the finished blocks of an earlier run from a report folder, and nothing else."""
+    """Remove the finished blocks of a run from a report folder, and the folder where nothing else is in it."""
     blocks = folder / BLOCKS
     for path in (*blocks.glob("block-*.npz"), blocks / "run.json"):
         path.unlink(missing_ok=True)
+    for emptied in (blocks, folder):
+        if emptied.is_dir() and not any(emptied.iterdir()):
+            emptied.rmdir()
 
 
 @contextmanager
-def resume_hint(folder: Path) -> Iterator[None]:
-    """Print how to resume a run that is interrupted or fails, where it has finished blocks."""
+def resume_hint(folder: Path, *, resumed: bool) -> Iterator[None]:
+    """Print how to resume a run that is interrupted or fails, where it has finished blocks; drop those of one refused.
+
+    Parameters
+    ----------
+    folder : Path
+        The report's.
+    resumed : bool
+        Whether its blocks may be those of another run.
+    """
     try:
         yield
+    except InputError:
+        if not resumed:
+            discard_blocks(folder)
+        raise
     except (KeyboardInterrupt, RunError):
         if any((folder / BLOCKS).glob("block-*.npz")):
             typer.echo(f"Finished blocks are kept; go on with: --resume --out {folder}", err=True)

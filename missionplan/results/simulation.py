@@ -1,7 +1,7 @@
 """Result of `simulate`: each phase over all trials, what makes missions fail, and which uncertain inputs matter."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -192,6 +192,9 @@ class Outcome(Result):
     tracks : Tracks
     arrivals : mapping of str to array, shape (2, m)
         True end position of each phase relative to its goal, of the first trials, for CEP circles [m].
+    limits : mapping of str to Probability
+        Trials that met a limit of the world, failed or not: ``current_faster`` than the vehicle, ``left_record``
+        of the current; without those that cannot be.
     failed_blocks : tuple of str
         Blocks of trials that failed numerically, with seed and block; left out of everything above.
     trials_table : bytes or None
@@ -208,6 +211,7 @@ class Outcome(Result):
     sensitivities: tuple[Sensitivity, ...]
     tracks: Tracks
     arrivals: Mapping[str, Array]
+    limits: Mapping[str, Probability] = field(default_factory=dict)
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
 
@@ -229,6 +233,7 @@ class Outcome(Result):
                 {"step": step.step, "lost": step.lost.summary(), "surviving": step.surviving.summary()}
                 for step in self.attrition
             ],
+            "limits": {name: share.summary() for name, share in self.limits.items()},
             "sensitivities": [vars(sensitivity) for sensitivity in self.sensitivities],
             "failed_blocks": list(self.failed_blocks),
         }

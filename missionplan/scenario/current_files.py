@@ -10,6 +10,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
+from missionplan.mission.schema.site import Geographic
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
@@ -105,7 +106,7 @@ _STANDARD_NAMES = {
 }
 
 
-def read_current_netcdf(path: Path, start: datetime | None) -> CurrentField:
+def read_current_netcdf(path: Path, start: datetime | None, origin: Geographic) -> CurrentField:
     """Read a CF NetCDF field on a regular latitude-longitude grid (the layout of operational forecasts).
 
     Parameters
@@ -113,6 +114,8 @@ def read_current_netcdf(path: Path, start: datetime | None) -> CurrentField:
     path : Path
     start : datetime or None
         The mission's start, UTC.
+    origin : Geographic
+        The site's. The longitudes returned are within half a turn of its own, and nodes far from it are left out.
 
     Raises
     ------
@@ -129,32 +132,38 @@ def read_current_netcdf(path: Path, start: datetime | None) -> CurrentField:
         raise InputError([Problem("reading NetCDF needs xarray and netCDF4", shown, hint=hint)]) from None
     try:
         with xarray.open_dataset(path) as dataset:
-            return _field(dataset.load(), start, shown)
+            return _field(dataset, start, shown, origin)
     except (OSError, ValueError) as error:
         raise InputError([Problem(f"cannot be read as NetCDF: {error}", shown)]) from None
 
 
-def _field(dataset: "Dataset", start: datetime, shown: str) -> CurrentField:
+REACH = np.radians(8.0)
+"""Of a field, what is this far from the origin is read [rad]: 890 km, beyond the farthest that a mission may go."""
+
+
+def _field(dataset: "Dataset", start: datetime, shown: str, origin: Geographic) -> CurrentField:
     found = {key: _variable(dataset, key, shown) for key in _NAMES}
-    axes = [found["time"], found["depth"], found["latitude"], found["longitude"]]
+    axes = [found[key] for key in ("time", "depth", "latitude", "longitude")]
     if any(axis.ndim != 1 for axis in axes):
         raise InputError([Problem("expected one-dimensional time, depth, latitude and longitude", shown)])
-    order = [axis.dims[0] for axis in axes]
     moment = np.datetime64(start.astimezone(UTC).replace(tzinfo=None) if start.tzinfo else start, "ns")
-    time = (found["time"].to_numpy() - moment) / np.timedelta64(1, "s")
-    longitude = (found["longitude"].to_numpy().astype(float) + 180.0) % 360.0 - 180.0
+    latitude, longitude = (np.radians(found[key].to_numpy().astype(float)) for key in ("latitude", "longitude"))
+    # about the origin's meridian, so that neither the date line nor the convention of the file matters
+    east = (longitude - origin.longitude + np.pi) % (2.0 * np.pi) - np.pi
     coordinates = [
-        np.asarray(time, dtype=float),
+        np.asarray((found["time"].to_numpy() - moment) / np.timedelta64(1, "s"), dtype=float),
         np.abs(found["depth"].to_numpy().astype(float)),
-        np.radians(found["latitude"].to_numpy().astype(float)),
-        np.radians(longitude),
+        latitude,
+        origin.longitude + east,
     ]
-    values = [found[key].transpose(*order).to_numpy().astype(float) for key in ("east", "north")]
-    for number, axis in enumerate(coordinates):
-        index = np.argsort(axis)
-        coordinates[number] = axis[index]
-        values = [np.take(value, index, axis=number) for value in values]
-    return CurrentField(*coordinates, *values)
+    reach = min(REACH / max(np.cos(origin.latitude), 0.1), 0.5 * np.pi)
+    kept = [np.unique(axis, return_index=True)[1] for axis in coordinates]
+    for number, offset, most in ((2, latitude - origin.latitude, REACH), (3, east, reach)):
+        first, last = np.searchsorted(offset[kept[number]], (-most, most))
+        kept[number] = kept[number][max(first - 1, 0) : last + 1]  # and one node beyond on each side
+    chosen = {axis.dims[0]: index for axis, index in zip(axes, kept, strict=True)}
+    values = (found[key].isel(chosen).transpose(*chosen).to_numpy().astype(float) for key in ("east", "north"))
+    return CurrentField(*(axis[index] for axis, index in zip(coordinates, kept, strict=True)), *values)
 
 
 def _variable(dataset: "Dataset", key: str, shown: str) -> "DataArray":

@@ -1,5 +1,6 @@
 """The site's current where a mission reads it from a file."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,8 @@ from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.site import CurrentFile, Geographic
 from missionplan.mission.views import required_origin
-from missionplan.phases.currents import Current, FieldCurrent, SeriesCurrent, fill_gaps
+from missionplan.phases.currents import Current
+from missionplan.phases.recorded_currents import FieldCurrent, Outside, SeriesCurrent, fill_gaps
 from missionplan.scenario.current_files import CurrentField, read_current_csv, read_current_netcdf
 
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
@@ -28,15 +30,21 @@ def recorded_current(mission: Mission) -> Current | None:
         return None
     if source.suffix.lower() not in NETCDF:
         series = read_current_csv(source)
-        return SeriesCurrent(series.time, series.depth, series.east, series.north)
-    field = read_current_netcdf(source, mission.start)
-    return placed(field, required_origin(mission, "a NetCDF current is placed by it"))
+        return SeriesCurrent(series.time, series.depth, series.east, series.north, outside=_outside(mission))
+    origin = required_origin(mission, "a NetCDF current is placed by it")
+    field = read_current_netcdf(source, mission.start, origin)
+    return replace(placed(field, origin), outside=_outside(mission))
 
 
 def current_file(mission: Mission) -> Path | None:
     """Return the path of the current's file; None where the mission has none."""
     written = mission.site.current if mission.site else ()
     return Path(written.file) if isinstance(written, CurrentFile) else None
+
+
+def _outside(mission: Mission) -> Outside:
+    written = mission.site.current if mission.site else ()
+    return written.outside if isinstance(written, CurrentFile) else "error"
 
 
 def placed(field: CurrentField, origin: Geographic) -> FieldCurrent:

@@ -6,7 +6,8 @@ from scipy.integrate import trapezoid
 from scipy.interpolate import RegularGridInterpolator
 
 from missionplan.errors import InputError
-from missionplan.phases.currents import Current, FieldCurrent, LayeredCurrent, SeriesCurrent, fill_gaps, layers
+from missionplan.phases.currents import Current, LayeredCurrent, layers
+from missionplan.phases.recorded_currents import FieldCurrent, SeriesCurrent, fill_gaps
 
 HERE = np.zeros((2, 1))
 RNG = np.random.default_rng(11)

@@ -1,6 +1,6 @@
 """Where the mission is: origin, depth, water and current."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Discriminator, PlainValidator, Tag, model_validator
 
@@ -54,9 +54,13 @@ class CurrentLayer(FileSection):
 
 
 class CurrentFile(FileSection):
-    """A current read from a CSV or CF NetCDF file."""
+    """A current read from a CSV or CF NetCDF file; `outside`: what is beyond its times, depths and places.
+
+    `error`: a trial that leaves the record fails; `hold`: the values at its end; `zero`: no current.
+    """
 
     file: str
+    outside: Literal["error", "hold", "zero"] = "error"
 
 
 def _current_tag(value: object) -> str:

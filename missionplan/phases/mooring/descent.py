@@ -223,7 +223,8 @@ def descend(
     drift = HorizontalDrift(current, position, t_start)
     drift.wait(release_time, np.zeros(trials), extra=surface_velocity)
     stages = descent_stages(dive, hooks, trials, step=step, drift=drift)
-    down = stages.lone.ended & stages.pull_down.ended
+    reaches_seafloor = over_trials(dive.line_length, trials) >= over_trials(dive.site_depth, trials)
+    down = stages.lone.ended & stages.pull_down.ended & ~reaches_seafloor  # a longer line leaves the vehicle afloat
     deepest = np.where(down, stages.coast.depth, stages.pull_down.depth)
     lowest = over_trials(dive.site_depth, trials) - deepest
     return DescentRecord(

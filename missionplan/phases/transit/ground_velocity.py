@@ -4,15 +4,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
+from missionplan.phases.currents import Span
 from missionplan.phases.hooks import Leg
 from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, VelocityError
 
 
 class GroundVelocity:
-    """Velocities over the ground during legs and surfacings, with the memory of effects that persist."""
+    """Velocities over the ground during legs and surfacings, with the memory of effects that persist.
 
-    def __init__(self, plan: TransitPlan, environment: Environment, normals: TransitNormals) -> None:
+    Attributes
+    ----------
+    outrun : array of bool, shape (n,)
+        Whether on some leg so far the drift was as fast as the vehicle.
+    left_record : array of bool, shape (n,)
+        Whether the trial has left what is known of the current.
+    """
+
+    def __init__(self, plan: TransitPlan, environment: Environment, normals: TransitNormals, trials: int) -> None:
         self._plan, self._environment, self._normals = plan, environment, normals
+        self.outrun, self.left_record = np.zeros(trials, dtype=bool), np.zeros(trials, dtype=bool)
         self._memory: list[Array | None] = [None] * len(environment.effects)
         self._mid_leg: Array | None = None
 
@@ -50,16 +60,34 @@ class GroundVelocity:
             persistent = persistent + carried + effect.velocity(leg)
         self._mid_leg = mid_leg
         velocity = velocity + plan.velocity_error.mean + persistent
+        drift = plan.velocity_error.mean + persistent
+        moving = length > 0.0
         if current is not None:
-            velocity = velocity + current.mean_velocity(t, duration, plan.depth, start, through)
+            carried = current.mean_velocity(t, duration, plan.depth, start, through)
+            velocity, drift = velocity + carried, drift + carried
+            end = start + through + velocity * duration
+            self.left_record |= moving & ~current.covers(Span(t, t + duration, plan.depth, (start, end)))
+        self.outrun |= moving & (np.hypot(*drift) >= plan.speed)
         return velocity
 
-    def at_surface(self, t: Array, position: Array) -> Array | float:
-        """Mean velocity of the drift while the vehicle is at the surface, shape (2, n); 0 in still water [m/s]."""
+    def at_surface(self, t: Array, position: Array, moving: Array | None = None) -> Array | float:
+        """Mean velocity of the drift while the vehicle is at the surface, shape (2, n); 0 in still water [m/s].
+
+        Parameters
+        ----------
+        t : array, shape (n,)
+            On surfacing [s].
+        position : array, shape (2, n)
+            [m]
+        moving : array, shape (n,), optional
+            0 for a trial that is not under way; default: all are.
+        """
         current, time = self._environment.current, self._plan.surfacing_time
         velocity: Array | float = 0.0
         if current is not None:
             velocity = current.mean_velocity(t, time, 0.0, position, np.zeros((2, 1)))
+            left = ~current.covers(Span(t, t + time, 0.0, (position, position + velocity * time)))
+            self.left_record |= left if moving is None else left & (moving > 0.0)
         lasting = np.broadcast_to(np.asarray(time, dtype=float), t.shape)
         for effect in self._environment.effects:
             velocity = velocity + effect.surface_velocity(t, lasting, position)
@@ -77,7 +105,9 @@ class GroundVelocity:
         """Select trials; for an environment without effects."""
         current = self._environment.current
         fewer = Environment(current.take(trials) if current else None, self._environment.compensation)
-        return GroundVelocity(plan, fewer, self._normals)
+        selected = GroundVelocity(plan, fewer, self._normals, trials.size)
+        selected.outrun, selected.left_record = self.outrun[trials], self.left_record[trials]
+        return selected
 
 
 def random_part(error: VelocityError, normals: Array) -> Array:

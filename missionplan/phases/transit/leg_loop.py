@@ -35,6 +35,8 @@ class FinalState(NamedTuple):
     position: Array
     fix: Array
     under_way: NDArray[np.bool_]
+    outrun: NDArray[np.bool_]
+    left_record: NDArray[np.bool_]
 
 
 class _Aim(NamedTuple):
@@ -53,7 +55,7 @@ class LegLoop:
         self, plan: TransitPlan, state: TrialState, normals: TransitNormals, environment: Environment, tracked: int
     ) -> None:
         self._plan, self._normals, self._compensation = plan, normals, environment.compensation
-        self._ground_velocity = GroundVelocity(plan, environment, normals)
+        self._ground_velocity = GroundVelocity(plan, environment, normals, state.trials)
         self._fix_sd = self._ground_velocity.fix_sd()
         self._has_fix_error = bool(np.any(self._fix_sd))
         self._is_still = environment.is_still
@@ -105,7 +107,10 @@ class LegLoop:
 
     def final_state(self) -> FinalState:
         """Return the final state of all trials of the block."""
-        now = FinalState(self._distance, self._surfacings, self._x, self._fix, self._far)
+        moved = self._ground_velocity
+        now = FinalState(
+            self._distance, self._surfacings, self._x, self._fix, self._far, moved.outrun, moved.left_record
+        )
         if self._done is None:
             return now
         for whole, part in zip(self._done, now, strict=True):
@@ -166,7 +171,7 @@ class LegLoop:
         elif not self._is_still and self._compensation is not None:
             surfaced = self._x.copy()
         if not self._is_still:
-            velocity = self._ground_velocity.at_surface(self._now(), self._x + self._goal)
+            velocity = self._ground_velocity.at_surface(self._now(), self._x + self._goal, self._moving)
             carried = velocity * self._plan.surfacing_time
             self._x += carried if self._moving is None else carried * self._moving
         if self._fix is self._x:

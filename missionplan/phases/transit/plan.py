@@ -203,6 +203,10 @@ class TransitRecord:
     energy : array
         [J]
     arrived : array of bool
+    outrun : array of bool
+        Whether on some leg the current, with the mean velocity error and the effects, was as fast as the vehicle.
+    left_record : array of bool
+        Whether the trial left the record of the current, but for those that could not stem the current.
     track : array, shape (2, m, k), or None
         True positions of the first k trials: the start, then for each leg where the vehicle surfaced and dived again;
         nan after arrival [m].
@@ -214,4 +218,6 @@ class TransitRecord:
     arrival_error: Array
     energy: Array
     arrived: NDArray[np.bool_]
+    outrun: NDArray[np.bool_]
+    left_record: NDArray[np.bool_]
     track: Array | None = field(default=None, repr=False)

@@ -50,7 +50,11 @@ def transit(
     under_way, at_surface = plan.time_under_way(end.distance, end.surfacings), end.surfacings * plan.surfacing_time
     energy = under_way * plan.power_under_way + at_surface * plan.power_at_surface
     energy += end.surfacings * plan.surfacing_energy
+    lost = end.left_record & ~(end.under_way & end.outrun)  # what cannot stem the current drifts off any record
+    current = environment.current if environment is not None else None
     arrived = state.alive & ~end.under_way
+    if current is not None and current.is_binding:
+        arrived &= ~lost
     record = TransitRecord(
         duration=under_way + at_surface,
         surfacings=end.surfacings,
@@ -58,6 +62,8 @@ def transit(
         arrival_error=np.sqrt(end.position[0] ** 2 + end.position[1] ** 2),
         energy=energy,
         arrived=arrived,
+        outrun=end.outrun,
+        left_record=lost,
         track=legs.track(),
     )
     goal = column(plan.goal)

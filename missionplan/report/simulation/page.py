@@ -1,6 +1,7 @@
 """Report of a simulated mission: will it work, what makes it fail, and what to measure better."""
 
 import math
+from collections.abc import Iterator, Mapping
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.report.geography.geojson import track_geojson
@@ -61,7 +62,26 @@ def _files(outcome: Outcome) -> dict[str, str]:
 
 def answer(outcome: Outcome) -> str:
     """Write how often the mission works, what fails it most, and how many requirements are met."""
-    return f"{_success_in_words(outcome)} {_requirements_in_words(outcome)}".strip()
+    parts = (_success_in_words(outcome), *_limits_in_words(outcome), _requirements_in_words(outcome))
+    return " ".join(part for part in parts if part)
+
+
+_LIMITS = {
+    "current_faster": "the current is faster than the vehicle",
+    "left_record": "the mission leaves the record of the current",
+}
+_BEYOND = {"hold": "; its last values are held there", "zero": "; no current is assumed there"}
+
+
+def _limits_in_words(outcome: Outcome) -> Iterator[str]:
+    """Write in which share of the trials the mission met a limit of the world."""
+    site = outcome.provenance.data.get("site")
+    current = site.get("current") if isinstance(site, Mapping) else None
+    outside = str(current.get("outside", "")) if isinstance(current, Mapping) else ""
+    for limit, share in outcome.limits.items():
+        if share.value > 0.0:
+            beyond = _BEYOND.get(outside, "; such trials fail") if limit == "left_record" else ""
+            yield f"In {_without_interval(share)} of the trials {_LIMITS[limit]}{beyond}."
 
 
 def _success_in_words(outcome: Outcome) -> str:

@@ -15,6 +15,11 @@ _FAILURES = {
     "struck the seafloor": "strikes on the seafloor",
     "did not surface": "vehicles that do not surface",
     "out of energy": "empty batteries",
+    "left the record of the current": "missions that leave the record of the current",
+    "current faster than the vehicle": "currents faster than the vehicle",
+    "ran aground": "vehicles that run aground",
+    "line and vehicle longer than the water is deep": "lines too long for the depth of the water",
+    "anchor too light to sink the vehicle": "anchors too light to sink the vehicle",
 }
 
 

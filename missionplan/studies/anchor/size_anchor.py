@@ -14,6 +14,7 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.dive_trials import AnchorTrials, ParallelOptions
 from missionplan.studies.anchor.sizing import AnchorSizer
+from missionplan.studies.simulation.record_cover import check_cover
 
 
 def size_anchor(
@@ -52,6 +53,7 @@ def size_anchor(
         raise InputError([Problem(f"given {probability:g}, expected between 0 and 1", key="--probability")])
     trials, seed = trials or mission.monte_carlo.trials, mission.monte_carlo.seed if seed is None else seed
     recorded = recorded_current(mission)
+    check_cover(mission, Scenario.at_means(mission, recorded))
     dives = AnchorTrials(mission, moor, recorded, trials, seed, ParallelOptions(jobs, backend, scheduler))
     sizer = AnchorSizer(moor, Scenario.at_means(mission, recorded), dives)
     try:

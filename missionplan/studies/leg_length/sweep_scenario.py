@@ -19,6 +19,7 @@ from missionplan.phases.transit.plan import Environment, TransitNormals, Transit
 from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.scenario.site_current import recorded_current
 from missionplan.scenario.transit_streams import deployed, transit_normals
+from missionplan.studies.simulation.record_cover import check_cover
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,7 @@ class SweepScenario:
         phase = checked.transit(mission.sweep.phase)
         start = _start(checked, phase)
         means = Scenario.at_means(mission, recorded_current(mission))
+        check_cover(mission, means)
         origin, goal = means.position(*start), means.position(phase.to, f"{phase.name}.to")
         distance = float(np.hypot(*(goal - origin)))
         if distance == 0.0:

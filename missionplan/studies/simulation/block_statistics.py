@@ -34,6 +34,8 @@ KEY_FIGURES = {
     "total": ("duration_s", "energy_wh", "success"),
 }
 """Quantities and events whose sensitivities are computed, by kind of phase."""
+LIMIT = "limit "
+"""How the names of counts begin that say how many trials met a limit of the world."""
 
 
 @dataclass(frozen=True)
@@ -133,6 +135,9 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
     for phase in trials.phases:
         quantities |= {f"{phase.name}.{name}": values for name, values in phase.quantities.items()}
         counts |= {f"{phase.name}.{name}": Count.of(happened) for name, happened in phase.events.items()}
+    for limit in sorted({limit for phase in trials.phases for limit in phase.limits}):
+        met = [phase.limits[limit] for phase in trials.phases if limit in phase.limits]
+        counts[f"{LIMIT}{limit}"] = Count.of(np.any(met, axis=0))
     quantities |= {f"{phase.name}.end": phase.end for phase in trials.phases[:-1]}
     counts |= {step: Count.of(lost) for step, lost in _failures_by_step(trials).items()}
     for index, requirement in enumerate(mission.requirements):

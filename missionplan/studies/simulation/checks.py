@@ -2,13 +2,11 @@
 
 import numpy as np
 
-from missionplan.arrays import Array
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import TransitPhase
 from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
-from missionplan.phases.currents import FieldCurrent, SeriesCurrent
 from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.vehicle_drag import range_notes
 from missionplan.scenario.anchor_weight import anchor_problem
@@ -39,53 +37,6 @@ def check_complete(mission: Mission) -> None:
 
 def _missing(mission: Mission, key: str, reason: str) -> Problem:
     return Problem(f"missing; {reason}", mission.file, key=key)
-
-
-def check_current(mission: Mission, means: Scenario) -> None:
-    """Refuse a field of currents that does not reach the mission, in place or in time.
-
-    Raises
-    ------
-    InputError
-        With the positions outside, or the record's time.
-    """
-    current = means.recorded
-    if not isinstance(current, FieldCurrent | SeriesCurrent):
-        return
-    problems = []
-    if current.time[-1] < 0.0 or current.time[0] > 0.0:
-        given = f"from {current.time[0]:.0f} s to {current.time[-1]:.0f} s of the mission's start"
-        problems.append(
-            Problem(f"the record lasts {given}: it does not hold the start", mission.file, key="site.current")
-        )
-    if isinstance(current, FieldCurrent):
-        problems += _places_outside(mission, means, current)
-    if problems:
-        raise InputError(problems)
-
-
-def _places_outside(mission: Mission, means: Scenario, field: FieldCurrent) -> list[Problem]:
-    """Ends of transits outside the field."""
-    problems = []
-    for name, place in _places(mission, means):
-        for value, axis, way in zip(place, (field.east_axis, field.north_axis), ("east", "north"), strict=True):
-            if not axis[0] <= value <= axis[-1]:
-                span = f"the field reaches from {axis[0]:.0f} m to {axis[-1]:.0f} m {way} of the origin"
-                problems.append(Problem(f"lies at {value:.0f} m; {span}", mission.file, key=name))
-    return problems
-
-
-def _places(mission: Mission, means: Scenario) -> list[tuple[str, Array]]:
-    """Ends of the transits by key path, shape (2,) each [m]."""
-    found = []
-    for phase in mission.transits:
-        ends = {"from": phase.start, "to": phase.to}
-        found += [
-            (f"{phase.name}.{key}", means.position(place, f"{phase.name}.{key}"))
-            for key, place in ends.items()
-            if place is not None
-        ]
-    return found
 
 
 def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
@@ -158,17 +109,12 @@ def _anchor_notices(mission: Mission, means: Scenario) -> list[str]:
     return found
 
 
-def run_notices(means: Scenario, merged: MergedBlocks, goal: Precision | None) -> tuple[str, ...]:
-    """Notices of the run: precision not reached, missions that outlast a record, failed blocks."""
+def run_notices(merged: MergedBlocks, goal: Precision | None) -> tuple[str, ...]:
+    """Notices of the run: precision not reached, failed blocks."""
     trials, failures = merged.totals.trials, len(merged.failures)
     found = []
     if goal is not None and not goal.is_reached(merged.totals):
         found.append(f"The precision asked for, {goal.text}, was not reached in {trials} trials.")
-    current = means.recorded
-    if isinstance(current, FieldCurrent | SeriesCurrent) and len(current.time) > 1:
-        end, latest = current.time[-1], float(merged.totals.statistics["total.duration_s"].moments.high)
-        if latest > end:
-            found.append(f"The record of the current ends after {end:.0f} s; the longest mission takes {latest:.0f} s.")
     if failures:
         how = "missionplan.studies.simulation.simulate.simulate_block(mission, seed=…, block=…) runs one alone"
         found.append(f"{failures} blocks of trials failed and are left out, see failed_blocks; {how}.")

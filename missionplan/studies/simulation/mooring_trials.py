@@ -1,21 +1,28 @@
 """A block of trials through a mooring, as `simulate` takes it."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.mission.schema.phases import MoorPhase
-from missionplan.phases.mooring.mooring import MoorRecord, moor
+from missionplan.phases.currents import Current, Span
+from missionplan.phases.mooring.mooring import MoorPlan, MoorRecord, moor
 from missionplan.phases.state import TrialState
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.scenario.mooring import moor_plan
-from missionplan.scenario.scenario import STILL_WATER
+from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.scenario.transit_streams import fix_normals
 from missionplan.studies.simulation.phase_trials import (
+    LEFT_RECORD,
     OUT_OF_ENERGY,
+    TOO_LIGHT,
+    TOO_SHALLOW,
     Flags,
     PhaseTrials,
     TrialBlock,
     end_exhausted,
+    limit_events,
     quantities_reached,
     where_reached,
 )
@@ -36,27 +43,36 @@ def mooring_trials(
         Of the transit before [m].
     """
     scenario, begun = block.scenario, state.alive
-    plan = moor_plan(scenario, phase)
+    plan, current = moor_plan(scenario, phase), scenario.current or STILL_WATER
+    shallow = begun & _is_too_shallow(scenario, plan)
     after, record = moor(
         plan,
-        state,
+        replace(state, alive=begun & ~shallow),
         fix_normals(f"{phase.name}.fix", block.seed, block.block, state.trials),
-        scenario.current or STILL_WATER,
+        current,
         effects=scenario.descent_effects,
         surface_effects=scenario.transit_effects,
     )
+    moored = begun & ~shallow & record.descent.touched_down
+    left = moored & ~_is_covered(plan, current, state, after, record)
+    lost = left & current.is_binding
+    after = replace(after, alive=after.alive & ~lost)
     continuing, exhausted = end_exhausted(after, scenario.capacity)
-    moored, ended = begun & record.descent.touched_down, after.alive & ~exhausted
+    moored, ended = moored & ~lost, after.alive & ~exhausted
     within, struck = moored & record.within_radius, moored & record.struck
     points = (record.anchor, record.surfaced_at, after.position)
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
-        quantities=_quantities(record, goal, begun, moored, after.alive, ended),
+        quantities=_quantities(record, goal, moored, after.alive, ended),
         events={"within_radius": within, "struck_seafloor": struck},
+        limits=limit_events(current, left_record=left),
         start=where_reached(begun, state.clock),
         end=where_reached(ended, after.clock),
         failures={
+            TOO_SHALLOW: shallow,
+            LEFT_RECORD: lost,
+            TOO_LIGHT: begun & ~moored & (record.descent.terminal_velocity <= 0.0),
             "anchor did not reach the seafloor": begun & ~moored,
             "anchor outside the radius": moored & ~within,
             "struck the seafloor": struck,
@@ -73,16 +89,33 @@ def mooring_trials(
     return continuing, found
 
 
-def _quantities(
-    record: MoorRecord, goal: Array, begun: Flags, moored: Flags, surfaced: Flags, ended: Flags
-) -> dict[str, Array]:
+def _is_too_shallow(scenario: Scenario, plan: MoorPlan) -> Flags:
+    """Whether the anchor lies on the seafloor before line and vehicle are under water, shape broadcasting to (n,)."""
+    return np.atleast_1d(plan.dive.line_length + scenario["vehicle.hull.length"] >= plan.dive.site_depth)
+
+
+def _is_covered(plan: MoorPlan, current: Current, before: TrialState, after: TrialState, record: MoorRecord) -> Flags:
+    """Whether the current was known on the way down and on the way up, shape broadcasting to (n,).
+
+    Nothing is asked of it during the hold.
+    """
+    depth, descent = plan.dive.site_depth, record.descent
+    down = before.clock + descent.release_time + descent.descent_time
+    up = before.clock + record.duration
+    rising = up - plan.surfacing_time - record.ascent_time
+    covered = current.covers(Span(before.clock, down, depth, (before.position, record.anchor)))
+    surfaced = (record.anchor, record.surfaced_at, after.position)
+    return covered & (current.covers(Span(rising, up, depth, surfaced)) | ~record.surfaced)
+
+
+def _quantities(record: MoorRecord, goal: Array, moored: Flags, surfaced: Flags, ended: Flags) -> dict[str, Array]:
     descent, miss = record.descent, record.anchor - goal
     return quantities_reached(
         {
-            "release_time_s": (begun, descent.release_time),
-            "payout_time_s": (begun, descent.payout_time),
+            "release_time_s": (moored, descent.release_time),
+            "payout_time_s": (moored, descent.payout_time),
             "descent_time_s": (moored, descent.descent_time),
-            "terminal_velocity_m_s": (begun, descent.terminal_velocity),
+            "terminal_velocity_m_s": (moored, descent.terminal_velocity),
             "offset_m": (moored, record.offset_distance),
             "target_offset_m": (moored, np.hypot(miss[0], miss[1])),
             "lowest_altitude_m": (moored, descent.lowest_altitude),

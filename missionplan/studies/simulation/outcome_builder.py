@@ -22,8 +22,15 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
-from missionplan.studies.simulation.block_statistics import BlockStatistics, bound_of, requirement_key, with_prefix
+from missionplan.studies.simulation.block_statistics import (
+    LIMIT,
+    BlockStatistics,
+    bound_of,
+    requirement_key,
+    with_prefix,
+)
 from missionplan.studies.simulation.mission_trials import MapTracks
+from missionplan.studies.simulation.phase_trials import LIMIT_FAILURES
 
 INTEGER_QUANTITIES = ("surfacings",)
 """Quantities that are whole numbers."""
@@ -62,6 +69,7 @@ class OutcomeBuilder:
             total=self._phase("total", "total", clocks[0], clocks[-1]),
             requirements=self._requirements(),
             attrition=self._attrition(),
+            limits={name: count.probability() for name, count in with_prefix(self.totals.counts, LIMIT).items()},
             sensitivities=self._sensitivities(),
             tracks=simulation_tracks(self.mission, self.tracks),
             arrivals=self._sampled("miss:"),
@@ -110,7 +118,8 @@ class OutcomeBuilder:
     def _attrition(self) -> tuple[Attrition, ...]:
         steps, left, trials = [], self.totals.trials, self.totals.trials
         for step, count in self.totals.counts.items():
-            if ": " in step:
+            reason = step.rpartition(": ")[2]
+            if ": " in step and (count.successes or reason not in LIMIT_FAILURES):
                 left -= count.successes
                 steps.append(Attrition(step, count.probability(), Count(left, trials).probability()))
         return tuple(steps)

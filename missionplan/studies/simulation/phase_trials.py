@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
+from missionplan.phases.currents import Current
+from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.phases.state import TrialState
 from missionplan.scenario.scenario import Scenario
 
@@ -14,6 +16,13 @@ Flags = NDArray[np.bool_]
 
 OUT_OF_ENERGY = "out of energy"
 """Failure of every kind of phase."""
+LEFT_RECORD = "left the record of the current"
+OUTRUN = "current faster than the vehicle"
+AGROUND = "ran aground"
+TOO_SHALLOW = "line and vehicle longer than the water is deep"
+TOO_LIGHT = "anchor too light to sink the vehicle"
+LIMIT_FAILURES = (LEFT_RECORD, OUTRUN, AGROUND, TOO_SHALLOW, TOO_LIGHT)
+"""Failures where the world sets a limit: reported where some trial met it."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +58,9 @@ class PhaseTrials:
     quantities : mapping of str to array, shape (n,)
         By the names of `summary.json`.
     events : mapping of str to array of bool, shape (n,)
+    limits : mapping of str to array of bool, shape (n,)
+        Which trials met a current faster than the vehicle (``current_faster``), or left the record of it
+        (``left_record``), whether or not they failed; empty where neither can be.
     start, end : array, shape (n,)
         Since the mission's start [s].
     failures : mapping of str to array of bool, shape (n,)
@@ -71,6 +83,7 @@ class PhaseTrials:
     kind: str
     quantities: Mapping[str, Array]
     events: Mapping[str, Flags]
+    limits: Mapping[str, Flags]
     start: Array
     end: Array
     failures: Mapping[str, Flags]
@@ -80,6 +93,15 @@ class PhaseTrials:
     goal: Array
     radius: Scalars
     inputs: Mapping[str, Array]
+
+
+def limit_events(current: Current | None, **happened: Flags) -> dict[str, Flags]:
+    """Events of the limits of the current; `left_record` only where the current is a record."""
+    return {
+        name: values
+        for name, values in happened.items()
+        if name != "left_record" or isinstance(current, RecordedCurrent)
+    }
 
 
 def end_exhausted(state: TrialState, capacity: Scalars) -> tuple[TrialState, Flags]:

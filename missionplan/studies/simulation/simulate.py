@@ -15,11 +15,13 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_file, recorded_current
 from missionplan.store.checkpoints import Checkpoints, Identity
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence
+from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.block_task import BlockTask
-from missionplan.studies.simulation.checks import check_complete, check_current, input_notices, run_notices
+from missionplan.studies.simulation.checks import check_complete, input_notices, run_notices
 from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.precision import Precision
+from missionplan.studies.simulation.record_cover import check_cover, check_trials
 from missionplan.studies.simulation.trials_table import TrialsTable
 
 MAX_TRIALS = 10_000_000
@@ -73,7 +75,7 @@ def simulate(
     seed = mission.monte_carlo.seed if seed is None else seed
     goal = Precision.parse(precision, mission) if precision else None
     means = Scenario.at_means(mission, recorded_current(mission))
-    check_current(mission, means)
+    check_cover(mission, means)
     notices = input_notices(mission, means)
     task = BlockTask(means, seed, keep_trials)
     run = BlockSequence(
@@ -87,6 +89,8 @@ def simulate(
         yield from run_blocks(task, todo, jobs=jobs, backend=backend, scheduler=scheduler)
 
     merged = run.run(run_items, progress)
+    left = merged.totals.counts.get(f"{LIMIT}left_record")
+    check_trials(mission, means.recorded, left.probability() if left else None)
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
     provenance = Provenance(
@@ -98,7 +102,7 @@ def simulate(
         options=options,
         elapsed_s=time.perf_counter() - started,
         data=mission.raw,
-        notices=(*notices, *run_notices(means, merged, goal)),
+        notices=(*notices, *run_notices(merged, goal)),
     )
     table = run.table.parquet() if run.table else None
     return OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table).outcome(provenance)

@@ -1,21 +1,27 @@
 """A block of trials through a transit, as `simulate` takes it."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.mission.schema.phases import TransitPhase
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.ground_velocity import random_part
-from missionplan.phases.transit.plan import Normals, TransitNormals, TransitPlan, TransitRecord, column
+from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, TransitRecord, column
 from missionplan.phases.transit.transit import transit
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.scenario.transit_streams import transit_normals
 from missionplan.studies.simulation.phase_trials import (
+    AGROUND,
+    LEFT_RECORD,
     OUT_OF_ENERGY,
+    OUTRUN,
     Flags,
     PhaseTrials,
     TrialBlock,
     end_exhausted,
+    limit_events,
     where_reached,
 )
 
@@ -33,6 +39,8 @@ def transit_trials(block: TrialBlock, phase: TransitPhase, state: TrialState) ->
     scenario = block.scenario
     plan, normals = scenario.transit_plan(phase), transit_normals(scenario, phase, block.seed, block.block)
     environment = scenario.environment(phase)
+    aground = state.alive & np.atleast_1d(plan.depth >= scenario.get("site.depth", np.inf))
+    state = replace(state, alive=state.alive & ~aground)
     after, record = transit(plan, state, normals, environment, tracked=min(block.tracked, state.trials))
     continuing, exhausted = end_exhausted(after, scenario.capacity)
     goal, arrived = column(plan.goal), record.arrived & ~exhausted
@@ -41,9 +49,10 @@ def transit_trials(block: TrialBlock, phase: TransitPhase, state: TrialState) ->
         kind=phase.kind,
         quantities=_quantities(record, arrived),
         events={"arrived": arrived},
+        limits=_limits(state, record, environment),
         start=where_reached(state.alive, state.clock),
         end=where_reached(arrived, after.clock),
-        failures={"not arrived": state.alive & ~record.arrived, OUT_OF_ENERGY: exhausted},
+        failures=_failures(state, record, environment, aground) | {OUT_OF_ENERGY: exhausted},
         miss=where_reached(arrived, after.position - goal),
         track=np.empty((0, 2, 0)) if record.track is None else record.track.transpose(1, 0, 2),
         anchor=np.empty((2, 0)),
@@ -52,6 +61,25 @@ def transit_trials(block: TrialBlock, phase: TransitPhase, state: TrialState) ->
         inputs=_leg_inputs(plan, normals, state, record, goal) if block.inputs else {},
     )
     return continuing, found
+
+
+def _limits(state: TrialState, record: TransitRecord, environment: Environment) -> dict[str, Flags]:
+    """Which trials meet the limits of the current, where there is one."""
+    if environment.is_still:
+        return {}
+    left, outrun = state.alive & record.left_record, state.alive & record.outrun
+    return limit_events(environment.current, current_faster=outrun, left_record=left)
+
+
+def _failures(state: TrialState, record: TransitRecord, environment: Environment, aground: Flags) -> dict[str, Flags]:
+    """Which trials fail, by the reason; the last holds all that did not arrive."""
+    missed, current = state.alive & ~record.arrived, environment.current
+    failures = {AGROUND: aground}
+    if current is not None and current.is_binding:
+        failures[LEFT_RECORD] = missed & record.left_record
+    if not environment.is_still:
+        failures[OUTRUN] = missed & record.outrun
+    return failures | {"not arrived": missed}
 
 
 def _quantities(record: TransitRecord, arrived: Flags) -> dict[str, Array]:

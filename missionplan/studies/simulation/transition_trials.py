@@ -57,6 +57,7 @@ def transition_trials(block: TrialBlock, phase: TransitionPhase, state: TrialSta
         name=phase.name,
         kind=phase.kind,
         quantities=quantities_reached(quantities),
+        limits={},
         events={"hovering": hovering},
         start=where_reached(state.alive, state.clock),
         end=where_reached(hovering, after.clock),

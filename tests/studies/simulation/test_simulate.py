@@ -210,10 +210,15 @@ def test_a_battery_that_runs_out_ends_the_mission_there(tmp_path):
 
 
 def test_an_anchor_that_cannot_pull_the_vehicle_down(tmp_path):
-    changes = {"phases.1.moor.anchor_wet_weight": "0.5 N", "vehicle.anchor.flooded_mass": "2.5 kg"}
-    found = simulate(chesapeake(tmp_path, changes), trials=200)
-    assert {step.step: step.lost.value for step in found.attrition}["moor: anchor did not reach the seafloor"] == 1.0
-    assert found.phases[2].quantities["duration_s"].count == 0
+    weight = {"choices": ["0.5 N", "11.8 N"]}
+    changes = {"phases.1.moor.anchor_wet_weight": weight, "vehicle.anchor.flooded_mass": "2.5 kg"}
+    mission = chesapeake(tmp_path, changes)
+    found = simulate(mission, trials=200)
+    lost = {step.step: step.lost.value for step in found.attrition}["moor: anchor too light to sink the vehicle"]
+    assert 0.4 < lost < 0.6
+    assert found.phases[1].quantities["terminal_velocity_m_s"].count == round(200 * (1.0 - lost))
+    with pytest.raises(InputError, match=r"0\.5 N cannot sink a vehicle of 0\.8896 N"):
+        chesapeake(tmp_path, changes | {"phases.1.moor.anchor_wet_weight": "0.5 N"})
 
 
 def test_requirements_may_be_undecided(tmp_path):

@@ -7,6 +7,7 @@ import pytest
 from simulate_missions import EXACT, chesapeake
 
 from missionplan.errors import InputError
+from missionplan.report.simulation.page import answer
 from missionplan.scenario.mooring import dive_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
@@ -168,10 +169,49 @@ def test_a_field_that_does_not_reach_the_mission_is_refused(tmp_path):
         simulate(late, trials=10)
 
 
-def test_a_record_that_ends_early_is_reported(tmp_path):
+def test_a_record_that_ends_before_the_nominal_mission_is_refused_with_the_remedy(tmp_path):
     short = chesapeake(tmp_path, STEADY | csv(tmp_path, steady, times=(0, 1800)))
-    found = simulate(short, trials=10)
-    assert any("record of the current ends after 1800 s" in notice for notice in found.provenance.notices)
+    with pytest.raises(InputError, match=r"0 s to 1800 s .*the nominal mission takes \d{4} s .*outside: hold"):
+        simulate(short, trials=10)
+
+
+def test_a_record_that_some_trials_outlast_fails_them_or_the_run(tmp_path):
+    slow = {"phases.1.moor.galvanic_release": {"choices": ["10 min"] * 999 + ["8 h"]}}
+    found = simulate(chesapeake(tmp_path, STEADY | csv(tmp_path, steady) | slow), trials=4000)
+    steps = {step.step: step.lost.value for step in found.attrition}
+    share = steps["moor: left the record of the current"]
+    assert share == found.limits["left_record"].value == pytest.approx(0.001, abs=0.001)
+    assert found.phases[2].quantities["duration_s"].p95 < 1e4
+    often = {"phases.1.moor.galvanic_release": {"choices": ["10 min"] * 19 + ["8 h"]}}
+    with pytest.raises(InputError, match=r"% of the trials leave the record .*at most 1 % may .*outside: hold"):
+        simulate(chesapeake(tmp_path, STEADY | csv(tmp_path, steady) | often), trials=400)
+
+
+@pytest.mark.parametrize("outside", ["hold", "zero"])
+def test_a_short_record_may_be_held_or_taken_as_no_current_and_the_share_is_said(tmp_path, outside):
+    changes = STEADY | csv(tmp_path, steady, times=(0, 600))
+    changes["site.current"] |= {"outside": outside}
+    mission = chesapeake(tmp_path, changes)
+    found = simulate(mission, trials=20)
+    assert found.limits["left_record"].value == 1.0
+    assert "In 100\u00a0% of the trials the mission leaves the record of the current" in answer(found)
+    offset = found.phases[1].quantities["offset_m"].mean  # the dive is after the record's end
+    assert (offset < 1e-6) == (outside == "zero")
+
+
+def test_a_record_that_is_not_deep_enough_is_refused(tmp_path):
+    shallow = chesapeake(tmp_path, STEADY | csv(tmp_path, steady, depths=(0.0, 4.0)))
+    with pytest.raises(InputError, match=r"the nominal moor leaves the record, .* down to 9 m"):
+        simulate(shallow, trials=10)
+
+
+@pytest.mark.parametrize(("west", "east"), [(179.8, 180.2), (-180.3, -179.7), (0.0, 359.0)])
+def test_a_field_may_cross_the_date_line_or_be_global(tmp_path, west, east):
+    origin = {"latitude": "37.25 deg", "longitude": "179.99 deg"}
+    changes = STEADY | netcdf(tmp_path, steady, longitudes=(west, east)) | {"site.origin": origin}
+    current = recorded_current(chesapeake(tmp_path, changes))
+    assert (np.diff(current.east_axis) > 0.0).all()
+    assert current.east_axis[0] < -1700.0 < 1700.0 < current.east_axis[-1]
 
 
 def test_without_layers_the_anchor_is_sized_for_one_design_current(tmp_path):

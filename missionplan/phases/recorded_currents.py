@@ -1,0 +1,189 @@
+"""Currents from records: a series against time and depth, a field against time, depth and place.
+
+Beyond a record's times, depths and places its value at the end is held, or there is no current, as `outside` says;
+`covers` tells which trials stay within it.
+"""
+
+import itertools
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+from typing_extensions import override
+
+from missionplan.arrays import Array, Scalars
+from missionplan.errors import InputError
+from missionplan.phases.currents import Current, Span
+
+Outside = Literal["error", "hold", "zero"]
+"""Beyond a record: held, and the trial fails; held; or no current."""
+
+DEPTH_MARGIN = 5.0
+DEPTH_SHARE = 0.2
+"""By which a record is good above and below its depths: 5 m, or this share of its depth. An acoustic profiler loses
+the lowest 6 to 15 % to side lobes, and the top few metres."""
+
+
+@dataclass(frozen=True)
+class RecordedCurrent(Current):
+    """A current that is known at some times and depths.
+
+    Attributes
+    ----------
+    time, depth : array, shapes (k,) and (m,)
+        Increasing [s since the mission's start, m].
+    outside : 'error', 'hold' or 'zero'
+        What is beyond the record.
+    """
+
+    time: Array
+    depth: Array
+    outside: Outside = field(default="hold", kw_only=True)
+
+    @property
+    @override
+    def is_binding(self) -> bool:
+        return self.outside == "error"
+
+    @override
+    def covers(self, span: Span) -> NDArray[np.bool_]:
+        low, high = self.depths_covered
+        in_time = (self.time[0] <= np.asarray(span.start)) & (np.asarray(span.end) <= self.time[-1])
+        return np.atleast_1d(in_time & (low <= np.asarray(span.depth)) & (np.asarray(span.depth) <= high))
+
+    @property
+    def depths_covered(self) -> tuple[float, float]:
+        """Least and greatest depth at which the record is good [m]."""
+        margins = np.maximum(DEPTH_MARGIN, DEPTH_SHARE * self.depth[[0, -1]])
+        return float(self.depth[0] - margins[0]), float(self.depth[-1] + margins[1])
+
+    def _known(self, t: Scalars, depth: Scalars, position: Array) -> Array | float:
+        """Factor on a velocity: 0 where there is none beyond the record, else 1."""
+        if self.outside != "zero":
+            return 1.0
+        return self.covers(Span(t, t, depth, (position,))).astype(float)
+
+
+@dataclass(frozen=True)
+class SeriesCurrent(RecordedCurrent):
+    """A current against time and depth, linear in both between the samples.
+
+    Attributes
+    ----------
+    east, north : array, shape (k, m)
+        [m/s]
+    """
+
+    east: Array
+    north: Array
+
+    @override
+    def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
+        inside = _interpolated((self.time, self.depth), np.stack((self.east, self.north)), (t, depth))
+        return inside * self._known(t, depth, position)
+
+    @override
+    def mean_velocity(self, t: Scalars, duration: Scalars, depth: Scalars, start: Array, through: Array) -> Array:
+        lasting = np.asarray(duration) > 0.0
+        seconds = np.where(lasting, duration, 1.0)
+        mean = (self._travel(t + seconds, depth) - self._travel(t, depth)) / seconds
+        mean = mean * self._known(self.time[0], depth, start)
+        return np.where(lasting, mean, self.velocity(t, depth, start))
+
+    def _travel(self, t: Scalars, depth: Scalars) -> Array:
+        """Integral of the velocity from the first sample to `t`, exact for the piecewise linear series [m]."""
+        values = np.stack((self.east, self.north))
+        steps = 0.5 * (values[:, 1:] + values[:, :-1]) * np.diff(self.time)[:, None]
+        travelled = np.concatenate((np.zeros((2, 1, len(self.depth))), np.cumsum(steps, axis=1)), axis=1)
+        held = np.clip(t, self.time[0], self.time[-1])
+        before, _, _ = _bracket(self.time, held)
+        nodes = np.arange(len(self.time), dtype=float)
+        to_node = _interpolated((nodes, self.depth), travelled, (before.astype(float), depth))
+        start, end = (self.velocity(moment, depth, np.zeros((2, 1))) for moment in (self.time[before], held))
+        inside = to_node + 0.5 * (start + end) * (held - self.time[before])
+        return inside if self.outside == "zero" else inside + end * (t - held)
+
+
+@dataclass(frozen=True)
+class FieldCurrent(RecordedCurrent):
+    """A current against time, depth and place, linear in each between the nodes; without nan, see `fill_gaps`.
+
+    Attributes
+    ----------
+    north_axis, east_axis : array
+        Increasing [m].
+    east, north : array, shape (time, depth, north, east)
+        [m/s]
+    """
+
+    north_axis: Array
+    east_axis: Array
+    east: Array
+    north: Array
+
+    @override
+    def covers(self, span: Span) -> NDArray[np.bool_]:
+        inside = super().covers(span)
+        for east, north in span.places:
+            for value, axis in ((east, self.east_axis), (north, self.north_axis)):
+                inside = inside & (axis[0] <= value) & (value <= axis[-1])
+        return inside
+
+    @override
+    def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
+        axes = (self.time, self.depth, self.north_axis, self.east_axis)
+        inside = _interpolated(axes, np.stack((self.east, self.north)), (t, depth, position[1], position[0]))
+        return inside * self._known(t, depth, position)
+
+
+def fill_gaps(values: Array) -> Array:
+    """Fill nodes without a value (land, below the seafloor) from the nearest node that has one, time by time.
+
+    A step in depth counts as a hundredth of a horizontal one, so that nodes below the seafloor take the value above.
+
+    Parameters
+    ----------
+    values : array, shape (time, depth, north, east)
+        nan where there is no value.
+
+    Raises
+    ------
+    InputError
+        When there is no value at all at some time.
+    """
+    result = np.array(values, dtype=float)
+    for at_one_time in result:
+        missing = np.isnan(at_one_time)
+        if missing.all():
+            raise InputError("the current field has a time without any value")
+        if missing.any():
+            nearest = distance_transform_edt(
+                missing, sampling=(0.01, 1.0, 1.0), return_distances=False, return_indices=True
+            )
+            at_one_time[...] = at_one_time[tuple(nearest)]
+    return result
+
+
+def _bracket(axis: Array, x: Scalars) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    """Find the nodes on either side of `x`, which is held at the axis' ends, and the weight of the second."""
+    held = np.clip(x, axis[0], axis[-1])
+    low = np.clip(np.searchsorted(axis, held, side="right") - 1, 0, max(len(axis) - 2, 0))
+    high = np.minimum(low + 1, len(axis) - 1)
+    width = np.where(high > low, axis[high] - axis[low], 1.0)
+    return np.asarray(low), np.asarray(high), (held - axis[low]) / width
+
+
+def _interpolated(axes: tuple[Array, ...], values: Array, point: tuple[Scalars, ...]) -> Array:
+    """Interpolate linearly in every axis; `values` has shape (2, axis, ...); returns (2, n), or (2, 1) at one point."""
+    brackets = [_bracket(axis, x) for axis, x in zip(axes, point, strict=True)]
+    total: Array = np.zeros((2, 1))
+    for corner in itertools.product((0, 1), repeat=len(axes)):
+        weight: Array = np.ones(1)
+        for (_, _, share), side in zip(brackets, corner, strict=True):
+            weight = weight * (share if side else 1.0 - share)
+        nodes = np.broadcast_arrays(*(bracket[side] for bracket, side in zip(brackets, corner, strict=True)))
+        at = tuple(np.atleast_1d(node) for node in nodes)
+        total = total + np.stack([component[at] for component in values]) * weight
+    return total

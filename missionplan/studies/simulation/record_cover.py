@@ -1,0 +1,120 @@
+"""Whether a record of the current covers the mission: the nominal one before a run, the trials after it."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.errors import InputError, MissionplanError, Problem
+from missionplan.mission import Mission
+from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
+from missionplan.montecarlo.statistics import Probability
+from missionplan.phases.recorded_currents import FieldCurrent, RecordedCurrent
+from missionplan.scenario.scenario import Scenario
+from missionplan.studies.simulation.phase_trials import PhaseTrials
+from missionplan.studies.simulation.trial_block import run_block
+
+TOLERATED = 0.01
+"""Share of the trials that may leave the record."""
+REMEDY = "take a longer or wider record, or say site.current.outside: hold (or zero)"
+
+
+def check_cover(mission: Mission, means: Scenario) -> None:
+    """Refuse a record of the current that does not cover the nominal mission in time, depth and place.
+
+    Parameters
+    ----------
+    mission : Mission
+    means : Scenario
+        At the means, with the record.
+
+    Raises
+    ------
+    InputError
+        With the positions outside, and what the record lacks.
+    """
+    current = means.recorded
+    if not isinstance(current, RecordedCurrent):
+        return
+    problems = list(_outside_in_place(mission, means, current))
+    lasts = f"the record lasts from {current.time[0]:.0f} s to {current.time[-1]:.0f} s of the mission's start"
+    if current.is_binding and (current.time[-1] < 0.0 or current.time[0] > 0.0):
+        problems.append(_problem(mission, f"{lasts}: it does not hold the start"))
+    elif current.is_binding and not problems:
+        problems += _nominal(mission, means, current, lasts)
+    if problems:
+        raise InputError(problems)
+
+
+def check_trials(mission: Mission, current: object, left: Probability | None) -> None:
+    """Refuse a run of which more than 1 % of the trials left the record of the current.
+
+    Raises
+    ------
+    InputError
+        With the remedy.
+    """
+    if not isinstance(current, RecordedCurrent) or not current.is_binding or left is None:
+        return
+    if left.value > TOLERATED:
+        share = f"{100.0 * left.value:.3g} % of the trials leave the record of the current"
+        message = f"{share}, which {_extent(current)}; at most {100.0 * TOLERATED:g} % may"
+        raise InputError([_problem(mission, message)])
+
+
+def _nominal(mission: Mission, means: Scenario, current: RecordedCurrent, lasts: str) -> list[Problem]:
+    """Run the mission once at its means, with the record's ends held, and see which phases leave it."""
+    held = replace(means, recorded=replace(current, outside="hold"))
+    try:
+        phases = run_block(held, mission.monte_carlo.seed, 0, 1, inputs=False).phases if _is_complete(mission) else ()
+    except (MissionplanError, ArithmeticError):
+        return []  # said by whoever runs the mission
+    outside = [phase for phase in phases if np.any(phase.limits.get("left_record", False))]
+    if not outside:
+        return []
+    ends = [float(phase.end[0]) for phase in phases if np.isfinite(phase.end[0])]
+    if ends and ends[-1] > current.time[-1]:
+        message = f"{lasts}; the nominal mission takes {ends[-1]:.0f} s"
+    else:
+        message = f"the nominal {_names(outside)} leaves the record, which {_extent(current)}"
+    return [_problem(mission, message)]
+
+
+def _names(phases: list[PhaseTrials]) -> str:
+    return " and ".join(phase.name for phase in phases)
+
+
+def _is_complete(mission: Mission) -> bool:
+    missing = missing_for_transits(mission) if mission.transits else []
+    missing += missing_for_moorings(mission) if mission.moors else []
+    missing += missing_for_transitions(mission) if mission.transitions else []
+    return bool(mission.phases) and not missing
+
+
+def _extent(current: RecordedCurrent) -> str:
+    low, high = current.depths_covered
+    words = f"lasts from {current.time[0]:.0f} s to {current.time[-1]:.0f} s and is good down to {high:.4g} m"
+    return words if low <= 0.0 else f"{words}, from {low:.4g} m"
+
+
+def _problem(mission: Mission, message: str) -> Problem:
+    return Problem(message, mission.file, key="site.current", hint=REMEDY)
+
+
+def _outside_in_place(mission: Mission, means: Scenario, current: RecordedCurrent) -> Iterator[Problem]:
+    """Positions of the mission beyond a field that must hold them."""
+    if not isinstance(current, FieldCurrent) or not current.is_binding:
+        return
+    for name, place in _places(mission, means):
+        for value, axis, way in zip(place, (current.east_axis, current.north_axis), ("east", "north"), strict=True):
+            if not axis[0] <= value <= axis[-1]:
+                span = f"the field reaches from {axis[0]:.0f} m to {axis[-1]:.0f} m {way} of the origin"
+                yield Problem(f"lies at {value:.0f} m; {span}", mission.file, key=name, hint=REMEDY)
+
+
+def _places(mission: Mission, means: Scenario) -> Iterator[tuple[str, Array]]:
+    for phase in mission.transits:
+        for key, place in (("from", phase.start), ("to", phase.to)):
+            if place is not None:
+                yield f"{phase.name}.{key}", means.position(place, f"{phase.name}.{key}")
