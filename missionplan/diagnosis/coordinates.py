@@ -19,7 +19,7 @@ from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.results.evidence import Causes, ParameterEstimate
 
 LOWER, UPPER = 0.05, 0.95
-"""Ends of the intervals that are reported."""
+"""Probabilities at the ends of the reported intervals."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Coordinate:
     effect, name : str
         Effect and parameter (of a polar pair: the amplitude).
     kind : str
-        How it relates to the parameter.
+        Its relation to the parameter: the parameter itself, its logarithm, or one of a·cos φ and a·sin φ.
     centre, slab, spike : float
         Prior mean, and prior standard deviation as a cause and otherwise; a shape has no spike.
     """
@@ -45,7 +45,7 @@ class Coordinate:
 
 
 def coordinates_of(info: EffectInfo, names: Iterable[str] | None = None) -> tuple[Coordinate, ...]:
-    """Coordinates of an effect.
+    """Return the coordinates of an effect.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def coordinates_of(info: EffectInfo, names: Iterable[str] | None = None) -> tupl
 def parameters_from(
     coordinates: Sequence[Coordinate], values: Sequence[Scalars] | Array
 ) -> dict[str, dict[str, Scalars]]:
-    """Turn coordinates into parameters: effect → name → value; shapes of the values are kept."""
+    """Convert coordinates to parameters: effect → name → value, of the shapes of `values`."""
     result: dict[str, dict[str, Scalars]] = {}
     cosines: dict[tuple[str, str], Scalars] = {}
     for coordinate, value in zip(coordinates, values, strict=True):
@@ -99,14 +99,15 @@ def _phase_of(coordinate: Coordinate) -> str:
 
 
 def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array) -> tuple[ParameterEstimate, ...]:
-    """Values, standard deviations and 90 % intervals of the parameters from a normal posterior of the coordinates.
+    """Return parameters with standard deviations and 90 % intervals, from a normal posterior of the coordinates.
 
-    An amplitude and its phase by linear propagation; an interval ends where the parameter's range does.
+    An amplitude and its phase by linear propagation of errors (the delta method); intervals are clipped to the
+    parameter's range.
 
     Parameters
     ----------
     coordinates : sequence of Coordinate, length k
-        What was fitted.
+        The fitted ones.
     mean : array, shape (k,)
         Posterior mean.
     covariance : array, shape (k, k)
@@ -156,9 +157,9 @@ def has_shape(causes: Causes) -> bool:
 
 
 def is_possible(found: Iterable[ParameterEstimate]) -> bool:
-    """Whether every parameter lies in its physical range, or its interval still reaches into it.
+    """Whether every strength lies in its physical range, and every shape's 90 % interval overlaps it.
 
-    A strength of the wrong sign is not the effect: its value must lie inside; a shape's interval must touch the range.
+    A strength of the wrong sign is not the effect.
     """
     for estimate in found:
         parameter = CATALOGUE[estimate.effect].parameters[estimate.name]

@@ -1,4 +1,4 @@
-"""The remainder speaks when something smooth is left, and seldom otherwise."""
+"""A discrepancy is significant when something smooth is left, and seldom otherwise."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def test_white_residuals_leave_nothing():
     assert np.mean(alarms) <= 0.07
 
 
-def test_a_smooth_remainder_is_found_on_its_axis():
+def test_a_smooth_discrepancy_is_found_on_its_axis():
     rng = np.random.default_rng(3)
     found = discrepancy(residuals(rng.normal(size=N) + 2.0 * np.sin(np.linspace(0.0, 9.0, N))))
     assert found.significant
@@ -40,7 +40,7 @@ def test_changing_spread_fails_a_residual_test():
 
 
 @pytest.mark.parametrize("period", [2, 4, 5])
-def test_the_beat_of_a_coarse_sensor_with_its_sampling_is_no_remainder(period):
+def test_the_beat_of_a_coarse_sensor_with_its_sampling_is_no_discrepancy(period):
     rng = np.random.default_rng(8)
     values = rng.normal(size=N) + 2.0 * np.cos(2.0 * np.pi * np.arange(N) / period)
     assert discrepancy(residuals(values)).significant
@@ -80,7 +80,7 @@ def test_a_response_that_builds_up_is_found_better_than_by_its_place():
     assert discrepancy(elsewhere).log_bayes_factor < discrepancy(found).log_bayes_factor - 3.0
 
 
-def test_the_shape_of_a_remainder_is_the_function_that_is_left():
+def test_the_shape_of_a_discrepancy_is_the_function_that_is_left():
     rng = np.random.default_rng(12)
     left = np.sin(np.linspace(0.0, 9.0, N))
     plain = pointwise("time", "values against time", np.linspace(0.0, 1.0, N)[:, None])
@@ -94,13 +94,13 @@ def test_the_shape_of_a_remainder_is_the_function_that_is_left():
     assert discrepancy(residuals(rng.normal(size=N), axis=axis)).shape is None
 
 
-def test_what_nothing_feels_is_no_remainder():
+def test_what_no_value_responds_to_is_no_discrepancy():
     axis = Axis("run", "drag", np.zeros((1, 1)), np.zeros((N, 1)))
     found = discrepancy(residuals(np.random.default_rng(13).normal(size=N), axis=axis))
     assert found.log_bayes_factor == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_remainder_is_told_against_noise_that_is_not_known():
+def test_a_discrepancy_is_judged_against_noise_that_is_not_known():
     """A noise that may be greater hides less than the greater noise alone: both sides are averaged over it."""
     rng = np.random.default_rng(8)
     values = rng.normal(size=N) + 1.5 * np.sin(np.linspace(0.0, 9.0, N))

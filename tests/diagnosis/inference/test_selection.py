@@ -15,7 +15,7 @@ DRAG, FLOODING, LIFT, CLOCK = "drag-bias", "slow-flooding", "stratification", "c
 
 
 class Written:
-    """A model whose sets have the evidence given, and -1 otherwise; a set in `impossible` is so till tried afresh."""
+    """A model whose sets have the evidence given, and -1 otherwise; a set in `impossible` is so until it is fitted from a fresh start."""
 
     def __init__(
         self,
@@ -73,19 +73,19 @@ def test_a_cause_alone_and_what_hardly_adds_to_it() -> None:
     assert all(len(candidate.causes) == 1 for candidate in found.ranking)
 
 
-def test_each_cause_beyond_the_first_is_paid_for() -> None:
+def test_each_cause_beyond_the_first_is_penalised() -> None:
     found = selected({(DRAG,): 20.0, (CLOCK,): 15.0, (DRAG, CLOCK): 50.0, (DRAG, CLOCK, LIFT): 70.0})
     assert found.ranking[0].causes == (DRAG, LIFT, CLOCK)
     assert found.ranking[0].score == 70.0 - 6.0
 
 
 @pytest.mark.parametrize(("share", "best"), [(0.02, (FLOODING, CLOCK)), (0.05, (FLOODING,))])
-def test_beside_a_caricature_a_further_cause_must_add_more(share: float, best: Causes) -> None:
+def test_beside_a_cause_of_uncertain_shape_a_further_one_must_add_more(share: float, best: Causes) -> None:
     found = selected({(FLOODING,): 100.0, (FLOODING, CLOCK): 104.0}, share=share)
     assert found.ranking[0].causes == best
 
 
-def test_causes_that_hide_each_other_are_sought_together() -> None:
+def test_causes_that_mask_each_other_are_fitted_together() -> None:
     found = selected({(LIFT, CLOCK): 30.0, (DRAG,): 8.0, (DRAG, LIFT): 8.5})
     assert found.ranking[0].causes == (LIFT, CLOCK)
 
@@ -97,7 +97,7 @@ def test_alternatives_are_never_together() -> None:
     assert frozenset({DRAG, CLOCK}) not in model.asked
 
 
-def test_a_pair_that_climbed_to_an_impossible_place_is_tried_afresh() -> None:
+def test_a_pair_whose_search_ended_at_an_impossible_fit_is_fitted_afresh() -> None:
     evidence = {(FLOODING,): 20.0, (LIFT,): 15.0, (FLOODING, LIFT): 60.0}
     found = selected(evidence, impossible={(FLOODING, LIFT): 55.0})
     assert found.ranking[0].causes == (FLOODING, LIFT)
