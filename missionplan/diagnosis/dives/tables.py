@@ -8,9 +8,12 @@ import pandas as pd
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.inference.model import CauseFit
 
+LEAST_SPEED = 0.05
+"""Speed below which a depth error is not converted to a delay with the speed itself [m/s]."""
+
 
 def descent_residuals(model: DescentModel, base: CauseFit, best: CauseFit) -> pd.DataFrame:
-    """One row a reading: depth, both models' depths, and what is left of each.
+    """Return one row a reading: depth, both models' depths, and what is left of each.
 
     An innovation is the error of predicting a reading from those before it, over its standard deviation.
     """
@@ -33,7 +36,7 @@ def descent_residuals(model: DescentModel, base: CauseFit, best: CauseFit) -> pd
 
 
 def descent_shares(model: DescentModel, base: CauseFit, fits: Sequence[CauseFit]) -> list[float]:
-    """Share of the squared residuals that goes with each set, by one call of the phase."""
+    """Return the share of the base model's squared residuals that goes with each set, by one call of the phase."""
     places = np.stack([fit.state.linear.at for fit in (base, *fits)], axis=1)
     left = (model.y[:, None] - model.forward.readings(model.coordinates, places)) / model.units[:, None]
     before, *after = (float(value) for value in np.sum(left**2, axis=0))
@@ -41,19 +44,23 @@ def descent_shares(model: DescentModel, base: CauseFit, fits: Sequence[CauseFit]
 
 
 def descent_misfit(table: pd.DataFrame) -> str:
-    """How late or early the vehicle is at the depth where the logs end, on the whole and at worst."""
-    late = []
-    for name, run in table.groupby("run", sort=False):
-        last = run.tail(max(3, len(run) // 10))
-        speed = float(np.polyfit(run["t_s"].tail(len(run) // 2), run["base_m"].tail(len(run) // 2), 1)[0])
-        late.append(
-            (float((-last["residual_base_m"]).mean()) / max(speed, 0.05), float(last["depth_m"].mean()), str(name))
-        )
-    mean_late, mean_depth = np.mean([entry[0] for entry in late]), np.mean([entry[1] for entry in late])
-    worst = max(late, key=lambda entry: abs(entry[0]))
-    word = "late" if mean_late > 0 else "early"
-    worst_word = "late" if worst[0] > 0 else "early"
+    """Describe how late or early the vehicle is at the depth where the logs end, on the mean and at worst."""
+    late = {str(name): _delay_at_end(run) for name, run in table.groupby("run", sort=False)}
+    mean_delay, mean_depth = (float(np.mean([entry[k] for entry in late.values()])) for k in (0, 1))
+    worst = max(late, key=lambda name: abs(late[name][0]))
+    delay, depth = late[worst]
     return (
-        f"The vehicle arrives {abs(mean_late):.1f} s {word} at {mean_depth:.0f} m on the mean of the dives; "
-        f"the farthest off is {worst[2]}, {abs(worst[0]):.1f} s {worst_word} at {worst[1]:.0f} m."
+        f"The vehicle arrives {abs(mean_delay):.1f} s {_late_or_early(mean_delay)} at {mean_depth:.0f} m on the mean "
+        f"of the dives; the farthest off is {worst}, {abs(delay):.1f} s {_late_or_early(delay)} at {depth:.0f} m."
     )
+
+
+def _delay_at_end(run: pd.DataFrame) -> tuple[float, float]:
+    """Delay of the vehicle against the base model over the last readings of a dive [s], and their mean depth [m]."""
+    last, half = run.tail(max(3, len(run) // 10)), run.tail(len(run) // 2)
+    speed = float(np.polyfit(half["t_s"], half["base_m"], 1)[0])
+    return float((-last["residual_base_m"]).mean()) / max(speed, LEAST_SPEED), float(last["depth_m"].mean())
+
+
+def _late_or_early(delay: float) -> str:
+    return "late" if delay > 0 else "early"

@@ -13,9 +13,10 @@ LEGS_TOGETHER = 32
 
 
 def transit_residuals(model: TransitModel, best: CauseFit) -> pd.DataFrame:
-    """One row a leg: velocity errors, what the mission expects, and the errors left with both models.
+    """Return one row a leg: velocity errors, what the mission expects, and the errors left with both models.
 
-    `residual_base` is data less mission; `residual_extended` the error of predicting the leg from those before it.
+    `residual_base` is data less the mission's expectation, `residual_extended` the error of predicting the leg from
+    those before it.
     """
     data = model.data
     heading = np.degrees(np.arctan2(*model.leg.along)) % 360.0
@@ -44,13 +45,13 @@ def transit_residuals(model: TransitModel, best: CauseFit) -> pd.DataFrame:
 
 
 def transit_share(model: TransitModel, fit: CauseFit) -> float:
-    """Share of the squared velocity errors that a set predicts a leg ahead."""
+    """Return the share of the squared velocity errors that a set predicts one leg ahead."""
     before = float(np.sum(model.y**2))
     return float(np.clip(1.0 - np.sum(model.one_step_errors(fit) ** 2) / max(before, 1e-30), 0.0, 1.0))
 
 
 def transit_misfit(model: TransitModel) -> str:
-    """How errors add up over many legs against what independent errors would give."""
+    """Describe how errors add up over many legs, beside independent errors of the mission's size."""
     count = min(LEGS_TOGETHER, model.data.n)
     moved = (model.axes @ model.y) * model.data.under_way
     sums = np.stack([moved[:, k : k + count].sum(axis=1) for k in range(model.data.n - count + 1)])

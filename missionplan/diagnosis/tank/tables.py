@@ -8,7 +8,7 @@ from missionplan.diagnosis.tank.model import TankModel
 
 
 def tank_residuals(model: TankModel, best: CauseFit) -> pd.DataFrame:
-    """One row a datum: where it lies, what was measured, both models' values, and what is left of each [SI]."""
+    """Return one row a datum: where it lies, what was measured, both models' values, and what is left of each [SI]."""
     places = {f"at_{name}": values for name, values in model.forward.axes.items()}
     measured = model.forward.y
     before = model.plain_residuals()
@@ -27,7 +27,7 @@ def tank_residuals(model: TankModel, best: CauseFit) -> pd.DataFrame:
 
 
 def tank_misfit(model: TankModel, table: pd.DataFrame) -> str:
-    """How far the base model is from the data, beside the sensor's noise."""
+    """Describe the base model's errors beside the sensor's noise."""
     rms = float(np.sqrt(np.mean(table["residual_base"] ** 2)))
     size = float(np.sqrt(np.mean(model.forward.y**2)))
     stated = f", {rms / float(np.median(model.forward.sd)):.1f} times the stated noise" if model.forward.stated else ""
@@ -39,6 +39,6 @@ UNITS = {"force_n": ("the drag", "N"), "displacement_m": ("the displacement", "m
 
 
 def tank_share(table: pd.DataFrame, fit: CauseFit) -> float:
-    """Share of the base model's squared residuals that goes with a set."""
+    """Return the share of the base model's squared residuals that goes with a set."""
     before, after = float(np.sum(table["residual_base"] ** 2)), float(np.sum(fit.state.residuals**2))
     return float(np.clip(1.0 - after / max(before, 1e-30), 0.0, 1.0))
