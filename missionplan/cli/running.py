@@ -22,6 +22,8 @@ Progress = Callable[[int, int], None] | None
 """Called by a study with (done, total); None where no progress is shown."""
 Study = Callable[["Mission", Progress], "Result"]
 """A study of a loaded mission."""
+_COLOURS = {"good": "green", "bad": "red", "undecided": "yellow"}
+"""Colour of the answer on a terminal, by verdict."""
 
 
 def run_study(path: Path, command: str, study: Study, output: OutputOptions, *, allow_outside: bool) -> None:
@@ -72,7 +74,8 @@ def _print_result(result: "Result") -> None:
 
     shown = terminal_view(result)
     console = Console(highlight=False)
-    console.print(f"[bold]{escape(shown.sentence)}[/bold]")
+    style = f"bold {_COLOURS.get(shown.verdict, '')}".strip()
+    console.print(f"[{style}]{escape(shown.sentence)}[/]")
     table = Table(box=None, pad_edge=False, header_style="dim")
     for index, column in enumerate(shown.columns):
         table.add_column(escape(column), justify="left" if index == 0 else "right", no_wrap=index > 0)

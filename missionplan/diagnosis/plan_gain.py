@@ -44,9 +44,10 @@ def plan_gain(choice: Choice, base: Mission, extended: Mapping[str, object], *, 
 
 
 def leg_length_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> PlanGain:
-    """Choose the maximum leg length of least cost."""
+    """Choose the maximum leg length that `sweep_dmax` recommends."""
     before, after = parallel_map(partial(_sweeps, seed), (base, extended), jobs=jobs)
-    return PlanGain(_leg_plan(before.best), _leg_plan(after.best), _leg_plan(after.points[before.best_index]))
+    kept = after.points[before.recommended_index]
+    return PlanGain(_leg_plan(before.recommended), _leg_plan(after.recommended), _leg_plan(kept))
 
 
 def _sweeps(seed: int, missions: Sequence[Mission]) -> list[SweepCurve]:

@@ -70,6 +70,17 @@ def percent(probability: Probability) -> str:
     return f"{value:.{decimals}f}\u00a0% ({low:.{decimals}f} to {high:.{decimals}f}\u00a0%)"
 
 
+def share(probability: Probability) -> str:
+    """Write a probability without its interval, never rounded to certainty: ``76 %``."""
+    value, half = 100.0 * probability.value, 50.0 * (probability.high - probability.low)
+    if value in (0.0, 100.0) or not math.isfinite(value):
+        return f"{value:.0f}\u00a0%" if math.isfinite(value) else "–"
+    decimals = max(0, _decimals(half)) if half > 0.0 else 1
+    while float(f"{value:.{decimals}f}") in (0.0, 100.0):
+        decimals += 1
+    return f"{value:.{decimals}f}\u00a0%"
+
+
 def _towards(value: float, direction: int) -> str:
     """Round a bound outwards at the first digit of its distance from 0 or 100."""
     decimals = max(0, _decimals(min(value, 100.0 - value)))

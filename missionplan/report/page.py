@@ -111,11 +111,12 @@ class Page:
 
 @dataclass(frozen=True)
 class Terminal:
-    """A result for a terminal: a sentence and a compact table."""
+    """A result for a terminal: a sentence, a compact table, and the verdict of the page."""
 
     sentence: str
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
+    verdict: str = ""
 
 
 @contextmanager

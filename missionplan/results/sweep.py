@@ -11,6 +11,9 @@ import pandas as pd
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv
 
+USUAL_ARRIVAL = 0.99
+"""Probability of arriving that a d_max must have to be recommended where the mission requires none."""
+
 
 @dataclass(frozen=True)
 class SweepPoint:
@@ -74,7 +77,7 @@ class SweepPoint:
         return entry
 
     def cost_summary(self) -> dict[str, object]:
-        """Return the entry of ``summary.json`` for the best d_max and for one leg: the cost alone."""
+        """Return the entry of ``summary.json`` for a d_max of the curve or for one leg: the cost alone."""
         row = self.row()
         return {key: row[key] for key in ("d_max_m", "d_max_over_distance", "cost", "standard_error")}
 
@@ -95,6 +98,8 @@ class SweepCurve:
         The naive choice: d_max equal to the whole distance.
     table : SweepPoint or None
         The transit's own table of legs, where it has one; its `d_max` is nan.
+    required_arrival : float
+        Probability of arriving that a d_max must have to be recommended: the mission's requirement on it.
     """
 
     sigma: float
@@ -102,11 +107,33 @@ class SweepCurve:
     best_index: int
     one_leg: SweepPoint
     table: SweepPoint | None = None
+    required_arrival: float = USUAL_ARRIVAL
 
     @property
     def best(self) -> SweepPoint:
         """The point of least cost."""
         return self.points[self.best_index]
+
+    @property
+    def recommended_index(self) -> int:
+        """Index of the point of least cost among those that arrive as often as required; else of the likeliest to."""
+        reaching = [index for index, point in enumerate(self.points) if self.reaches(point)]
+        if reaching:
+            return min(reaching, key=lambda index: self.points[index].cost)
+        return max(range(len(self.points)), key=lambda index: self._likeliest(self.points[index]))
+
+    @property
+    def recommended(self) -> SweepPoint:
+        """The point to choose."""
+        return self.points[self.recommended_index]
+
+    def reaches(self, point: SweepPoint) -> bool:
+        """Whether a plan arrives as often as required."""
+        return point.arrived.value >= self.required_arrival
+
+    @staticmethod
+    def _likeliest(point: SweepPoint) -> tuple[float, float]:
+        return point.arrived.value, -point.cost if np.isfinite(point.cost) else -np.inf
 
     @property
     def as_good(self) -> tuple[SweepPoint, ...]:
@@ -157,9 +184,9 @@ class Sweep(Result):
         ratios = [point.d_max_over_distance for curve in self.curves for point in curve.points]
         return tuple(1.0 / a for a in range(1, int(1.0 / min(ratios)) + 1) if 1.0 / a <= max(ratios) + 1e-12)
 
-    def saving(self, curve: SweepCurve) -> float:
-        """Mean time that the best d_max saves against a single leg [s]."""
-        return (curve.one_leg.cost - curve.best.cost) * self.nominal_time
+    def saving(self, curve: SweepCurve, point: SweepPoint) -> float:
+        """Mean time that a d_max saves against a single leg [s]."""
+        return (curve.one_leg.cost - point.cost) * self.nominal_time
 
     def to_frame(self) -> pd.DataFrame:
         """One row per velocity error and d_max."""
@@ -187,9 +214,16 @@ class Sweep(Result):
             "sigma_m_s": curve.sigma,
             "curve": [point.summary() for point in curve.points],
             "best": curve.best.cost_summary(),
+            "recommended": {
+                **curve.recommended.cost_summary(),
+                "arrived": curve.recommended.arrived.summary(),
+                "required_arrival": curve.required_arrival,
+                "reaches_required_arrival": curve.reaches(curve.recommended),
+                "saving_s": self.saving(curve, curve.recommended),
+            },
             "one_leg": curve.one_leg.cost_summary(),
             "as_good_as_best": [point.d_max for point in curve.as_good],
-            "saving_s": self.saving(curve),
+            "saving_s": self.saving(curve, curve.best),
             **({} if curve.table is None else {"table": _without_d_max(curve.table.summary())}),
         }
 

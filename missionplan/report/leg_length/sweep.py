@@ -4,7 +4,7 @@ import numpy as np
 
 from missionplan.report.display_units import Unit
 from missionplan.report.leg_length.sweep_figures import close_up_figure, cost_figure, surfacings_figure
-from missionplan.report.numbers import length_in_words, number, time_in_words, with_error
+from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Page, PageSection, Table, Terminal
 from missionplan.results.sweep import Sweep, SweepCurve
 
@@ -27,75 +27,106 @@ def page(sweep: Sweep) -> Page:
         figure=cost_figure(sweep),
         numbers=_numbers(sweep),
         sections=[
-            PageSection(_best_heading(sweep), [best_table(sweep), _as_good_in_words(sweep)]),
+            PageSection(_choice_heading(sweep), [choice_table(sweep), _as_good_in_words(sweep)]),
             *_table_section(sweep),
             *_arrival_section(sweep),
             PageSection("The cost jumps at each critical point", [_WHY_TEETH, close_up_figure(sweep, sweep.middle)]),
             PageSection(_surfacings_heading(sweep), [surfacings_figure(sweep), "The surfacing on arrival is counted."]),
             PageSection("The numbers behind the curves", [cost_table(sweep)]),
         ],
+        verdict=_verdict(sweep),
     )
 
 
 def terminal(sweep: Sweep) -> Terminal:
     """Build the terminal's view of a sweep."""
-    return Terminal(answer(sweep), *_best_rows(sweep))
+    return Terminal(answer(sweep), *_chosen_rows(sweep), verdict=_verdict(sweep))
 
 
 def answer(sweep: Sweep) -> str:
     """Write which d_max to choose and what it saves."""
     curve = sweep.middle
-    best, saved = curve.best, sweep.saving(curve)
-    if not np.isfinite(best.cost):
-        return f"With σ_v = {curve.sigma:g} m/s no plan of this sweep arrives."
-    choice = f"Choose d_max = {length_in_words(best.d_max)} for σ_v = {curve.sigma:g} m/s"
-    time = f"the transit then takes {time_in_words(sweep.nominal_time * (1.0 + best.cost))} on average"
+    chosen = curve.recommended
+    sigma, d_max = f"σ_v = {curve.sigma:g} m/s", length_in_words(chosen.d_max)
+    if not np.isfinite(chosen.cost):
+        return f"With {sigma} no plan of this sweep arrives."
+    time = time_in_words(sweep.nominal_time * (1.0 + chosen.cost))
+    if not curve.reaches(chosen):
+        return (
+            f"With {sigma} no d_max of this sweep arrives as often as {100.0 * curve.required_arrival:g}\u00a0%: the "
+            f"likeliest to arrive, {d_max}, does so in {share(chosen.arrived)} of the trials. The mean time of the "
+            f"{share(chosen.arrived)} that arrive is {time}."
+        )
+    if chosen.arrived.value < 1.0:
+        took = f"{share(chosen.arrived)} of the trials arrive, and the mean time of the {share(chosen.arrived)} that "
+        took += f"arrive is {time}"
+    else:
+        took = f"the transit then takes {time} on average"
+    return f"Choose d_max = {d_max} for {sigma}: {took}{_against_one_leg(sweep, curve)}."
+
+
+def _against_one_leg(sweep: Sweep, curve: SweepCurve) -> str:
+    """Write what the recommended d_max saves against a single leg, where both arrive as often as required."""
+    if not curve.reaches(curve.one_leg):
+        return f"; in one leg {share(curve.one_leg.arrived)} arrive"
+    saved = sweep.saving(curve, curve.recommended)
     if saved > 2.0 * _saving_error(sweep, curve):
-        return f"{choice}: {time}, {time_in_words(saved)} less than in one leg."
-    return f"{choice}: {time}; one leg does as well."
+        return f", {time_in_words(saved)} less than in one leg"
+    return "; one leg does as well"
+
+
+def _verdict(sweep: Sweep) -> str:
+    return "" if sweep.middle.reaches(sweep.middle.recommended) else "bad"
 
 
 def _numbers(sweep: Sweep) -> list[tuple[str, str]]:
     curve = sweep.middle
-    best = curve.best
+    chosen = curve.recommended
+    saved = with_error(sweep.saving(curve, chosen), _saving_error(sweep, curve), _MINUTES)
+    what = "Recommended d_max" if curve.reaches(chosen) else "d_max that is likeliest to arrive"
     return [
-        ("Best d_max", f"{length_in_words(best.d_max)} ({number(best.d_max_over_distance)} of the distance)"),
-        ("Mean cost at the best d_max", with_error(best.cost, best.standard_error, _PERCENT)),
-        ("Time saved against one leg", with_error(sweep.saving(curve), _saving_error(sweep, curve), _MINUTES)),
+        (what, f"{length_in_words(chosen.d_max)} ({number(chosen.d_max_over_distance)} of the distance)"),
+        ("Trials that arrive with it", percent(chosen.arrived)),
+        ("Mean cost of those that arrive", with_error(chosen.cost, chosen.standard_error, _PERCENT)),
+        *([("Time saved against one leg", saved)] if curve.reaches(curve.one_leg) else []),
     ]
 
 
 def _saving_error(sweep: Sweep, curve: SweepCurve) -> float:
-    return float(np.hypot(curve.one_leg.standard_error, curve.best.standard_error)) * sweep.nominal_time
+    return float(np.hypot(curve.one_leg.standard_error, curve.recommended.standard_error)) * sweep.nominal_time
 
 
-def _best_heading(sweep: Sweep) -> str:
-    ratios = sorted(curve.best.d_max_over_distance for curve in sweep.curves)
+def _choice_heading(sweep: Sweep) -> str:
+    ratios = sorted(curve.recommended.d_max_over_distance for curve in sweep.curves)
     low, high = f"{ratios[0]:.2f}", f"{ratios[-1]:.2f}"
+    if not all(curve.reaches(curve.recommended) for curve in sweep.curves):
+        return "Where no d_max arrives as often as required, the likeliest to arrive is shown"
     if low == high:
-        return f"The best d_max is {low} of the distance"
-    return f"The best d_max lies between {low} and {high} of the distance, depending on the velocity error"
+        return f"The recommended d_max is {low} of the distance"
+    return f"The recommended d_max lies between {low} and {high} of the distance, depending on the velocity error"
 
 
-def best_table(sweep: Sweep) -> Table:
-    """Tabulate the best d_max of each velocity error."""
+def choice_table(sweep: Sweep) -> Table:
+    """Tabulate the recommended d_max of each velocity error."""
     caption = (
         f"Nominal time {time_in_words(sweep.nominal_time)} over {length_in_words(sweep.distance)} at "
-        f"{sweep.speed:g} m/s."
+        f"{sweep.speed:g} m/s. Recommended is the d_max of least cost among those at which "
+        f"{100.0 * sweep.middle.required_arrival:g} % of the trials arrive. Costs are of those that arrive."
     )
-    return Table(*_best_rows(sweep), caption=caption)
+    return Table(*_chosen_rows(sweep), caption=caption)
 
 
-def _best_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
-    columns = ["σ_v (m/s)", "Best d_max", "of distance", "Mean cost (%)", "One leg (%)", "Saved (min)"]
+def _chosen_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
+    columns = ["σ_v (m/s)", "d_max", "of distance", "Arrive", "Mean cost (%)", "One leg (%)", "Saved (min)"]
     rows = [
         [
             f"{curve.sigma:g}",
-            length_in_words(curve.best.d_max),
-            f"{curve.best.d_max_over_distance:.3f}",
-            _without_unit(curve.best.cost, curve.best.standard_error, _PERCENT),
+            length_in_words(curve.recommended.d_max),
+            f"{curve.recommended.d_max_over_distance:.3f}",
+            share(curve.recommended.arrived),
+            _without_unit(curve.recommended.cost, curve.recommended.standard_error, _PERCENT),
             _without_unit(curve.one_leg.cost, curve.one_leg.standard_error, _PERCENT),
-            _without_unit(sweep.saving(curve), _saving_error(sweep, curve), _MINUTES),
+            _without_unit(sweep.saving(curve, curve.recommended), _saving_error(sweep, curve), _MINUTES),
         ]
         for curve in sweep.curves
     ]
@@ -158,8 +189,8 @@ def _arrival_section(sweep: Sweep) -> list[PageSection]:
 def _surfacings_heading(sweep: Sweep) -> str:
     curve = sweep.middle
     return (
-        f"With the best d_max for σ_v = {curve.sigma:g} m/s the vehicle surfaces {curve.best.surfacings:.1f} times "
-        "on average"
+        f"With the d_max chosen for σ_v = {curve.sigma:g} m/s the vehicle surfaces "
+        f"{curve.recommended.surfacings:.1f} times on average"
     )
 
 

@@ -3,10 +3,9 @@
 import math
 from collections.abc import Iterator, Mapping
 
-from missionplan.montecarlo.statistics import Probability
 from missionplan.report.geography.geojson import track_geojson
 from missionplan.report.geography.kml import track_kml
-from missionplan.report.numbers import number, percent
+from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Page, Terminal
 from missionplan.report.simulation import sections
 from missionplan.report.simulation.figures import waterfall
@@ -42,16 +41,10 @@ def terminal(outcome: Outcome) -> Terminal:
     """Build the terminal's view: the answer, and one row per phase that fits 80 columns."""
     rows = []
     for phase in (*outcome.phases, outcome.total):
-        events = [f"{in_words(name)} {_without_interval(probability)}" for name, probability in phase.events.items()]
+        events = [f"{in_words(name)} {share(probability)}" for name, probability in phase.events.items()]
         ranges = (range_in_words(outcome, phase, key) for key in ("duration_s", "energy_wh"))
         rows.append((phase.name, events[0] if events else "", *ranges))
     return Terminal(answer(outcome), ("phase", "of the trials", "duration (5–95 %)", "energy (5–95 %)"), rows)
-
-
-def _without_interval(probability: Probability) -> str:
-    """Write a probability without its interval, never rounded to certainty."""
-    value = 100.0 * probability.value
-    return f"{value:.0f}\u00a0%" if value in (0.0, 100.0) else f"{min(max(value, 0.01), 99.99):.4g}\u00a0%"
 
 
 def _files(outcome: Outcome) -> dict[str, str]:
