@@ -2,7 +2,7 @@
 
 A strength is its own coordinate, a shape enters by its logarithm, an amplitude and its phase as a·cos φ and a·sin φ.
 Every prior is then normal: narrow about zero while the effect is no cause (a *spike*: its uncertainty before any
-misfit is seen), wide when it is (a *slab*: the sizes at which the effect occurs); George and McCulloch (1993).
+misfit is seen), wide when it is (a *slab*: the sizes at which the effect occurs); George & McCulloch (1993).
 """
 
 import math

@@ -63,8 +63,9 @@ class Axis:
     def smooth(self, length: float) -> Array:
         """Return columns B, shape (m, r), with B Bᵀ ≈ exp(−½(d/length)²) between places (m, m).
 
-        The squared-exponential covariance (Rasmussen and Williams 2006, Eq. 4.9) by a Cholesky factorisation with
-        pivoting, stopped where the remaining variance is negligible (Harbrecht, Peters and Schneider 2012).
+        The squared-exponential covariance (Rasmussen & Williams 2006, Eq. 4.9) by a Cholesky factorisation with
+        pivoting, stopped where the remaining variance is negligible (Harbrecht, Peters & Schneider 2012,
+        *Appl. Numer. Math.* 62).
         """
         return _smooth(self.places.tobytes(), self.places.shape, length)
 

@@ -1,7 +1,8 @@
 """Held-out gain: how much better the extended model predicts data that it was not fitted to.
 
 Each group (a run, a block of legs) is left out in turn and predicted from the others: leave-one-group-out
-cross-validation, scored by the log density (Gneiting and Raftery 2007, Sec. 4.1: a strictly proper rule).
+cross-validation, scored by the log density (Gneiting & Raftery 2007, *J. Am. Stat. Assoc.* 102, section 4.1: a
+strictly proper rule).
 """
 
 import math
@@ -35,7 +36,7 @@ def compare_held_out(base: Sequence[HeldOutScore], extended: Sequence[HeldOutSco
     """Compare two models' scores on the same groups.
 
     The standard error of the summed difference is √n times the standard deviation of the groups' differences
-    (Vehtari, Gelman and Gabry 2017, Eq. 24).
+    (Vehtari, Gelman & Gabry 2017, *Stat. Comput.* 27, Eq. 24).
     """
     difference = np.array([b.log_score - a.log_score for a, b in zip(base, extended, strict=True)])
     spread = float(difference.std(ddof=1)) if len(difference) > 1 else math.nan

@@ -1,8 +1,9 @@
 """Model discrepancy: whether a fitted model leaves something smooth along an axis, or innovations that are not white.
 
-A Gaussian process δ(x) beside the model, as Kennedy and O'Hagan (2001) have it, but as a test and not as a
-repair: its Bayes factor is computed and its shape shown; nothing of it enters the extended model. Marginal likelihoods
-of Gaussian processes are those of Rasmussen and Williams (2006, Eq. 2.30), with a covariance of low rank.
+A Gaussian process δ(x) beside the model, as Kennedy & O'Hagan (2001, *J. R. Stat. Soc. B* 63) have it, but as a test
+and not as a repair: its Bayes factor is computed and its shape shown; nothing of it enters the extended model. Marginal
+likelihoods of Gaussian processes are those of Rasmussen & Williams (2006, *Gaussian Processes for Machine Learning*,
+Eq. 2.30), with a covariance of low rank.
 """
 
 import itertools
@@ -79,7 +80,7 @@ def _by_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
 
 
 def _shape(axis: Axis, residuals: Residuals) -> DiscrepancyShape | None:
-    """Posterior of the function at the likeliest noise, length and size (Rasmussen and Williams 2006, Eq. 2.8)."""
+    """Posterior of the function at the likeliest noise, length and size (Rasmussen & Williams 2006, Eq. 2.8)."""
     scale = axis.scale
     if scale is None:
         return None
@@ -130,8 +131,8 @@ def _averaged(gram: Array, right: Array, bases: Sequence[Array], total: float, c
 def _log_likelihoods(values: Array, projected: Array, total: float, count: int) -> Array:
     """Log likelihood with covariance scale²·I + size²·values at each size and scale, with their priors.
 
-    In the eigenbasis of the smooth function's covariance, where the determinant and the quadratic form of Rasmussen
-    and Williams (2006, Eq. 2.30) are sums.
+    In the eigenbasis of the smooth function's covariance, where the determinant and the quadratic form of Rasmussen &
+    Williams (2006, Eq. 2.30) are sums.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Next measurement: the cheapest design that discriminates between two sets of causes.
 
-T-optimality (Atkinson and Fedorov 1975): with the first set taken as true, the value of a design is the lack of
-fit of the second set to what the first predicts. Here lack of fit is the expected log Bayes factor.
+T-optimality (Atkinson & Fedorov 1975, *Biometrika* 62): with the first set taken as true, the value of a design is the
+lack of fit of the second set to what the first predicts. Here lack of fit is the expected log Bayes factor.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

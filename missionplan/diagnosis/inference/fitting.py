@@ -13,7 +13,8 @@ RETRIES = 2
 def fitted(model: Model, requests: Sequence[FitRequest], jobs: int = 1) -> list[CauseFit | FailedFit]:
     """Fit several sets, pairs that ended badly once more from a fresh start, and relinearise the best of them.
 
-    A local search finds a local optimum: a fresh start is multistart with two starts (Rinnooy Kan and Timmer 1987).
+    A local search finds a local optimum: a fresh start is multistart with two starts (Rinnooy Kan & Timmer
+    1987, *Math. Program.* 39).
 
     Parameters
     ----------

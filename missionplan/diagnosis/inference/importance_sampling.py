@@ -1,6 +1,6 @@
 """Importance sampling: a check of the evidence that assumes neither linearity nor a normal posterior.
 
-Geweke (1989); Owen (2013, Ch. 9).
+Geweke (1989), *Econometrica* 57; Owen (2013), *Monte Carlo Theory, Methods and Examples*, chapter 9.
 """
 
 from collections.abc import Callable
@@ -28,7 +28,8 @@ class SampledEvidence:
     log_evidence : float
         ln p(data).
     effective : float
-        Effective number of draws, (Σw)²/Σw² (Kong 1992): small where the posterior is unlike the one assumed.
+        Effective number of draws, (Σw)²/Σw² (Owen 2013, section 9.3): small where the posterior is unlike the one
+        assumed.
     """
 
     log_evidence: float
@@ -38,7 +39,7 @@ class SampledEvidence:
 def sampled_evidence(log_joint: Callable[[Array], Array], mean: Array, covariance: Array) -> SampledEvidence:
     """Integrate a joint density of data and parameters with draws from a Student-t about the assumed posterior.
 
-    The evidence is the mean of the weights, joint density over proposal density (Owen 2013, Sec. 9.1).
+    The evidence is the mean of the weights, joint density over proposal density (Owen 2013, section 9.1).
 
     Parameters
     ----------

@@ -1,6 +1,7 @@
 """Laplace's approximation of the evidence, about the mode of a few hyperparameters.
 
-Kass and Raftery (1995, Sec. 4.1); MacKay (2003, Ch. 27).
+Kass & Raftery (1995), *J. Am. Stat. Assoc.* 90, section 4.1; MacKay (2003), *Information Theory, Inference, and
+Learning Algorithms*, chapter 27; Nocedal & Wright (2006), *Numerical Optimization*.
 """
 
 import math
@@ -53,8 +54,8 @@ def laplace(
 ) -> Laplace:
     """Maximise a log posterior (normalised prior times likelihood) and integrate it about its mode.
 
-    The mode by BFGS with gradients from forward differences (Nocedal and Wright 2006, Secs. 6.1 and 8.1), the evidence
-    by Laplace's method, ln p(mode) + (h/2) ln 2π − ½ ln |A| with A the negative curvature (MacKay 2003, Ch. 27).
+    The mode by BFGS with gradients from forward differences (Nocedal & Wright 2006, sections 6.1 and 8.1), the evidence
+    by Laplace's method, ln p(mode) + (h/2) ln 2π − ½ ln |A| with A the negative curvature (MacKay 2003, chapter 27).
 
     Parameters
     ----------
@@ -99,7 +100,7 @@ def laplace(
 
 
 def _curvature(negative: Callable[[Array], float], mode: Array) -> Array:
-    """Second derivatives by central differences (Nocedal and Wright 2006, Sec. 8.1), shorter steps at a boundary."""
+    """Second derivatives by central differences (Nocedal & Wright 2006, section 8.1), shorter steps at a boundary."""
     count = len(mode)
     centre = negative(mode)
     found = [_either_side(negative, mode, unit) for unit in CURVATURE_STEP * np.eye(count)]

@@ -1,5 +1,8 @@
 """Marginal likelihoods of linear models, coefficients integrated out: normal errors exactly, Student-t by Laplace.
 
+Rasmussen & Williams (2006), *Gaussian Processes for Machine Learning*; Bishop (2006), *Pattern Recognition and Machine
+Learning*; Lange, Little & Taylor (1989), *J. Am. Stat. Assoc.* 84.
+
 Shapes: two independent components of each of n errors, k coefficients.
 """
 
@@ -39,8 +42,8 @@ class Marginal:
 def gaussian_marginal(gram: Array, prior_sd: Array, log_determinant: float, count: int) -> Marginal:
     """Integrate out the coefficients of a linear model with normal errors and a normal prior about zero.
 
-    Evidence and posterior of Bayesian linear regression (Rasmussen and Williams 2006, Eqs. 2.8 and 2.30; Bishop 2006,
-    Eqs. 3.49–3.51 and 3.86), from inner products of whitened columns.
+    Evidence and posterior of Bayesian linear regression (Rasmussen & Williams 2006, Eqs. 2.8 and 2.30; Bishop 2006,
+    Eqs. 3.49 to 3.51 and 3.86), from inner products of whitened columns.
 
     Parameters
     ----------
@@ -75,7 +78,7 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
     """Integrate out the coefficients under bivariate Student-t errors, by Laplace's approximation.
 
     Errors of covariance diag(variance): ln p is −½(ν+2)·ln(1 + q/(ν−2)) + constant with q = Σ r²/variance. The mode is
-    found by iteratively reweighted least squares with weights (ν+2)/(ν−2+q) (Lange, Little and Taylor 1989), near it
+    found by iteratively reweighted least squares with weights (ν+2)/(ν−2+q) (Lange, Little & Taylor 1989), near it
     by Newton's steps where they are shorter than the last step and lead uphill.
 
     Parameters
@@ -124,7 +127,7 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
 def expected_log_ratio(mean: Array, truth: Array, first: Array, second: Array) -> float:
     """Return the mean of ln N(y; 0, first) − ln N(y; 0, second) over y ~ N(mean, truth): an expected log Bayes factor.
 
-    The difference of two Kullback–Leibler divergences between normals (Rasmussen and Williams 2006, Eq. A.23).
+    The difference of two Kullback–Leibler divergences between normals (Rasmussen & Williams 2006, Eq. A.23).
 
     Parameters
     ----------

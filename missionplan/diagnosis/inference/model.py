@@ -1,8 +1,9 @@
 """What the inference asks of a model of the data, and what a fit of it says.
 
-A model has a catalogue of effects, any of which may be causes of what a base model gets wrong. Every parameter of
-every effect has a normal prior: a wide one (slab) where its effect is a cause, a narrow one (spike) otherwise (George
-and McCulloch 1993). A set of causes is compared with another by the evidence, ln p(data | causes).
+A model has a catalogue of effects, any of which may be causes of what a base model gets wrong. Every parameter of every
+effect has a normal prior: a wide one (slab) where its effect is a cause, a narrow one (spike) otherwise (George &
+McCulloch 1993, *J. Am. Stat. Assoc.* 88). A set of causes is compared with another by the evidence, ln p(data |
+causes).
 """
 
 from collections.abc import Mapping, Sequence

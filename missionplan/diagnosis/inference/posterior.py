@@ -11,9 +11,10 @@ CREDIBLE = 0.95
 def posteriors(selection: Selection, claimed: Causes | None) -> dict[Causes, float]:
     """Return the posterior probability of each set, the empty one included; supersets of a claimed set are left out.
 
-    Prior odds times Bayes factor, normalised (Kass and Raftery 1995). Each non-empty set has prior 1/(size of the
-    catalogue) relative to the empty set, so that the chance of a false claim does not grow with the catalogue (Scott
-    and Berger 2010 on multiplicity), and a factor exp(−3) for each cause beyond the first.
+    Prior odds times Bayes factor, normalised (Kass & Raftery 1995, *J. Am. Stat. Assoc.* 90). Each non-empty set has
+    prior 1/(size of the catalogue) relative to the empty set, so that the chance of a false claim does not grow with
+    the catalogue (Scott & Berger 2010, *Ann. Stat.* 38, on multiplicity), and a factor exp(−3) for each cause beyond
+    the first.
     """
     kept = [candidate for candidate in selection.ranking if claimed is None or not set(claimed) < set(candidate.causes)]
     logs = np.array([0.0] + [candidate.score - np.log(selection.catalogue) for candidate in kept])
@@ -25,7 +26,8 @@ def posteriors(selection: Selection, claimed: Causes | None) -> dict[Causes, flo
 def credible_set(posterior: dict[Causes, float]) -> list[Causes]:
     """Return the smallest list of sets that holds 95 % of the probability, best first.
 
-    It is a highest-posterior-density region (Box and Tiao 1973) of a discrete variable.
+    The highest-posterior-density region of a discrete variable (Box & Tiao 1973, *Bayesian Inference in Statistical
+    Analysis*).
     """
     chosen: list[Causes] = []
     total = 0.0

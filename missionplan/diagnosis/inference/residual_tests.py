@@ -16,9 +16,10 @@ SHORTEST = 16
 
 
 def residual_tests(residuals: Residuals, innovations: Array) -> tuple[ResidualTest, ...]:
-    """Test each series for autocorrelation (Ljung and Box 1978) and for changing spread (Engle 1982).
+    """Test each series for autocorrelation (`ljung_box_p_value`) and for changing spread (`arch_p_value`).
 
-    Innovations enter by their normal scores (van der Waerden 1952), so that a heavy tail alone rejects nothing.
+    Innovations enter by their normal scores (van der Waerden 1952, *Indag. Math.* 14), so that a heavy tail alone
+    rejects nothing.
 
     Parameters
     ----------
@@ -94,7 +95,8 @@ def outlying_groups(residuals: Residuals) -> tuple[tuple[str, float], ...]:
 
     With the precision P = W⁻¹ a group's error of prediction from all others is (P_gg)⁻¹(P r)_g, with covariance
     (P_gg)⁻¹: its squared Mahalanobis length is χ² with as many degrees of freedom as the group has values. For groups
-    of one these are the leave-one-out formulas of Dubrule (1983); Rasmussen and Williams (2006, Eqs. 5.10–5.12).
+    of one these are the leave-one-out formulas of Dubrule (1983, *Math. Geol.* 15); Rasmussen & Williams (2006, Eq.
+    5.12).
     """
     names = list(dict.fromkeys(residuals.groups.tolist()))
     precision = np.linalg.inv(residuals.covariance)

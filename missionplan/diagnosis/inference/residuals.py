@@ -69,7 +69,8 @@ class Residuals:
     def innovations(self) -> Array:
         """Return one-step-ahead errors over their standard deviations, shape (N,): white noise if all is well.
 
-        L⁻¹ r with W = L Lᵀ: the prediction-error decomposition (Harvey 1989, Sec. 3.4).
+        L⁻¹ r with W = L Lᵀ: the prediction-error decomposition (Harvey 1989, *Forecasting, Structural Time Series
+        Models and the Kalman Filter*, section 3.4).
         """
         return np.asarray(solve_triangular(self._factor, self.values, lower=True, check_finite=False))
 

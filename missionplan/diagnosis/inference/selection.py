@@ -1,9 +1,10 @@
 """Selection of causes: sets of one, two or three effects searched by evidence, physically impossible ones left out.
 
-A set's evidence is its marginal likelihood, which by itself charges for parameters that the data do not need
-(MacKay 2003, Ch. 28); sets are compared by Bayes factors (Kass and Raftery 1995). Not all sets are fitted: the search
-is a beam that extends the best sets by one cause at a time, and discards sets that are far less probable than the
-best or no better than a part of themselves, as Occam's window does (Madigan and Raftery 1994).
+A set's evidence is its marginal likelihood, which by itself penalises parameters that the data do not need (MacKay
+2003, *Information Theory, Inference, and Learning Algorithms*, chapter 28); sets are compared by Bayes factors (Kass &
+Raftery 1995, *J. Am. Stat. Assoc.* 90). Not all sets are fitted: a beam search extends the best sets by one cause at a
+time, and discards sets that are far less probable than the best or no better than a part of themselves, as Occam's
+window does (Madigan & Raftery 1994, *J. Am. Stat. Assoc.* 89).
 """
 
 import itertools
@@ -19,7 +20,7 @@ from missionplan.results.evidence import Causes
 
 COMPLEXITY_PENALTY = 3.0
 """Nats that each cause beyond the first must add, and that a claim must exceed: "strong" evidence, 20 to 1, on the
-scale of Kass and Raftery (1995, Sec. 3.2)."""
+scale of Kass & Raftery (1995, section 3.2)."""
 PRUNE_BELOW = -4.0
 """Nats of estimated gain below which a further cause is not fitted."""
 BEAM = 3

@@ -16,8 +16,9 @@ def discrepancy_section(diagnosis: Diagnosis) -> PageSection:
         return PageSection("Too few data to look for what is left", [none])
     blocks: list[Block] = [discrepancy_figure(found, found.shape)] if found.shape is not None else []
     blocks.append(
-        f"A smooth discrepancy along any axis: ln BF = {found.log_bayes_factor:.1f} (above 3 it counts). It is a "
-        f"test, not a repair. With the mission's model alone: {diagnosis.base_discrepancy.log_bayes_factor:.1f}."
+        f"A smooth discrepancy along any axis: ln BF = {found.log_bayes_factor:.1f} (above 3 it counts). It is tested "
+        "for, and is no part of the extended mission. With the mission's model alone: "
+        f"{diagnosis.base_discrepancy.log_bayes_factor:.1f}."
     )
     rows = [[axis, f"{value:.1f}"] for axis, value in found.by_axis]
     blocks.append(Table(["What it could look like", "ln BF of a smooth discrepancy"], rows))
@@ -37,8 +38,6 @@ def resemblance(found: Discrepancy) -> str:
 def _tests(tests: tuple[ResidualTest, ...]) -> Table:
     least = sorted(tests, key=lambda test: test.p_value)[:_TESTS_SHOWN]
     rows = [[test.name, f"{test.p_value:.2g}"] for test in least]
-    caption = (
-        f"The {len(rows)} smallest p-values of {len(tests)} tests; by chance alone the smallest would be about "
-        f"{1.0 / len(tests):.2g}."
-    )
+    chance = 1.0 / len(tests)
+    caption = f"The smallest p-values of {len(tests)} tests; by chance alone the least would be about {chance:.2g}."
     return Table(["Test of the errors left", "p-value"], rows, caption)
