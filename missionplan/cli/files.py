@@ -1,4 +1,4 @@
-"""Commands about files: validate missions, write a starter mission, compare reports."""
+"""Commands about files: validate missions, write a starter mission, list effects, compare reports."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -7,7 +7,7 @@ import typer
 
 from missionplan.cli import options as o
 from missionplan.cli.running import checked_folder, deliver
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
     from missionplan.mission import Mission
@@ -17,6 +17,7 @@ def register(app: typer.Typer) -> None:
     """Add the commands."""
     app.command()(validate)
     app.command()(init)
+    app.command()(effects)
     app.command()(o.with_option_groups(compare))
 
 
@@ -31,6 +32,22 @@ def init(
     if not quiet:
         for path in written:
             typer.echo(str(path))
+
+
+_EffectId = Annotated[str, typer.Argument(metavar="[ID]", help="Effect to show; default all.", show_default=False)]
+
+
+def effects(effect: _EffectId = "") -> None:
+    """List the effects that missions and diagnoses know; with an ID, one of them with a fragment to paste."""
+    from missionplan.effects import CATALOGUE
+    from missionplan.report.effect_catalogue import catalogue_text, effect_text
+
+    if not effect:
+        typer.echo(catalogue_text())
+        return
+    if effect not in CATALOGUE:
+        raise InputError([Problem(f"no effect of the name {shown(effect)}", hint=did_you_mean(effect, CATALOGUE))])
+    typer.echo(effect_text(CATALOGUE[effect]))
 
 
 _First = Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder, before.", show_default=False)]

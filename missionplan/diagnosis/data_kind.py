@@ -9,6 +9,7 @@ import pandas as pd
 
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit, Model
+from missionplan.effects import instruments
 from missionplan.mission import Mission
 from missionplan.results.diagnosis import PlanGain
 from missionplan.results.evidence import Verdict
@@ -40,8 +41,6 @@ class DataKind(ABC):
     ----------
     ids : tuple of str
         ``kind`` in ``dataset.yaml``.
-    direct_measurements : mapping
-        Instruments that measure one effect by itself, by effect.
     kind : str
         One of `ids`.
     mission : Mission
@@ -53,12 +52,19 @@ class DataKind(ABC):
     """
 
     ids: ClassVar[tuple[str, ...]]
-    direct_measurements: ClassVar[Mapping[str, DirectMeasurement]] = {}
 
     kind: str
     mission: Mission
     data: Dataset
     model: Model
+
+    @property
+    def direct_measurements(self) -> Mapping[str, DirectMeasurement]:
+        """Instruments that measure one effect by itself, by effect, as the catalogue declares them."""
+        return {
+            effect: DirectMeasurement(instrument.description, instrument.parameter, instrument.sd)
+            for effect, instrument in instruments().items()
+        }
 
     @classmethod
     @abstractmethod

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Scalars
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import DescentEffect
 
 
@@ -31,4 +31,6 @@ INFO = EffectInfo(
     confused_with=("line-payout", "sensor-lag"),
     distinguished_by="Dives with a much longer line (a payout delay grows with it, a clock does not).",
     changes_plan=False,
+    scatter="release",
+    instrument=Instrument("the separation heard or filmed against the log's clock", "time", 0.05),
 )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
 
@@ -41,4 +41,6 @@ INFO = EffectInfo(
     sizes="1 to 10°, either sign.",
     confused_with=("compass-deviation", "mean-current"),
     distinguished_by="Legs on at least three headings.",
+    linear=False,
+    instrument=Instrument("a swing of the compass on land, all round", "angle", 0.009),
 )

@@ -1,12 +1,13 @@
 """A compass error that varies with the heading."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.compass_bias import turned
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, Instrument, LegRecord, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
 
@@ -23,6 +24,14 @@ class CompassDeviation(TransitEffect):
         return turned(leg, self.amplitude * (np.cos(self.phase) * north + np.sin(self.phase) * east))
 
 
+MAX_MEAN_HEADING = 2.0 / math.pi
+"""Mean resultant length of headings that are uniform over half the compass (Mardia & Jupp 2000, Section 2.3)."""
+
+
+def _lacking(record: LegRecord) -> str:
+    return "needs headings over at least half the compass" if record.mean_heading > MAX_MEAN_HEADING else ""
+
+
 INFO = EffectInfo(
     id="compass-deviation",
     phase="transit",
@@ -37,4 +46,7 @@ INFO = EffectInfo(
     confused_with=("compass-bias", "mean-current", "speed-scale"),
     distinguished_by="Legs on headings all round the compass.",
     polar=(("amplitude", "phase"),),
+    linear=False,
+    lacking=_lacking,
+    instrument=Instrument("a swing of the compass on land, all round", "amplitude", 0.009),
 )

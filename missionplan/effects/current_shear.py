@@ -43,6 +43,8 @@ INFO = EffectInfo(
             1e-2,
             scale=5e-5,
             spike=2e-7,
+            extent_scale=0.1,  # over an area a current changes by no more than its usual speed
+            extent_spike=0.004,
         )
         for component in ("east", "north")
         for axis in ("east", "north")

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import DescentEffect
 
 
@@ -33,4 +33,5 @@ INFO = EffectInfo(
     confused_with=("drag-bias", "vertical-current"),
     distinguished_by="Readings at a known depth (a lead line, the seafloor at touchdown).",
     changes_plan=False,
+    instrument=Instrument("readings at two known depths (a lead line)", "fraction", 0.005),
 )

@@ -38,4 +38,5 @@ INFO = EffectInfo(
     distinguished_by=(
         "A depth calibration; dives with a much lighter anchor (a current shifts every speed alike, drag does not)."
     ),
+    scatter="drag",
 )

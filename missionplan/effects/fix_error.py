@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Scalars
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import TransitEffect
 
 
@@ -34,4 +34,6 @@ INFO = EffectInfo(
     distinguished_by=(
         "Legs of very different duration, as a fix error matters on short legs alone; a minute of fixes on land."
     ),
+    part="covariance",
+    instrument=Instrument("an hour of fixes with the vehicle at a known place in the water", "sd", 3.0),
 )

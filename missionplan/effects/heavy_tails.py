@@ -24,6 +24,10 @@ class HeavyTails(TransitEffect):
         """It needs normals of its own for each leg."""
         return bool(np.any(np.isfinite(self.dof)))
 
+    def tail_dof(self) -> Scalars:
+        """Return the degrees of freedom."""
+        return self.dof
+
     def error_scale(self, normals: Array) -> Array:
         """Return the factor on each leg's random velocity error, shape (n,), from the first of its normals."""
         finite = np.isfinite(self.dof)
@@ -46,4 +50,6 @@ INFO = EffectInfo(
     sizes="3 to 6 degrees of freedom in navigation logs with occasional bad legs.",
     confused_with=("fix-error", "persistent-error"),
     distinguished_by="The log of the bad legs: number of satellites, currents, revolutions.",
+    part="covariance",
+    exclusive_group="velocity error from leg to leg",
 )

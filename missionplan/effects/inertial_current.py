@@ -1,11 +1,12 @@
 """An inertial current: one that rotates with the local inertial period."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, LegRecord, Parameter
 from missionplan.effects.oscillation import mean_phasor, wave
 from missionplan.phases.hooks import Leg, TransitEffect
 
@@ -40,6 +41,11 @@ class InertialCurrent(TransitEffect):
         )
 
 
+def _lacking(record: LegRecord) -> str:
+    known = math.isfinite(record.latitude)
+    return "" if known else "needs the latitude: site.origin in the mission, or positions by latitude"
+
+
 INFO = EffectInfo(
     id="inertial-current",
     phase="transit",
@@ -54,4 +60,7 @@ INFO = EffectInfo(
     confused_with=("tidal-current", "persistent-error", "mean-current"),
     distinguished_by="A record of two inertial periods or more; both components, which are in quadrature.",
     polar=(("amplitude", "phase"),),
+    modulation="together",
+    lacking=_lacking,
+    needs_latitude=True,
 )

@@ -1,6 +1,6 @@
 """Entries of the catalogue: an effect with its parameters, their plausible sizes, and what it is confused with."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from math import inf
 from typing import Literal
@@ -10,6 +10,56 @@ from missionplan.phases.hooks import DescentEffect, TransitEffect
 
 Phase = Literal["transit", "descent", "tank"]
 Tier = Literal["physical", "statistical"]
+Part = Literal["mean", "covariance"]
+Modulation = Literal["", "together", "by component"]
+Scatter = Literal["", "release", "drag"]
+TankKind = Literal["drag", "free-oscillation", "thruster", "propeller-transient"]
+
+
+@dataclass(frozen=True)
+class LegRecord:
+    """What a navigation log holds, as far as it decides which effects the log could show.
+
+    Attributes
+    ----------
+    latitude : float
+        Of the coordinates' origin [rad]; nan where unknown.
+    has_surface_time : bool
+        Whether the time at the surface before each fix is logged.
+    duration : float
+        Between the middles of the first and the last leg [s].
+    mean_heading : float
+        Mean resultant length of the headings: 1 for a single heading, 0 for headings all round.
+    """
+
+    latitude: float
+    has_surface_time: bool
+    duration: float
+    mean_heading: float
+
+
+def lacks_nothing(record: LegRecord) -> str:
+    """Return why a record cannot show an effect; empty: any record can."""
+    return ""
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """An instrument that measures one effect by itself.
+
+    Attributes
+    ----------
+    description : str
+        In words.
+    parameter : str
+        What it measures.
+    sd : float
+        Standard deviation of its error, in the parameter's unit: what such instruments state.
+    """
+
+    description: str
+    parameter: str
+    sd: float
 
 
 @dataclass(frozen=True)
@@ -62,6 +112,8 @@ class Parameter:
         Value when the mission file leaves it out [unit].
     field : str
         Field of the data class where a hook has the parameter's name; by default the same as the name.
+    extent_scale, extent_spike : float
+        For a gradient: `scale` and `spike` are at most these over the extent of the record [unit·m].
     """
 
     unit: str
@@ -74,6 +126,8 @@ class Parameter:
     factor: float = 1.0
     default: float = 0.0
     field: str = ""
+    extent_scale: float = inf
+    extent_spike: float = inf
 
     @property
     def is_shape(self) -> bool:
@@ -109,6 +163,32 @@ class EffectInfo:
         False for effects on readings only.
     polar : tuple
         Pairs (amplitude, phase) of parameters: linear together as a·cos φ and a·sin φ.
+    part : str
+        Whether it is diagnosed in the mean of a log's errors or in their covariance. In the covariance it refines
+        `fix_variance` or `tail_dof`, or is a `MarkovProcess`, and its parameters are shapes.
+    linear : bool
+        Whether the mean is linear in its coordinates.
+    exclusive_group : str
+        Of the effects of one group a set of causes holds at most one.
+    modulation : str
+        Whether an oscillation's amplitude and phase change over days: both components together, or each by itself.
+        Its parameters are pairs in `polar`.
+    lacking : callable
+        Why a navigation log cannot show it; empty where it can.
+    resolvable : callable, optional
+        From a log's duration [s], the parameters that it can resolve; default all.
+    needs_latitude : bool
+        Whether the phase needs the latitude of the coordinates' origin.
+    is_steady_current : bool
+        Whether its parameters `east` and `north` add to the mission's own uncertainty of the current.
+    scatter : str
+        Whether dives scatter in this effect from one to the next: in the time of release, or in drag.
+    is_sensor_lag : bool
+        Whether it is the sensor's lag, a part of which is a pure delay.
+    instrument : Instrument, optional
+        What measures it directly.
+    tank : tuple of str
+        Kinds of tank data that could show it.
     """
 
     id: str
@@ -122,6 +202,18 @@ class EffectInfo:
     distinguished_by: str
     changes_plan: bool = True
     polar: tuple[tuple[str, str], ...] = ()
+    part: Part = "mean"
+    linear: bool = True
+    exclusive_group: str = ""
+    modulation: Modulation = ""
+    lacking: Callable[[LegRecord], str] = lacks_nothing
+    resolvable: Callable[[float], Collection[str]] | None = None
+    needs_latitude: bool = False
+    is_steady_current: bool = False
+    scatter: Scatter = ""
+    is_sensor_lag: bool = False
+    instrument: Instrument | None = None
+    tank: tuple[TankKind, ...] = ()
 
     def make(self, values: Mapping[str, Scalars]) -> Effect:
         """Build the effect from parameters by their names; those left out take their defaults.

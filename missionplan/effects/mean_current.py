@@ -37,4 +37,5 @@ INFO = EffectInfo(
     distinguished_by=(
         "Legs on several headings: a current has the same direction on all, a sensor error turns with the vehicle."
     ),
+    is_steady_current=True,
 )

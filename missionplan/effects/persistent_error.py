@@ -58,4 +58,6 @@ INFO = EffectInfo(
     sizes="Mesoscale and tidal currents: 0.02 to 0.3 m/s over half an hour to weeks.",
     confused_with=("random-walk", "tidal-current", "inertial-current", "current-shear", "mean-current"),
     distinguished_by="A longer record, or a current meter near the track, which would show the physical cause.",
+    part="covariance",
+    exclusive_group="velocity error from leg to leg",
 )

@@ -52,4 +52,6 @@ INFO = EffectInfo(
     sizes="0.01 to 0.1 m/s after an hour: 2e-4 to 2e-3 m/s per root second.",
     confused_with=("persistent-error", "current-shear", "mean-current", "tidal-current"),
     distinguished_by="A record several times as long: a persistent error stays within bounds, a walk does not.",
+    part="covariance",
+    exclusive_group="velocity error from leg to leg",
 )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import DescentEffect
 
 
@@ -53,4 +53,6 @@ INFO = EffectInfo(
         "Fast sampling at the start of the dive (a lag rounds it, a clock shifts it); dipping the sensor by hand."
     ),
     changes_plan=False,
+    is_sensor_lag=True,
+    instrument=Instrument("a dip of the sensor by hand, sampled fast", "time", 0.05),
 )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import scipy
 
 from missionplan.arrays import Scalars
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import DescentEffect
 
 
@@ -41,4 +41,5 @@ INFO = EffectInfo(
     sizes="Δρ of 1 to 20 kg/m³ on 10 L: 0.1 to 2 N. Water is denser below, so the lift is positive.",
     confused_with=("trapped-gas", "drag-bias", "drag-crisis"),
     distinguished_by="A density profile (CTD), or dives past the layer with a light anchor.",
+    instrument=Instrument("a density profile (CTD) at the place of the dives", "lift", 0.15),
 )

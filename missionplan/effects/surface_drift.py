@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, LegRecord, Parameter
 from missionplan.phases.hooks import TransitEffect
 
 
@@ -21,6 +21,10 @@ class SurfaceDrift(TransitEffect):
         return np.stack([self.east + 0.0 * t, self.north + 0.0 * t])
 
 
+def _lacking(record: LegRecord) -> str:
+    return "" if record.has_surface_time else "needs the time at the surface before each fix: column surface_s"
+
+
 INFO = EffectInfo(
     id="surface-drift",
     phase="transit",
@@ -34,4 +38,5 @@ INFO = EffectInfo(
     sizes="About 3 % of the wind's speed: 0.1 to 0.5 m/s.",
     confused_with=("mean-current",),
     distinguished_by="Surfacing times that vary; two fixes a few minutes apart at one surfacing.",
+    lacking=_lacking,
 )

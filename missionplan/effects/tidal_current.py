@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, LegRecord, Parameter
 from missionplan.effects.oscillation import mean_phasor, wave
 from missionplan.phases.hooks import Leg, TransitEffect
 
@@ -79,6 +79,15 @@ def _parameters() -> dict[str, Parameter]:
     return entries
 
 
+def _lacking(record: LegRecord) -> str:
+    return "" if resolvable_constituents(record.duration) else "needs a record of at least half a tidal period"
+
+
+def _resolvable(duration: float) -> tuple[str, ...]:
+    tides = resolvable_constituents(duration)
+    return tuple(name for name in _parameters() if name.split("_")[0] in tides)
+
+
 INFO = EffectInfo(
     id="tidal-current",
     phase="transit",
@@ -90,4 +99,7 @@ INFO = EffectInfo(
     confused_with=("inertial-current", "persistent-error", "current-shear"),
     distinguished_by="A record of two periods or more; two weeks to separate M2 from S2 and K1 from O1.",
     polar=tuple((f"{name}_{d}", f"{name}_{d}_phase") for name in PERIODS for d in ("east", "north")),
+    modulation="by component",
+    lacking=_lacking,
+    resolvable=_resolvable,
 )

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Scalars
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import DescentEffect
 
 
@@ -32,4 +32,5 @@ INFO = EffectInfo(
     distinguished_by=(
         "Dives with 0.4 times the anchor's weight: a current shifts slow and fast dives alike, drag does not."
     ),
+    instrument=Instrument("a current profiler beside the dives", "speed", 0.02),
 )

@@ -8,6 +8,8 @@ point or a dive of its own.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import inf
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -40,6 +42,24 @@ class Leg:
     latitude: float = float("nan")
 
 
+@runtime_checkable
+class MarkovProcess(Protocol):
+    """A velocity error that is a Markov process in time, the same on both axes and independent between them."""
+
+    def transition(self, elapsed: Array) -> tuple[Array, Array]:
+        """Share of the velocity that is kept over a time [s], and the variance that is added [m²/s²]."""
+        ...
+
+    @property
+    def first_variance(self) -> Scalars:
+        """Variance on the first leg of a run [m²/s²]."""
+        ...
+
+    def covariance(self, t: Array) -> Array:
+        """Covariance of one component between the middles of a run's legs, shape (n, n) [m²/s²]."""
+        ...
+
+
 class TransitEffect:
     """An effect on a transit. A hook that the effect does not refine returns its neutral element."""
 
@@ -54,6 +74,10 @@ class TransitEffect:
     def fix_variance(self) -> Scalars:
         """Extra variance of a fix, each axis [m²]."""
         return 0.0
+
+    def tail_dof(self) -> Scalars:
+        """Degrees of freedom of a Student-t velocity error that is independent from leg to leg; infinite: normal."""
+        return inf
 
     def error_scale(self, normals: Array) -> Array | float:
         """Factor on the leg's random velocity error, from standard normals of shape (2, n)."""

@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.coordinates import Coordinate, parameters_from
 from missionplan.diagnosis.dives.preparation import DiveLog
-from missionplan.effects import CATALOGUE
+from missionplan.effects import CATALOGUE, scattering_effect
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import SensorHistory, sensor_history
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.subset_effect import SubsetEffect
 
+RELEASE_EFFECT, DRAG_EFFECT = scattering_effect("release"), scattering_effect("drag")
+"""Effects in which dives scatter from one to the next."""
 STEP = 0.16
 """Step of the integration [s]; readings are within 5 mm of those with steps of 0.02 s, 1 mm as a rule."""
 COARSE = 3.0 * STEP
@@ -192,14 +194,15 @@ class DiveHistories:
 def _with_mean_lag_order(coordinates: Sequence[Coordinate], values: Array) -> Array:
     """Settings, shape (k, b), with the sensor's lag at the mean of its order: a part of it is a pure delay."""
     names = [coordinate.effect for coordinate in coordinates]
-    if "sensor-lag" not in names:
+    if not any(CATALOGUE[name].is_sensor_lag for name in names):
         return values
     return with_pure_delay(values, names, 0.5 * LAG_ORDER)
 
 
 def with_pure_delay(values: Array, names: Sequence[str], share: float) -> Array:
     """Coordinates, shape (k, ...), with a share of the sensor's lag turned into a pure delay."""
-    lag, clock = names.index("sensor-lag"), names.index("clock-offset")
+    lag = next(index for index, name in enumerate(names) if CATALOGUE[name].is_sensor_lag)
+    clock = names.index(RELEASE_EFFECT)
     delay = share * np.maximum(values[lag], 0.0)
     result = values.copy()
     result[lag] -= delay

@@ -14,20 +14,10 @@ from missionplan.diagnosis.dives.model_factory import descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
 from missionplan.diagnosis.dives.tables import descent_misfit, descent_residuals, descent_shares
 from missionplan.diagnosis.extended_mission import extended_mission
-from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.results.diagnosis import PlanGain
-
-DIRECT_MEASUREMENTS = {
-    "depth-scale": DirectMeasurement("readings at two known depths (a lead line)", "fraction", 0.005),
-    "clock-offset": DirectMeasurement("the separation heard or filmed against the log's clock", "time", 0.05),
-    "sensor-lag": DirectMeasurement("a dip of the sensor by hand, sampled fast", "time", 0.05),
-    "stratification": DirectMeasurement("a density profile (CTD) at the place of the dives", "lift", 0.15),
-    "vertical-current": DirectMeasurement("a current profiler beside the dives", "speed", 0.02),
-}
-"""By effect; standard deviations are what such instruments state."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +25,6 @@ class DescentKind(DataKind):
     """Depth against time, dive by dive."""
 
     ids = ("descent",)
-    direct_measurements = DIRECT_MEASUREMENTS
 
     kind: str
     mission: Mission

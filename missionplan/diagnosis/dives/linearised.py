@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.dives.forward import (
+    DRAG_EFFECT,
     LAG_ORDER,
     LAG_ORDER_SD,
     LARGEST_RELEASE_DELAY,
+    RELEASE_EFFECT,
     Histories,
     with_pure_delay,
 )
@@ -131,7 +133,7 @@ class LinearisedDescent(DescentPriors):
         coordinate for the forward differences.
         """
         shifted = np.repeat(at[:, None], 2, axis=1)
-        shifted[self.index("clock-offset")] += np.array([CURVATURE_STEP, -CURVATURE_STEP])
+        shifted[self.index(RELEASE_EFFECT)] += np.array([CURVATURE_STEP, -CURVATURE_STEP])
         names = [coordinate.effect for coordinate in self.coordinates]
         higher_order = with_pure_delay(at, names, PURE_DELAY_SHARE)
         here = np.repeat(at[:, None], 3, axis=1)
@@ -153,7 +155,7 @@ class LinearisedDescent(DescentPriors):
         columns[:, varied] = (readings[:, FIXED_SETTINGS:] - here[:, None]) / (DIFFERENCE * self.slab[varied])
         free = self.free(causes)
         weight = (heavier - lighter) / (2.0 * WEIGHT_STEP)
-        release, drag = columns[:, self.index("clock-offset")], columns[:, self.index("drag-bias")]
+        release, drag = columns[:, self.index(RELEASE_EFFECT)], columns[:, self.index(DRAG_EFFECT)]
         y = self.y - here + columns[:, free] @ (at - self.centre)[free]
         return DiveLinearisation(
             at=at,
@@ -196,7 +198,7 @@ class LinearisedDescent(DescentPriors):
     def _covariances_at_known_delay(self) -> list[Array]:
         """Covariance of each dive's readings at nominal noise, its delay known; sensitivities of the base model."""
         settings = np.repeat(self.centre[:, None], 3, axis=1)
-        settings[self.index("drag-bias"), 1] += DRAG_STEP
+        settings[self.index(DRAG_EFFECT), 1] += DRAG_STEP
         factors = np.array([1.0, 1.0, 1.0 + WEIGHT_STEP])
         readings = self.forward.histories(self.coordinates, settings, factors).readings()
         drag, weight = ((readings[:, 1:] - readings[:, :1]) / [DRAG_STEP, WEIGHT_STEP]).T

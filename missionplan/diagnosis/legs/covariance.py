@@ -8,13 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal, student_marginal
-from missionplan.diagnosis.legs.markov_covariance import LegSelection, MarkovCovariance, MarkovProcess
-from missionplan.diagnosis.legs.mean import COVARIANCE_EFFECTS, LinearisedLegs, TransitMean
-from missionplan.effects import CATALOGUE
-from missionplan.effects.persistent_error import PersistentError
-from missionplan.effects.random_walk import RandomWalk
+from missionplan.diagnosis.legs.markov_covariance import LegSelection, MarkovCovariance
+from missionplan.diagnosis.legs.mean import LinearisedLegs, TransitMean
+from missionplan.effects import CATALOGUE, effects_of
+from missionplan.phases.hooks import MarkovProcess, TransitEffect
 from missionplan.results.evidence import Causes
 
 HyperparameterValues = Mapping[tuple[str, str], float]
@@ -54,11 +53,11 @@ class TransitCovariance(TransitMean):
             Hyperparameter("", "sigma_v", math.log(sigma), SIGMA_LOG_SD),
             Hyperparameter("", "fix_sd", math.log(fix), spread),
         ]
-        for effect in COVARIANCE_EFFECTS:
-            if effect in causes:
+        for info in effects_of("transit"):
+            if info.part == "covariance" and info.id in causes:
                 found += [
-                    Hyperparameter(effect, name, math.log(parameter.median), math.log(parameter.factor))
-                    for name, parameter in CATALOGUE[effect].parameters.items()
+                    Hyperparameter(info.id, name, math.log(parameter.median), math.log(parameter.factor))
+                    for name, parameter in info.parameters.items()
                 ]
         return tuple(found)
 
@@ -97,13 +96,10 @@ class TransitCovariance(TransitMean):
     def noise_components(self, values: HyperparameterValues) -> tuple[Array, float, MarkovProcess | None]:
         """Variance of the independent error on each axis (2,) [m²/s²], sd of a fix [m], and the persistent error."""
         white = values["", "sigma_v"] ** 2 * self._anisotropy
-        fix = math.hypot(values["", "fix_sd"], values.get(("fix-error", "sd"), 0.0))
-        process: MarkovProcess | None = None
-        if ("persistent-error", "sigma") in values:
-            process = PersistentError(values["persistent-error", "sigma"], values["persistent-error", "time"])
-        elif ("random-walk", "rate") in values:
-            process = RandomWalk(values["random-walk", "rate"])
-        return white, fix, process
+        effects = _covariance_effects(values)
+        extra = sum(float(effect.fix_variance()) for effect in effects)
+        process = next((effect for effect in effects if isinstance(effect, MarkovProcess)), None)
+        return white, math.hypot(values["", "fix_sd"], math.sqrt(extra)), process
 
     def noise(self, values: HyperparameterValues) -> Array:
         """Covariance of the velocity errors, causes of the mean apart, on each axis, shape (2, n, n) [m²/s²]."""
@@ -126,8 +122,8 @@ class TransitCovariance(TransitMean):
     ) -> Marginal:
         """Log density of some of the legs with the coefficients of the mean integrated out.
 
-        Under ``heavy-tails`` a leg's error is bivariate Student-t (Lange, Little & Taylor 1989), independent of the
-        others'.
+        Under an effect with heavy tails a leg's error is bivariate Student-t (Lange, Little & Taylor 1989), independent
+        of the others'.
 
         Parameters
         ----------
@@ -148,11 +144,21 @@ class TransitCovariance(TransitMean):
         values = self.values(causes, logarithms)
         legs = self._all_legs if rows is ALL_LEGS else self.markov_covariance(rows)
         white, fix, process = self.noise_components(values)
-        dof = values.get(("heavy-tails", "dof"))
-        if dof is None:
+        dof = min((float(effect.tail_dof()) for effect in _covariance_effects(values)), default=math.inf)
+        if math.isinf(dof):
             gram, log_determinant = legs.gram(linear.joined[:, rows], white, fix, process)
             return gaussian_marginal(gram, linear.prior_sd, log_determinant, 2 * len(legs.under_way))
         if dof <= MIN_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
         variance = white[:, None] + fix**2 * legs.fix_variance()
         return student_marginal(linear.y[:, rows], linear.columns[:, rows], linear.prior_sd, variance, dof)
+
+
+def _covariance_effects(values: HyperparameterValues) -> list[TransitEffect]:
+    """Effects of the catalogue at the values of their hyperparameters."""
+    parameters: dict[str, dict[str, Scalars]] = {}
+    for (effect, name), value in values.items():
+        if effect:
+            parameters.setdefault(effect, {})[name] = value
+    made = (CATALOGUE[effect].make(own) for effect, own in parameters.items())
+    return [effect for effect in made if isinstance(effect, TransitEffect)]

@@ -14,7 +14,8 @@ from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Margina
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.covariance import ALL_LEGS, Hyperparameter, TransitCovariance
 from missionplan.diagnosis.legs.markov_covariance import LegSelection
-from missionplan.diagnosis.legs.mean import MODULATED_EFFECTS, NONLINEAR_EFFECTS, LinearisedLegs
+from missionplan.diagnosis.legs.mean import LinearisedLegs
+from missionplan.effects import CATALOGUE
 from missionplan.results.evidence import Causes, ParameterEstimate
 
 MAX_LINEARISATIONS = 5
@@ -52,7 +53,7 @@ class TransitFitting(TransitCovariance):
     def fit(
         self, causes: Causes, near: Sequence[CauseFit] = (), rows: LegSelection = ALL_LEGS, *, integrate: bool = True
     ) -> CauseFit:
-        """CauseFit a set of causes, linearised about its own posterior mean.
+        """Fit a set of causes, linearised about its own posterior mean.
 
         The hyperparameters' posterior is approximated by Laplace's method (Tierney & Kadane 1986); a set with causes
         that are not linear is linearised anew until its mean settles (Gauss–Newton).
@@ -76,7 +77,7 @@ class TransitFitting(TransitCovariance):
         hyperparameters = self.hyperparameters(causes)
         starts, covariance = _starts(hyperparameters, near)
         slabs = np.array([coordinate.slab for coordinate in self.coordinates])
-        nonlinear = bool({*NONLINEAR_EFFECTS, *MODULATED_EFFECTS} & set(causes))
+        nonlinear = any(CATALOGUE[name].modulation or not CATALOGUE[name].linear for name in causes)
         about = self._starting_mean(causes, near) if nonlinear else np.zeros(len(slabs))
         for iteration in range(MAX_LINEARISATIONS):
             linear = self.linearised(causes, about)

@@ -9,7 +9,6 @@ import pandas as pd
 
 from missionplan.datasets.legs import TransitData, read_transit
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.extended_mission import extended_transit_mission
 from missionplan.diagnosis.legs.model import TransitModel
@@ -20,20 +19,12 @@ from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.results.diagnosis import PlanGain
 
-DIRECT_MEASUREMENTS = {
-    "compass-bias": DirectMeasurement("a swing of the compass on land, all round", "angle", 0.009),
-    "compass-deviation": DirectMeasurement("a swing of the compass on land, all round", "amplitude", 0.009),
-    "fix-error": DirectMeasurement("an hour of fixes with the vehicle at a known place in the water", "sd", 3.0),
-}
-"""By effect; standard deviations are what such instruments state."""
-
 
 @dataclass(frozen=True)
 class TransitKind(DataKind):
     """Legs between fixes."""
 
     ids = ("transit",)
-    direct_measurements = DIRECT_MEASUREMENTS
 
     kind: str
     mission: Mission

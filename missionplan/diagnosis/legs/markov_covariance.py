@@ -9,32 +9,15 @@ Section 7.2).
 """
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array
+from missionplan.phases.hooks import MarkovProcess
 
 LegSelection = slice | NDArray[np.int_]
-
-
-class MarkovProcess(Protocol):
-    """A velocity error that is a Markov process in time, the same on both axes and independent between them."""
-
-    def transition(self, elapsed: Array) -> tuple[Array, Array]:
-        """Share of the velocity that is kept over a time [s], and the variance that is added [m²/s²]."""
-        ...
-
-    @property
-    def first_variance(self) -> Scalars:
-        """Variance on the first leg of a run [m²/s²]."""
-        ...
-
-    def covariance(self, t: Array) -> Array:
-        """Covariance of one component between the middles of a run's legs, shape (n, n) [m²/s²]."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -14,22 +14,12 @@ from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parame
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.legs.modulation import modulation
 from missionplan.effects import CATALOGUE, effects_of
-from missionplan.effects.tidal_current import resolvable_constituents
+from missionplan.effects.info import LegRecord
 from missionplan.phases.hooks import Leg, TransitEffect
 from missionplan.results.evidence import Causes
 
-COVARIANCE_EFFECTS = ("persistent-error", "random-walk", "fix-error", "heavy-tails")
-"""Effects that enter the covariance and not the mean."""
-NONLINEAR_EFFECTS = ("compass-bias", "compass-deviation")
-"""Effects whose velocity is not linear in their angles."""
-MODULATED_EFFECTS = ("tidal-current", "inertial-current")
-"""Oscillating currents whose amplitude and phase change slowly; see `modulation`."""
-MAX_MEAN_HEADING = 2.0 / math.pi
-"""Mean resultant length of headings that are uniform over half the compass (Mardia & Jupp 2000, Section 2.3)."""
 DIFFERENCE_STEP = 1e-3
 """Step of the central differences, in slabs (prior standard deviations of a cause)."""
-SHEAR_SLAB, SHEAR_SPIKE = 0.1, 0.004
-"""Prior standard deviation of a current's difference over the area of a record, as a cause and otherwise [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -93,21 +83,14 @@ class TransitMean:
     @cached_property
     def untestable(self) -> Mapping[str, str]:
         """Effects that this record cannot show, and why."""
-        why = {}
-        if not math.isfinite(self.data.latitude):
-            why["inertial-current"] = "needs the latitude: site.origin in the mission, or positions by latitude"
-        if not self.data.has_surface_time:
-            why["surface-drift"] = "needs the time at the surface before each fix: column surface_s"
-        if not resolvable_constituents(self._span):
-            why["tidal-current"] = "needs a record of at least half a tidal period"
-        if np.hypot(*self.leg.along.mean(axis=1)) > MAX_MEAN_HEADING:
-            why["compass-deviation"] = "needs headings over at least half the compass"
-        return why
+        reasons = {info.id: info.lacking(self._record) for info in effects_of("transit")}
+        return {effect: reason for effect, reason in reasons.items() if reason}
 
-    @property
-    def _span(self) -> float:
-        """Length of the record, between the middles of its legs [s]."""
-        return float(np.ptp(self.data.middle))
+    @cached_property
+    def _record(self) -> LegRecord:
+        """What the record holds, as the effects ask for it."""
+        data, mean_heading = self.data, float(np.hypot(*self.leg.along.mean(axis=1)))
+        return LegRecord(data.latitude, data.has_surface_time, float(np.ptp(data.middle)), mean_heading)
 
     @cached_property
     def candidates(self) -> Causes:
@@ -120,23 +103,23 @@ class TransitMean:
         if self.only is not None:
             return self.only
         found: list[Coordinate] = []
-        for name in self.candidates:
-            if name == "tidal-current":
-                tides = resolvable_constituents(self._span)
-                names = [key for key in CATALOGUE[name].parameters if key.split("_")[0] in tides]
-                found += coordinates_of(CATALOGUE[name], names)
-            elif name == "current-shear":
-                found += [self._limited_shear(coordinate) for coordinate in coordinates_of(CATALOGUE[name])]
-            elif name not in COVARIANCE_EFFECTS:
-                found += coordinates_of(CATALOGUE[name])
+        for info in map(CATALOGUE.__getitem__, self.candidates):
+            if info.part == "mean":
+                names = info.resolvable(self._record.duration) if info.resolvable is not None else None
+                found += [self._limited(coordinate) for coordinate in coordinates_of(info, names)]
         return tuple(found)
 
-    def _limited_shear(self, gradient: Coordinate) -> Coordinate:
-        """Limit a gradient's priors: over the area of the record a current changes by no more than its usual speed."""
+    def _limited(self, coordinate: Coordinate) -> Coordinate:
+        """Limit a gradient's priors by what it changes over the area of the record."""
+        parameter = CATALOGUE[coordinate.effect].parameters[coordinate.name]
+        slab = min(coordinate.slab, parameter.extent_scale / self._extent)
+        return replace(coordinate, slab=slab, spike=min(coordinate.spike, parameter.extent_spike / self._extent))
+
+    @cached_property
+    def _extent(self) -> float:
+        """Root mean square distance of the legs' middles from their centre, at least 1 m [m]."""
         place = self.data.start + 0.5 * (self.data.dead_reckoned - self.data.start)
-        extent = max(float(np.sqrt(np.sum(place.var(axis=1)))), 1.0)
-        slab, spike = min(gradient.slab, SHEAR_SLAB / extent), min(gradient.spike, SHEAR_SPIKE / extent)
-        return replace(gradient, slab=slab, spike=spike)
+        return max(float(np.sqrt(np.sum(place.var(axis=1)))), 1.0)
 
     @cached_property
     def axes(self) -> Array:
@@ -205,7 +188,7 @@ class TransitMean:
         """Prior standard deviation of each coordinate: its slab when its effect is a cause, else its spike."""
         values = [c.slab if c.effect in causes else c.spike for c in self.coordinates]
         for index, coordinate in enumerate(self.coordinates):
-            if coordinate.effect == "mean-current":
+            if CATALOGUE[coordinate.effect].is_steady_current:
                 values[index] = math.hypot(values[index], self.current_sd[coordinate.name == "north"])
         return np.array(values)
 
@@ -214,13 +197,19 @@ class TransitMean:
         prior = self.prior_sd(causes)
         if not np.any(about):
             return LinearisedLegs(about, self.y, self._columns_at_zero, prior)
-        columns = self.columns(about) if set(NONLINEAR_EFFECTS) & set(causes) else self._columns_at_zero
+        linear = all(CATALOGUE[name].linear for name in causes)
+        columns = self._columns_at_zero if linear else self.columns(about)
         y = self.y - self.mean_error(about) + columns @ about
-        modulated = [self._modulation_columns(name, about) for name in MODULATED_EFFECTS if name in causes]
+        modulated = [self._modulation_columns(name, about) for name in self._modulated(causes)]
         extra = np.concatenate([np.zeros((2, self.data.n, 0)), *modulated], axis=2)
         return LinearisedLegs(
             about, y, np.concatenate([columns, extra], axis=2), np.append(prior, np.ones(extra.shape[2]))
         )
+
+    @staticmethod
+    def _modulated(causes: Causes) -> tuple[str, ...]:
+        """Oscillating causes whose amplitude and phase change slowly, in the catalogue's order; see `modulation`."""
+        return tuple(info.id for info in effects_of("transit") if info.modulation and info.id in causes)
 
     def _modulation_columns(self, name: str, about: Array) -> Array:
         """Columns of the slow modulation of an oscillating cause, shape (2, n, m)."""
@@ -228,8 +217,7 @@ class TransitMean:
         quadrature = about.copy()
         quadrature[own[::2]], quadrature[own[1::2]] = -about[own[1::2]], about[own[::2]]
         steady = [self._error(own, values) for values in (about, quadrature)]
-        # both components of an inertial current share one factor; tidal ellipses have one for each component
-        components = np.ones((1, 2)) if name == "inertial-current" else np.eye(2)
+        components = np.ones((1, 2)) if CATALOGUE[name].modulation == "together" else np.eye(2)
         columns = [
             modulation(self.data.middle, *(component[:, None] * each for each in steady)) for component in components
         ]

@@ -17,10 +17,11 @@ from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.diagnosis.legs.axes import transit_axes
 from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_further_legs
 from missionplan.diagnosis.legs.fitting import TransitFitting
-from missionplan.diagnosis.legs.mean import COVARIANCE_EFFECTS, MODULATED_EFFECTS, LinearisedLegs
+from missionplan.diagnosis.legs.mean import LinearisedLegs
+from missionplan.effects import CATALOGUE, exclusive_groups
 from missionplan.results.evidence import Causes
 
-ALTERNATIVES = (frozenset({"persistent-error", "random-walk", "heavy-tails"}),)
+ALTERNATIVES = exclusive_groups("transit")
 """Effects of which a set holds at most one: each describes how the errors are random."""
 
 
@@ -34,7 +35,7 @@ class TransitModel(TransitFitting):
         return ALTERNATIVES
 
     def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
-        """CauseFit several sets of causes; one that cannot be fitted says why."""
+        """Fit several sets of causes; one that cannot be fitted says why."""
         found: list[CauseFit | FailedFit] = []
         for causes, near in wanted:
             try:
@@ -49,7 +50,8 @@ class TransitModel(TransitFitting):
 
     def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         """Gain in log density of causes over a parent's, its hyperparameters held; inf if it cannot be estimated."""
-        if any(name in (*COVARIANCE_EFFECTS, *MODULATED_EFFECTS) for name in causes if name not in parent.causes):
+        further = [CATALOGUE[name] for name in causes if name not in parent.causes]
+        if any(info.part == "covariance" or info.modulation for info in further):
             return math.inf
         mode, zero = parent.state.posterior.mode, np.zeros(len(self.coordinates))
         with_causes, without = (

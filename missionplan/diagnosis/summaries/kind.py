@@ -9,7 +9,6 @@ import pandas as pd
 
 from missionplan.datasets.summaries import SummaryData, read_summary
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.dives.kind import DIRECT_MEASUREMENTS
 from missionplan.diagnosis.dives.tables import descent_shares
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
@@ -27,7 +26,6 @@ class SummaryKind(DataKind):
     """A few numbers of each dive, as papers print them."""
 
     ids = ("summary",)
-    direct_measurements = DIRECT_MEASUREMENTS
 
     kind: str
     mission: Mission

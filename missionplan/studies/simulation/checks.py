@@ -28,9 +28,9 @@ def check_complete(mission: Mission) -> None:
     problems += missing_for_transits(mission) if mission.transits else []
     problems += missing_for_moorings(mission) if mission.moors else []
     problems += missing_for_transitions(mission) if mission.transitions else []
-    inertial = any(entry.effect == "inertial-current" for entry in mission.effects)
-    if inertial and mission.transits and (mission.site is None or mission.site.origin is None):
-        problems.append(_missing(mission, "site.origin", "inertial-current needs its latitude"))
+    if mission.transits and (mission.site is None or mission.site.origin is None):
+        turning = [entry.effect for entry in mission.effects if CATALOGUE[entry.effect].needs_latitude]
+        problems += [_missing(mission, "site.origin", f"{effect} needs its latitude") for effect in turning[:1]]
     if problems:
         raise InputError(problems)
 

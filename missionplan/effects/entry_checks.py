@@ -1,0 +1,102 @@
+"""Checks of the catalogue's entries: what an entry must declare, and which entries cannot stand together."""
+
+from collections.abc import Iterable
+from dataclasses import fields, is_dataclass
+
+from missionplan.effects.info import Effect, EffectInfo, TankEffect
+from missionplan.phases.hooks import DescentEffect, MarkovProcess, TransitEffect
+
+_BASES = {"transit": TransitEffect, "descent": DescentEffect, "tank": TankEffect}
+
+
+def entry_problems(info: EffectInfo) -> list[str]:
+    """Return what is wrong with one entry, in words; empty when it can be used."""
+    problems = []
+    if info.phase not in _BASES:
+        return [f"phase {info.phase!r} is none of {', '.join(_BASES)}"]
+    base = _BASES[info.phase]
+    if not (isinstance(info.effect, type) and issubclass(info.effect, base) and is_dataclass(info.effect)):
+        return [f"effect must be a data class derived from {base.__name__}"]
+    known = {field.name for field in fields(info.effect)}
+    for name, parameter in info.parameters.items():
+        if (parameter.field or name) not in known:
+            problems.append(f"parameter {name}: {info.effect.__name__} has no field {parameter.field or name}")
+        if not parameter.low < parameter.high:
+            problems.append(f"parameter {name}: low must be below high")
+        is_phase = name in {phase for _, phase in info.polar}
+        if parameter.median > 0.0 and parameter.factor <= 1.0:
+            problems.append(f"parameter {name}: a median needs a factor above 1")
+        if not (is_phase or parameter.is_shape or (parameter.scale > 0.0 and parameter.spike > 0.0)):
+            problems.append(f"parameter {name}: declare scale and spike (a strength), or median and factor (a shape)")
+    for pair in info.polar:
+        problems += [f"polar: {name} is no parameter" for name in pair if name not in info.parameters]
+    if info.instrument is not None and info.instrument.parameter not in info.parameters:
+        problems.append(f"instrument: {info.instrument.parameter} is no parameter")
+    if info.modulation and not info.polar:
+        problems.append("modulation: needs pairs of amplitude and phase in polar")
+    if info.part == "covariance" and not problems:
+        problems += _covariance_problems(info)
+    elif not problems and _is_random(info):
+        problems.append('an effect that is random from leg to leg must declare part="covariance"')
+    return problems
+
+
+def _usual(info: EffectInfo) -> Effect:
+    """Make the effect at the usual sizes of its parameters."""
+    return info.make({name: parameter.median or parameter.scale for name, parameter in info.parameters.items()})
+
+
+def _is_random(info: EffectInfo) -> bool:
+    """Whether an effect draws normals for each leg."""
+    made = _usual(info)
+    return isinstance(made, TransitEffect) and made.is_random
+
+
+def _covariance_problems(info: EffectInfo) -> list[str]:
+    problems = []
+    if info.phase != "transit":
+        problems.append('part="covariance": only effects on a transit enter a covariance')
+    hooks = ("fix_variance", "tail_dof")
+    refined = [hook for hook in hooks if getattr(info.effect, hook, None) is not getattr(TransitEffect, hook)]
+    if not refined and not _is_process(info):
+        problems.append(
+            'part="covariance": refine fix_variance or tail_dof, or give transition, first_variance and covariance '
+            "of a Markov process"
+        )
+    problems += [
+        f'parameter {name}: part="covariance" needs a median and a factor'
+        for name, parameter in info.parameters.items()
+        if not parameter.is_shape
+    ]
+    return problems
+
+
+def _is_process(info: EffectInfo) -> bool:
+    return isinstance(_usual(info), MarkovProcess)
+
+
+def catalogue_problems(entries: Iterable[EffectInfo]) -> list[str]:
+    """Return why entries cannot stand in one catalogue, in words; empty when they can."""
+    entries = tuple(entries)
+    problems = []
+    names = [info.id for info in entries]
+    problems += [f"{name} is declared twice" for name in dict.fromkeys(names) if names.count(name) > 1]
+    combined = [info for info in entries if info.part == "covariance" and (_is_process(info) or _has_tails(info))]
+    groups = {info.exclusive_group for info in combined}
+    if len(groups) > 1 or "" in groups:
+        listed = ", ".join(f"{info.id} ({info.exclusive_group or 'no group'})" for info in combined)
+        problems.append(
+            f"{listed}: a log's errors follow one process or one heavy tail at a time: give all of them one "
+            "exclusive_group"
+        )
+    for scatter in ("release", "drag"):
+        owners = [info.id for info in entries if info.scatter == scatter]
+        if len(owners) != 1:
+            problems.append(f"scatter {scatter!r}: declared by {', '.join(owners) or 'none'}, expected one effect")
+    return problems
+
+
+def _has_tails(info: EffectInfo) -> bool:
+    return getattr(info.effect, "tail_dof", None) is not TransitEffect.tail_dof and issubclass(
+        info.effect, TransitEffect
+    )

@@ -1,0 +1,72 @@
+"""The catalogue of effects as text for a terminal: what each is, and a fragment for a mission file."""
+
+import textwrap
+from collections.abc import Iterator
+
+from missionplan.effects import CATALOGUE, FAILED_PLUGINS, ORIGINS, EffectInfo, Parameter, exclusive_groups
+
+WIDTH = 80
+_INDENT = "  "
+
+
+def catalogue_text() -> str:
+    """Describe every effect, phase by phase, and the plug-ins that were left out."""
+    blocks = []
+    for phase in dict.fromkeys(info.phase for info in CATALOGUE.values()):
+        blocks.append(f"Effects on a {phase}\n" if phase != "tank" else "Effects seen in a tank alone\n")
+        blocks += [_entry(info) + "\n" for info in CATALOGUE.values() if info.phase == phase]
+    blocks += [_wrapped(f"The plug-in {name} is left out: {reason}", "") for name, reason in FAILED_PLUGINS.items()]
+    return "\n".join(blocks).rstrip()
+
+
+def effect_text(info: EffectInfo) -> str:
+    """Describe one effect, with a fragment to paste into a mission file."""
+    return f"{_entry(info)}\n\n{_INDENT}In a mission file:\n\n{textwrap.indent(fragment(info), 2 * _INDENT)}"
+
+
+def fragment(info: EffectInfo) -> str:
+    """Write an entry of ``effects:`` with the usual size of each parameter."""
+    lines = [f"- {info.id}:"]
+    for name, parameter in info.parameters.items():
+        lines.append(f"    {name}: {_usual(parameter)}  # {parameter.doc}")
+    return "effects:\n" + "\n".join(f"  {line}" for line in lines)
+
+
+def _entry(info: EffectInfo) -> str:
+    tier = "" if info.tier == "physical" else " (a statistical description)"
+    lines = [f"{info.id}{tier}", _wrapped(info.what)]
+    lines += [_wrapped(f"{name}: {_described(parameter)}") for name, parameter in info.parameters.items()]
+    lines.append(_wrapped(f"Usual sizes: {info.sizes}"))
+    lines += [_wrapped(text) for text in _relations(info)]
+    return "\n".join(lines)
+
+
+def _relations(info: EffectInfo) -> Iterator[str]:
+    if info.confused_with:
+        yield f"Confused with: {', '.join(info.confused_with)}."
+    if info.distinguished_by:
+        yield f"Distinguished by: {info.distinguished_by}"
+    for group in exclusive_groups("transit"):
+        if info.id in group:
+            yield f"Never claimed together with: {', '.join(sorted(group - {info.id}))}."
+    if not info.changes_plan:
+        yield "Acts on readings alone: it changes no plan."
+    yield f"From: {ORIGINS[info.id]}."
+
+
+def _described(parameter: Parameter) -> str:
+    unit = f" [{parameter.unit}]" if parameter.unit else ""
+    if parameter.is_shape:
+        return f"{parameter.doc}{unit}; median {parameter.median:g}, 68 % within a factor of {parameter.factor:g}"
+    return f"{parameter.doc}{unit}" + (f"; usually within ±{parameter.scale:g}" if parameter.scale else "")
+
+
+def _usual(parameter: Parameter) -> str:
+    value = parameter.median if parameter.is_shape else parameter.scale
+    if parameter.low > -1.0 and parameter.low > value:
+        value = parameter.low
+    return f"{value:g} {parameter.unit}".rstrip()
+
+
+def _wrapped(text: str, indent: str = _INDENT) -> str:
+    return textwrap.fill(text, WIDTH, initial_indent=indent, subsequent_indent=indent + _INDENT)
