@@ -8,6 +8,7 @@ from typing import cast
 
 from pydantic import BaseModel, Field, PrivateAttr, ValidationError, field_validator
 
+from missionplan.effects import FAILED_PLUGINS
 from missionplan.errors import InputError, LocalProblem, key_path
 from missionplan.mission.checks.correlations import check_correlations
 from missionplan.mission.checks.limits.ranges import Findings, check_effects, check_ranges
@@ -175,13 +176,15 @@ class Mission(FileSection):
         return found
 
     def notices(self) -> tuple[str, ...]:
-        """Return a note for each value that is unusual, and each distribution cut at its physical range."""
+from missionplan.effects import FAILED_PLUGINS
+from missionplan.errors import InputError, LocalProblem, key_path
         cut = (
             f"{path}: {value.mass_cut:.2g} of the distribution lies outside the physical range and was cut off"
             for path, value in self.uncertain().items()
             if value.mass_cut > 1e-12
         )
-        return (*self._unusual, *cut)
+from missionplan.effects import FAILED_PLUGINS
+from missionplan.errors import InputError, LocalProblem, key_path
 
     def uncertain(self) -> dict[str, Distribution]:
         """Return the quantities that are distributions, by key path."""
