@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, EffectInfo
@@ -120,7 +120,7 @@ def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array)
         if coordinate.kind == "strength":
             found.append(_estimate(coordinate, coordinate.name, value, sd))
         elif coordinate.kind == "shape":
-            low, high = (math.exp(value + norm.ppf(p) * sd) for p in (LOWER, UPPER))
+            low, high = (math.exp(value + float(ndtri(p)) * sd) for p in (LOWER, UPPER))
             unit = CATALOGUE[coordinate.effect].parameters[coordinate.name].unit
             size = math.exp(value)
             found.append(ParameterEstimate(coordinate.effect, coordinate.name, size, size * sd, low, high, unit))
@@ -147,7 +147,7 @@ def _polar(coordinate: Coordinate, pair: NDArray[np.float64], covariance: Array)
 
 def _estimate(coordinate: Coordinate, name: str, value: float, sd: float) -> ParameterEstimate:
     parameter = CATALOGUE[coordinate.effect].parameters[name]
-    low, high = (min(max(value + norm.ppf(p) * sd, parameter.low), parameter.high) for p in (LOWER, UPPER))
+    low, high = (min(max(value + float(ndtri(p)) * sd, parameter.low), parameter.high) for p in (LOWER, UPPER))
     return ParameterEstimate(coordinate.effect, name, value, sd, low, high, parameter.unit)
 
 

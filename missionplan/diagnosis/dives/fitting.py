@@ -7,7 +7,6 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
-from scipy.stats import norm
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import estimates, is_possible
@@ -17,7 +16,7 @@ from missionplan.diagnosis.dives.linearised import DIFFERENCE, DiveLinearisation
 from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, noise_grid
 from missionplan.diagnosis.dives.starts import SHAPE_SHIFTS, starting_points
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal, normal_log_pdf
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
 from missionplan.effects import CATALOGUE
 from missionplan.results.evidence import Causes, ParameterEstimate
@@ -174,7 +173,7 @@ class DescentFitting(DescentLikelihood):
         away = linear.at[free] - self.centre[free]
         noise = noise_grid()[fit.state.best_noise]
         factor = cholesky(self.total_covariance(linear, noise, self.nuisance_sd(fit.causes)))
-        prior = np.asarray(norm.logpdf(away, 0.0, self.slab[free]))
+        prior = normal_log_pdf(away, 0.0, self.slab[free])
         residuals = linear.y - linear.columns[:, free] @ away
         return float(log_normal_density(residuals[:, None], factor)[0] + prior.sum())
 

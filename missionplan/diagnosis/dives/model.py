@@ -7,7 +7,6 @@ from functools import partial
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
-from scipy.stats import norm
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.dives import designs as dive_designs
@@ -18,6 +17,7 @@ from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.gauss_newton import Start
 from missionplan.diagnosis.inference.importance_sampling import DRAWS, SampledEvidence, sampled_evidence
+from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, normal_log_pdf
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.residuals import Residuals
 
@@ -54,7 +54,7 @@ class DescentModel(DescentFitting):
                 noise.log_prior + log_normal_density(residuals, factor)
                 for noise, factor in zip(noise_grid(), factors, strict=True)
             ]
-            prior = np.asarray(norm.logpdf(at, self.centre[free], self.slab[free]))
+            prior = normal_log_pdf(at, self.centre[free], self.slab[free])
             return np.asarray(logsumexp(logs, axis=0) + prior.sum(axis=1))
 
         return sampled_evidence(
@@ -118,7 +118,7 @@ class DescentModel(DescentFitting):
         error = linear.y[own] - weights @ linear.y[rest]
         scaled = error / self.units[own]
         variance = np.diag(total[np.ix_(own, own)] - weights @ total[np.ix_(rest, own)])
-        inside = int((np.abs(error) <= norm.ppf(0.95) * np.sqrt(variance)).sum())
+        inside = int((np.abs(error) <= QUANTILE_95 * np.sqrt(variance)).sum())
         return HeldOutScore(self.forward.logs[dive].name, log_score, float(scaled @ scaled), inside, len(error))
 
     @property

@@ -16,8 +16,15 @@ from scipy.special import gammaln
 from missionplan.arrays import Array
 
 LOG_2PI = math.log(2.0 * math.pi)
+QUANTILE_95 = 1.6448536269514722
+"""95 % quantile of the standard normal distribution: half the width of a 90 % interval, in standard deviations."""
 NEAR, TOLERANCE = 0.01, 1e-6
 """Last step below which Newton's is tried, and below which the mode is found [prior standard deviations]."""
+
+
+def normal_log_pdf(x: Array, mean: Array | float, sd: Array | float) -> Array:
+    """Log density of normal distributions of given means and standard deviations, shapes broadcast together."""
+    return np.asarray(-0.5 * np.square((x - mean) / sd) - 0.5 * LOG_2PI - np.log(sd))
 
 
 @dataclass(frozen=True)

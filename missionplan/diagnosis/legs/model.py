@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
-from scipy.stats import norm
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import has_shape
-from missionplan.diagnosis.inference.marginal_likelihood import expected_log_ratio
+from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, expected_log_ratio
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
 from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.diagnosis.legs.axes import transit_axes
@@ -145,7 +144,7 @@ class TransitModel(TransitFitting):
         )
         mean, covariance = self.predictor(trained)(others, block)
         error = (self.y[:, block] - mean).ravel()
-        half_width = norm.ppf(0.95) * np.sqrt(np.diag(covariance))
+        half_width = QUANTILE_95 * np.sqrt(np.diag(covariance))
         name = f"legs {self.data.labels[block[0]]} to {self.data.labels[block[-1]]}"
         inside = int((np.abs(error) <= half_width).sum())
         return HeldOutScore(name, log_score, float(error @ error), inside, error.size)

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, QUANTILE_95, Marginal
 
 
 def marginal(y: Array, columns: Array, prior: Array, sd: Array) -> Marginal:
@@ -108,7 +107,7 @@ class LinearData:
             others = marginal(seen[:, -1], seen[:, :-1], self.prior[self.shared], np.ones(len(seen)))
             covariance = shared[own] @ others.covariance @ shared[own].T + noises[k]
             error = self.y[own] - shared[own] @ others.mean
-            inside = np.abs(error) <= norm.ppf(0.95) * np.sqrt(np.diag(covariance))
+            inside = np.abs(error) <= QUANTILE_95 * np.sqrt(np.diag(covariance))
             found.append(GroupPrediction(own, others.mean, _log_density(error, covariance), int(inside.sum())))
         return found
 

@@ -5,13 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import logsumexp
-from scipy.stats import norm
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import has_shape
 from missionplan.diagnosis.inference.axes import pointwise, scaled
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, normal_log_pdf
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, FailedFit, HeldOutScore
 from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.diagnosis.tank.fitting import TankFitting
@@ -67,7 +66,7 @@ class TankModel(TankFitting):
             settings[state.active] = at.T
             residuals = (self.forward.y[:, None] - self.predict(fit.causes, settings)) / sd[:, None]
             quadratic = -0.5 * np.sum(residuals**2, axis=0)[:, None] / self.noise_factors**2
-            log_prior = np.asarray(norm.logpdf(at, centre, prior)).sum(axis=1)
+            log_prior = normal_log_pdf(at, centre, prior).sum(axis=1)
             return np.asarray(logsumexp(quadratic + log_weights, axis=1) + constant + log_prior)
 
         return sampled_evidence(log_joint, state.marginal.mean, state.marginal.covariance)

@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 from scipy.optimize import least_squares
+from scipy.special import fdtrc, stdtrit
 
 from missionplan.arrays import Array
 from missionplan.errors import RunError
@@ -90,7 +90,7 @@ def fit(
     widened = _widening(chi_squared / dof, data_sd is not None, data - fitted if in_sequence else None)
     spread = covariance * widened**2 * (1.0 if data_sd is not None else chi_squared / dof)
     deviations = np.sqrt(np.diag(spread))
-    quantile = float(stats.t.ppf(0.5 + INTERVAL / 2.0, dof))
+    quantile = float(stdtrit(dof, 0.5 + INTERVAL / 2.0))
     estimates = tuple(
         _estimate(p, float(v), float(sd), quantile) for p, v, sd in zip(parameters, solution.x, deviations, strict=True)
     )
@@ -158,4 +158,4 @@ def f_test_prefers(simple: FittedModel, richer: FittedModel, level: float = 0.01
     if sum_richer <= 0.0:
         return sum_simple > 0.0
     ratio = (sum_simple - sum_richer) / extra / (sum_richer / richer.degrees_of_freedom)
-    return bool(stats.f.sf(ratio, extra, richer.degrees_of_freedom) < level)
+    return bool(fdtrc(extra, richer.degrees_of_freedom, ratio) < level)

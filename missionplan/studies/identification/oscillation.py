@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from scipy import stats
+from scipy.special import ndtri
 
 from missionplan.arrays import Array
 from missionplan.datasets.tank import OscillationSettings, TankData
@@ -53,7 +53,7 @@ def _added_masses(data: TankData, settings: OscillationSettings) -> FittedModel:
     frequency_sd = data.columns.get("frequency_sd_hz", np.full_like(frequency, np.nan))
     added = np.asarray(osc.added_mass(frequency, settings.stiffness, settings.mass))
     added_sd = np.asarray(osc.added_mass_sd(frequency, frequency_sd, settings.stiffness))
-    quantile = float(stats.norm.ppf(0.5 + INTERVAL / 2.0))
+    quantile = float(ndtri(0.5 + INTERVAL / 2.0))
     estimates = tuple(
         IdentifiedParameter(
             name=f"added_mass_{mode}",
