@@ -176,15 +176,14 @@ class Mission(FileSection):
         return found
 
     def notices(self) -> tuple[str, ...]:
-from missionplan.effects import FAILED_PLUGINS
-from missionplan.errors import InputError, LocalProblem, key_path
+        """Return a note for each unusual value, distribution cut at its physical range, and plug-in left out."""
         cut = (
             f"{path}: {value.mass_cut:.2g} of the distribution lies outside the physical range and was cut off"
             for path, value in self.uncertain().items()
             if value.mass_cut > 1e-12
         )
-from missionplan.effects import FAILED_PLUGINS
-from missionplan.errors import InputError, LocalProblem, key_path
+        plugins = (f"the plug-in {name} of effects is left out: {reason}" for name, reason in FAILED_PLUGINS.items())
+        return (*self._unusual, *cut, *plugins)
 
     def uncertain(self) -> dict[str, Distribution]:
         """Return the quantities that are distributions, by key path."""
