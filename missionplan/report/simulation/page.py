@@ -71,10 +71,10 @@ def _limits_in_words(outcome: Outcome) -> Iterator[str]:
     site = outcome.provenance.data.get("site")
     current = site.get("current") if isinstance(site, Mapping) else None
     outside = str(current.get("outside", "")) if isinstance(current, Mapping) else ""
-    for limit, share in outcome.limits.items():
-        if share.value > 0.0:
+    for limit, probability in outcome.limits.items():
+        if probability.value > 0.0:
             beyond = _BEYOND.get(outside, "; such trials fail") if limit == "left_record" else ""
-            yield f"In {_without_interval(share)} of the trials {_LIMITS[limit]}{beyond}."
+            yield f"In {share(probability)} of the trials {_LIMITS[limit]}{beyond}."
 
 
 def _success_in_words(outcome: Outcome) -> str:
