@@ -58,7 +58,8 @@ def compare(first: _First, second: _Second, *, output: o.OutputOptions) -> None:
     """Compare two reports of one command: what changed in the mission and in the results, and is it more than noise."""
     from missionplan.studies.comparison.compare import compare
 
-    folder = checked_folder(output, second.resolve().name, "compare")
+    read = [report / "summary.json" for report in (first, second)]
+    folder = checked_folder(output, second.resolve().name, "compare", read)
     deliver(compare(first, second), folder, output)
 
 

@@ -40,12 +40,16 @@ def diagnose(
 
             return diagnose(loaded, dataset, seed=seed, jobs=processes, progress=progress)
 
-    run_study(mission, "diagnose", study, output, allow_outside=allow_outside)
+    from missionplan.datasets.reading import dataset_files
+
+    inputs = dataset_files(dataset)
+    run_study(mission, "diagnose", study, output, allow_outside=allow_outside, inputs=inputs)
 
 
 def identify(dataset: o.DatasetFolder, *, output: o.OutputOptions) -> None:
     """Identify hydrodynamic or thruster parameters from tank data, with errors, for a vehicle file."""
+    from missionplan.datasets.reading import dataset_files
     from missionplan.studies.identification.identify import identify
 
-    folder = checked_folder(output, dataset.resolve().name, "identify")
+    folder = checked_folder(output, dataset.resolve().name, "identify", dataset_files(dataset))
     deliver(identify(dataset), folder, output)

@@ -147,12 +147,13 @@ def simulate(
 ) -> None:
     """Simulate the whole mission: will it work, how long will it take, how much energy, and what makes it fail."""
     from missionplan.mission import load
-    from missionplan.store.folder import check_new_folder
+    from missionplan.store.folder import check_holds_no_input, check_new_folder
     from missionplan.studies.simulation.simulate import simulate
 
     folder = output.out or (last_unfinished(mission.stem) if resume else new_folder_name(mission.stem, "simulate"))
     check_new_folder(folder, force=output.force or resume)
     loaded = load(mission, allow_outside=allow_outside)
+    check_holds_no_input(folder, loaded.sources)
     if output.force and not resume:
         discard_blocks(folder)
     with resume_hint(folder, resumed=resume), progress_bar("simulate", shown=not output.quiet) as progress:

@@ -1,7 +1,7 @@
 """Around every study: load the mission, show progress, save the report, print the answer."""
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
@@ -26,23 +26,34 @@ _COLOURS = {"good": "green", "bad": "red", "undecided": "yellow"}
 """Colour of the answer on a terminal, by verdict."""
 
 
-def run_study(path: Path, command: str, study: Study, output: OutputOptions, *, allow_outside: bool) -> None:
-    """Load a mission, run a study of it, save the report and print the answer."""
+def run_study(
+    path: Path,
+    command: str,
+    study: Study,
+    output: OutputOptions,
+    *,
+    allow_outside: bool,
+    inputs: Sequence[Path] = (),
+) -> None:
+    """Load a mission, run a study of it, save the report and print the answer; `inputs` are read besides."""
     from missionplan.mission import load
+    from missionplan.store.folder import check_holds_no_input
 
     folder = checked_folder(output, path.stem, command)
     mission = load(path, allow_outside=allow_outside)
+    check_holds_no_input(folder, (*mission.sources, *inputs))
     with progress_bar(command, shown=not output.quiet) as progress:
         result = study(mission, progress)
     deliver(result, folder, output)
 
 
-def checked_folder(output: OutputOptions, stem: str, command: str) -> Path:
-    """Choose the report folder of a command that starts now; refuse one that is not empty, before any work."""
-    from missionplan.store.folder import check_new_folder
+def checked_folder(output: OutputOptions, stem: str, command: str, inputs: Sequence[Path] = ()) -> Path:
+    """Choose the report folder of a command that starts now; refuse one that is not empty or holds its input."""
+    from missionplan.store.folder import check_holds_no_input, check_new_folder
 
     folder = output.out or new_folder_name(stem, command)
     check_new_folder(folder, force=output.force)
+    check_holds_no_input(folder, inputs)
     return folder
 
 

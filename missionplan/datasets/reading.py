@@ -1,5 +1,6 @@
 """Data set folders: `dataset.yaml`, checked against a schema, and its CSV, with every problem of both at once."""
 
+import os.path
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import date
@@ -108,6 +109,24 @@ def load_dataset_document(folder: Path) -> Document:
     if not isinstance(document.data, dict):
         raise InputError([document.problem((), "expected keys such as kind:, name: and file:")])
     return document
+
+
+def dataset_files(folder: Path) -> tuple[Path, ...]:
+    """Return the files of a data set: ``dataset.yaml`` and each that one of its values names.
+
+    Raises
+    ------
+    InputError
+        When there is no ``dataset.yaml``, or it is no mapping.
+    """
+    found, left = [folder / "dataset.yaml"], list(load_dataset_document(folder).data.values())
+    while left:
+        value = left.pop()
+        if isinstance(value, dict | list):
+            left += value.values() if isinstance(value, dict) else value
+        elif isinstance(value, str) and value.strip() and os.path.isfile(folder / value.strip()):  # noqa: PTH113 - raises nothing
+            found.append(folder / value.strip())
+    return tuple(found)
 
 
 def dataset_kind(folder: Path, known: Iterable[str]) -> str:

@@ -24,7 +24,7 @@ from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarl
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
 from missionplan.mission.schema.section import FileSection
-from missionplan.mission.schema.site import Site
+from missionplan.mission.schema.site import CurrentFile, Site
 from missionplan.mission.schema.sweep import SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
@@ -50,6 +50,7 @@ class Mission(FileSection):
     _raw: dict[str, object] = PrivateAttr(default_factory=dict)
     _file: str = PrivateAttr(default="")
     _unusual: tuple[str, ...] = PrivateAttr(default=())
+    _sources: tuple[Path, ...] = PrivateAttr(default=())
 
     @field_validator("effects", mode="plain")
     @classmethod
@@ -110,6 +111,9 @@ class Mission(FileSection):
         mission = mission.model_copy(update={"requirements": requirements})
         mission._raw, mission._file = document.data, file
         mission._unusual = tuple(f"{key_path(notice.path)}: {notice.message}" for notice in limits.notices)
+        current = mission.site.current if mission.site else None
+        named = [current.file] if isinstance(current, CurrentFile) else []
+        mission._sources = tuple(Path(name) for name in (*document.files, *named))
         return mission
 
     def _contradictions(self) -> list[LocalProblem]:
@@ -158,6 +162,11 @@ class Mission(FileSection):
     def file(self) -> str:
         """Path of the mission file, as given."""
         return self._file
+
+    @property
+    def sources(self) -> tuple[Path, ...]:
+        """Every file that was read: the mission's, the vehicle's, the current's."""
+        return self._sources
 
     @property
     def raw(self) -> Mapping[str, object]:

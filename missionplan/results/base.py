@@ -15,7 +15,7 @@ import pandas as pd
 import yaml
 
 from missionplan.rendering import render
-from missionplan.store.folder import new_folder, write_atomically
+from missionplan.store.folder import check_holds_no_input, new_folder, write_atomically
 
 _LIBRARIES = ("numpy", "scipy", "pandas", "matplotlib", "joblib", "pydantic", "pint")
 
@@ -107,11 +107,12 @@ class Result(ABC):
         Raises
         ------
         InputError
-            When the folder is not empty and `force` is not given.
+            When the folder is not empty and `force` is not given, or the mission file lies in it.
         RunError
             When the folder cannot be written.
         """
         folder = Path(folder)
+        check_holds_no_input(folder, [Path(self.provenance.file)] if self.provenance.file else ())
         rendered = render(self)
         contents: dict[str, str | bytes] = {
             "report.html": rendered.html,

@@ -3,7 +3,7 @@
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -50,6 +50,22 @@ def check_new_folder(folder: Path, *, force: bool = False) -> None:
         raise InputError([Problem("is a file; a folder was expected", file=str(folder))])
     if holds and not force:
         raise InputError([Problem("is not empty", file=str(folder), hint="--force writes over it")])
+
+
+def check_holds_no_input(folder: Path, inputs: Iterable[Path]) -> None:
+    """Refuse a report folder that holds files that were read, whatever their names: a report never replaces them.
+
+    Raises
+    ------
+    InputError
+        With each of these files.
+    """
+    places = {(folder / name).resolve() for name in ("", "figures", "blocks")}
+    inside = [path for path in inputs if {path.parent.resolve(), path.resolve().parent} & places]
+    hint = "name another folder"
+    message = f"is read by this command and lies in the report folder {folder}, where it could be overwritten"
+    if inside:
+        raise InputError([Problem(message, str(path), hint=hint) for path in inside])
 
 
 @contextmanager

@@ -182,6 +182,54 @@ def test_ctrl_c_ends_a_run_in_few_words(tmp_path: Path, blocks: int) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    "command", [["simulate"], ["simulate", "--resume"], ["sweep-dmax"], ["plan-legs"]], ids=" ".join
+)
+def test_a_report_never_replaces_its_mission(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, command: list[str]
+) -> None:
+    mission = tmp_path / "mission.yaml"
+    mission.write_text(SMALL)
+    assert run(monkeypatch, *command, str(mission), "--out", str(tmp_path), "--force", "--jobs", "1") == 2
+    said = capsys.readouterr().err
+    assert f"{mission}: is read by this command" in said
+    assert "Traceback" not in said
+    assert mission.read_text() == SMALL
+    assert list(tmp_path.iterdir()) == [mission]
+
+
+@pytest.mark.parametrize("command", ["diagnose", "identify", "vehicle", "current", "link", "compare"])
+def test_a_report_never_replaces_other_files_that_were_read(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, command: str
+) -> None:
+    other = tmp_path / "read"
+    other.mkdir()
+    mission = tmp_path / "mission.yaml"
+    mission.write_text(SMALL)
+    words = [str(mission)]
+    if command in ("diagnose", "identify"):
+        (other / "dataset.yaml").write_text("{kind: transit, file: residuals.csv}")
+        (other / "residuals.csv").write_text("precious")
+        words = [*([str(mission)] if command == "diagnose" else []), str(other)]
+    elif command == "vehicle":
+        (other / "mission.yaml").write_text((MISSIONS.parent / "missionplan" / "starter" / "vehicle.yaml").read_text())
+        mission.write_text(SMALL + "vehicle: read/mission.yaml\n")
+    elif command == "current":
+        (other / "mission.yaml").write_text("t_s,depth_m,east_m_s,north_m_s\n0,0,0,0\n")
+        mission.write_text(SMALL + "site: {current: {file: read/mission.yaml}}\n")
+    elif command == "link":
+        mission.rename(other / "mission.yaml")
+        mission.symlink_to(other / "mission.yaml")
+    else:
+        (other / "summary.json").write_text("precious")
+        words = [str(tmp_path), str(other)]
+    before = {path: path.read_text() for path in other.iterdir()}
+    study = command if command in ("diagnose", "identify", "compare") else "sweep-dmax"
+    assert run(monkeypatch, study, *words, "--out", str(other), "--force") == 2
+    assert "is read by this command" in capsys.readouterr().err
+    assert {path: path.read_text() for path in other.iterdir()} == before
+
+
 def test_a_requirement_that_is_not_met_exits_with_3(
     monkeypatch: pytest.MonkeyPatch, mission: Path, tmp_path: Path
 ) -> None:

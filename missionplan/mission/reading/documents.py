@@ -29,6 +29,11 @@ class Document:
     data: Any
     marks: dict[KeyPath, tuple[str, int | None]] = field(default_factory=dict)
 
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Names of the files that the data come from."""
+        return tuple(dict.fromkeys(file for file, _ in self.marks.values() if file))
+
     def mark(self, path: KeyPath) -> tuple[str, int | None]:
         """File and line of a key path, or of its nearest ancestor that has them."""
         for length in range(len(path), -1, -1):
