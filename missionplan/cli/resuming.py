@@ -24,6 +24,8 @@ def last_unfinished(stem: str) -> Path:
 def discard_blocks(folder: Path) -> None:
     """Remove the finished blocks of a run from a report folder, and the folder where nothing else is in it."""
     blocks = folder / BLOCKS
+    if blocks.exists() and not blocks.is_dir():
+        raise InputError([Problem("is a file; a folder for finished blocks was expected", str(blocks))])
     for path in (*blocks.glob("block-*.npz"), blocks / "run.json"):
         path.unlink(missing_ok=True)
     for emptied in (blocks, folder):

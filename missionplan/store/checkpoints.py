@@ -2,13 +2,18 @@
 
 One file per block, written atomically, beside ``run.json``, which records what the blocks depend on. File names contain
 the size of the block: when a run is extended, its incomplete last block is computed again as a whole.
+
+Nothing damaged is believed. A block's file is a ``.npz`` with the run's digest and the block's number and size among
+its arrays, followed by the SHA-256 of all that; ``run.json`` has the digest of its own content. A block that does not
+agree is computed again, with a warning in the log (which Python shows on standard error).
 """
 
 import difflib
 import hashlib
 import json
+import logging
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from io import BytesIO
 from pathlib import Path
@@ -21,6 +26,10 @@ from missionplan.errors import InputError, Problem, RunError
 from missionplan.store.folder import write_atomically
 
 _UNREADABLE = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
+_CHECKSUM_BYTES = hashlib.sha256().digest_size
+_MAX_NAMED = 5
+"""Damaged blocks that a warning names; the others are counted."""
+_log = logging.getLogger(__name__)
 Arrays = Mapping[str, NDArray[np.generic]]
 
 
@@ -80,48 +89,72 @@ class Checkpoints:
 
     def __init__(self, folder: Path, identity: Identity, *, resume: bool = False) -> None:
         self._folder, self._digest = folder, identity.digest
+        if folder.exists() and not folder.is_dir():
+            raise InputError([Problem("is a file; a folder for finished blocks was expected", str(folder))])
         record = folder / "run.json"
         try:
-            before = record.read_text(encoding="utf-8")
+            before = record.read_bytes()
         except FileNotFoundError:
             before = None
-        except (OSError, UnicodeDecodeError) as error:
-            raise RunError(f"cannot read {record}: {error}") from error
+        except OSError as error:
+            raise RunError(f"cannot read {record}: {error.strerror or error}") from error
         if before is not None:
             self._check(before, identity, resume=resume)
         for stray in folder.glob(".block-*"):  # left by a write that was killed
             stray.unlink(missing_ok=True)
-        write_atomically(record, json.dumps(asdict(identity), indent=1, ensure_ascii=False) + "\n")
+        content = {**asdict(identity), "sha256": identity.digest}
+        write_atomically(record, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
 
-    def _check(self, before: str, identity: Identity, *, resume: bool) -> None:
+    def _check(self, before: bytes, identity: Identity, *, resume: bool) -> None:
         shown = str(self._folder)
         if not resume:
             message = "holds the finished blocks of a run"
             raise InputError([Problem(message, shown, hint="--resume continues with them")])
-        try:
-            old = Identity(**json.loads(before))
-        except (ValueError, TypeError):
-            raise InputError([Problem("run.json is not that of a run; nothing can be resumed", shown)]) from None
-        if old != identity:
+        old = _read_identity(before)
+        if old is None and not any(self._folder.glob("block-*.npz")):
+            raise InputError([Problem("run.json is not that of a run; nothing can be resumed", shown)])
+        if old is None:
+            message = "%s is damaged; the blocks beside it that say themselves that they are of this run are used"
+            _log.warning(message, self._folder / "run.json")
+        elif old != identity:
             message = f"holds blocks of another run; this is the difference:\n{identity.differences(old)}"
             raise InputError([Problem(message, shown)])
 
+    def intact(self, blocks: Iterable[tuple[int, int]]) -> set[tuple[int, int]]:
+        """Return which of some blocks, by number and size, are there and agree with their checksums.
+
+        Those that are there and do not agree are named in a warning.
+        """
+        present = [item for item in blocks if self._path(*item).exists()]
+        kept = {item for item in present if self.holds(*item)}
+        damaged = [self._path(*item).name for item in present if item not in kept]
+        if damaged:
+            more = f" and {len(damaged) - _MAX_NAMED} more" if len(damaged) > _MAX_NAMED else ""
+            _log.warning(
+                "damaged, or of another run, and computed again: %s%s (in %s)",
+                ", ".join(damaged[:_MAX_NAMED]),
+                more,
+                self._folder,
+            )
+        return kept
+
     def holds(self, block: int, size: int) -> bool:
-        """Whether a block is there, by its name and digest."""
-        try:
-            with self._path(block, size).open("rb") as content, np.load(content, allow_pickle=False) as file:
-                return str(file["digest"]) == self._digest
-        except _UNREADABLE:
-            return False
+        """Whether a block is there and agrees with its checksum, the run, its number and its size."""
+        return self.read(block, size) is not None
 
     def read(self, block: int, size: int) -> dict[str, NDArray[np.generic]] | None:
-        """Return a finished block; None when there is none that can be read."""
+        """Return a finished block; None when there is none that agrees with its checksum, the run and its name."""
         try:
-            with self._path(block, size).open("rb") as content, np.load(content, allow_pickle=False) as file:
-                arrays = {name: file[name] for name in file.files}
+            content = self._path(block, size).read_bytes()
+            arrays, checksum = content[:-_CHECKSUM_BYTES], content[-_CHECKSUM_BYTES:]
+            if hashlib.sha256(arrays).digest() != checksum:
+                return None
+            with np.load(BytesIO(arrays), allow_pickle=False) as file:
+                if (str(file["digest"]), *file["block"].tolist()) != (self._digest, block, size):
+                    return None
+                return {name: file[name] for name in file.files if name not in ("digest", "block")}
         except _UNREADABLE:
             return None
-        return arrays if str(arrays.pop("digest", "")) == self._digest else None
 
     def write(self, block: int, size: int, arrays: Arrays) -> None:
         """Save a finished block.
@@ -134,8 +167,21 @@ class Checkpoints:
         if not self._folder.is_dir():
             raise RunError(f"cannot write {self._path(block, size)}: the folder {self._folder} no longer exists")
         content = BytesIO()
-        np.savez_compressed(content, digest=np.array(self._digest), **dict(arrays))  # type: ignore[arg-type]
-        write_atomically(self._path(block, size), content.getvalue())
+        label = {"digest": np.array(self._digest), "block": np.array([block, size])}
+        np.savez_compressed(content, **label, **dict(arrays))  # type: ignore[arg-type]
+        checksum = hashlib.sha256(content.getvalue()).digest()
+        write_atomically(self._path(block, size), content.getvalue() + checksum)
 
     def _path(self, block: int, size: int) -> Path:
         return self._folder / f"block-{block:07d}-{size}.npz"
+
+
+def _read_identity(content: bytes) -> Identity | None:
+    """Read ``run.json``; None where it does not agree with its digest."""
+    try:
+        fields = json.loads(content)
+        digest = fields.pop("sha256")
+        old = Identity(**fields)
+        return old if old.digest == digest else None
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return None

@@ -139,6 +139,46 @@ def test_simulate_is_resumed_refused_and_forced(
     assert json.loads(capsys.readouterr().out)["seed"] == 2
 
 
+def test_damaged_blocks_are_computed_again_with_a_warning(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    caplog: pytest.LogCaptureFixture,
+    mission: Path,
+    tmp_path: Path,
+) -> None:
+    out = tmp_path / "out"
+    common = ("simulate", str(mission), "--jobs", "1", "--json", "--trials", "8200", "--out", str(out))
+    assert run(monkeypatch, *common) == 0
+    first = json.loads(capsys.readouterr().out)
+    blocks = sorted((out / "blocks").glob("block-*.npz"))
+    whole = [path.read_bytes() for path in blocks]
+    blocks[0].write_bytes(whole[0][:500] + bytes([whole[0][500] ^ 4]) + whole[0][501:])
+    blocks[1].write_bytes(whole[0])
+    (out / "blocks" / "run.json").write_text("{")
+    assert run(monkeypatch, *common, "--resume") == 0
+    again = json.loads(capsys.readouterr().out)
+    assert {**again, "elapsed_s": 0, "created_utc": ""} == {**first, "elapsed_s": 0, "created_utc": ""}
+    assert [path.read_bytes() for path in blocks] == whole
+    assert "run.json is damaged" in caplog.text
+    assert f"computed again: {blocks[0].name}, {blocks[1].name} (in" in caplog.text
+
+
+@pytest.mark.parametrize("options", [[], ["--resume"], ["--force"]])
+def test_blocks_being_a_file_is_said_before_the_run(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    mission: Path,
+    tmp_path: Path,
+    options: list[str],
+) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "blocks").write_text("precious")
+    assert run(monkeypatch, "simulate", str(mission), "--out", str(out), *options) == 2
+    assert "Traceback" not in capsys.readouterr().err
+    assert (out / "blocks").read_text() == "precious"
+
+
 @pytest.mark.parametrize(("error", "status"), [(RunError("a worker process died"), 1), (KeyboardInterrupt(), 130)])
 @pytest.mark.parametrize("blocks", [0, 1])
 def test_a_run_that_is_cut_short_tells_how_to_go_on(

@@ -1,3 +1,4 @@
+import hashlib
 import json
 import os
 
@@ -78,9 +79,85 @@ def test_a_flipped_bit_counts_as_missing(tmp_path):
     assert store.read(0, 1000) is None
 
 
+def test_any_flipped_byte_of_a_block_is_noticed(tmp_path, caplog):
+    store = Checkpoints(tmp_path, IDENTITY)
+    store.write(0, 10, ARRAYS)
+    (path,) = tmp_path.glob("block-*")
+    content = path.read_bytes()
+    for place in range(len(content)):
+        path.write_bytes(content[:place] + bytes([content[place] ^ 1 << place % 8]) + content[place + 1 :])
+        assert store.read(0, 10) is None
+    assert store.intact([(0, 10), (1, 10)]) == set()
+    assert "block-0000000-10.npz" in caplog.text
+    assert "block-0000001-10.npz" not in caplog.text
+
+
+def test_any_flipped_byte_of_run_json_leaves_the_blocks_usable(tmp_path, caplog):
+    Checkpoints(tmp_path, IDENTITY).write(0, 10, ARRAYS)
+    content = (tmp_path / "run.json").read_bytes()
+    for place in range(len(content)):
+        changed = bytes([content[place] ^ 1 << place % 8])
+        (tmp_path / "run.json").write_bytes(content[:place] + changed + content[place + 1 :])
+        caplog.clear()
+        assert Checkpoints(tmp_path, IDENTITY, resume=True).intact([(0, 10)]) == {(0, 10)}
+        assert ("run.json is damaged" in caplog.text) or (changed + content[place : place + 1]).isspace()
+    assert (tmp_path / "run.json").read_bytes() == content
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\xff",
+        b"[" * 100_000 + b"]" * 100_000,
+        b'{"mission": ' * 100_000,
+        b"[]",
+        b"null",
+        b'{"mission": 1, "options": 2, "version": 3, "sha256": 4}',
+        b'{"mission": [], "options": {}, "version": null, "sha256": ""}',
+    ],
+)
+@pytest.mark.parametrize("blocks", [0, 1])
+def test_a_run_json_of_any_content_is_refused_or_passed_over(tmp_path, content, blocks):
+    store = Checkpoints(tmp_path, IDENTITY)
+    for block in range(blocks):
+        store.write(block, 10, ARRAYS)
+    (tmp_path / "run.json").write_bytes(content)
+    if blocks:
+        assert Checkpoints(tmp_path, IDENTITY, resume=True).intact([(0, 10)]) == {(0, 10)}
+    else:
+        with pytest.raises(InputError, match=r"run\.json"):
+            Checkpoints(tmp_path, IDENTITY, resume=True)
+
+
+def test_a_block_under_another_blocks_name_is_not_read(tmp_path):
+    store = Checkpoints(tmp_path, IDENTITY)
+    store.write(0, 10, ARRAYS)
+    content = (tmp_path / "block-0000000-10.npz").read_bytes()
+    (tmp_path / "block-0000001-10.npz").write_bytes(content)
+    (tmp_path / "block-0000000-11.npz").write_bytes(content)
+    assert store.intact([(0, 10), (1, 10), (0, 11)]) == {(0, 10)}
+
+
+def test_blocks_being_a_file_is_said(tmp_path):
+    (tmp_path / "blocks").write_text("precious")
+    with pytest.raises(InputError, match="is a file"):
+        Checkpoints(tmp_path / "blocks", IDENTITY, resume=True)
+
+
+def test_a_folder_in_a_blocks_place_is_no_block(tmp_path):
+    store = Checkpoints(tmp_path, IDENTITY)
+    (tmp_path / "block-0000000-10.npz").mkdir()
+    assert store.intact([(0, 10)]) == set()
+    with pytest.raises(RunError, match="cannot write"):
+        store.write(0, 10, ARRAYS)
+
+
 def test_no_pickle_is_ever_read(tmp_path):
     store = Checkpoints(tmp_path, IDENTITY)
-    np.savez(tmp_path / "block-0000000-10.npz", digest=np.array(IDENTITY.digest), evil=np.array([{}], dtype=object))
+    label = {"digest": np.array(IDENTITY.digest), "block": np.array([0, 10])}
+    np.savez(path := tmp_path / "block-0000000-10.npz", **label, evil=np.array([{}], dtype=object))
+    path.write_bytes(path.read_bytes() + hashlib.sha256(path.read_bytes()).digest())
     assert store.read(0, 10) is None
 
 

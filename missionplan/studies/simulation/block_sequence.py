@@ -144,13 +144,14 @@ class BlockSequence:
             yield item, block
 
     def _blocks(self, run_blocks: RunBlocks) -> Generator[tuple[BlockItem, BlockOutcome], None, None]:
-        kept = {item for item in self.items if self.store is not None and self.store.holds(*item)}
+        kept = self.store.intact(self.items) if self.store is not None else set()
         todo = [item for item in self.items if item not in kept]
         with contextlib.closing(run_blocks(todo)) as fresh:
             for item in self.items:
                 block: BlockOutcome | None = self._stored(item) if item in kept else None
                 if block is None and item in kept:  # it has been damaged or taken away meanwhile
                     block = next(run_blocks([item]))
+                    self._keep(item, block)
                 elif block is None:
                     block = next(fresh)
                     self._keep(item, block)
