@@ -1,6 +1,6 @@
 """Checks of the catalogue's entries: what an entry must declare, and which entries cannot stand together."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, is_dataclass
 
 from missionplan.effects.info import Effect, EffectInfo, TankEffect
@@ -11,34 +11,45 @@ _BASES = {"transit": TransitEffect, "descent": DescentEffect, "tank": TankEffect
 
 def entry_problems(info: EffectInfo) -> list[str]:
     """Return what is wrong with one entry, in words; empty when it can be used."""
-    problems = []
     if info.phase not in _BASES:
         return [f"phase {info.phase!r} is none of {', '.join(_BASES)}"]
     base = _BASES[info.phase]
     if not (isinstance(info.effect, type) and issubclass(info.effect, base) and is_dataclass(info.effect)):
         return [f"effect must be a data class derived from {base.__name__}"]
+    problems = [*_field_problems(info), *_size_problems(info), *_reference_problems(info)]
+    if problems:
+        return problems
+    if info.part == "covariance":
+        return _covariance_problems(info)
+    return ['an effect that is random from leg to leg must declare part="covariance"'] if _is_random(info) else []
+
+
+def _field_problems(info: EffectInfo) -> Iterator[str]:
     known = {field.name for field in fields(info.effect)}
     for name, parameter in info.parameters.items():
         if (parameter.field or name) not in known:
-            problems.append(f"parameter {name}: {info.effect.__name__} has no field {parameter.field or name}")
+            yield f"parameter {name}: {info.effect.__name__} has no field {parameter.field or name}"
+
+
+def _size_problems(info: EffectInfo) -> Iterator[str]:
+    phases = {phase for _, phase in info.polar}
+    for name, parameter in info.parameters.items():
         if not parameter.low < parameter.high:
-            problems.append(f"parameter {name}: low must be below high")
-        is_phase = name in {phase for _, phase in info.polar}
-        if parameter.median > 0.0 and parameter.factor <= 1.0:
-            problems.append(f"parameter {name}: a median needs a factor above 1")
-        if not (is_phase or parameter.is_shape or (parameter.scale > 0.0 and parameter.spike > 0.0)):
-            problems.append(f"parameter {name}: declare scale and spike (a strength), or median and factor (a shape)")
-    for pair in info.polar:
-        problems += [f"polar: {name} is no parameter" for name in pair if name not in info.parameters]
+            yield f"parameter {name}: low must be below high"
+        if parameter.is_shape and parameter.factor <= 1.0:
+            yield f"parameter {name}: a median needs a factor above 1"
+        is_strength = parameter.scale > 0.0 and parameter.spike > 0.0
+        if not (name in phases or parameter.is_shape or is_strength):
+            yield f"parameter {name}: declare scale and spike (a strength), or median and factor (a shape)"
+
+
+def _reference_problems(info: EffectInfo) -> Iterator[str]:
+    """Names of parameters that are none, and what a modulation needs."""
+    yield from (f"polar: {name} is no parameter" for pair in info.polar for name in pair if name not in info.parameters)
     if info.instrument is not None and info.instrument.parameter not in info.parameters:
-        problems.append(f"instrument: {info.instrument.parameter} is no parameter")
+        yield f"instrument: {info.instrument.parameter} is no parameter"
     if info.modulation and not info.polar:
-        problems.append("modulation: needs pairs of amplitude and phase in polar")
-    if info.part == "covariance" and not problems:
-        problems += _covariance_problems(info)
-    elif not problems and _is_random(info):
-        problems.append('an effect that is random from leg to leg must declare part="covariance"')
-    return problems
+        yield "modulation: needs pairs of amplitude and phase in polar"
 
 
 def _usual(info: EffectInfo) -> Effect:
@@ -78,22 +89,31 @@ def _is_process(info: EffectInfo) -> bool:
 def catalogue_problems(entries: Iterable[EffectInfo]) -> list[str]:
     """Return why entries cannot stand in one catalogue, in words; empty when they can."""
     entries = tuple(entries)
-    problems = []
+    return [*_repeated(entries), *_uncombinable(entries), *_scatter_problems(entries)]
+
+
+def _repeated(entries: Sequence[EffectInfo]) -> Iterator[str]:
     names = [info.id for info in entries]
-    problems += [f"{name} is declared twice" for name in dict.fromkeys(names) if names.count(name) > 1]
-    combined = [info for info in entries if info.part == "covariance" and (_is_process(info) or _has_tails(info))]
-    groups = {info.exclusive_group for info in combined}
+    yield from (f"{name} is declared twice" for name in dict.fromkeys(names) if names.count(name) > 1)
+
+
+def _uncombinable(entries: Sequence[EffectInfo]) -> Iterator[str]:
+    """Processes and heavy tails that are not alternatives of each other."""
+    shaping = [info for info in entries if info.part == "covariance" and (_is_process(info) or _has_tails(info))]
+    groups = {info.exclusive_group for info in shaping}
     if len(groups) > 1 or "" in groups:
-        listed = ", ".join(f"{info.id} ({info.exclusive_group or 'no group'})" for info in combined)
-        problems.append(
+        listed = ", ".join(f"{info.id} ({info.exclusive_group or 'no group'})" for info in shaping)
+        yield (
             f"{listed}: a log's errors follow one process or one heavy tail at a time: give all of them one "
             "exclusive_group"
         )
+
+
+def _scatter_problems(entries: Sequence[EffectInfo]) -> Iterator[str]:
     for scatter in ("release", "drag"):
         owners = [info.id for info in entries if info.scatter == scatter]
         if len(owners) != 1:
-            problems.append(f"scatter {scatter!r}: declared by {', '.join(owners) or 'none'}, expected one effect")
-    return problems
+            yield f"scatter {scatter!r}: declared by {', '.join(owners) or 'none'}, expected one effect"
 
 
 def _has_tails(info: EffectInfo) -> bool:
