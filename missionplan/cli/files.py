@@ -1,4 +1,4 @@
-"""Commands about files: validate missions, write a starter mission, list effects, compare reports."""
+"""Commands about files: validate missions and data sets, write a starter mission, list effects, compare reports."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,7 +10,7 @@ from missionplan.cli.running import checked_folder, deliver
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from missionplan.mission import Mission
+    from missionplan.studies.validation import Validated
 
 
 def register(app: typer.Typer) -> None:
@@ -63,28 +63,30 @@ def compare(first: _First, second: _Second, *, output: o.OutputOptions) -> None:
     deliver(compare(first, second), folder, output)
 
 
-_Missions = Annotated[list[Path], typer.Argument(metavar="MISSION...", help="Mission files.", show_default=False)]
+_Files = Annotated[
+    list[Path],
+    typer.Argument(metavar="FILE...", help="Mission files, data sets, and folders of them.", show_default=False),
+]
 
 
-def validate(missions: _Missions, allow_outside: o.AllowOutside = False, quiet: o.Quiet = False) -> None:
-    """Check mission files without running anything."""
-    from missionplan.mission import load
+def validate(files: _Files, allow_outside: o.AllowOutside = False, quiet: o.Quiet = False) -> None:
+    """Check missions and data sets without running anything, and list which commands each is ready for."""
+    from missionplan.studies.validation import validate
 
-    problems: list[Problem] = []
-    for path in missions:
-        try:
-            mission = load(path, allow_outside=allow_outside)
-        except InputError as error:
-            problems += error.problems
-            continue
-        if not quiet:
-            _print_valid(path, mission)
+    found = validate(files, allow_outside=allow_outside)
+    if not quiet:
+        for each in found:
+            _print_valid(each)
+    problems: list[Problem] = [problem for each in found for problem in each.problems]
     if problems:
         raise InputError(problems)
 
 
-def _print_valid(path: Path, mission: "Mission") -> None:
-    kinds = ", ".join(phase.kind for phase in mission.phases) or "none"
-    typer.echo(f"{path}: valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions.")
-    for notice in mission.notices():
-        typer.echo(f"{path}: {notice}", err=True)
+def _print_valid(found: "Validated") -> None:
+    if found.problems:
+        return
+    typer.echo(f"{found.path}: {found.summary}")
+    for row in found.table:
+        typer.echo(f"  {row}")
+    for notice in found.notices:
+        typer.echo(f"{found.path}: {notice}", err=True)

@@ -1,6 +1,7 @@
 """Dive logs: depth against time."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -8,8 +9,8 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.datasets.reading import DatasetFormat, RawDataset, read_dataset
-from missionplan.datasets.runs import DivesSettings, conditions_of_runs
-from missionplan.datasets.table import Columns
+from missionplan.datasets.runs import DEEPEST, DivesSettings, conditions_of_runs
+from missionplan.datasets.table import Columns, problems_at
 from missionplan.errors import Problem, did_you_mean
 from missionplan.mission import Mission
 from missionplan.mission.schema import quantities as q
@@ -28,6 +29,8 @@ class DescentSettings(DivesSettings):
     noise: DepthNoise = DepthNoise()
 
 
+HIGHEST = -2.0
+"""Readings above it are no depths [m]: waves and the offset of a sensor stay within."""
 IGNORED = ("pitch_deg", "density_kg_m3")
 DESCENT = DatasetFormat(
     "descent",
@@ -112,6 +115,10 @@ def read_descent(folder: Path, mission: Mission) -> DescentData:
     return DescentData(raw.name, raw.source, raw.file, tuple(dives), settings.noise.depth, notices)
 
 
+def _reading_problem(message: str, file: str, line: int) -> Problem:
+    return Problem(message, file, line, "depth_m")
+
+
 def _described(raw: RawDataset[DescentSettings]) -> list[str]:
     """Names under ``runs:``, whether or not all is well with them."""
     runs = raw.document.data.get("runs")
@@ -132,4 +139,9 @@ def _check_run(name: str, run: pd.DataFrame, raw: RawDataset[DescentSettings]) -
             line = int(run.index[places[0] + 1])
             more = f"; {len(places) - 1} more like it" if len(places) > 1 else ""
             problems.append(Problem(f"{name}: a time stands {kind}{more}", raw.file, line, "t_s"))
+    for wrong, message in (
+        (run["depth_m"] < HIGHEST, f"stands more than {-HIGHEST:g} m above the water"),
+        (run["depth_m"] > DEEPEST, f"lies deeper than the deepest sea, {DEEPEST:g} m"),
+    ):
+        problems += problems_at(run.index[wrong], partial(_reading_problem, message, raw.file))
     return problems

@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import PlainValidator
 
 from missionplan.datasets.reading import DatasetSettings, RawDataset
-from missionplan.errors import Problem
+from missionplan.errors import Problem, did_you_mean
 from missionplan.mission import Mission
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
@@ -15,6 +15,10 @@ from missionplan.mission.schema.section import FileSection
 from missionplan.montecarlo.distributions import mean_of
 
 Weight = Annotated[float, PlainValidator(QuantityParser("N", low=0.0, open_low=True, fixed=True))]
+
+
+DEEPEST = 11_000.0
+"""Of the sea [m]."""
 
 
 class RunSection(FileSection):
@@ -58,7 +62,11 @@ def conditions_of_runs(
     problems: list[Problem] = []
     if raw.settings is None:
         return conditions, problems
-    default = _of_mission(mission)
+    default, names = _of_mission(mission), tuple(names)
+    for name in raw.settings.runs:
+        if name not in names:
+            hint = did_you_mean(name, names)
+            problems.append(raw.document.problem(("runs", name), "no row of the table is of this run", hint))
     for name in names:
         run = raw.settings.runs.get(name, RunSection())
         given = default | run.model_dump(exclude_none=True)
@@ -66,6 +74,8 @@ def conditions_of_runs(
         messages = [f"needs {key}: neither the run nor the mission has it" for key in missing]
         if not missing:
             conditions[name] = DiveConditions(given["anchor_wet_weight"], given["line_length"], given["depth"])
+            if conditions[name].site_depth > DEEPEST:
+                messages.append(f"depth: expected at most {DEEPEST:g} m, the deepest sea")
             if conditions[name].site_depth <= conditions[name].line_length:
                 messages.append("the line is as long as the site is deep: the vehicle is never pulled down")
         problems += [raw.document.problem(("runs", name), message) for message in messages]

@@ -95,7 +95,15 @@ def _check_quantities(raw: RawDataset[DivesSettings]) -> list[Problem]:
         message = f"given {quantities[line]!r}, expected one of {', '.join(KNOWN)}"
         return Problem(message, raw.file, line, "quantity", did_you_mean(quantities[line], KNOWN))
 
+    def at(lines: pd.Index, message: str, column: str) -> list[Problem]:
+        return problems_at(lines, lambda line: Problem(message, raw.file, line, column))
+
     problems = problems_at(quantities.index[~quantities.isin(KNOWN)], unknown)
+    problems += at(raw.table.index[raw.table["value"] <= 0.0], "expected more than 0", "value")
+    if "sd" in raw.table:
+        problems += at(raw.table.index[raw.table["sd"] <= 0.0], "expected more than 0", "sd")
+    twice = raw.table.duplicated(["run", "quantity"])
+    problems += at(raw.table.index[twice], "this run has this quantity already", "quantity")
     if not quantities.isin(MEASURED).any() and not raw.table.empty:
         problems.append(Problem(f"holds none of {', '.join(MEASURED)}", raw.file))
     return problems

@@ -14,6 +14,7 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.dive_trials import AnchorTrials, ParallelOptions
 from missionplan.studies.anchor.sizing import AnchorSizer
+from missionplan.studies.simulation.nominal_dive import check_dives
 from missionplan.studies.simulation.record_cover import check_cover
 
 
@@ -54,6 +55,7 @@ def size_anchor(
     trials, seed = trials or mission.monte_carlo.trials, mission.monte_carlo.seed if seed is None else seed
     recorded = recorded_current(mission)
     check_cover(mission, Scenario.at_means(mission, recorded))
+    check_dives(Scenario.at_means(mission, recorded))
     dives = AnchorTrials(mission, moor, recorded, trials, seed, ParallelOptions(jobs, backend, scheduler))
     sizer = AnchorSizer(moor, Scenario.at_means(mission, recorded), dives)
     try:

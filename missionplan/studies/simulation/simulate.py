@@ -19,6 +19,7 @@ from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.block_task import BlockTask
 from missionplan.studies.simulation.checks import check_complete, input_notices, run_notices
 from missionplan.studies.simulation.mission_trials import MissionTrials
+from missionplan.studies.simulation.nominal_dive import check_dives
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.record_cover import check_cover, check_trials
@@ -76,6 +77,7 @@ def simulate(
     goal = Precision.parse(precision, mission) if precision else None
     means = Scenario.at_means(mission, recorded_current(mission))
     check_cover(mission, means)
+    check_dives(means)
     notices = input_notices(mission, means)
     task = BlockTask(means, seed, keep_trials)
     run = BlockSequence(

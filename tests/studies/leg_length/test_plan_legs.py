@@ -117,7 +117,7 @@ def test_what_the_integral_equation_leaves_out_is_reported(tmp_path, monkeypatch
     [
         ("surfacing_time: 90 s", "surfacing_time: 0 s", "surfacing time"),
         ("sigma: 0.05 m/s", "sigma: 0.9 m/s", "too large"),
-        ("arrival_radius: 50 m", "arrival_radius: 4 km", "outside the arrival radius"),
+        ("arrival_radius: 50 m", "arrival_radius: 4 km", "within the arrival radius"),
     ],
 )
 def test_missions_that_cannot_be_planned(old, new, message, tmp_path):

@@ -181,7 +181,7 @@ def test_a_drift_as_fast_as_the_vehicle_is_refused(small):
 
 
 def test_a_transit_without_length_is_refused(small):
-    with pytest.raises(InputError, match="needs a distance"):
+    with pytest.raises(InputError, match="within the arrival radius"):
         sweep_dmax(small(to="0 m"))
 
 

@@ -109,11 +109,9 @@ def _leg_count(phase: TransitPhase, distance: float, navigation: Navigation | No
         yield LocalProblem(("to",), message)
     if navigation is None or isinstance(phase.d_max, LegTableSection):
         return
-    fewest = (distance - radius) / mean_of(phase.d_max)
+    fewest = 0.5 * (distance - radius) / mean_of(phase.d_max)  # a current may carry it as far as it goes
     if fewest > navigation.max_legs:
-        message = (
-            f"{distance:.4g} m take at least {math.ceil(fewest)} legs; navigation.max_legs is {navigation.max_legs}"
-        )
+        message = f"{distance:.4g} m take at least {math.ceil(fewest)} legs, even with the current; navigation.max_legs is {navigation.max_legs}"
         yield LocalProblem(("d_max",), message)
 
 
