@@ -111,7 +111,8 @@ def _leg_count(phase: TransitPhase, distance: float, navigation: Navigation | No
         return
     fewest = 0.5 * (distance - radius) / mean_of(phase.d_max)  # a current may carry it as far as it goes
     if fewest > navigation.max_legs:
-        message = f"{distance:.4g} m take at least {math.ceil(fewest)} legs, even with the current; navigation.max_legs is {navigation.max_legs}"
+        legs = f"{math.ceil(fewest)} legs, even with the current"
+        message = f"{distance:.4g} m take at least {legs}; navigation.max_legs is {navigation.max_legs}"
         yield LocalProblem(("d_max",), message)
 
 
