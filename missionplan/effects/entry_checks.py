@@ -1,7 +1,8 @@
 """Checks of the catalogue's entries: what an entry must declare, and which entries cannot stand together."""
 
+import inspect
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import is_dataclass
 
 from missionplan.effects.info import Effect, EffectInfo, TankEffect
 from missionplan.phases.hooks import DescentEffect, MarkovProcess, TransitEffect
@@ -25,7 +26,7 @@ def entry_problems(info: EffectInfo) -> list[str]:
 
 
 def _field_problems(info: EffectInfo) -> Iterator[str]:
-    known = {field.name for field in fields(info.effect)}
+    known = set(inspect.signature(info.effect).parameters)
     for name, parameter in info.parameters.items():
         if (parameter.field or name) not in known:
             yield f"parameter {name}: {info.effect.__name__} has no field {parameter.field or name}"

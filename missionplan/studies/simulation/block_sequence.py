@@ -11,10 +11,10 @@ from missionplan.errors import RunError
 from missionplan.montecarlo.parallel_blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.store.checkpoints import Checkpoints
+from missionplan.store.trials_table import TrialsTable
 from missionplan.studies.simulation.block_statistics import BlockStatistics, with_prefix
 from missionplan.studies.simulation.mission_trials import MapTracks
 from missionplan.studies.simulation.precision import Precision
-from missionplan.studies.simulation.trials_table import TrialsTable
 
 BlockItem = tuple[int, int]
 """A block and how many of its trials are used."""

@@ -14,6 +14,7 @@ from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_file, recorded_current
 from missionplan.store.checkpoints import Checkpoints, Identity
+from missionplan.store.trials_table import TrialsTable
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence
 from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.block_task import BlockTask
@@ -23,7 +24,6 @@ from missionplan.studies.simulation.nominal_dive import check_dives
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.record_cover import check_cover, check_trials
-from missionplan.studies.simulation.trials_table import TrialsTable
 
 MAX_TRIALS = 10_000_000
 """Trials after which a run to a given precision ends, unless the number of trials is given."""
