@@ -82,6 +82,17 @@ def wilson(successes: int, trials: int) -> Probability:
     return Probability(share, low, high)
 
 
+def trials_to_decide(share: float, required: float) -> int | None:
+    """Number of trials at which the Wilson interval about a share excludes a probability, if the share stays as it is.
+
+    The interval is the score test's inverse: it excludes p where |share − p| > 1.96 √(p (1 − p)/n). None where the
+    share is the probability itself, so that no number of trials would do.
+    """
+    if share == required:
+        return None
+    return math.floor(_Z95**2 * required * (1.0 - required) / (share - required) ** 2) + 1
+
+
 @dataclass(frozen=True)
 class Count:
     """Number of trials in which an event happened, of those in which it could."""

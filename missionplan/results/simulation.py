@@ -1,5 +1,6 @@
 """Result of `simulate`: each phase over all trials, what makes missions fail, and which uncertain inputs matter."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar, Literal
@@ -9,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.statistics import Probability, Statistic
+from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
 from missionplan.results.base import Provenance, Result, to_csv
 
 
@@ -100,6 +101,8 @@ class RequirementOutcome:
         Probability reached, with its interval.
     met, undecided : bool
         Whether value ≥ required; whether the required probability lies inside the interval.
+    trials : int
+        From which the probability is taken.
     """
 
     quantity: str
@@ -110,6 +113,17 @@ class RequirementOutcome:
     probability: Probability
     met: bool
     undecided: bool
+    trials: int = 0
+
+    @property
+    def trials_to_decide(self) -> int | None:
+        """Trials that would decide an undecided requirement if the probability stays as it is, where any would."""
+        return trials_to_decide(self.probability.value, self.required) if self.undecided else None
+
+    @property
+    def margin(self) -> int:
+        """Trials more than required that do as the requirement asks; negative where they are too few."""
+        return round(self.probability.value * self.trials) - math.ceil(self.required * self.trials - 1e-9)
 
     def summary(self) -> dict[str, object]:
         """Return the entry of `summary.json`."""
@@ -121,6 +135,7 @@ class RequirementOutcome:
             "probability": self.probability.summary(),
             "met": self.met,
             "undecided": self.undecided,
+            **({"trials_to_decide": self.trials_to_decide} if self.undecided else {}),
         }
 
 

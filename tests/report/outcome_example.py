@@ -115,9 +115,8 @@ def _histogram(values) -> Histogram:
 def _requirement(quantity, bound, limit, unit, required, happened) -> RequirementOutcome:
     reached = wilson(int(happened.sum()), TRIALS)
     undecided = reached.low < required < reached.high
-    return RequirementOutcome(
-        quantity, bound, limit, unit, required, reached, met=reached.value >= required, undecided=undecided
-    )
+    met = reached.value >= required
+    return RequirementOutcome(quantity, bound, limit, unit, required, reached, met, undecided, trials=TRIALS)
 
 
 def _attrition(steps) -> tuple[Attrition, ...]:

@@ -13,8 +13,8 @@ from missionplan.montecarlo.statistics import wilson
 from missionplan.report.page import Figure, style
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
-from missionplan.report.simulation.sections import judged
-from missionplan.results.simulation import Attrition, Outcome
+from missionplan.report.simulation.requirements import judged
+from missionplan.results.simulation import Attrition, Outcome, RequirementOutcome
 
 
 @pytest.fixture(scope="module")
@@ -60,10 +60,46 @@ def test_the_commonest_of_many_failures_is_named_as_such(outcome):
 def test_requirements_are_judged_in_words(outcome):
     verdicts = [judged(item) for item in outcome.requirements]
     assert verdicts[2] == "not met"
-    undecided = replace(outcome.requirements[0], undecided=True)
-    assert judged(undecided) == "met, but undecided"
-    words = terminal_view(replace(outcome, requirements=(undecided,))).sentence
-    assert "Its requirement is met; more trials are needed to be sure." in words
+
+
+def requirement(outcome: Outcome, successes: int, trials: int, required: float = 0.9) -> RequirementOutcome:
+    found = wilson(successes, trials)
+    met, undecided = found.value >= required, found.low <= required <= found.high
+    asked = outcome.requirements[0]
+    return replace(asked, required=required, probability=found, met=met, undecided=undecided, trials=trials)
+
+
+@pytest.mark.parametrize("successes", [455, 445])
+def test_an_undecided_requirement_is_called_so_with_the_trials_that_would_decide(outcome, successes):
+    """1.96² · 0.9 · 0.1/0.01² = 3458 trials."""
+    one = requirement(outcome, successes, 500)
+    assert one.undecided
+    assert one.trials_to_decide == 3458
+    assert one.summary()["undecided"]
+    assert one.summary()["trials_to_decide"] == 3458
+    seen = replace(outcome, requirements=(one,))
+    shown = terminal_view(seen)
+    assert "Whether its requirement is met is undecided; about 3500 trials would decide" in shown.sentence
+    assert shown.verdict == simulation.page(seen).verdict == "undecided"
+    assert judged(one).startswith("undecided: about 3500 trials")
+    assert next(part for part in simulation.page(seen).sections if part.heading.startswith("Undecided: "))
+
+
+def test_requirements_that_are_met_not_met_and_undecided_are_counted_apart(outcome):
+    items = (requirement(outcome, 500, 500), requirement(outcome, 100, 500), requirement(outcome, 450, 500))
+    sentence = terminal_view(replace(outcome, requirements=items)).sentence
+    assert "Of its 3 requirements 1 is met, 1 is not met and 1 is undecided; what is reached" in sentence
+    assert items[2].trials_to_decide is None
+    assert terminal_view(replace(outcome, requirements=items)).verdict == "bad"
+
+
+def test_the_tightest_is_the_requirement_with_the_fewest_trials_to_spare(outcome):
+    loose, tight = requirement(outcome, 500, 500), requirement(outcome, 480, 500)
+    headings = [part.heading for part in simulation.page(replace(outcome, requirements=(loose, tight))).sections]
+    assert "is the tightest, with 30 of 500 trials to spare" in headings[0]
+    assert not any("is the tightest" in heading for heading in headings[1:])
+    alone = simulation.page(replace(outcome, requirements=(loose,)))
+    assert alone.sections[0].heading == "Every requirement is met"
 
 
 def test_limits_are_in_the_units_of_the_mission(page):

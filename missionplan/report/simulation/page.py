@@ -10,6 +10,7 @@ from missionplan.report.page import Page, Terminal
 from missionplan.report.simulation import sections
 from missionplan.report.simulation.figures import waterfall
 from missionplan.report.simulation.quantities import failure_in_words, range_in_words, worst_step
+from missionplan.report.simulation.requirements import requirements_in_words, requirements_section, verdict
 from missionplan.report.simulation.sensitivities import sensitivity_sections
 from missionplan.report.wording import in_words
 from missionplan.results.simulation import Outcome
@@ -24,7 +25,7 @@ def page(outcome: Outcome) -> Page:
         numbers=_numbers(outcome),
         sections=[
             *sections.failed_blocks(outcome),
-            *sections.requirements(outcome),
+            *requirements_section(outcome),
             sections.tracks(outcome),
             sections.timeline(outcome),
             sections.distributions(outcome),
@@ -32,7 +33,7 @@ def page(outcome: Outcome) -> Page:
             sections.attrition(outcome),
             sections.quantities(outcome),
         ],
-        verdict=_verdict(outcome),
+        verdict=verdict(outcome),
         files=_files(outcome),
     )
 
@@ -44,7 +45,8 @@ def terminal(outcome: Outcome) -> Terminal:
         events = [f"{in_words(name)} {share(probability)}" for name, probability in phase.events.items()]
         ranges = (range_in_words(outcome, phase, key) for key in ("duration_s", "energy_wh"))
         rows.append((phase.name, events[0] if events else "", *ranges))
-    return Terminal(answer(outcome), ("phase", "of the trials", "duration (5–95 %)", "energy (5–95 %)"), rows)
+    columns = ("phase", "of the trials", "duration (5–95 %)", "energy (5–95 %)")
+    return Terminal(answer(outcome), columns, rows, verdict=verdict(outcome))
 
 
 def _files(outcome: Outcome) -> dict[str, str]:
@@ -55,7 +57,7 @@ def _files(outcome: Outcome) -> dict[str, str]:
 
 def answer(outcome: Outcome) -> str:
     """Write how often the mission works, what fails it most, and how many requirements are met."""
-    parts = (_success_in_words(outcome), *_limits_in_words(outcome), _requirements_in_words(outcome))
+    parts = (_success_in_words(outcome), *_limits_in_words(outcome), requirements_in_words(outcome))
     return " ".join(part for part in parts if part)
 
 
@@ -85,29 +87,6 @@ def _success_in_words(outcome: Outcome) -> str:
         return f"This mission works: none of {trials} trials failed, so that P(success) is {percent(success)}."
     most = "most" if worst.lost.value > 0.5 * (1.0 - success.value) else "the commonest"
     return f"This mission works {percent(success)} of the time; {most} failures are {failure_in_words(worst.step)}."
-
-
-def _requirements_in_words(outcome: Outcome) -> str:
-    """Write how many requirements are met, where there are any."""
-    count, met = len(outcome.requirements), sum(requirement.met for requirement in outcome.requirements)
-    if not count:
-        return ""
-    if met == count:
-        words = "Its requirement is met" if count == 1 else f"All {count} requirements are met"
-    elif met == 0:
-        words = "Its requirement is not met" if count == 1 else f"None of its {count} requirements is met"
-    else:
-        words = f"{met} of its {count} requirements {'is' if met == 1 else 'are'} met"
-    undecided = sum(requirement.undecided for requirement in outcome.requirements)
-    if undecided:
-        words += "; more trials are needed to be sure" + (f" of {undecided} of them" if count > 1 else "")
-    return f"{words}."
-
-
-def _verdict(outcome: Outcome) -> str:
-    if not outcome.requirements:
-        return ""
-    return "good" if outcome.requirements_met else "bad"
 
 
 def _numbers(outcome: Outcome) -> list[tuple[str, str]]:

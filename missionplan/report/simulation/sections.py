@@ -13,13 +13,12 @@ from missionplan.report.simulation.maps import track_map
 from missionplan.report.simulation.quantities import (
     failure_in_words,
     range_in_words,
-    requirement_in_words,
     requirement_on,
     unit_of,
     worst_step,
 )
 from missionplan.report.wording import capitalised, in_words
-from missionplan.results.simulation import Outcome, PhaseOutcome, RequirementOutcome
+from missionplan.results.simulation import Outcome, PhaseOutcome
 
 _ALWAYS_DRAWN = {"moor": ("offset_m", "lowest_altitude_m"), "total": ("duration_s", "energy_wh")}
 """Quantities whose distribution is drawn even without a requirement on them, by kind of phase."""
@@ -34,55 +33,18 @@ def failed_blocks(outcome: Outcome) -> Iterator[PageSection]:
         yield PageSection(f"{words} failed numerically", [text, *outcome.failed_blocks])
 
 
-def requirements(outcome: Outcome) -> Iterator[PageSection]:
-    """Tabulate the requirements, where there are any."""
-    rows = [
-        (
-            requirement_in_words(outcome, item),
-            judged(item),
-            f"{100.0 * item.required:g}\u00a0%",
-            percent(item.probability),
-        )
-        for item in outcome.requirements
-    ]
-    if rows:
-        missed = [requirement_in_words(outcome, item) for item in outcome.requirements if not item.met]
-        heading = f"Not met: {'; '.join(missed)}" if missed else "Every requirement is met"
-        yield PageSection(heading, [Table(("requirement", "verdict", "required", "reached"), rows, text_columns=2)])
-
-
-def judged(requirement: RequirementOutcome) -> str:
-    """Write whether a requirement is met."""
-    words = "met" if requirement.met else "not met"
-    return f"{words}, but undecided" if requirement.undecided else words
-
-
 def tracks(outcome: Outcome) -> PageSection:
     """Draw the tracks from above, and where each phase ends about its goal."""
-    drawn = list(rings(outcome))
-    rows = [(ring.phase, ring.kind, _share(ring), f"{ring.radius:.3g}") for ring in drawn]
+    rows = [(ring.phase, ring.kind, _share(ring), f"{ring.radius:.3g}") for ring in rings(outcome)]
     caption = "Circles are about the goal; for an ellipse, the radius of the circle of equal area."
     table = Table(("phase", "line", "holds", "radius (m)"), rows, caption, text_columns=2)
     close = close_ups(outcome)
     figures: list[Block] = [track_map(outcome), *([close] if close else [])]
-    return PageSection(_tightest(outcome, drawn), [*figures, table])
+    return PageSection("Where the trials end", [*figures, table])
 
 
 def _share(ring: Ring) -> str:
     return "" if math.isnan(ring.share) else f"{100.0 * ring.share:.0f}\u00a0%"
-
-
-def _tightest(outcome: Outcome, drawn: list[Ring]) -> str:
-    """Name the transit that misses its goal by most of what its arrival radius allows."""
-    outer = [ring for ring in drawn if ring.kind == "CEP" and ring.share == 0.95]
-    if not outer:
-        return "Where the trials end"
-    allowed = {name: radius for name, (_, radius) in outcome.tracks.targets.items()}
-    tight = max(outer, key=lambda ring: ring.radius / allowed[ring.phase])
-    return (
-        f"{capitalised(tight.phase)} is the tightest: 95\u00a0% end within {tight.radius:.3g}\u00a0m of the goal; "
-        f"{allowed[tight.phase]:.3g}\u00a0m is allowed"
-    )
 
 
 def timeline(outcome: Outcome) -> PageSection:

@@ -12,7 +12,7 @@ SECTIONS = {
 """Sections that are compared, by the command that made the reports."""
 _IDENTIFYING = ("name", "sigma_m_s", "d_max_m", "quantity")
 """Keys that identify the items of a list."""
-_NOT_RESULTS = ("required", "at_most", "at_least", "met", "undecided")
+_NOT_RESULTS = ("required", "at_most", "at_least", "met", "undecided", "trials_to_decide")
 _NOISY = {"sweep-dmax": ("sweep",), "size-anchor": ("probable",)}
 """Sections whose plain numbers result from a search over noisy values."""
 _MAX_DEPTH = 20

@@ -113,6 +113,7 @@ class OutcomeBuilder:
             probability=probability,
             met=probability.value >= required,
             undecided=probability.low <= required <= probability.high,
+            trials=self.totals.counts[f"requirement {index}"].trials,
         )
 
     def _attrition(self) -> tuple[Attrition, ...]:
