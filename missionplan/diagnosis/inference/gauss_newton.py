@@ -2,10 +2,10 @@
 
 Maximum a posteriori estimates for a model with Gaussian noise. The method is that of Nocedal & Wright (2006),
 *Numerical Optimization*, section 10.3 (their Eq. 10.23 with step lengths below 1 where a full step does not descend),
-and Björck (1996), *Numerical Methods for Least Squares Problems*, section 9.2. Priors are further rows of the least
+and Björck (1996), *Numerical Methods for Least Squares Problems*, chapter 9. Priors are further rows of the least
 squares problem (Tarantola 2005, *Inverse Problem Theory*, chapter 3): in coordinates scaled by their prior standard
 deviations they add the identity to the normal equations. That has the form of Levenberg's (1944) and Marquardt's
-(1963) damping, but it is part of the model and does not fade.
+(1963) damping, but it is part of the model and stays the same.
 """
 
 from collections.abc import Callable, Sequence
@@ -37,7 +37,7 @@ class LeastSquares:
         Prior means μ and standard deviations s.
     noise_factors : tuple of float
         Range of φ. At each θ it takes its likeliest value, the root mean square of the whitened residuals
-        (concentrated likelihood; Seber & Wild 1989, *Nonlinear Regression*, section 2.2.3).
+        (concentrated likelihood; Seber & Wild 1989, *Nonlinear Regression*, chapter 2).
     """
 
     predict: Callable[[Array], Array]
@@ -100,7 +100,7 @@ class Start:
 
 @dataclass(frozen=True)
 class GaussNewtonResult:
-    """End of one search.
+    """The model where a search ended.
 
     Attributes
     ----------
@@ -142,18 +142,18 @@ def gauss_newton(
     if not starts:
         return []
     evaluator = _Evaluator(problem, starts, options)
-    points = evaluator([(index, start.at) for index, start in enumerate(starts)])
-    searches = [_Search(index, point) for index, point in enumerate(points)]
+    points = evaluator([(start, start.at) for start in starts])
+    searches = [_Search(start, point) for start, point in zip(starts, points, strict=True)]
     for iteration in range(1, options.iterations + 1):
         running = [search for search in searches if search.running]
         if not running:
             break
-        tried = evaluator([(search.index, search.next_trial(evaluator, options)) for search in running])
+        tried = evaluator([(search.start, search.next_trial(evaluator, options)) for search in running])
         for search, point in zip(running, tried, strict=True):
             search.advance(point, options)
         if iteration >= COMPARED_AFTER:
-            _abandon(searches, starts)
-    return [evaluator.result(search.index, search.point) for search in searches]
+            _abandon(searches)
+    return [search.point for search in searches]
 
 
 def perturbed(at: Array, free: NDArray[np.int_], steps: Array) -> Array:
@@ -174,94 +174,83 @@ def perturbed(at: Array, free: NDArray[np.int_], steps: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class _Point:
-    """Coordinates, the model there, its scaled Jacobian; both and the residual over the noise; and the objective."""
+class _Point(GaussNewtonResult):
+    """A point on the way; residuals and scaled derivatives of the n data that are fitted, whitened by the noise."""
 
-    at: Array
-    prediction: Array
-    scaled_jacobian: Array
-    residual: Array
-    jacobian: Array
-    objective: float
+    white_residual: Array
+    white_jacobian: Array
 
 
 class _Evaluator:
     """The model at points of several searches: one call for all, derivatives by finite differences included."""
 
     def __init__(self, problem: LeastSquares, starts: Sequence[Start], options: GaussNewtonOptions) -> None:
-        self._problem, self._starts, self._options = problem, starts, options
-        self._factors: dict[bytes, Array] = {}
-        if problem.noise.ndim == 2:
-            self._factors = {_key(start): _cholesky(problem.noise, start.rows) for start in starts}
+        self._problem, self._options = problem, options
+        rows = {_key(start): start.rows for start in starts}
+        self._factors = {key: _cholesky(problem.noise, own) for key, own in rows.items() if problem.noise.ndim == 2}
 
-    def __call__(self, wanted: Sequence[tuple[int, Array]]) -> list[_Point]:
-        """Evaluate searches, given by number, at coordinates."""
-        settings = [self._settings(index, at) for index, at in wanted]
+    def __call__(self, wanted: Sequence[tuple[Start, Array]]) -> list[_Point]:
+        """Evaluate searches, given by their starts, at coordinates."""
+        settings = [self._settings(start, at) for start, at in wanted]
         ends = np.cumsum([block.shape[1] for block in settings])
         predictions = np.split(self._problem.predict(np.concatenate(settings, axis=1)), ends[:-1], axis=1)
-        return [self._point(index, at, found) for (index, at), found in zip(wanted, predictions, strict=True)]
+        return [self._point(start, at, found) for (start, at), found in zip(wanted, predictions, strict=True)]
 
-    def _settings(self, index: int, at: Array) -> Array:
-        free = self._starts[index].free
-        steps = self._options.difference * self._problem.prior_sd[free]
-        blocks = [at[:, None], perturbed(at, free, steps)]
+    def _settings(self, start: Start, at: Array) -> Array:
+        """The point itself, and one setting a free coordinate for the differences ahead, then for those behind."""
+        steps = self._options.difference * self._problem.prior_sd[start.free]
+        blocks = [at[:, None], perturbed(at, start.free, steps)]
         if self._options.central:
-            blocks.append(perturbed(at, free, -steps))
+            blocks.append(perturbed(at, start.free, -steps))
         return np.concatenate(blocks, axis=1)
 
-    def _point(self, index: int, at: Array, predictions: Array) -> _Point:
-        problem, start = self._problem, self._starts[index]
-        columns = self._differences(predictions, len(start.free))
-        rows = slice(None) if start.rows is None else start.rows
-        both = np.concatenate([(problem.y - predictions[:, 0])[:, None], columns], axis=1)[rows]
-        white = self._whitened(start, both)
+    def _point(self, start: Start, at: Array, predictions: Array) -> _Point:
+        problem, free = self._problem, start.free
+        prediction, columns = predictions[:, 0], self._differences(predictions, len(free))
+        white = self._whitened(start, np.concatenate([(problem.y - prediction)[:, None], columns], axis=1))
         factor = _likeliest_factor(white[:, 0], problem.noise_factors)
         white = white / factor
-        away = (at[start.free] - problem.centre[start.free]) / problem.prior_sd[start.free]
+        away = (at[free] - problem.centre[free]) / problem.prior_sd[free]
         objective = 0.5 * float(white[:, 0] @ white[:, 0]) + 0.5 * float(away @ away) + len(white) * np.log(factor)
-        finite = bool(np.all(np.isfinite(white)))
-        return _Point(at, predictions[:, 0], columns, white[:, 0], white[:, 1:], float(objective) if finite else np.inf)
+        objective = float(objective) if np.all(np.isfinite(white)) else np.inf
+        return _Point(at, objective, prediction, columns / problem.prior_sd[free], white[:, 0], white[:, 1:])
 
     def _differences(self, predictions: Array, count: int) -> Array:
-        """Derivatives along the free coordinates, each over its prior standard deviation, shape (N, a)."""
+        """Derivatives along the free coordinates in prior standard deviations, shape (N, a)."""
         ahead = predictions[:, 1 : 1 + count]
         if self._options.central:
             return np.asarray((ahead - predictions[:, 1 + count :]) / (2.0 * self._options.difference))
         return np.asarray((ahead - predictions[:, :1]) / self._options.difference)
 
     def _whitened(self, start: Start, columns: Array) -> Array:
-        noise = self._problem.noise
-        if noise.ndim == 1:
-            return np.asarray(columns / (noise if start.rows is None else noise[start.rows])[:, None])
-        return np.asarray(solve_triangular(self._factors[_key(start)], columns, lower=True, check_finite=False))
+        """Rows of the data that are fitted, over the noise."""
+        rows = slice(None) if start.rows is None else start.rows
+        if self._problem.noise.ndim == 1:
+            return np.asarray(columns[rows] / self._problem.noise[rows, None])
+        return np.asarray(solve_triangular(self._factors[_key(start)], columns[rows], lower=True, check_finite=False))
 
-    def step(self, index: int, point: _Point) -> Array:
+    def step(self, start: Start, point: _Point) -> Array:
         """Gauss–Newton step, shape (k,): the solution of the normal equations in scaled coordinates, bounded."""
-        free, prior_sd = self._starts[index].free, self._problem.prior_sd
+        free, prior_sd = start.free, self._problem.prior_sd
         move = np.zeros(len(prior_sd))
         away = (self._problem.centre[free] - point.at[free]) / prior_sd[free]
-        normal = point.jacobian.T @ point.jacobian + np.eye(len(free))
-        scaled = np.linalg.solve(normal, point.jacobian.T @ point.residual + away)
+        normal = point.white_jacobian.T @ point.white_jacobian + np.eye(len(free))
+        scaled = np.linalg.solve(normal, point.white_jacobian.T @ point.white_residual + away)
         move[free] = prior_sd[free] * np.clip(scaled, -self._options.longest_step, self._options.longest_step)
         return move
-
-    def result(self, index: int, point: _Point) -> GaussNewtonResult:
-        """End of a search, derivatives in the coordinates' own units."""
-        jacobian = point.scaled_jacobian / self._problem.prior_sd[self._starts[index].free]
-        return GaussNewtonResult(point.at, point.objective, point.prediction, jacobian)
 
 
 class _Search:
     """Progress of the search from one start."""
 
-    def __init__(self, index: int, point: _Point) -> None:
-        self.index, self.point = index, point
-        self.running = bool(np.isfinite(point.objective)) and point.jacobian.size > 0
+    def __init__(self, start: Start, point: _Point) -> None:
+        self.start, self.point = start, point
+        self.running = bool(np.isfinite(point.objective)) and len(start.free) > 0
         self._trial = 0
 
     def next_trial(self, evaluator: _Evaluator, options: GaussNewtonOptions) -> Array:
         """Coordinates to try next."""
-        return self.point.at + options.step_lengths[self._trial] * evaluator.step(self.index, self.point)
+        return self.point.at + options.step_lengths[self._trial] * evaluator.step(self.start, self.point)
 
     def advance(self, tried: _Point, options: GaussNewtonOptions) -> None:
         """Move to the point tried if it descends, else shorten the step; end when neither helps."""
@@ -276,25 +265,28 @@ class _Search:
             self._trial += 1
 
 
-def _abandon(searches: Sequence[_Search], starts: Sequence[Start]) -> None:
+def _abandon(searches: Sequence[_Search]) -> None:
     """End searches that are far behind the best of their group."""
     best: dict[int, float] = {}
-    for search, start in zip(searches, starts, strict=True):
-        best[start.group] = min(best.get(start.group, np.inf), search.point.objective)
-    for search, start in zip(searches, starts, strict=True):
-        if search.point.objective >= best[start.group] + ABANDONED_BEYOND:
+    for search in searches:
+        best[search.start.group] = min(best.get(search.start.group, np.inf), search.point.objective)
+    for search in searches:
+        if search.point.objective >= best[search.start.group] + ABANDONED_BEYOND:
             search.running = False
 
 
 def _key(start: Start) -> bytes:
+    """What starts with the same data have in common."""
     return b"" if start.rows is None else start.rows.tobytes()
 
 
 def _cholesky(covariance: Array, rows: NDArray[np.int_] | None) -> Array:
+    """Lower Cholesky factor of the covariance of some of the data."""
     chosen = np.arange(len(covariance)) if rows is None else rows
     return np.asarray(np.linalg.cholesky(covariance[np.ix_(chosen, chosen)]), dtype=float)
 
 
 def _likeliest_factor(white: Array, factors: tuple[float, float]) -> float:
+    """Factor on the noise that makes whitened residuals of unit size, within its range."""
     low, high = factors
     return low if low == high else float(np.clip(np.sqrt(np.mean(white**2)), low, high))
