@@ -12,6 +12,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.discrepancy_axes import descent_axes
 from missionplan.diagnosis.dives.fitting import DescentFitting, cholesky, log_joint_with_noise, log_normal_density
+from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.axes import Axis
@@ -133,11 +134,8 @@ class DescentModel(DescentFitting):
 
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Expected ln Bayes factor of the first set over the second, with the dives of a design or without."""
-        logs = self.forward.logs + (dive_designs.design_dives(self.forward, entry) if entry is not None else ())
-        forward = replace(self.forward.coarse, logs=logs)
-        readings = forward.readings(self.coordinates, first.state.linear.at[:, None])[:, 0]
-        planned = DescentModel(replace(forward, logs=dive_designs.with_depths(logs, readings)))
-        return planned.expected_log_bayes_factor(first, second)
+        further = dive_designs.design_dives(self.forward, entry) if entry is not None else ()
+        return noise_free_discrimination(replace(self.forward.coarse, logs=self.forward.logs + further), first, second)
 
     def expected_log_bayes_factor(self, first: CauseFit, second: CauseFit) -> float:
         """Ln Bayes factor of the first set, whose noise-free readings these are, over the second, fitted anew."""
@@ -147,3 +145,18 @@ class DescentModel(DescentFitting):
         fitted = [self.integrated(causes, linear) for (causes, _), linear in zip(points, linears, strict=True)]
         evidence = [fit.log_evidence if isinstance(fit, CauseFit) else -np.inf for fit in fitted]
         return float(max(evidence[0] - evidence[1], 0.0))
+
+
+def noise_free_discrimination(forward: DescentForward, first: CauseFit, second: CauseFit) -> float:
+    """Ln Bayes factor of the first set over the second by noise-free readings of the first.
+
+    Parameters
+    ----------
+    forward : DescentForward
+        The dives; their depths are not used.
+    first, second : CauseFit
+        Fits of the sets.
+    """
+    readings = forward.readings(DescentModel(forward).coordinates, first.state.linear.at[:, None])[:, 0]
+    logs = dive_designs.with_depths(forward.logs, readings)
+    return DescentModel(replace(forward, logs=logs)).expected_log_bayes_factor(first, second)

@@ -13,7 +13,7 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.forward import DescentForward, Histories
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
-from missionplan.diagnosis.dives.model import DescentModel
+from missionplan.diagnosis.dives.model import DescentModel, noise_free_discrimination
 from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.model import CauseFit
@@ -137,8 +137,4 @@ class SummaryModel(DescentModel):
         plain = DescentForward(self.forward.build, self.forward.logs, self.forward.given)
         logs = dive_designs.design_dives(plain, None if entry == 0 else entry - 1)
         logs = tuple(replace(log, sd=np.full(len(log.t), LOGGED_SD)) for log in logs)
-        forward = replace(plain, logs=logs)
-        readings = forward.readings(self.coordinates, first.state.linear.at[:, None])[:, 0]
-        return DescentModel(replace(forward, logs=dive_designs.with_depths(logs, readings))).expected_log_bayes_factor(
-            first, second
-        )
+        return noise_free_discrimination(replace(plain, logs=logs), first, second)
