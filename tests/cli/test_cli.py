@@ -277,3 +277,38 @@ def test_a_requirement_that_is_not_met_exits_with_3(
     arguments = ("simulate", str(mission), "--jobs", "1", "--quiet", "--trials", "300", "--out", str(tmp_path / "out"))
     assert run(monkeypatch, *arguments) == 3
     assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_validate_lists_what_each_file_of_a_folder_is_ready_for(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "validate", str(MISSIONS)) == 0
+    out = capsys.readouterr().out
+    assert "simulate          ready" in out
+    assert "sweep-transition  needs a transition" in out
+    assert "valid data set of kind summary" in out
+
+
+def test_validate_reports_a_data_set_with_a_mission(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "dataset.yaml").write_text("kind: summary\nfile: t.csv\nruns: {a: {dpeth: 60 ft}, c: {depth: 9 m}}\n")
+    rows = ("a,descent_time_s,-3,1", "a,descent_time_s,9,-1", "b,descent_tme_s,9,1")
+    (tmp_path / "t.csv").write_text("\n".join(("run,quantity,value,sd", *rows)))
+    assert run(monkeypatch, "validate", str(MISSIONS / "chesapeake.yaml"), str(tmp_path)) == 2
+    errors = capsys.readouterr().err
+    for said in ("did you mean depth?", "did you mean descent_time_s?", "t.csv:2: value", "t.csv:3: sd", "already"):
+        assert said in errors
+
+
+def test_validate_opens_the_file_of_the_current(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], mission: Path
+) -> None:
+    mission.write_text(SMALL + "site: {depth: 20 m, current: {file: c.csv}}\n")
+    series = mission.with_name("c.csv")
+    series.write_text("t_s,depth,east_m_s,north_m_s\n0,0,0,0\n")
+    assert run(monkeypatch, "validate", str(mission)) == 2
+    assert "c.csv:1: lacks the column depth_m" in capsys.readouterr().err
+    series.write_text("t_s,depth_m,east_m_s,north_m_s\n0,0,0,0\n1800,0,0,0\n")
+    assert run(monkeypatch, "validate", str(mission)) == 2
+    assert "the record lasts from 0 s to 1800 s" in capsys.readouterr().err
