@@ -1,18 +1,18 @@
-"""Blocks run in parallel by processes, threads or a Dask cluster, all through joblib and its loky."""
+"""Blocks run in parallel by processes (loky), threads (joblib) or a Dask cluster."""
 
 import itertools
 import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Future, wait
-from contextlib import AbstractContextManager, ExitStack, closing
-from importlib import import_module
+from contextlib import closing
 from typing import Generic, Literal, TypeVar, cast
 
 import joblib
 
 from missionplan.errors import InputError
-from missionplan.montecarlo.pool import process_pool, shut_down_on_failure, sigint_blocked
+from missionplan.montecarlo.dask_cluster import run_on_cluster
+from missionplan.montecarlo.pool import process_pool, shut_down_on_failure
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -51,9 +51,9 @@ def run_blocks(
     Raises
     ------
     InputError
-        When an option is invalid, or Dask is not installed or does not answer.
+        When an option is invalid, Dask is not installed or does not answer, or its workers run other code.
     RunError
-        When a worker process dies.
+        When a worker process dies, or the cluster is lost.
     """
     if backend not in ("loky", "threading", "dask"):
         raise InputError(f"--backend: given {backend!r}, expected loky, threading or dask")
@@ -78,7 +78,9 @@ def _results(
         return (task(item) for item in items)
     if backend == "loky":
         return _by_pool(task, items, min(jobs, len(items)) - 1)
-    return _by_joblib(task, items, jobs, backend, scheduler)
+    if backend == "dask":
+        return run_on_cluster(task, items, jobs, scheduler)
+    return _by_threads(task, items, jobs)
 
 
 def _by_pool(task: Callable[[Item], Result], items: Sequence[Item], workers: int) -> Generator[Result, None, None]:
@@ -154,51 +156,21 @@ def _do_nothing(task: object) -> None:
     """Return: a worker has started, and has imported what the task needs."""
 
 
-def _by_joblib(
-    task: Callable[[Item], Result], items: Sequence[Item], jobs: int, backend: Backend, scheduler: str | None
-) -> Generator[Result, None, None]:
-    with ExitStack() as stack:
-        if backend == "dask":
-            stack.enter_context(_dask_client(jobs, scheduler))
-        with joblib.parallel_config(backend=backend, n_jobs=jobs):
-            parallel = joblib.Parallel(return_as="generator", batch_size=1, pre_dispatch="2*n_jobs")
-        wanted = True
-        calls = (joblib.delayed(task)(item) for item in itertools.takewhile(lambda _: wanted, items))
-        results = cast("Generator[Result, None, None]", parallel(calls))
-        try:
-            for result in results:  # noqa: UP028  (`yield from` would close it before the warning filter below)
-                yield result
-        except GeneratorExit:  # the caller stops early: let the few in flight end
-            wanted = False
-            for _ in results:
-                pass
-            raise
-        finally:
-            with warnings.catch_warnings():  # after an error the remaining blocks are of no interest
-                warnings.simplefilter("ignore", UserWarning)
-                results.close()
-
-
-def _dask_client(jobs: int, scheduler: str | None) -> AbstractContextManager[object]:
-    """Connect to a Dask scheduler, or start a local cluster.
-
-    Raises
-    ------
-    InputError
-        When dask.distributed is not installed, or the scheduler does not answer.
-    """
+def _by_threads(task: Callable[[Item], Result], items: Sequence[Item], jobs: int) -> Generator[Result, None, None]:
+    with joblib.parallel_config(backend="threading", n_jobs=jobs):
+        parallel = joblib.Parallel(return_as="generator", batch_size=1, pre_dispatch="2*n_jobs")
+    wanted = True
+    calls = (joblib.delayed(task)(item) for item in itertools.takewhile(lambda _: wanted, items))
+    results = cast("Generator[Result, None, None]", parallel(calls))
     try:
-        distributed = import_module("distributed")
-    except ImportError as error:
-        raise InputError("--backend dask needs dask.distributed: pip install 'missionplan[dask]'") from error
-    if scheduler is None:
-        with sigint_blocked():
-            cluster: AbstractContextManager[object] = distributed.Client(
-                n_workers=jobs, threads_per_worker=1, dashboard_address=None
-            )
-            return cluster
-    try:
-        client: AbstractContextManager[object] = distributed.Client(scheduler, timeout="10s")
-    except (OSError, ValueError) as error:
-        raise InputError(f"--scheduler: no Dask scheduler answers at {scheduler}") from error
-    return client
+        for result in results:  # noqa: UP028  (`yield from` would close it before the warning filter below)
+            yield result
+    except GeneratorExit:  # the caller stops early: let the few in flight end
+        wanted = False
+        for _ in results:
+            pass
+        raise
+    finally:
+        with warnings.catch_warnings():  # after an error the remaining blocks are of no interest
+            warnings.simplefilter("ignore", UserWarning)
+            results.close()

@@ -1,0 +1,170 @@
+"""Blocks run by the workers of a Dask cluster, once each worker has proven that it runs the same code."""
+
+import logging
+import time
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from missionplan.errors import InputError, MissionplanError, RunError
+from missionplan.montecarlo.fingerprint import fingerprint
+from missionplan.montecarlo.pool import sigint_blocked
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+ANSWER_TIME = 10
+"""Time in which a scheduler must answer, and have a worker [s]."""
+_PATIENCE = 30
+"""Time that a run waits without any worker: those that ended may be started again [s]."""
+_LOGGERS = ("distributed", "distributed.client", "distributed.worker", "distributed.core", "tornado.application")
+
+
+def run_on_cluster(
+    task: Callable[[Item], Result], items: Sequence[Item], jobs: int, scheduler: str | None
+) -> Generator[Result, None, None]:
+    """Run a task on every item and yield the results in the order of the items.
+
+    Parameters
+    ----------
+    task : callable
+        Picklable.
+    items : sequence
+    jobs : int
+        Workers of the local cluster that is started where no `scheduler` is given.
+    scheduler : str or None
+        Address of the Dask scheduler.
+
+    Raises
+    ------
+    InputError
+        When dask.distributed is not installed, no scheduler answers or it has no workers, or a worker has another
+        version of the package or none.
+    RunError
+        When the scheduler or all workers are lost.
+    """
+    with _silent_loggers(), _connected(jobs, scheduler) as client:
+        place = scheduler or "the local cluster"
+        _check_workers(client, place)
+        proven, todo = _Proven(task, fingerprint()), deque(items)
+        begun: deque[Future[Result]] = deque()  # in the order of the items
+        try:
+            while todo or begun:
+                wanted = 2 * max(sum(_threads(client).values()), 1) - len(begun)
+                begun.extend(client.submit(proven, todo.popleft(), pure=False) for _ in range(min(wanted, len(todo))))
+                yield _result(begun[0], client, place)
+                begun.popleft()
+        except (OSError, CancelledError) as error:
+            raise RunError(f"the Dask scheduler at {place} no longer answers") from error
+        finally:  # the caller may stop early, or a block fail
+            with suppress(OSError, CancelledError):
+                client.cancel(list(begun))  # type: ignore[no-untyped-call]
+
+
+@dataclass(frozen=True, eq=False)
+class _Proven(Generic[Item, Result]):
+    """A task that a worker refuses where its code is not the client's: workers may join during a run."""
+
+    task: Callable[[Item], Result]
+    expected: str
+
+    def __call__(self, item: Item) -> Result:
+        """Run the task on an item."""
+        if (found := fingerprint()) != self.expected:
+            worker = import_module("distributed").get_worker().address
+            raise InputError(_other_code(worker, found, self.expected))
+        return self.task(item)
+
+
+def _other_code(worker: str, found: str, expected: str) -> str:
+    return f"--scheduler: the worker {worker} runs missionplan {found}; here it is {expected}: install the same there"
+
+
+def _check_workers(client: "Client", place: str) -> None:
+    """Let every worker prove its code.
+
+    Raises
+    ------
+    InputError
+        When there are no workers, or with each that runs other code or none.
+    """
+    deadline = time.monotonic() + ANSWER_TIME
+    while not _threads(client):
+        if time.monotonic() > deadline:
+            raise InputError(
+                f"--scheduler: the Dask scheduler at {place} has no workers; start some with: dask worker {place}"
+            )
+        time.sleep(0.1)
+    expected, wrong = fingerprint(), []
+    for worker, found in client.run(fingerprint, on_error="return").items():
+        if isinstance(found, BaseException):
+            wrong.append(f"--scheduler: the worker {worker} cannot run missionplan: {type(found).__name__}: {found}")
+        elif found != expected:
+            wrong.append(_other_code(worker, found, expected))
+    if wrong:
+        raise InputError("\n".join(wrong))
+
+
+def _threads(client: "Client") -> dict[str, int]:
+    """Return the number of threads of each worker, by its address."""
+    found: dict[str, int] = client.nthreads()  # type: ignore[no-untyped-call]
+    return found
+
+
+def _result(future: "Future[Result]", client: "Client", place: str) -> Result:
+    """Wait for a result as long as there is a scheduler, and workers."""
+    alone = 0
+    while True:
+        try:
+            return future.result(timeout=1.0)
+        except TimeoutError:
+            alone = 0 if client.status == "running" and _threads(client) else alone + 1
+            if alone >= _PATIENCE:
+                raise RunError(f"the Dask scheduler at {place} has had no workers for {_PATIENCE} s") from None
+        except (MissionplanError, CancelledError, OSError):
+            raise
+        except Exception as error:
+            words = str(error).splitlines()[0] if str(error) else ""
+            raise RunError(f"the Dask cluster at {place} failed: {type(error).__name__}: {words}") from error
+
+
+@contextmanager
+def _connected(jobs: int, scheduler: str | None) -> "Iterator[Client]":
+    """Connect to a Dask scheduler, or start a local cluster; closed at the end."""
+    try:
+        distributed = import_module("distributed")
+    except ImportError as error:
+        raise InputError("--backend dask needs dask.distributed: pip install 'missionplan[dask]'") from error
+    if scheduler is None:
+        with sigint_blocked():
+            client = distributed.Client(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
+    else:
+        try:
+            client = distributed.Client(scheduler, timeout=f"{ANSWER_TIME}s")
+        except Exception as error:  # whatever another service at the address makes of the greeting
+            raise InputError(f"--scheduler: no Dask scheduler answers at {scheduler}") from error
+    try:
+        yield client
+    finally:
+        with suppress(OSError, CancelledError):
+            client.close()
+
+
+@contextmanager
+def _silent_loggers() -> Iterator[None]:
+    """Keep Dask's own log off standard error: what went wrong is said in one sentence."""
+    levels = {name: logging.getLogger(name).level for name in _LOGGERS}
+    for name in _LOGGERS:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for name, level in levels.items():
+            logging.getLogger(name).setLevel(level)
