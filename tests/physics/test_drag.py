@@ -103,4 +103,6 @@ def test_ranges_are_reported():
     assert "1.5" in notes[1]
     bare = VehicleDrag(PROTOTYPE.hull, None, 1.25, WATER)
     assert range_notes(bare, 1.62, 3.0) == ()
+    assert range_notes(bare, 1.62, 2.0) == range_notes(bare, 1.62, 10.0) == ()  # Hoerner's range includes its ends
     assert "beyond" in range_notes(VehicleDrag(Hull(400.0, 40.0), None, 1.0, WATER), 50.0)[0]
+    assert range_notes(VehicleDrag(Hull(400.0, 40.0), None, 1.0, WATER), 25.0) == ()  # Re = 8.4e9

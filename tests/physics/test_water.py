@@ -22,6 +22,15 @@ def test_fresh_water_at_20_degrees_has_the_viscosity_of_iapws():
     assert sea_water_dynamic_viscosity(20.0, 0.0) == pytest.approx(1.0016e-3, rel=2e-3)
 
 
+def test_salt_thickens_as_isdale_measured():
+    """Isdale, Spence & Tudhope (1972), Desalination 10, 319: another fit to much the same data."""
+    t, s = np.meshgrid(np.linspace(10.0, 100.0, 19), np.linspace(0.0, 60.0, 13))
+    a = 1.474e-3 + 1.5e-5 * t - 3.927e-8 * t**2
+    b = 1.073e-5 - 8.5e-8 * t + 2.23e-10 * t**2
+    thicker = sea_water_dynamic_viscosity(t, s) / sea_water_dynamic_viscosity(t, 0.0)
+    assert thicker == pytest.approx(1.0 + a * s + b * s**2, rel=0.005)
+
+
 def test_arrays_go_through_elementwise():
     temperature = np.array([5.0, 15.0, 25.0])
     densities = sea_water_density(temperature, 35.0)

@@ -7,9 +7,10 @@ from missionplan.effects.inertial_current import EARTH_ROTATION, InertialCurrent
 from missionplan.effects.mean_current import MeanCurrent
 from missionplan.effects.persistent_error import PersistentError
 from missionplan.effects.random_walk import RandomWalk
+from missionplan.effects.surface_drift import SurfaceDrift
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.phases.transit.compensation import Forecast
-from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, WAVES
+from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE, WAVES
 from missionplan.scenario.drift_model import DriftSample, drift_model
 
 FORECAST = Forecast(current=None, mean_error=np.array([0.01, 0.0]), depth=5.0, surfacing_time=60.0)
@@ -36,6 +37,13 @@ def test_the_prior_is_that_of_the_draws_beyond_the_forecast(is_recorded):
     assert built.mean[steady] == pytest.approx([0.1 + 0.02 * NORMALS[0].mean(), 0.05 * NORMALS[1].mean()])
     expected = np.cov(np.array([0.02, 0.05])[:, None] * NORMALS[:2])
     np.testing.assert_allclose(built.prior[steady, steady], expected, rtol=1e-9)
+
+
+def test_a_drift_at_the_surface_displaces_by_its_time_there():
+    built = model(SurfaceDrift(0.2 + 0.1 * NORMALS[0], -0.3))
+    surface = slice(SURFACE, SURFACE + 2)
+    assert built.mean[surface] == pytest.approx([60.0 * (0.2 + 0.1 * NORMALS[0].mean()), -18.0])
+    assert built.prior[SURFACE, SURFACE] == pytest.approx((60.0 * 0.1) ** 2 * NORMALS[0].var(ddof=1))
 
 
 def test_waves_are_coefficients_of_cosine_and_sine():

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from scipy.special import logsumexp
+from scipy.stats import multivariate_normal
 
 from missionplan.diagnosis.inference.axes import Axis, AxisScale, pointwise
-from missionplan.diagnosis.inference.discrepancy import discrepancy
+from missionplan.diagnosis.inference.discrepancy import LENGTHS, SCALE_SPREAD, SCALES, SIZES, discrepancy
 from missionplan.diagnosis.inference.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.residuals import InnerProducts, Residuals
 
@@ -22,6 +24,34 @@ def test_white_residuals_leave_nothing():
     rng = np.random.default_rng(2)
     alarms = [discrepancy(residuals(rng.normal(size=N))).significant for _ in range(60)]
     assert np.mean(alarms) <= 0.07
+
+
+def test_the_bayes_factor_is_that_of_normal_densities():
+    """Densities of the data under scale²·W + size²·K, K of the mean variance in the data that W has, averaged."""
+    rng = np.random.default_rng(14)
+    where = np.linspace(0.0, 1.0, 20)[:, None]
+    noise = np.diag(np.linspace(0.5, 1.5, 20) ** 2)
+    values = rng.multivariate_normal(np.zeros(20), noise) + np.sin(6.0 * where[:, 0])
+    axis = pointwise("time", "values against time", where)
+    given = Residuals(values, noise, np.zeros(20, dtype=int), [axis], np.repeat("dive-1", 20))
+    prior = np.exp(-0.5 * (np.log(SCALES) / SCALE_SPREAD) ** 2)
+    typical = np.median(np.diag(noise))
+
+    def density(scale, smooth):
+        return multivariate_normal.logpdf(values, cov=scale**2 * noise + smooth)
+
+    without = [density(scale, 0.0) for scale in SCALES]
+    kernels = [np.exp(-0.5 * ((where - where.T) / length) ** 2) for length in LENGTHS]
+    parts = [[density(scale, size**2 * typical * kernel) for scale in SCALES] for kernel in kernels for size in SIZES]
+    expected = logsumexp(parts, b=prior) - np.log(len(parts)) - logsumexp(without, b=prior)
+    assert discrepancy(given).log_bayes_factor == pytest.approx(expected, abs=0.01)
+
+
+def test_an_axis_given_twice_says_no_more_than_once():
+    values = np.random.default_rng(15).normal(size=N) + np.sin(np.linspace(0.0, 9.0, N))
+    once = residuals(values)
+    twice = Residuals(values, once.covariance, once.series, [*once.axes, *once.axes], once.groups)
+    assert discrepancy(twice).log_bayes_factor == pytest.approx(discrepancy(once).log_bayes_factor, abs=1e-9)
 
 
 def test_a_smooth_discrepancy_is_found_on_its_axis():

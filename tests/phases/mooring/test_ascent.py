@@ -3,7 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from missionplan.effects.broadside_start import BroadsideStart
 from missionplan.effects.drag_bias import DragBias
+from missionplan.effects.vertical_current import VerticalCurrent
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.ascent import ascend
 from missionplan.phases.mooring.forces import Dive
@@ -57,6 +59,18 @@ def test_a_vehicle_without_buoyancy_stays_down():
 
 def test_drag_found_in_a_descent_slows_the_ascent():
     assert rise(DIVE, effects=(DragBias(0.5),)).ascent_time > rise(DIVE).ascent_time * 1.1
+
+
+def test_what_faded_in_the_descent_does_not_come_back():
+    faded = BroadsideStart(5.0, 20.0)
+    assert rise(DIVE, effects=(faded,)).ascent_time == pytest.approx(rise(DIVE).ascent_time, rel=1e-9)
+
+
+def test_a_moored_vehicle_starts_at_rest_over_the_ground():
+    """Without drag moving water changes nothing, and the vehicle rises by half of its acceleration times t²."""
+    slippery = replace(DIVE, vehicle_drag=QuadraticDrag(1e-9))
+    record = rise(slippery, effects=(VerticalCurrent(0.1),))
+    assert record.ascent_time == pytest.approx(np.sqrt(2.0 * 25.0 * DIVE.free_mass / DIVE.net_buoyancy), rel=1e-6)
 
 
 def test_at_the_surface_there_is_nothing_to_rise():

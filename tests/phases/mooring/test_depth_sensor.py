@@ -1,11 +1,16 @@
-from dataclasses import replace
+"""Readings of a depth sensor: stages, effects of the sensor and of its clock, the rise to the mooring."""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
+from missionplan.arrays import Scalars
 from missionplan.effects.clock_offset import ClockOffset
 from missionplan.effects.depth_scale import DepthScale
 from missionplan.effects.sensor_lag import SensorLag
+from missionplan.effects.vertical_current import VerticalCurrent
+from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import simulate_readings
 from missionplan.phases.mooring.forces import Dive
 from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, VehicleDrag
@@ -71,3 +76,44 @@ def test_a_lag_is_late_by_its_time_constant_at_a_steady_speed():
     steady = np.array([[8.0], [9.0], [10.0], [11.0]])
     lagged = simulate_readings(DIVE, steady, effects=(SensorLag(0.4),))
     assert lagged == pytest.approx(simulate_readings(DIVE, steady - 0.4), abs=5e-3)
+
+
+def test_the_seafloor_stops_a_vehicle_that_strikes_it():
+    depth = simulate_readings(replace(DIVE, line_length=2.0), TIMES)[:, 0]
+    assert depth.max() == 24.0
+    assert depth[-1] == pytest.approx(22.0)
+
+
+@dataclass(frozen=True)
+class SlowAtFirst(DescentEffect):
+    """Four times the drag for some time after the line is taut."""
+
+    lasts: float
+
+    def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
+        return np.where(np.asarray(since_taut) < self.lasts, 4.0, 1.0)
+
+
+def test_the_rise_to_the_mooring_knows_how_long_the_line_has_been_taut():
+    """Drag that is normal again before the touchdown stays so: the vehicle rises by v τ ln cosh(t/τ)."""
+    dive = replace(DIVE, vehicle_drag=QuadraticDrag(3.3), line_length=12.0, site_depth=40.0)
+    times = np.linspace(0.0, 70.0, 7001)[:, None]
+    depth = simulate_readings(dive, times, effects=(SlowAtFirst(20.0),))[:, 0]
+    lowest = np.argmax(depth)
+    moored = lowest + np.argmax(depth[lowest:] <= 28.0)
+    terminal = np.sqrt(0.89 / 3.3)
+    tau = dive.free_mass * terminal / 0.89
+    expected = tau * np.arccosh(np.exp((depth[lowest] - 28.0) / (terminal * tau)))
+    assert times[moored, 0] - times[lowest, 0] == pytest.approx(expected, abs=0.1)
+
+
+def test_the_rise_to_the_mooring_starts_at_rest_over_the_ground():
+    """Without drag moving water changes no depth, neither on the way down nor on the way up."""
+    slippery = QuadraticDrag(1e-9)
+    buoyant = replace(
+        DIVE, vehicle_drag=slippery, anchor_drag=slippery, net_buoyancy=5.0, line_length=10.0, site_depth=12.0
+    )
+    plain, carried = (simulate_readings(buoyant, TIMES, effects=effects) for effects in ((), (VerticalCurrent(0.2),)))
+    assert plain.max() > 7.0
+    assert plain[-1] == pytest.approx(2.0)
+    assert carried == pytest.approx(plain, abs=1e-5)

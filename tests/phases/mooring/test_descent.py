@@ -19,6 +19,7 @@ from missionplan.phases.mooring.depth_sensor import simulate_readings
 from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.profile import simulate_profile
+from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, Sail, VehicleDrag, anchor_drag
 from missionplan.physics.water import Water
 
@@ -184,6 +185,24 @@ def test_a_uniform_current_carries_by_its_speed_times_the_time():
     record = run(PROTOTYPE, 3, current=layers([100.0], [0.7], [1.1]), release=4.0)
     expected = 0.7 * (4.0 + record.descent_time) * np.array([[np.sin(1.1)], [np.cos(1.1)]])
     assert record.offset == pytest.approx(expected)
+
+
+def test_a_current_that_grows_with_time_carries_by_its_integral():
+    """Of a current a·t east: a(t₁² − t₀²)/2, through the release, the pay-out of the line and both stages of the dive."""
+    growth, begun = 0.01, 100.0
+    current = SeriesCurrent(
+        np.array([0.0, 1000.0]), np.zeros(1), np.array([[0.0], [1000.0 * growth]]), np.zeros((2, 1))
+    )
+    record = descend(
+        PROTOTYPE,
+        effects=(LinePayout(0.2),),
+        release_time=np.full(1, 4.0),
+        current=current,
+        position=np.zeros((2, 1)),
+        t_start=np.full(1, begun),
+    )
+    ended = begun + 4.0 + record.descent_time
+    assert record.offset[0] == pytest.approx(0.5 * growth * (ended**2 - begun**2), rel=1e-9)
 
 
 def test_trials_do_not_touch_each_other():

@@ -1,13 +1,14 @@
 import numpy as np
 import pytest
-from transit_examples import FixedNormals, normals, run, start
+from transit_examples import GOAL, FixedNormals, normals, run, start
 
-from missionplan.phases.currents import LayeredCurrent
+from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.transit.compensation import (
     AsPrinted,
     CompletedLeg,
     Forecast,
     LastLeg,
+    PlannedLeg,
     RunningMean,
     compensation_named,
 )
@@ -53,6 +54,25 @@ def test_forecast_is_right_from_the_first_leg_on():
     moved = aimed + under_way * np.linalg.norm(aimed) + np.array([0.1, 0.1]) * 60.0
     assert record.track[:, 2, 0] == pytest.approx(moved)
     assert record.arrived.all()
+
+
+class Sloping(Current):
+    """A current toward east, linear in time, depth and place: its mean over a straight leg is that of its middle."""
+
+    def velocity(self, t, depth, position):
+        east = 1e-4 * t + 0.02 * depth + 3e-4 * position[1]
+        return np.stack((east, 0.0 * east))
+
+
+def test_forecast_is_of_the_moment_the_depth_and_the_place_of_each_part():
+    """Under way in the middle of the leg at run depth; then at the surface, after the leg and where it ends."""
+    leg = PlannedLeg(
+        np.array([100.0]), np.zeros((2, 1)), np.array([[0.0], [300.0]]), np.array([400.0]), GOAL[:, None], 10.0
+    )
+    under_way = 0.01 + 1e-4 * 300.0 + 0.02 * 5.0 + 3e-4 * 150.0
+    surface = 1e-4 * (500.0 + 30.0) + 3e-4 * 300.0
+    found = Forecast(Sloping(), np.array([0.01, 0.0]), depth=5.0, surfacing_time=60.0).offset((), leg)
+    assert found[:, 0] == pytest.approx([under_way * 400.0 + surface * 60.0, 0.0])
 
 
 def test_surface_drift_is_learnt_apart_from_the_velocity_error():

@@ -215,6 +215,13 @@ def test_a_plan_that_stops_short_by_itself_is_kept():
         assert found == pytest.approx(np.array([[max(to_centre - planned, 0.0)], [0.0]]), abs=1e-9)
 
 
+def test_at_least_half_of_a_leg_is_run_however_large_the_error():
+    drift_filter = DriftFilter(STILL, model(covariance=4.0 * np.eye(2)))
+    seconds, nominal, zero = np.array([300.0]), np.array([[180.0], [-240.0]]), np.zeros((2, 1))
+    found = drift_filter.offset(drift_filter.begin(1), PlannedLeg(zero[0], zero, nominal, seconds, nominal, 50.0))
+    assert found == pytest.approx(0.5 * nominal)
+
+
 def test_with_a_wide_prior_on_a_steady_drift_it_is_the_weighted_mean():
     sigma, prior = 0.02, np.zeros((WAVES, WAVES))
     prior[[STEADY, STEADY + 1], [STEADY, STEADY + 1]] = 1e4
