@@ -14,7 +14,7 @@ from missionplan.mission.checks.correlations import check_correlations
 from missionplan.mission.checks.limits.ranges import Findings, check_effects, check_ranges
 from missionplan.mission.checks.limits.relations import check_relations
 from missionplan.mission.checks.phases import check_phases
-from missionplan.mission.checks.requirements import read_requirements
+from missionplan.mission.checks.requirements import misspelt_requirements, read_requirements
 from missionplan.mission.checks.site import check_site
 from missionplan.mission.reading.documents import Document
 from missionplan.mission.reading.includes import include_files
@@ -102,7 +102,8 @@ class Mission(FileSection):
         try:
             mission = cls.model_validate(document.data)
         except ValidationError as error:
-            raise InputError(in_order([*problems, *validation_problems(error, document, cls)])) from None
+            misspelt = [document.located(problem) for problem in misspelt_requirements(document.data)]
+            raise InputError(in_order([*problems, *validation_problems(error, document, cls), *misspelt])) from None
         requirements, wrong = read_requirements(mission.requirements, mission.phases)
         limits = mission._limits()
         problems += [document.located(problem) for problem in (*mission._contradictions(), *wrong, *limits.problems)]

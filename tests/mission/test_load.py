@@ -154,3 +154,10 @@ def test_draws_outside_the_physical_range_are_said(tmp_path: Path) -> None:
     assert load(path).notices() == (
         "navigation.surfacing_time: 0.16 of the distribution lies outside the physical range and was cut off",
     )
+
+
+def test_a_misspelt_quantity_is_reported_with_a_missing_d_max(tmp_path: Path) -> None:
+    text = TRANSIT.replace(", d_max: 4 nmi", "") + "requirements: [{quantity: ingress.durtion, probability: 0.9}]\n"
+    missing, misspelt = problems_of(tmp_path, text)
+    assert missing.endswith("d_max: missing; expected a quantity in m, or a mapping with table")
+    assert "did you mean duration?" in misspelt

@@ -1,6 +1,7 @@
 """What requirements may ask for: the quantities and events of each kind of phase, and their units."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from missionplan.errors import LocalProblem, did_you_mean
 from missionplan.mission.schema.monte_carlo import Requirement
@@ -64,7 +65,36 @@ def read_requirements(
     return tuple(read), problems
 
 
-def quantity_unit(quantity: str, phases: Sequence[Phase]) -> str | None:
+class PhaseName(NamedTuple):
+    """What requirements know of a phase."""
+
+    name: str
+    kind: str
+
+
+def misspelt_requirements(data: Mapping[str, object]) -> list[LocalProblem]:
+    """List the quantities of requirements that no phase has, in a mission's data that are otherwise not valid."""
+    entries, requirements = data.get("phases"), data.get("requirements")
+    if not isinstance(entries, list) or not isinstance(requirements, list):
+        return []
+    phases = []
+    for entry in entries:
+        kind, section = next(iter(entry.items())) if isinstance(entry, dict) and len(entry) == 1 else ("", None)
+        if kind not in QUANTITIES or not isinstance(section, dict):
+            return []
+        phases.append(PhaseName(str(section.get("name", kind)), str(kind)))
+    problems: list[LocalProblem] = []
+    for index, requirement in enumerate(requirements):
+        quantity = requirement.get("quantity") if isinstance(requirement, dict) else None
+        if isinstance(quantity, str):
+            try:
+                quantity_unit(quantity, phases)
+            except QuantityError as error:
+                problems += [problem.within(("requirements", index)) for problem in error.problems]
+    return problems
+
+
+def quantity_unit(quantity: str, phases: Sequence[Phase | PhaseName]) -> str | None:
     """Return the SI unit of a phase's quantity, such as ``moor.offset``; None for an event.
 
     Raises

@@ -114,4 +114,14 @@ def _expected(path: KeyPath, model: type[BaseModel]) -> str:
         if isinstance(parser, QuantityParser):
             return parser.expected
     section = _section_in(field.annotation)
-    return f"a mapping with {', '.join(_by_name(section))}" if section else "a value here"
+    mapping = [f"a mapping with {', '.join(_by_name(section))}"] if section else []
+    return ", or ".join([*_quantities_in(field.annotation), *mapping]) or "a value here"
+
+
+def _quantities_in(annotation: object) -> list[str]:
+    """What the quantities inside a union are."""
+    parsers = (getattr(item, "func", None) for item in getattr(annotation, "__metadata__", ()))
+    found = [parser.expected for parser in parsers if isinstance(parser, QuantityParser)]
+    for inner in getattr(annotation, "__args__", ()):
+        found += [words for words in _quantities_in(inner) if words not in found]
+    return found
