@@ -95,9 +95,8 @@ def plan_legs(
 _Probability = Annotated[
     float | None,
     typer.Option(
-        min=0.0,
-        max=1.0,
-        help="Also find the lightest anchor whose dives stay within the radius with this probability.",
+        help="Also find the lightest anchor whose dives stay within the radius with this probability; "
+        "default: what the mission requires.",
         show_default=False,
     ),
 ]
@@ -114,13 +113,16 @@ def size_anchor(
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Size the anchor that takes the vehicle down within the radius: weight, length, trim ring, and its dive."""
+    from missionplan.results.anchor import AnchorSizing
 
-    def study(loaded: "Mission", _progress: Progress) -> "Result":
+    def study(loaded: "Mission", _progress: Progress) -> AnchorSizing:
         from missionplan.studies.anchor.size_anchor import size_anchor
 
         return size_anchor(loaded, probability=probability, phase=phase, **run.arguments())
 
-    run_study(mission, "size-anchor", study, output, allow_outside=allow_outside)
+    sizing = run_study(mission, "size-anchor", study, output, allow_outside=allow_outside)
+    if isinstance(sizing, AnchorSizing) and not sizing.succeeds:
+        raise typer.Exit(REQUIREMENT_NOT_MET)
 
 
 _Precision = Annotated[

@@ -34,8 +34,8 @@ def run_study(
     *,
     allow_outside: bool,
     inputs: Sequence[Path] = (),
-) -> None:
-    """Load a mission, run a study of it, save the report and print the answer; `inputs` are read besides."""
+) -> "Result":
+    """Load a mission, run a study of it, save the report, print and return the result; `inputs` are read besides."""
     from missionplan.mission import load
     from missionplan.store.folder import check_holds_no_input
 
@@ -45,6 +45,7 @@ def run_study(
     with progress_bar(command, shown=not output.quiet) as progress:
         result = study(mission, progress)
     deliver(result, folder, output)
+    return result
 
 
 def checked_folder(output: OutputOptions, stem: str, command: str, inputs: Sequence[Path] = ()) -> Path:

@@ -85,6 +85,8 @@ class AnchorSizing(Result):
         Where a probability was given.
     notes : tuple of str
         Formulae that are used outside their range.
+    required : float or None
+        Probability of staying within the radius that the mission requires, where it does.
     """
 
     report: ClassVar[str] = "anchor.page"
@@ -100,6 +102,23 @@ class AnchorSizing(Result):
     anchor: SizedAnchor
     probable: ProbableAnchor | None
     notes: tuple[str, ...]
+    required: float | None = None
+
+    @property
+    def to_build(self) -> SizedAnchor:
+        """The anchor for the probability, where one was given and can be reached; else that of the worst case."""
+        return self.probable.anchor if self.probable and self.probable.anchor else self.anchor
+
+    @property
+    def meets_requirement(self) -> bool:
+        """Whether the anchor to build stays within the radius as often as the mission requires, if it does."""
+        return self.required is None or self.to_build.probabilities.within.value >= self.required
+
+    @property
+    def succeeds(self) -> bool:
+        """Whether the anchor to build can be built, reaches the probability given, and meets the requirement."""
+        reached = self.probable is None or self.probable.anchor is not None
+        return reached and not self.to_build.problems and self.meets_requirement
 
     def summary(self) -> dict[str, object]:
         """Return the contents of ``summary.json``."""
@@ -114,6 +133,10 @@ class AnchorSizing(Result):
             "descent": self.anchor.descent_summary(),
             "odds": self.anchor.probabilities.summary(),
             "probable": self.probable.summary() if self.probable else None,
+            "to_build": "worst-case" if self.to_build is self.anchor else "probable",
+            "required": self.required,
+            "meets_requirement": self.meets_requirement,
+            "succeeds": self.succeeds,
             "notes": list(self.notes),
         }
 

@@ -312,3 +312,30 @@ def test_validate_opens_the_file_of_the_current(
     series.write_text("t_s,depth_m,east_m_s,north_m_s\n0,0,0,0\n1800,0,0,0\n")
     assert run(monkeypatch, "validate", str(mission)) == 2
     assert "the record lasts from 0 s to 1800 s" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("probability", "status"), [("95", 2), ("0.9", 0)])
+def test_a_probability_in_per_cent_is_asked_back(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, probability: str, status: int
+) -> None:
+    arguments = ("size-anchor", str(MISSIONS / "anchor-design.yaml"), "--jobs", "1", "--quiet", "--trials", "200")
+    assert run(monkeypatch, *arguments, "--probability", probability, "--out", str(tmp_path / "out")) == status
+    assert ("was 0.95 meant?" in capsys.readouterr().err) is (status == 2)
+
+
+def test_an_anchor_that_misses_the_missions_requirement_exits_with_3(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """However heavy the anchor, some dives drift out of the radius before the line is taut."""
+    for name in ("anchor-design.yaml", "vehicles/vt475-self-mooring.yaml"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text((MISSIONS / name).read_text())
+    with (tmp_path / "anchor-design.yaml").open("a") as file:
+        file.write("\nrequirements: [{quantity: moor.within_radius, probability: 0.99999}]\n")
+    changed = (tmp_path / "anchor-design.yaml").read_text().replace("radius: 75 ft", "radius: 30 ft")
+    (tmp_path / "anchor-design.yaml").write_text(changed)
+    arguments = ("size-anchor", str(tmp_path / "anchor-design.yaml"), "--jobs", "1", "--trials", "100")
+    assert run(monkeypatch, *arguments, "--out", str(tmp_path / "out")) == 3
+    assert "No anchor reaches 99.999" in capsys.readouterr().out
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert (summary["required"], summary["meets_requirement"], summary["succeeds"]) == (0.99999, False, False)

@@ -1,9 +1,11 @@
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from missionplan.mission import load
 from missionplan.report.anchor.page import answer, page, terminal
+from missionplan.results.anchor import ProbableAnchor
 from missionplan.studies.anchor.size_anchor import size_anchor
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -26,10 +28,27 @@ def altered(tmp_path, mission=(), vehicle=()):
 
 
 def test_the_sentence_that_a_field_engineer_wants(sizing):
-    assert answer(sizing).replace("\u00a0", " ") == (
+    words, probable = answer(sizing).replace("\u00a0", " "), sizing.probable.anchor
+    assert words.startswith(f"An anchor of {probable.wet_weight:.1f} N wet, {probable.design.dry_mass:.2f} kg dry, ")
+    assert "of dives stay within 22.9 m and clear of the bottom. The worst-case anchor of Eq. 1, 11.7 N" in words
+    worst = answer(replace(sizing, probable=None)).replace("\u00a0", " ")
+    assert worst.startswith(
         "An anchor of 11.7 N wet, 1.60 kg dry, 183 mm long, ring of 0.39 kg at 107 mm: at the seafloor 19 s after "
-        "separation, 20 m from the last fix; the vehicle stops 1.7 m above the bottom."
+        "separation, 20 m from the last fix; the vehicle stops 1.7 m above the bottom. "
     )
+    assert worst.endswith("of dives stay within 22.9 m and clear of the bottom.")
+
+
+def test_an_anchor_that_misses_the_radius_is_no_good_news(sizing):
+    wide = replace(sizing, radius=10.0)
+    assert page(wide).verdict == terminal(wide).verdict == "bad"
+
+
+def test_a_requirement_that_no_anchor_meets_is_told(sizing):
+    missed = replace(sizing, probable=ProbableAnchor(0.99, None, "the line is too short", 0.5), required=0.999)
+    assert not missed.succeeds
+    assert answer(missed).startswith("No anchor reaches 99\u00a0%. An anchor of 11.7\u00a0N wet")
+    assert "the mission requires 99.9\u00a0% within the radius" in answer(missed)
 
 
 def test_the_page_has_the_four_figures(sizing, tmp_path):

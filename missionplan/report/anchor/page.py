@@ -14,8 +14,7 @@ from missionplan.results.sized_anchor import SizedAnchor
 
 def page(sizing: AnchorSizing) -> Page:
     """Build the page of a sizing."""
-    anchor = sizing.anchor
-    succeeds = not anchor.problems and anchor.touched_down and anchor.lowest_altitude > 0.0
+    anchor = sizing.to_build
     return Page(
         title=f"Anchor for {sizing.phase}: {sizing.provenance.mission}",
         answer=answer(sizing),
@@ -33,18 +32,45 @@ def page(sizing: AnchorSizing) -> Page:
             sections.drag(sizing),
             sections.all_numbers(sizing),
         ],
-        verdict="good" if succeeds else "bad",
+        verdict=_verdict(sizing),
     )
 
 
 def terminal(sizing: AnchorSizing) -> Terminal:
     """Build the terminal's view of a sizing."""
-    return Terminal(answer(sizing), *numbers_table(sizing))
+    return Terminal(answer(sizing), *numbers_table(sizing), verdict=_verdict(sizing))
+
+
+def _verdict(sizing: AnchorSizing) -> str:
+    """Good where the anchor can be built, does what is asked, and its nominal dive ends well within the radius."""
+    anchor = sizing.to_build
+    dives_well = anchor.touched_down and anchor.lowest_altitude > 0.0 and anchor.offset <= sizing.radius
+    return "good" if sizing.succeeds and dives_well else "bad"
 
 
 def answer(sizing: AnchorSizing) -> str:
-    """Write what a field engineer wants to know, in a sentence or two."""
-    anchor = sizing.anchor
+    """Write which anchor to build and what it achieves, then what that of the worst case would."""
+    built = f"{_anchor_in_words(sizing.to_build)} {_achieved(sizing, sizing.to_build)}"
+    probable = sizing.probable
+    if probable is None:
+        return built
+    if probable.anchor is None:
+        return f"No anchor reaches {100.0 * probable.required:g}\u00a0%. {built}"
+    worst = f"The worst-case anchor of Eq. 1, {sizing.anchor.wet_weight:.1f}\u00a0N wet, reaches "
+    return f"{built} {worst}{percent(sizing.anchor.probabilities.good)}."
+
+
+def _achieved(sizing: AnchorSizing, anchor: SizedAnchor) -> str:
+    """Write how often dives succeed, beside what the mission requires."""
+    words = (
+        f"{percent(anchor.probabilities.good)} of dives stay within {sizing.radius:.1f}\u00a0m and clear of the bottom"
+    )
+    if sizing.required is not None and not sizing.meets_requirement:
+        return f"{words}; the mission requires {100.0 * sizing.required:g}\u00a0% within the radius."
+    return f"{words}."
+
+
+def _anchor_in_words(anchor: SizedAnchor) -> str:
     design = anchor.design
     weight = f"{anchor.wet_weight:.{1 if anchor.wet_weight >= 1.0 else 2}f}\u00a0N"
     if design is None:

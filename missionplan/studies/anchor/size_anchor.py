@@ -4,6 +4,7 @@ import time
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
+from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel_blocks import Backend
 from missionplan.results.anchor import AnchorSizing, ProbableAnchor
@@ -35,7 +36,8 @@ def size_anchor(
     ----------
     mission : Mission
     probability : float, optional
-        Also find the lightest anchor that stays within the radius, without the vehicle striking, so often.
+        Also find the lightest anchor that stays within the radius, without the vehicle striking, so often; default:
+        what the mission requires of ``within_radius``, where it does.
     phase : str, optional
         Name of the mooring; default: the first.
     trials, seed : int, optional
@@ -50,8 +52,9 @@ def size_anchor(
     """
     started = time.perf_counter()
     moor = MooringMission.of(mission).mooring(phase)
-    if probability is not None and not 0.0 < probability < 1.0:
-        raise InputError([Problem(f"given {probability:g}, expected between 0 and 1", key="--probability")])
+    _check_probability(probability)
+    required = _required(mission, moor)
+    wanted = required if probability is None else probability
     trials, seed = trials or mission.monte_carlo.trials, mission.monte_carlo.seed if seed is None else seed
     recorded = recorded_current(mission)
     check_cover(mission, Scenario.at_means(mission, recorded))
@@ -61,7 +64,7 @@ def size_anchor(
     try:
         weight = worst_case_weight(sizer.means, moor)
         anchor = sizer.sized(weight)
-        probable = sizer.probable(probability, weight) if probability is not None else None
+        probable = sizer.probable(wanted, weight) if wanted is not None else None
     except ValueError as error:
         raise InputError([Problem(str(error), mission.file, key="vehicle.anchor")]) from error
     options = {"probability": probability, "phase": phase, "jobs": jobs, "backend": backend, "scheduler": scheduler}
@@ -76,11 +79,38 @@ def size_anchor(
         data=mission.raw,
         notices=mission.notices(),
     )
-    return _anchor_sizing(provenance, sizer, anchor, probable)
+    return _anchor_sizing(provenance, sizer, anchor, probable, required)
+
+
+def _check_probability(probability: float | None) -> None:
+    if probability is None or 0.0 < probability < 1.0:
+        return
+    hint = f"was {probability / 100.0:g} meant?" if 1.0 < probability < 100.0 else ""
+    problem = Problem(f"given {probability:g}, expected between 0 and 1", key="--probability", hint=hint)
+    raise InputError([problem])
+
+
+def _required(mission: Mission, moor: MoorPhase) -> float | None:
+    """Probability below 1 of staying within the radius that the mission requires; None where it requires none.
+
+    A requirement that the offset be at most the radius says the same.
+    """
+    radius = moor.radius
+    required = [
+        item.probability
+        for item in mission.requirements
+        if item.quantity == f"{moor.name}.within_radius"
+        or (item.quantity == f"{moor.name}.offset" and item.at_most is not None and item.at_most == radius)
+    ]
+    return max((probability for probability in required if 0.0 < probability < 1.0), default=None)
 
 
 def _anchor_sizing(
-    provenance: Provenance, sizer: AnchorSizer, anchor: SizedAnchor, probable: ProbableAnchor | None
+    provenance: Provenance,
+    sizer: AnchorSizer,
+    anchor: SizedAnchor,
+    probable: ProbableAnchor | None,
+    required: float | None,
 ) -> AnchorSizing:
     return AnchorSizing(
         provenance=provenance,
@@ -94,6 +124,7 @@ def _anchor_sizing(
         anchor=anchor,
         probable=probable,
         notes=sizer.notes(anchor),
+        required=required,
     )
 
 
