@@ -15,8 +15,8 @@ from missionplan.mission.views import MooringMission, TransitionMission
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
+from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.checks import check_complete, input_notices
-from missionplan.studies.simulation.nominal_dive import check_dives
 from missionplan.studies.simulation.record_cover import check_cover
 
 _Read = Callable[[Path, Mission], TransitData | DescentData | SummaryData]

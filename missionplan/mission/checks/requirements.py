@@ -77,12 +77,9 @@ def misspelt_requirements(data: Mapping[str, object]) -> list[LocalProblem]:
     entries, requirements = data.get("phases"), data.get("requirements")
     if not isinstance(entries, list) or not isinstance(requirements, list):
         return []
-    phases = []
-    for entry in entries:
-        kind, section = next(iter(entry.items())) if isinstance(entry, dict) and len(entry) == 1 else ("", None)
-        if kind not in QUANTITIES or not isinstance(section, dict):
-            return []
-        phases.append(PhaseName(str(section.get("name", kind)), str(kind)))
+    phases = [name for entry in entries if (name := _phase_name(entry)) is not None]
+    if len(phases) < len(entries):
+        return []
     problems: list[LocalProblem] = []
     for index, requirement in enumerate(requirements):
         quantity = requirement.get("quantity") if isinstance(requirement, dict) else None
@@ -92,6 +89,14 @@ def misspelt_requirements(data: Mapping[str, object]) -> list[LocalProblem]:
             except QuantityError as error:
                 problems += [problem.within(("requirements", index)) for problem in error.problems]
     return problems
+
+
+def _phase_name(entry: object) -> PhaseName | None:
+    """Return name and kind of a phase as written; None where it is none."""
+    kind, section = next(iter(entry.items())) if isinstance(entry, dict) and len(entry) == 1 else ("", None)
+    if kind not in QUANTITIES or not isinstance(section, dict):
+        return None
+    return PhaseName(str(section.get("name", kind)), str(kind))
 
 
 def quantity_unit(quantity: str, phases: Sequence[Phase | PhaseName]) -> str | None:

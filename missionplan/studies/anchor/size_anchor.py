@@ -15,7 +15,7 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.dive_trials import AnchorTrials, ParallelOptions
 from missionplan.studies.anchor.sizing import AnchorSizer
-from missionplan.studies.simulation.nominal_dive import check_dives
+from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.record_cover import check_cover
 
 

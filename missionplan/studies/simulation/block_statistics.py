@@ -135,9 +135,7 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
     for phase in trials.phases:
         quantities |= {f"{phase.name}.{name}": values for name, values in phase.quantities.items()}
         counts |= {f"{phase.name}.{name}": Count.of(happened) for name, happened in phase.events.items()}
-    for limit in sorted({limit for phase in trials.phases for limit in phase.limits}):
-        met = [phase.limits[limit] for phase in trials.phases if limit in phase.limits]
-        counts[f"{LIMIT}{limit}"] = Count.of(np.any(met, axis=0))
+    counts |= _limits(trials)
     quantities |= {f"{phase.name}.end": phase.end for phase in trials.phases[:-1]}
     counts |= {step: Count.of(lost) for step, lost in _failures_by_step(trials).items()}
     for index, requirement in enumerate(mission.requirements):
@@ -170,6 +168,15 @@ def _meets(values: Array | Flags, bound: tuple[Side, float] | None, unit: str | 
     side, limit = bound
     scaled = limit * SCALES.get(unit, 1.0)
     return np.asarray(values <= scaled if side == "at_most" else values >= scaled)
+
+
+def _limits(trials: MissionTrials) -> dict[str, Count]:
+    """Count the trials that met each limit of the world in any phase."""
+    counts = {}
+    for limit in sorted({limit for phase in trials.phases for limit in phase.limits}):
+        met = [phase.limits[limit] for phase in trials.phases if limit in phase.limits]
+        counts[f"{LIMIT}{limit}"] = Count.of(np.any(met, axis=0))
+    return counts
 
 
 def _failures_by_step(trials: MissionTrials) -> dict[str, Flags]:

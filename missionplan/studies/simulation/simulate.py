@@ -15,12 +15,12 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_file, recorded_current
 from missionplan.store.checkpoints import Checkpoints, Identity
 from missionplan.store.trials_table import TrialsTable
+from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence
 from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.block_task import BlockTask
 from missionplan.studies.simulation.checks import check_complete, input_notices, run_notices
 from missionplan.studies.simulation.mission_trials import MissionTrials
-from missionplan.studies.simulation.nominal_dive import check_dives
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.record_cover import check_cover, check_trials
