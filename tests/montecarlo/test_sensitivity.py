@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from missionplan.montecarlo.sensitivity import MIN_TRIALS, first_order_index, sensitivities
 
@@ -85,3 +86,11 @@ def test_what_does_not_vary_or_was_hardly_reached_is_left_out():
     outputs = {"constant": 1.5 + 1e-12 * x, "rare": np.where(np.arange(MIN_TRIALS), x, np.nan), "y": x}
     found = sensitivities({"x": x, "fixed": np.zeros_like(x)}, outputs)
     assert [(influence.output, influence.source) for influence in found] == [("y", "x")]
+
+
+def test_rank_correlation_of_ties_is_spearmans():
+    random = np.random.default_rng(9)
+    x = random.choice([1.0, 2.0, 5.0], 400, p=[0.6, 0.3, 0.1])
+    y = np.round(x + random.standard_normal(400))
+    (found,) = sensitivities({"x": x}, {"y": y})
+    assert found.rank_correlation == pytest.approx(stats.spearmanr(x, y).statistic)

@@ -87,3 +87,8 @@ def test_steady_flow_does_not_accelerate(propeller, shaft_rate, speed, sign):
     assert flow * sign > 0.0
     residual = p.flow_acceleration(propeller, sign * shaft_rate, flow, sign * speed) * propeller.flow_mass
     assert abs(residual) <= 1e-9 * size
+
+
+def test_the_water_set_in_motion_is_a_cylinder_as_long_as_wide():
+    unit = p.from_open_water(0.5, (0.4, -0.4), (0.05, -0.05), density=1000.0)
+    assert unit.flow_mass == pytest.approx(1000.0 * math.pi * 0.25**2 * 0.5)

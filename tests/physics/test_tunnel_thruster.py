@@ -76,3 +76,14 @@ def test_two_thrusters_need_one_over_root_two():
     assert tt.hover_power(105.9, area, 1026.0, 2) / tt.hover_power(105.9, area, 1026.0) == pytest.approx(2**-0.5)
     smaller = tt.TunnelThruster(tt.diameter_for_same_power(0.196, 2), 0.9, 6.69).area
     assert tt.hover_power(105.9, smaller, 1026.0, 2) == pytest.approx(tt.hover_power(105.9, area, 1026.0))
+
+
+def test_an_ideal_thruster_pays_for_the_kinetic_energy_of_its_jet():
+    area, density, jet = 0.03, 1026.0, 1.8
+    through = density * area * jet
+    assert tt.thruster_power(through * jet, area, density, 1.0) == pytest.approx(0.5 * through * jet**2)
+
+
+def test_a_real_thruster_gives_its_share_of_the_ideal_force_for_the_same_power():
+    ideal = tt.thruster_power(100.0, 0.03, 1026.0, 1.0)
+    assert tt.thruster_power(55.0, 0.03, 1026.0, 0.55) == pytest.approx(ideal)

@@ -54,6 +54,8 @@ def test_numbers_have_the_digits_that_their_error_supports(value, error, text):
         (9997, 10_000, "99.97\u00a0% (99.91 to 99.99\u00a0%)"),
         (10_000, 10_000, "100\u00a0% (at least 99.96\u00a0%)"),
         (0, 1000, "0\u00a0% (at most 0.4\u00a0%)"),
+        (0, 1197, "0\u00a0% (at most 0.4\u00a0%)"),  # 0.32 %: a bound is never rounded inwards
+        (1197, 1197, "100\u00a0% (at least 99.6\u00a0%)"),
         (0, 0, "–"),
     ],
 )

@@ -70,3 +70,17 @@ def test_expected_ratio_is_the_mean_over_draws():
     sampled = laws[0].logpdf(draws) - laws[1].logpdf(draws)
     error = 4.0 * sampled.std() / 200.0
     assert expected_log_ratio(mean, truth, first, second) == pytest.approx(sampled.mean(), abs=error)
+
+
+def test_student_marginal_is_the_integral_over_the_coefficient():
+    """Laplace's approximation against quadrature, with tails heavy enough that weights and curvature differ."""
+    rng, dof, prior_sd = np.random.default_rng(21), 3.0, 2.0
+    design = rng.normal(size=(2, 40, 1))
+    y = 0.7 * design[:, :, 0] + rng.standard_t(dof, size=(2, 40))
+    at = np.linspace(-3.0, 4.0, 2001)
+    shape = np.eye(2) * (dof - 2.0) / dof  # of unit variance
+    density = [stats.multivariate_t.logpdf((y - c * design[:, :, 0]).T, shape=shape, df=dof).sum() for c in at]
+    log_integrand = np.array(density) + stats.norm.logpdf(at, scale=prior_sd)
+    expected = np.logaddexp.reduce(log_integrand) + np.log(at[1] - at[0])
+    found = student_marginal(y, design, np.array([prior_sd]), np.ones((2, 40)), dof)
+    assert found.log_density == pytest.approx(expected, abs=0.02)

@@ -220,3 +220,26 @@ def test_summary_and_table_have_the_contracts_keys(small):
     assert sweep.saving(sweep.curves[0], sweep.curves[0].best) == pytest.approx(
         1000.0 * (sweep.curves[0].one_leg.cost - sweep.curves[0].best.cost)
     )
+
+
+def test_a_d_max_at_which_fewer_arrive_is_not_the_best_however_cheap():
+    costs = np.stack([np.full(256, 0.5), np.full(256, 0.1)])
+    costs[1, ::4] = math.nan
+    assert _totals(costs, costs, np.zeros(2)).best() == 0
+
+
+def test_a_difference_from_what_never_always_arrives_is_unpaired():
+    """Costs that are equal where both arrive differ by nothing in pairs; their errors add up as of independent runs."""
+    costs = np.tile(np.linspace(0.0, 1.0, 256), (2, 1))
+    costs[1, ::4] = math.nan
+    totals = _totals(costs, costs, np.zeros(2))
+    assert totals.difference_error(0)[1] == pytest.approx(math.hypot(*totals.cost.standard_error))
+
+
+@pytest.mark.parametrize(("errors", "as_good"), [(1.5, True), (1.9, True), (2.1, False)])
+def test_as_good_is_within_two_standard_errors(errors, as_good):
+    noise = np.random.default_rng(6).normal(size=512)
+    noise -= noise.mean()
+    dearer = errors * np.std(noise.reshape(32, 16).mean(axis=1), ddof=1) / math.sqrt(32)
+    costs = np.stack([np.full(512, 0.5), 0.5 + dearer + noise])
+    assert _totals(costs, costs, np.zeros(2)).as_good_as(0)[1] == as_good
