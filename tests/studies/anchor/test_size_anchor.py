@@ -1,5 +1,6 @@
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -189,6 +190,31 @@ def test_search_finds_the_lightest_weight_within_the_radius():
             self.good = share(float(10.0 <= weight < edge))
 
     assert lightest_anchor(Probabilities, 0.9, 11.0, 5.0).weight == pytest.approx(10.0, rel=2e-3)
+
+
+class Shares:
+    """Probabilities of a made-up mooring: within the radius, struck, and neither."""
+
+    def __init__(self, within, struck):
+        self.within, self.struck, self.good = (
+            SimpleNamespace(value=value) for value in (within, struck, within - struck)
+        )
+
+
+def test_search_goes_on_where_a_few_strikes_ask_for_more_weight():
+    """Within the radius rises with the weight, a twentieth strikes always: 0.9 of all dives are good from 12.345 N."""
+
+    def probabilities(weight, line):
+        return Shares(min(0.95 * weight / 12.345, 1.0), 0.05)
+
+    found = lightest_anchor(probabilities, 0.9, 11.0, 5.0)
+    assert found.weight == pytest.approx(12.345, rel=2e-3)
+
+
+def test_search_gives_up_where_half_of_all_dives_strike():
+    found = lightest_anchor(lambda weight, line: Shares(float(weight >= 10.0), 0.5), 0.9, 11.0, 5.0)
+    assert (found.weight, found.best, found.line_length) == (None, 0.5, None)
+    assert "seafloor" in found.reason
 
 
 def test_the_worst_case_by_itself_is_the_anchor_sized(mission):

@@ -11,10 +11,13 @@ import pytest
 from simulate_missions import chesapeake, chesapeake_data
 
 from missionplan.errors import InputError, RunError
+from missionplan.montecarlo.running_statistics import RunningStatistics
+from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation import block_task
 from missionplan.studies.simulation import simulate as module
+from missionplan.studies.simulation.block_statistics import BlockStatistics
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.simulate import simulate
 
@@ -71,6 +74,18 @@ def test_a_precise_run_equals_the_run_of_that_many_trials(mission):
     assert error.standard_error < 0.00025 * error.mean
     assert stopped.provenance.trials in range(BLOCK, 9 * BLOCK, BLOCK)
     assert bits(stopped) == bits(simulate(mission, trials=stopped.provenance.trials))
+
+
+@pytest.mark.parametrize(("share", "reached"), [(0.98, False), (1.02, True)])
+def test_a_precision_is_reached_below_the_standard_error(share, reached):
+    """Of a share of a half of n trials ½/√n; of a mean s/√n, or that over the mean."""
+    values = 20.0 + np.random.default_rng(2).standard_normal(10_000)
+    counts = {"total.success": Count(5000, 10_000)}
+    totals = BlockStatistics(RunningStatistics.of({"moor.offset_m": values}), counts, {})
+    error = share * values.std(ddof=1) / 100.0
+    assert Precision("total.success", share * 0.005, False, True).is_reached(totals) is reached
+    assert Precision("moor.offset_m", error, False, False).is_reached(totals) is reached
+    assert Precision("moor.offset_m", error / values.mean(), True, False).is_reached(totals) is reached
 
 
 def test_a_precision_that_is_not_reached_is_reported(whole_mission):
