@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.mission.checks.requirements import QUANTITIES
 from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.numbers import NARROW_SPACE, has_spread, number, with_error
 from missionplan.report.page import BLUE, INK, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
@@ -96,12 +97,19 @@ def _name(comparison: Comparison, difference: ComparedNumber) -> str:
 
 
 def _requirement(comparison: Comparison, difference: ComparedNumber) -> str:
-    """Write a requirement with its limit as the mission does; in SI where the mission has several on a quantity."""
+    """Write a requirement with its limit as the mission does, or in SI where that is not certain."""
     quantity, _, limit = difference.key.partition(", ")
     alike = [item for item in _requirements(_mission(comparison, difference)) if item.get("quantity") == quantity]
-    if limit and len(alike) == 1:
-        limit = _limit(alike[0]) or limit
+    if limit:
+        limit = (_limit(alike[0]) if len(alike) == 1 else "") or _in_si(quantity, limit)
     return f"{in_words(quantity)} {limit}".strip()
+
+
+def _in_si(quantity: str, limit: str) -> str:
+    """Write the limit of a requirement, as the comparison's keys have it, with its SI unit."""
+    units = {name: unit for kind in QUANTITIES.values() for name, unit in kind.items()}
+    unit = units.get(quantity.partition(".")[2], "")
+    return f"{limit}\u00a0{unit}" if unit else limit
 
 
 def _requirements(mission: Mapping[str, object]) -> list[Mapping[str, object]]:

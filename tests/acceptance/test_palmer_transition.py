@@ -90,7 +90,7 @@ def test_pitch_swings_less_at_hover_after_high_mid_transition_speed(sweep):
 
 
 def test_steepest_interchange_costs_most(sweep):
-    """Averaged over mid-transition speeds, by either option but for 0.30 by option (b)."""
+    """By option (a), averaged over mid-transition speeds; option (b) is not tested, and does not bear it out."""
     common = sweep.energy(FORCE, "a").mean()
     assert common.idxmax() == 0.01
 

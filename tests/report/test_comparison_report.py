@@ -1,5 +1,7 @@
 """What the report of two runs says of noise, and of requirements that only one run has."""
 
+from dataclasses import replace
+
 import pytest
 
 from missionplan.report.comparison import answer, page
@@ -41,6 +43,11 @@ def test_rounding_is_no_noise(comparison):
     assert "most clearly moor offset" in answer(comparison)
     assert rows(comparison)["moor lowest altitude"][-1] == "−0.7\u00a0m"
     assert "the clearest is moor offset at 20.0" in page(comparison).figure.alt
+
+
+def test_a_limit_that_the_mission_does_not_show_has_its_unit(comparison):
+    added = ComparedNumber("requirement", "total.energy, 162000", "probability", 0.9, 0.8, 0.01, 0.0, "changed")
+    assert "total energy 162000\u00a0J (requirement)" in rows(replace(comparison, differences=(added,)))
 
 
 def test_requirements_of_one_run_are_named_as_that_run_has_them(comparison):
