@@ -6,7 +6,7 @@ import pytest
 
 from missionplan.montecarlo.statistics import Statistic, wilson
 from missionplan.report.display_units import Unit, split_key, unit_for
-from missionplan.report.numbers import number, percent, span, with_error
+from missionplan.report.numbers import number, percent, span, time_in_words, with_error
 
 MISSION = {
     "site": {"depth": "40 ft"},
@@ -107,3 +107,11 @@ def test_a_unit_of_another_kind_is_not_taken():
 def test_keys_are_split_at_their_longest_unit():
     assert split_key("terminal_velocity_m_s") == ("terminal_velocity", "m/s")
     assert split_key("surfacings") == ("surfacings", "")
+
+
+def test_times_are_in_minutes_from_a_minute_and_a_half():
+    assert [time_in_words(seconds) for seconds in (89.0, 96.0, 1090.0)] == [
+        "89\u00a0s",
+        "1.6\u00a0min",
+        "18.2\u00a0min",
+    ]

@@ -56,3 +56,8 @@ def test_the_median_track_is_a_trial_that_came_furthest_and_ends_in_the_middle()
     tracks = Tracks(position, np.array([0, 0, 1, 1]), {}, np.empty((2, 0)), None)
     assert median_trial(tracks) == 3
     assert track(tracks, 3).shape == (2, 3)
+
+
+def test_the_radius_of_an_ellipse_is_that_of_a_circle_of_its_area():
+    (ring, *_) = (ring for ring in rings(example()) if ring.kind == "mooring ellipse")
+    assert np.pi * ring.radius**2 == pytest.approx(area(ring.line))
