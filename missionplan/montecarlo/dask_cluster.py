@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 from missionplan.errors import InputError, MissionplanError, RunError
 from missionplan.montecarlo.fingerprint import fingerprint
-from missionplan.montecarlo.pool import sigint_blocked
+from missionplan.montecarlo.pool import interrupts_blocked
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -143,7 +143,7 @@ def _connected(jobs: int, scheduler: str | None) -> "Iterator[Client]":
     except ImportError as error:
         raise InputError("--backend dask needs dask.distributed: pip install 'missionplan[dask]'") from error
     if scheduler is None:
-        with sigint_blocked():
+        with interrupts_blocked(terminable=True):
             client = distributed.Client(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
     else:
         try:

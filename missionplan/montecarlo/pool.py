@@ -1,8 +1,11 @@
 """The process pool (loky): kept from call to call, shut down at once when the command is interrupted."""
 
 import multiprocessing.resource_tracker
+import os
 import signal
 import sys
+import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
@@ -16,6 +19,9 @@ from missionplan.errors import RunError
 WORKER_DIED = "a worker process died (out of memory, or killed)"
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1")
 
+_WATCH_INTERVAL = 0.5
+"""Time between a worker's looks at its parent [s]."""
+
 _kept: dict[int, ProcessPoolExecutor] = {}  # one at most, by its number of processes
 
 
@@ -28,10 +34,24 @@ def process_pool(count: int) -> ProcessPoolExecutor:
         for executor in _kept.values():
             executor.shutdown(wait=False)
         _kept.clear()
-        with sigint_blocked():
-            _kept[count] = ProcessPoolExecutor(max_workers=count, env=_ONE_THREAD)
+        with interrupts_blocked():
+            _kept[count] = ProcessPoolExecutor(
+                max_workers=count, env=_ONE_THREAD, initializer=_end_with, initargs=(os.getpid(),)
+            )
             _kept[count].submit(int)  # starts them
     return next(iter(_kept.values()))
+
+
+def _end_with(parent: int) -> None:
+    """End this worker when its parent is gone, even if that was killed: nobody else would end it."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(_WATCH_INTERVAL)
+        os._exit(1)  # whatever the worker is doing
+
+    if sys.platform != "win32":  # where a process keeps the number of a parent that is gone
+        threading.Thread(target=watch, daemon=True).start()
 
 
 def _start_trackers() -> None:
@@ -45,18 +65,25 @@ def _start_trackers() -> None:
 
 
 @contextmanager
-def sigint_blocked() -> Iterator[None]:
-    """Block SIGINT while workers start; they inherit the mask.
+def interrupts_blocked(*, terminable: bool = False) -> Iterator[None]:
+    """Block SIGINT, SIGTERM and SIGHUP while workers start; they inherit the mask.
 
     Without it, Ctrl-C would reach the workers too: they would print tracebacks, or end in the middle of a result that
-    this process waits for. This process shuts them down.
+    this process waits for. This process shuts them down, and they end by themselves when it is gone.
+
+    Parameters
+    ----------
+    terminable : bool
+        Leave SIGTERM alone, by which Dask ends its workers.
     """
-    _start_trackers()  # starting them inside the block would unblock the signal
     if sys.platform == "win32":
+        _start_trackers()
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})  # for the trackers: it would end them
     try:
+        _start_trackers()  # which unblocks the other two signals, and ignores them
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT} if terminable else {signal.SIGINT, signal.SIGTERM})
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -200,8 +200,12 @@ def test_a_run_that_is_cut_short_tells_how_to_go_on(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-@pytest.mark.parametrize("blocks", [1, 40], ids=["workers start", "workers run"])
-def test_ctrl_c_ends_a_run_in_few_words(tmp_path: Path, blocks: int) -> None:
+@pytest.mark.parametrize(
+    ("sent", "blocks"),
+    [(signal.SIGINT, 1), (signal.SIGINT, 20), (signal.SIGTERM, 20), (signal.SIGHUP, 20)],
+    ids=["Ctrl-C while workers start", "Ctrl-C", "SIGTERM", "SIGHUP"],
+)
+def test_an_interrupt_ends_a_run_in_few_words(tmp_path: Path, sent: signal.Signals, blocks: int) -> None:
     mission, out = MISSIONS / "chesapeake.yaml", tmp_path / "report"
     words = ["simulate", mission, "--trials", "4000000", "--jobs", "2", "--out", out]
     run = subprocess.Popen(
@@ -213,13 +217,25 @@ def test_ctrl_c_ends_a_run_in_few_words(tmp_path: Path, blocks: int) -> None:
     )
     while run.poll() is None and len(list(out.rglob("block-*.npz"))) < blocks:
         time.sleep(0.02)
-    os.killpg(run.pid, signal.SIGINT)
+    os.killpg(run.pid, sent)
     said, _ = run.communicate(timeout=120)  # until the last process that could write has ended
     assert run.returncode == 130
     assert (
         said.replace("\n", " ").split()
         == f"Finished blocks are kept; go on with: --resume --out {out} Interrupted.".split()
     )
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_workers_end_when_the_command_is_killed(tmp_path: Path) -> None:
+    out = tmp_path / "report"
+    words = ["simulate", MISSIONS / "chesapeake.yaml", "--trials", "4000000", "--jobs", "2", "--out", out, "--quiet"]
+    run = subprocess.Popen([sys.executable, "-m", "missionplan", *words], stdout=subprocess.PIPE, text=True)
+    while run.poll() is None and len(list(out.rglob("block-*.npz"))) < 20:
+        time.sleep(0.02)
+    run.kill()
+    said, _ = run.communicate(timeout=60)  # until the last process that holds the pipe has ended
+    assert said == ""
 
 
 @pytest.mark.parametrize(
