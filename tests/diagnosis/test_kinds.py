@@ -19,10 +19,11 @@ def test_every_kind_of_data_set_is_diagnosed_and_reported() -> None:
 
 
 def test_instruments_measure_parameters_of_the_catalogue() -> None:
-    for kind in KINDS:
-        for effect, instrument in kind.direct_measurements.items():
-            assert instrument.parameter in CATALOGUE[effect].parameters
-            assert instrument.sd > 0.0
+    bound = bind_dataset(MISSIONS / "measured" / "table-1", load(MISSIONS / "chesapeake.yaml"), seed=1)
+    assert bound.direct_measurements
+    for effect, instrument in bound.direct_measurements.items():
+        assert instrument.parameter in CATALOGUE[effect].parameters
+        assert instrument.sd > 0.0
 
 
 @pytest.mark.parametrize(("name", "kind"), [("avila-drag", "drag"), ("table-1", "summary")])
