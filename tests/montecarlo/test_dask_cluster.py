@@ -40,7 +40,7 @@ def start(tmp_path: Path) -> Iterator[Start]:
 
     yield begin
     for process in reversed(running):
-        process.terminate()
+        process.kill()
     for process in running:
         process.wait()
 
