@@ -214,6 +214,7 @@ def test_an_interrupt_ends_a_run_in_few_words(tmp_path: Path, sent: signal.Signa
         stderr=subprocess.STDOUT,
         start_new_session=True,
         text=True,
+        preexec_fn=lambda: signal.signal(sent, signal.SIG_DFL),  # a background shell or nohup ignores some
     )
     while run.poll() is None and len(list(out.rglob("block-*.npz"))) < blocks:
         time.sleep(0.02)

@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -175,7 +176,9 @@ def running(process):
 )
 def test_ctrl_c_ends_at_once_and_leaves_no_process(more, busy, send):
     command = [sys.executable, "-c", INTERRUPTED, more, busy]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as run:
+    heeding = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # a background shell ignores it
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, start_new_session=True, preexec_fn=heeding, **pipes) as run:
         assert run.stdout is not None
         run.stdout.readline()
         while len(workers := descendants(run.pid)) < 2:  # one worker, and loky's tracker
