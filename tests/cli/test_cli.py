@@ -202,7 +202,12 @@ def test_a_run_that_is_cut_short_tells_how_to_go_on(
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 @pytest.mark.parametrize(
     ("sent", "blocks"),
-    [(signal.SIGINT, 1), (signal.SIGINT, 20), (signal.SIGTERM, 20), (signal.SIGHUP, 20)],
+    [
+        (signal.SIGINT, 1),
+        (signal.SIGINT, 20),
+        pytest.param(signal.SIGTERM, 20, marks=pytest.mark.slow),
+        pytest.param(signal.SIGHUP, 20, marks=pytest.mark.slow),
+    ],
     ids=["Ctrl-C while workers start", "Ctrl-C", "SIGTERM", "SIGHUP"],
 )
 def test_an_interrupt_ends_a_run_in_few_words(tmp_path: Path, sent: signal.Signals, blocks: int) -> None:
