@@ -1,5 +1,6 @@
 """Blocks run by the workers of a Dask cluster, once each worker has proven that it runs the same code."""
 
+import gc
 import logging
 import time
 from collections import deque
@@ -142,14 +143,16 @@ def _connected(jobs: int, scheduler: str | None) -> "Iterator[Client]":
         distributed = import_module("distributed")
     except ImportError as error:
         raise InputError("--backend dask needs dask.distributed: pip install 'missionplan[dask]'") from error
+    client: Client | None = None
     if scheduler is None:
         with interrupts_blocked(terminable=True):
             client = distributed.Client(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
     else:
-        try:
+        with suppress(Exception):  # whatever another service at the address makes of the greeting
             client = distributed.Client(scheduler, timeout=f"{ANSWER_TIME}s")
-        except Exception as error:  # whatever another service at the address makes of the greeting
-            raise InputError(f"--scheduler: no Dask scheduler answers at {scheduler}") from error
+        if client is None:
+            gc.collect()  # ends what is left of the client; collected while the next one starts, it would block that
+            raise InputError(f"--scheduler: no Dask scheduler answers at {scheduler}")
     try:
         yield client
     finally:

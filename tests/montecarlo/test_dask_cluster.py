@@ -111,6 +111,8 @@ def test_another_service_at_the_address_is_said(monkeypatch: pytest.MonkeyPatch)
         with pytest.raises(InputError, match=f"no Dask scheduler answers at {address}"):
             list(run_blocks(abs, range(2), backend="dask", scheduler=address))
         server.shutdown(socket.SHUT_RDWR)
+    # A client left half-made would be closed by the garbage collector amid the start of the next, and block it.
+    assert not [thread for thread in threading.enumerate() if thread.name == "IO loop"]
 
 
 def test_a_scheduler_that_is_lost_ends_the_run(start: Start, tmp_path: Path) -> None:
