@@ -37,4 +37,6 @@ INFO = EffectInfo(
     distinguished_by=(
         "Anchors of different weight: the effect of a mass error scales with 1/weight, a time constant does not."
     ),
+    tank=("free-oscillation",),
+    vehicle_key="added_mass.surge",
 )

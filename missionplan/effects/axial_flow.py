@@ -32,4 +32,5 @@ INFO = EffectInfo(
     confused_with=(),
     distinguished_by="Steps of shaft rate, thrust sampled several times within the flow's settling time.",
     changes_plan=False,
+    tank=("propeller-transient",),
 )

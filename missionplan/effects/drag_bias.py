@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Scalars
-from missionplan.effects.info import EffectInfo, Parameter
+from missionplan.effects.info import EffectInfo, Parameter, TankRecord
 from missionplan.phases.hooks import DescentEffect
 
 
@@ -22,13 +22,20 @@ class DragBias(DescentEffect):
         return 1.0 + self.fraction
 
 
+def _lacking_in_tank(record: TankRecord) -> str:
+    return "" if record.has_vehicle_drag else "the vehicle file has no drag from a tank to lay the data against"
+
+
 INFO = EffectInfo(
     id="drag-bias",
     phase="descent",
     tier="physical",
     effect=DragBias,
     parameters={
-        "fraction": Parameter("", "relative error of the drag, more drag positive", -0.7, 2.0, scale=0.3, spike=0.01)
+        # a drag measured in one tank holds in another to 2 %
+        "fraction": Parameter(
+            "", "relative error of the drag, more drag positive", -0.7, 2.0, scale=0.3, spike=0.01, tank_spike=0.02
+        )
     },
     what=(
         "Form factor, roughness, fins, line and fittings: the drag of vehicle and anchor is wrong by a constant factor."
@@ -39,4 +46,7 @@ INFO = EffectInfo(
         "A depth calibration; dives with a much lighter anchor (a current shifts every speed alike, drag does not)."
     ),
     scatter="drag",
+    tank=("drag",),
+    lacking_in_tank=_lacking_in_tank,
+    vehicle_key="drag.coefficient",
 )

@@ -7,6 +7,15 @@ from dataclasses import is_dataclass
 from missionplan.effects.info import Effect, EffectInfo, TankEffect
 from missionplan.phases.hooks import DescentEffect, MarkovProcess, TransitEffect
 
+_TANK_HOOKS = {
+    "drag": {"descent": "lone_drag_factor", "tank": "drag_factor"},
+    "free-oscillation": {"descent": "mass_factor", "tank": "damping"},
+    "thruster": {"tank": "thrust_factor"},
+    "propeller-transient": {"tank": "flow_mass_factor"},
+}
+"""By kind of tank data and phase of an effect, the hook through which it acts on them."""
+_SHOWS_KEY = {"drag.coefficient": "drag", "drag.exponent": "drag", "added_mass.surge": "free-oscillation"}
+"""By key of the vehicle file, the kind of tank data that shows it."""
 _BASES = {"transit": TransitEffect, "descent": DescentEffect, "tank": TankEffect}
 
 
@@ -17,7 +26,7 @@ def entry_problems(info: EffectInfo) -> list[str]:
     base = _BASES[info.phase]
     if not (isinstance(info.effect, type) and issubclass(info.effect, base) and is_dataclass(info.effect)):
         return [f"effect must be a data class derived from {base.__name__}"]
-    problems = [*_field_problems(info), *_size_problems(info), *_reference_problems(info)]
+    problems = [*_field_problems(info), *_size_problems(info), *_reference_problems(info), *_tank_problems(info)]
     if problems:
         return problems
     if info.part == "covariance":
@@ -51,6 +60,20 @@ def _reference_problems(info: EffectInfo) -> Iterator[str]:
         yield f"instrument: {info.instrument.parameter} is no parameter"
     if info.modulation and not info.polar:
         yield "modulation: needs pairs of amplitude and phase in polar"
+
+
+def _tank_problems(info: EffectInfo) -> Iterator[str]:
+    """Kinds of tank data that are none or on which it does not act, and a key of the vehicle that it does not fill."""
+    if info.phase == "tank" and not info.tank:
+        yield f"tank: name the kinds of tank data that could show it, of {', '.join(_TANK_HOOKS)}"
+    for kind in info.tank:
+        hook = _TANK_HOOKS.get(kind, {}).get(info.phase, "")
+        if kind not in _TANK_HOOKS:
+            yield f"tank: {kind} is none of {', '.join(_TANK_HOOKS)}"
+        elif not hook or getattr(info.effect, hook) is getattr(_BASES[info.phase], hook):
+            yield f"tank: on data of kind {kind} an effect of phase {info.phase} acts through {hook or 'no hook'}"
+    if info.vehicle_key and (len(info.parameters) != 1 or _SHOWS_KEY.get(info.vehicle_key) not in info.tank):
+        yield f"vehicle_key: {info.vehicle_key} holds one parameter that tank data show"
 
 
 def _usual(info: EffectInfo) -> Effect:
@@ -90,7 +113,7 @@ def _is_process(info: EffectInfo) -> bool:
 def catalogue_problems(entries: Iterable[EffectInfo]) -> list[str]:
     """Return why entries cannot stand in one catalogue, in words; empty when they can."""
     entries = tuple(entries)
-    return [*_repeated(entries), *_uncombinable(entries), *_scatter_problems(entries)]
+    return [*_repeated(entries), *_uncombinable(entries), *_role_problems(entries)]
 
 
 def _repeated(entries: Sequence[EffectInfo]) -> Iterator[str]:
@@ -110,7 +133,12 @@ def _uncombinable(entries: Sequence[EffectInfo]) -> Iterator[str]:
         )
 
 
-def _scatter_problems(entries: Sequence[EffectInfo]) -> Iterator[str]:
+def _role_problems(entries: Sequence[EffectInfo]) -> Iterator[str]:
+    """Roles that one effect has, filled by none or by several."""
+    for key in _SHOWS_KEY:
+        owners = [info.id for info in entries if info.vehicle_key == key]
+        if len(owners) > 1:
+            yield f"vehicle_key {key!r}: declared by {', '.join(owners)}, expected one effect"
     for scatter in ("release", "drag"):
         owners = [info.id for info in entries if info.scatter == scatter]
         if len(owners) != 1:

@@ -14,6 +14,7 @@ Part = Literal["mean", "covariance"]
 Modulation = Literal["", "together", "by component"]
 Scatter = Literal["", "release", "drag"]
 TankKind = Literal["drag", "free-oscillation", "thruster", "propeller-transient"]
+VehicleKey = Literal["", "drag.coefficient", "drag.exponent", "added_mass.surge"]
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,29 @@ class LegRecord:
     mean_heading: float
 
 
-def lacks_nothing(record: LegRecord) -> str:
+@dataclass(frozen=True)
+class TankRecord:
+    """What tank data hold, as far as it decides which effects they could show.
+
+    Attributes
+    ----------
+    has_vehicle_drag : bool
+        Whether the mission's vehicle file has a drag from a tank.
+    has_both_signs : bool
+        Whether a thruster was commanded in both directions.
+    has_jet_speed : bool
+        Whether shaft rates and the tunnel's diameter are known, so that the speed of a thruster's jet follows.
+    is_under_way : bool
+        Whether some rows were taken under way.
+    """
+
+    has_vehicle_drag: bool = False
+    has_both_signs: bool = False
+    has_jet_speed: bool = False
+    is_under_way: bool = False
+
+
+def lacks_nothing(record: LegRecord | TankRecord) -> str:
     """Return why a record cannot show an effect; empty: any record can."""
     return ""
 
@@ -64,7 +87,10 @@ class Instrument:
 
 @dataclass(frozen=True)
 class TankEffect:
-    """Neutral base of effects seen only in a tank; a descent's `drag-bias` and `added-mass` are seen there too."""
+    """Neutral base of effects seen only in a tank.
+
+    An effect on a descent may be seen there too: its `lone_drag_factor` in towing, its `mass_factor` on springs.
+    """
 
     def drag_factor(self, reynolds_ratio: Array) -> Array | float:
         """Return the factor on the drag coefficient, from Re/Re₀."""
@@ -114,6 +140,8 @@ class Parameter:
         Field of the data class where a hook has the parameter's name; by default the same as the name.
     extent_scale, extent_spike : float
         For a gradient: `scale` and `spike` are at most these over the extent of the record [unit·m].
+    tank_spike : float
+        `spike` for tank data, where it differs; 0: the same [unit].
     """
 
     unit: str
@@ -128,6 +156,7 @@ class Parameter:
     field: str = ""
     extent_scale: float = inf
     extent_spike: float = inf
+    tank_spike: float = 0.0
 
     @property
     def is_shape(self) -> bool:
@@ -189,6 +218,11 @@ class EffectInfo:
         What measures it directly.
     tank : tuple of str
         Kinds of tank data that could show it.
+    lacking_in_tank : callable
+        Why tank data of such a kind cannot show it; empty where they can.
+    vehicle_key : str
+        Key of the vehicle file that states what tank data show of it, with its one parameter: a relative change of the
+        drag's coefficient, a change of its exponent, or a relative change of the oscillating mass.
     """
 
     id: str
@@ -214,6 +248,8 @@ class EffectInfo:
     is_sensor_lag: bool = False
     instrument: Instrument | None = None
     tank: tuple[TankKind, ...] = ()
+    lacking_in_tank: Callable[[TankRecord], str] = lacks_nothing
+    vehicle_key: VehicleKey = ""
 
     def make(self, values: Mapping[str, Scalars]) -> Effect:
         """Build the effect from parameters by their names; those left out take their defaults.

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.info import EffectInfo, Parameter, TankEffect
+from missionplan.effects.info import EffectInfo, Parameter, TankEffect, TankRecord
 from missionplan.physics.tunnel_thruster import force_factor
 
 
@@ -18,6 +18,12 @@ class JetSuction(TankEffect):
         return force_factor(jet_ratio, self.decay)
 
 
+def _lacking_in_tank(record: TankRecord) -> str:
+    if not record.has_jet_speed:
+        return "it needs the shaft rate (rpm) and the tunnel's diameter (geometry)"
+    return "" if record.is_under_way else "there is no row under way"
+
+
 INFO = EffectInfo(
     id="jet-suction",
     phase="tank",
@@ -29,4 +35,6 @@ INFO = EffectInfo(
     confused_with=("thrust-asymmetry",),
     distinguished_by="Thrust at rest and at two speeds ahead, with the same shaft rates in both directions.",
     changes_plan=False,
+    tank=("thruster",),
+    lacking_in_tank=_lacking_in_tank,
 )

@@ -28,4 +28,5 @@ INFO = EffectInfo(
     confused_with=("added-mass",),
     distinguished_by="Releases from several displacements: linear damping removes the same share of every swing.",
     changes_plan=False,
+    tank=("free-oscillation",),
 )

@@ -30,4 +30,6 @@ INFO = EffectInfo(
     confused_with=("drag-bias",),
     distinguished_by="Towing over a wider range of speeds: a bias is the same at all speeds.",
     changes_plan=False,
+    tank=("drag",),
+    vehicle_key="drag.exponent",
 )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.info import EffectInfo, Parameter, TankEffect
+from missionplan.effects.info import EffectInfo, Parameter, TankEffect, TankRecord
 
 
 @dataclass(frozen=True)
@@ -17,6 +17,10 @@ class ThrustAsymmetry(TankEffect):
     def thrust_factor(self, command: Array, jet_ratio: Array) -> Array | float:
         """Return the factor on the static force."""
         return np.where(command < 0.0, 1.0 - np.asarray(self.fraction), 1.0)
+
+
+def _lacking_in_tank(record: TankRecord) -> str:
+    return "" if record.has_both_signs else "the commands have one sign"
 
 
 INFO = EffectInfo(
@@ -34,4 +38,6 @@ INFO = EffectInfo(
     confused_with=("jet-suction",),
     distinguished_by="Bollard pull with the same commands ahead and astern.",
     changes_plan=False,
+    tank=("thruster",),
+    lacking_in_tank=_lacking_in_tank,
 )

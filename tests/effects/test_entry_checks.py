@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from missionplan.effects import CATALOGUE, EffectInfo, Parameter
+from missionplan.effects import CATALOGUE, EffectInfo, Parameter, TankEffect
 from missionplan.effects.catalogue import with_plugins
 from missionplan.effects.entry_checks import catalogue_problems, entry_problems
 from missionplan.effects.info import Instrument
@@ -23,6 +23,13 @@ class Gusts(Wake):
     """An effect that draws normals for each leg."""
 
     is_random = True
+
+
+@dataclass(frozen=True)
+class Paint(TankEffect):
+    """An effect in a tank that refines no hook."""
+
+    strength: float = 0.0
 
 
 WAKE = EffectInfo(
@@ -75,6 +82,11 @@ def test_the_projects_own_entries_are_in_order():
         ({"effect": Gusts}, 'must declare part="covariance"'),
         ({"part": "covariance"}, "needs a median and a factor"),
         ({"part": "covariance", "parameters": SHAPED}, "refine fix_variance or tail_dof"),
+        ({"tank": ("flume",)}, "flume is none of drag, free-oscillation, thruster, propeller-transient"),
+        ({"tank": ("thruster",)}, "an effect of phase transit acts through no hook"),
+        ({"phase": "tank", "effect": Paint}, "name the kinds of tank data"),
+        ({"phase": "tank", "effect": Paint, "tank": ("drag",)}, "acts through drag_factor"),
+        ({"vehicle_key": "drag.coefficient"}, "drag.coefficient holds one parameter that tank data show"),
     ],
 )
 def test_an_entry_that_declares_too_little_is_refused_with_words(change, words):
@@ -91,6 +103,12 @@ def test_two_processes_that_may_act_together_are_refused():
 
 def test_a_name_declared_twice_is_refused():
     assert catalogue_problems([*OWN, replace(WAKE, id="mean-current")]) == ["mean-current is declared twice"]
+
+
+def test_a_key_of_the_vehicle_is_filled_by_one_effect():
+    rough = replace(CATALOGUE["drag-bias"], id="roughness", scatter="")
+    (problem,) = catalogue_problems([*OWN, rough])
+    assert problem == "vehicle_key 'drag.coefficient': declared by drag-bias, roughness, expected one effect"
 
 
 def test_a_plugin_that_works_is_added_and_those_that_fail_do_no_harm():

@@ -7,13 +7,12 @@ from missionplan.datasets.tank import DragSettings, OscillationSettings, TankDat
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.tank.free_oscillation import full_size_added_mass
 from missionplan.diagnosis.tank.towed_drag import drag_reynolds
+from missionplan.effects import CATALOGUE
+from missionplan.effects.info import VehicleKey
 from missionplan.mission import Mission
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.results.evidence import ParameterEstimate
-
-IN_VEHICLE = ("drag-bias", "reynolds-drag", "added-mass")
-"""Causes that the vehicle file states better than an effect: effects of these names act on a descent's anchor too."""
 
 
 def extended_tank_mission(
@@ -21,8 +20,8 @@ def extended_tank_mission(
 ) -> dict[str, object]:
     """Write the causes into a mission's data.
 
-    Drag goes into ``vehicle.drag`` and added mass into ``vehicle.added_mass.surge``, at full size; what no plan
-    depends on goes into ``effects``. A mission without a vehicle carries nothing of the first kind.
+    What a key of the vehicle file states goes there, at full size: as an effect it would act on a descent's anchor too.
+    The rest goes into ``effects``. A mission without a vehicle carries nothing of the first kind.
 
     Parameters
     ----------
@@ -35,17 +34,17 @@ def extended_tank_mission(
     data : TankData
         What was diagnosed.
     """
-    others = [estimate for estimate in found if estimate.effect not in IN_VEHICLE]
-    extended = extended_mission(mission.raw, others, {})
-    own = {estimate.effect: estimate for estimate in found if estimate.effect in IN_VEHICLE}
+    keys = {estimate.effect: CATALOGUE[estimate.effect].vehicle_key for estimate in found}
+    own = {keys[estimate.effect]: estimate for estimate in found if keys[estimate.effect]}
+    extended = extended_mission(mission.raw, [estimate for estimate in found if not keys[estimate.effect]], {})
     given = extended.get("vehicle")
     if not own or mission.vehicle is None or not isinstance(given, dict):
         return extended
     vehicle, settings = copy.deepcopy(given), data.settings
     if isinstance(settings, DragSettings):
         vehicle["drag"] = _drag(mission.vehicle, settings, own, calibration, data)
-    if isinstance(settings, OscillationSettings) and "added-mass" in own:
-        estimate = own["added-mass"]
+    if isinstance(settings, OscillationSettings) and "added_mass.surge" in own:
+        estimate = own["added_mass.surge"]
         surge, sd = full_size_added_mass(settings, mission.vehicle, estimate.value, estimate.sd)
         known = dict(vehicle.get("added_mass") or {})
         vehicle["added_mass"] = known | {"surge": {"mean": f"{surge:.5g} kg", "sd": f"{sd:.3g} kg"}}
@@ -56,7 +55,7 @@ def extended_tank_mission(
 def _drag(
     vehicle: Vehicle,
     settings: DragSettings,
-    own: Mapping[str, ParameterEstimate],
+    own: Mapping[VehicleKey, ParameterEstimate],
     calibration: Mapping[str, float],
     data: TankData,
 ) -> dict[str, object]:
@@ -64,8 +63,9 @@ def _drag(
     known = vehicle.drag
     level = mean_of(known.coefficient) if known is not None else calibration["drag_coefficient"]
     area = known.area if known is not None else settings.reference_area * settings.scale**2
-    found: dict[str, object] = {"coefficient": _coefficient(level, own.get("drag-bias")), "area": f"{area:.6g} m^2"}
-    exponent = _exponent(mean_of(known.exponent) if known is not None else 0.0, own.get("reynolds-drag"))
+    coefficient = _coefficient(level, own.get("drag.coefficient"))
+    found: dict[str, object] = {"coefficient": coefficient, "area": f"{area:.6g} m^2"}
+    exponent = _exponent(mean_of(known.exponent) if known is not None else 0.0, own.get("drag.exponent"))
     if exponent is None:
         return found
     length = known.length if known is not None else None

@@ -45,8 +45,8 @@ SEARCH = GaussNewtonOptions(
 """The derivatives at its end are those of the linearised model, hence central differences."""
 STATED_NOISE_LOG_SD, UNSTATED_NOISE_LOG_SD = 0.4, 2.3
 """Prior standard deviation of ln(noise factor), where the noise is stated and where it is not."""
-SPIKES = {("drag-bias", "fraction"): 0.02}
-"""Spikes of a tank where they are not those of a descent: a drag measured in one tank holds in another to 2 %."""
+SHAPE_SHIFTS = (-1.2, 0.0, 1.2)
+"""Starts of a shape parameter about its prior mean, in its logarithm: from a third to three times its usual size."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class TankFitting:
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Coordinates of the candidates, without the nuisance parameters."""
         found = (c for name in self.candidates for c in coordinates_of(CATALOGUE[name]))
-        return tuple(replace(c, spike=SPIKES.get((c.effect, c.name), c.spike)) for c in found)
+        return tuple(replace(c, spike=CATALOGUE[c.effect].parameters[c.name].tank_spike or c.spike) for c in found)
 
     @property
     def fixed(self) -> int:
@@ -176,9 +176,14 @@ class TankFitting:
             begin[fit.state.active] = fit.state.at[fit.state.active]
         choices = []
         for here, c in zip(begin[self.fixed :], self.coordinates, strict=True):
-            starts = self.forward.starts.get((c.effect, c.name), ()) if c.effect in causes else ()
-            choices.append((*starts, here))
+            choices.append((*self._starts(c), here) if c.effect in causes else (here,))
         return [np.concatenate([begin[: self.fixed], own]) for own in itertools.product(*choices)]
+
+    def _starts(self, coordinate: Coordinate) -> tuple[float, ...]:
+        """Where the fit of a cause starts, beside where other fits ended."""
+        if coordinate.kind == "shape":
+            return tuple(coordinate.centre + shift for shift in SHAPE_SHIFTS)
+        return self.forward.starts.get((coordinate.effect, coordinate.name), ())
 
     @property
     def _noise_log_sd(self) -> float:

@@ -8,7 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects import CATALOGUE, Effect, TankEffect
+from missionplan.effects import CATALOGUE, Effect, EffectInfo, TankEffect
+from missionplan.effects.info import TankKind, TankRecord
+from missionplan.phases.hooks import DescentEffect
+from missionplan.results.evidence import Causes
 
 Predict = Callable[[Array, Sequence[Effect]], Array]
 """From nuisance parameters, shape (q, m), and effects with parameters of shape (m,) to the data, shape (N, m)."""
@@ -32,6 +35,10 @@ class TankForward:
 
     Attributes
     ----------
+    kind : str
+        Kind of the data.
+    record : TankRecord
+        What they hold, as far as it decides which effects they could show.
     quantity : str
         Column that is explained.
     y, sd : array, shape (N,)
@@ -42,32 +49,44 @@ class TankForward:
         Fitted under any set of causes.
     predict : callable
         The model of the data.
-    candidates : tuple of str
-        Effects that the data could show.
     axes : mapping
         Axis → where each datum lies.
     groups : array of str, shape (N,)
         Runs, or blocks in the order of the record, for predictions of what was held out.
-    untestable : mapping
-        Effects that the data could not show, and why.
     starts : mapping
-        Effect and parameter → coordinates from which its fit starts.
+        Effect and parameter → coordinates from which its fit starts, where the data tell of some.
     designs : tuple
         Further measurements in words, and the model of each.
     """
 
+    kind: TankKind
+    record: TankRecord
     quantity: str
     y: Array
     sd: Array
     stated: bool
     nuisances: tuple[Nuisance, ...]
     predict: Predict
-    candidates: tuple[str, ...]
     axes: Mapping[str, Array]
     groups: NDArray[np.str_]
-    untestable: Mapping[str, str] = field(default_factory=dict)
     starts: Mapping[tuple[str, str], tuple[float, ...]] = field(default_factory=dict)
     designs: tuple[tuple[str, "TankForward"], ...] = ()
+
+    @property
+    def candidates(self) -> Causes:
+        """Effects that the data could show."""
+        return tuple(info.id for info in effects_seen_in(self.kind) if not info.lacking_in_tank(self.record))
+
+    @property
+    def untestable(self) -> dict[str, str]:
+        """Effects that data of this kind could show but these could not, and why."""
+        reasons = {info.id: info.lacking_in_tank(self.record) for info in effects_seen_in(self.kind)}
+        return {name: reason for name, reason in reasons.items() if reason}
+
+
+def effects_seen_in(kind: TankKind) -> tuple[EffectInfo, ...]:
+    """Effects of the catalogue that a kind of tank data could show."""
+    return tuple(info for info in CATALOGUE.values() if kind in info.tank)
 
 
 def build_effects(effects: Mapping[str, Mapping[str, Scalars]]) -> list[Effect]:
@@ -78,6 +97,11 @@ def build_effects(effects: Mapping[str, Mapping[str, Scalars]]) -> list[Effect]:
 def tank_effects(effects: Sequence[Effect]) -> list[TankEffect]:
     """Those that act in a tank only."""
     return [effect for effect in effects if isinstance(effect, TankEffect)]
+
+
+def descent_effects(effects: Sequence[Effect]) -> list[DescentEffect]:
+    """Those that act on a descent too."""
+    return [effect for effect in effects if isinstance(effect, DescentEffect)]
 
 
 def product(factors: Sequence[Array | float]) -> Array | float:

@@ -9,12 +9,20 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.datasets.tank import OscillationSettings, TankData
 from missionplan.diagnosis.tank.data import row_blocks
-from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, product, tank_effects
+from missionplan.diagnosis.tank.forward import (
+    Nuisance,
+    TankForward,
+    descent_effects,
+    effects_seen_in,
+    noise_sd,
+    product,
+    tank_effects,
+)
 from missionplan.effects import Effect
+from missionplan.effects.info import TankRecord
 from missionplan.errors import InputError, Problem
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.phases.hooks import DescentEffect
 from missionplan.physics import oscillation as osc
 from missionplan.studies.identification.oscillation import starting_values
 
@@ -44,7 +52,7 @@ class OscillationModel:
     def __call__(self, values: Array, effects: Sequence[Effect]) -> Array:
         """Predict the displacement, shape (N, m) [m]."""
         start, velocity, offset, log_rate = values
-        masses = [np.asarray(effect.mass_factor()) for effect in effects if isinstance(effect, DescentEffect)]
+        masses = [np.asarray(effect.mass_factor()) for effect in descent_effects(effects)]
         mass = self.mass * np.maximum(product(masses), MIN_MASS_FACTOR)
         frequency = np.broadcast_to(osc.natural_frequency(self.stiffness, mass), np.shape(start))
         damping = sum((effect.damping() for effect in tank_effects(effects)), 0.0)
@@ -83,17 +91,36 @@ def oscillation_forward(
     heavier = stiffness / (2.0 * math.pi * begin["frequency"]) ** 2 / mass - 1.0
     sd, stated = noise_sd(record, settings.noise.displacement)
     return TankForward(
+        kind="free-oscillation",
+        record=TankRecord(),
         quantity="displacement_m",
         y=record,
         sd=sd,
         stated=stated,
         nuisances=_nuisances(begin, float(np.std(record))),
         predict=OscillationModel(time, stiffness, mass, release_factor),
-        candidates=("added-mass", "quadratic-damping"),
         axes={"time": time},
         groups=row_blocks(len(time)),
-        starts={("added-mass", "fraction"): (heavier,)},
+        starts=_starts_of_mass(heavier),
     )
+
+
+def _starts_of_mass(heavier: float) -> dict[tuple[str, str], tuple[float, ...]]:
+    """For each strength that adds to the oscillating mass, where it alone gives the measured frequency.
+
+    Parameters
+    ----------
+    heavier : float
+        By which the oscillating mass is then larger, relative to the base model's.
+    """
+    found: dict[tuple[str, str], tuple[float, ...]] = {}
+    for info in effects_seen_in("free-oscillation"):
+        for name in info.parameters:
+            for effect in descent_effects([info.make({name: 1.0})]):
+                added = float(np.asarray(effect.mass_factor())) - 1.0
+                if added:
+                    found[info.id, name] = (heavier / added,)
+    return found
 
 
 def _nuisances(begin: dict[str, float], spread: float) -> tuple[Nuisance, ...]:

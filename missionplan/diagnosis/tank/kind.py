@@ -16,6 +16,7 @@ from missionplan.diagnosis.tank.extended_mission import extended_tank_mission
 from missionplan.diagnosis.tank.model import TankModel
 from missionplan.diagnosis.tank.model_factory import tank_forward
 from missionplan.diagnosis.tank.tables import tank_misfit, tank_residuals, tank_share
+from missionplan.effects import exclusive_groups
 from missionplan.mission import Mission
 from missionplan.results.diagnosis import PlanGain
 
@@ -35,7 +36,7 @@ class TankKind(DataKind):
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the data and bind the base model of their kind to them."""
         data = read_tank(folder)
-        return cls(kind, mission, data, TankModel(tank_forward(data, mission)))
+        return cls(kind, mission, data, TankModel(tank_forward(data, mission), alternatives=exclusive_groups("tank")))
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a datum."""

@@ -10,6 +10,7 @@ from missionplan.datasets.tank import PropellerSettings, TankData
 from missionplan.diagnosis.tank.data import row_blocks
 from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, tank_effects
 from missionplan.effects import Effect
+from missionplan.effects.info import TankRecord
 from missionplan.physics.drag import disc_area
 from missionplan.studies.identification.propeller import TURN, TransientRun
 
@@ -34,7 +35,7 @@ class PropellerModel:
         factors = [np.asarray(effect.flow_mass_factor()) for effect in tank_effects(effects)]
         if not factors:
             return np.stack([self.run.quasi_steady(pair) for pair in values.T], axis=1)
-        masses = np.broadcast_to(self.water_mass * factors[0], values.shape[1:])
+        masses = np.broadcast_to(self.water_mass * sum(factors), values.shape[1:])
         constants = (np.array([*pair, mass]) for pair, mass in zip(values.T, masses, strict=True))
         return np.stack([self.run.axial_flow(each) for each in constants], axis=1)
 
@@ -56,14 +57,14 @@ def propeller_forward(data: TankData, settings: PropellerSettings) -> TankForwar
     level, slope = 0.4 * unit, -0.8 * unit * TURN / diameter
     sd, stated = noise_sd(thrust, settings.noise.thrust)
     return TankForward(
+        kind="propeller-transient",
+        record=TankRecord(),
         quantity="thrust_n",
         y=thrust,
         sd=sd,
         stated=stated,
         nuisances=(Nuisance("thrust_nn_n_s2", level, 2.0 * level), Nuisance("thrust_nu_kg", slope, 3.0 * abs(slope))),
         predict=PropellerModel(run, data.density * float(disc_area(diameter)) * diameter),
-        candidates=("axial-flow",),
         axes={"time": run.time, "speed": run.speed},
         groups=row_blocks(len(thrust)),
-        starts={("axial-flow", "mass_factor"): (-1.2, 0.0, 1.2)},
     )

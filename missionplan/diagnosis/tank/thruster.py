@@ -12,12 +12,12 @@ from missionplan.datasets.tank import TankData, ThrusterSettings
 from missionplan.diagnosis.tank.data import row_blocks
 from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, product, tank_effects
 from missionplan.effects import Effect
+from missionplan.effects.info import TankRecord
 from missionplan.physics import tunnel_thruster as tt
 from missionplan.physics.drag import disc_area
 
 AT_REST = 0.01
 """Speeds below this count as bollard pull [m/s]."""
-CANDIDATES = ("jet-suction", "thrust-asymmetry")
 
 
 @dataclass(frozen=True)
@@ -71,32 +71,28 @@ def thruster_forward(data: TankData, settings: ThrusterSettings) -> TankForward:
     model = ThrusterModel(command, speed, area, data.density)
     squared = model.squared_command
     constant = float(squared @ thrust / max(float(squared @ squared), 1e-30))
-    untestable = _untestable(data, settings, command, speed)
     sd, stated = noise_sd(thrust, settings.noise.thrust)
     return TankForward(
+        kind="thruster",
+        record=_record(data, settings, command, speed),
         quantity="thrust_n",
         y=thrust,
         sd=sd,
         stated=stated,
         nuisances=(Nuisance("thrust_constant", constant, abs(constant)),),
         predict=model,
-        candidates=tuple(name for name in CANDIDATES if name not in untestable),
         axes={"command": command} | ({"speed": speed} if np.ptp(speed) > 0.0 else {}),
         groups=_groups(data),
-        untestable=untestable,
     )
 
 
-def _untestable(data: TankData, settings: ThrusterSettings, command: Array, speed: Array) -> dict[str, str]:
-    """Effects that the rows cannot show, and why."""
-    found = {}
-    if np.all(command >= 0.0) or np.all(command <= 0.0):
-        found["thrust-asymmetry"] = "the commands have one sign"
-    if "voltage_v" in data.columns or settings.geometry is None:
-        found["jet-suction"] = "it needs the shaft rate (rpm) and the tunnel's diameter (geometry)"
-    elif np.all(np.abs(speed) <= AT_REST):
-        found["jet-suction"] = "there is no row under way"
-    return found
+def _record(data: TankData, settings: ThrusterSettings, command: Array, speed: Array) -> TankRecord:
+    """What the rows hold."""
+    return TankRecord(
+        has_both_signs=bool(np.any(command < 0.0) and np.any(command > 0.0)),
+        has_jet_speed="voltage_v" not in data.columns and settings.geometry is not None,
+        is_under_way=bool(np.any(np.abs(speed) > AT_REST)),
+    )
 
 
 def _groups(data: TankData) -> NDArray[np.str_]:

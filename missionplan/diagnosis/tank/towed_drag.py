@@ -1,16 +1,16 @@
 """Drag of a towed model: force against speed."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.datasets.tank import DragSettings, TankData
 from missionplan.diagnosis.tank.data import row_blocks
-from missionplan.diagnosis.tank.forward import Nuisance, TankForward, noise_sd, product, tank_effects
+from missionplan.diagnosis.tank.forward import Nuisance, TankForward, descent_effects, noise_sd, product, tank_effects
 from missionplan.effects import Effect
-from missionplan.effects.drag_bias import DragBias
+from missionplan.effects.info import TankRecord
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.physics.drag import drag_force, reynolds_number
@@ -39,7 +39,7 @@ class DragModel:
         """Predict the force, shape (N, m) [N]."""
         coefficient: Scalars = values[0] if self.coefficient is None else self.coefficient
         factors = [effect.drag_factor(self.reynolds_ratio[:, None]) for effect in tank_effects(effects)]
-        bias = [np.asarray(effect.lone_drag_factor()) for effect in effects if isinstance(effect, DragBias)]
+        bias = [np.asarray(effect.lone_drag_factor()) for effect in descent_effects(effects)]
         return np.asarray(self.unit[:, None] * coefficient * product([*factors, *bias]))
 
 
@@ -65,21 +65,19 @@ def drag_forward(
     unit, reynolds_ratio = _unit_force(data, settings, vehicle, speed)
     sd, stated = _noise(data, settings)
     fitted = float(unit @ force / (unit @ unit))
-    to_fit = TankForward(
+    constant = Nuisance("drag_coefficient", fitted, abs(fitted))
+    return TankForward(
+        kind="drag",
+        record=TankRecord(has_vehicle_drag=coefficient is not None),
         quantity="force_n",
         y=force,
         sd=sd,
         stated=stated,
-        nuisances=(Nuisance("drag_coefficient", fitted, abs(fitted)),),
+        nuisances=(constant,) if coefficient is None else (),
         predict=DragModel(unit, coefficient, reynolds_ratio),
-        candidates=("reynolds-drag",),
         axes={"speed": speed},
         groups=row_blocks(len(force)),
-        untestable={"drag-bias": "the vehicle file has no drag from a tank to lay the data against"},
     )
-    if coefficient is None:
-        return to_fit
-    return replace(to_fit, nuisances=(), candidates=("drag-bias", "reynolds-drag"), untestable={})
 
 
 def _unit_force(data: TankData, settings: DragSettings, vehicle: Vehicle | None, speed: Array) -> tuple[Array, Array]:
