@@ -2,18 +2,9 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
-
-
-def turned(leg: Leg, angle: Scalars) -> Array:
-    """Velocity error of a vehicle whose course is turned clockwise by an angle, shape (2, n) [m/s]."""
-    east, north = leg.along
-    sine, less = np.sin(angle), np.cos(angle) - 1.0
-    return leg.speed * np.stack([north * sine + east * less, north * less - east * sine])
 
 
 @dataclass(frozen=True)
@@ -24,7 +15,7 @@ class CompassBias(TransitEffect):
 
     def velocity(self, leg: Leg) -> Array:
         """Return the velocity error of each leg, shape (2, n) [m/s]."""
-        return turned(leg, self.angle)
+        return leg.turned(self.angle)
 
 
 INFO = EffectInfo(

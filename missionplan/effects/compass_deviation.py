@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.effects.compass_bias import turned
 from missionplan.effects.info import EffectInfo, Instrument, LegRecord, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
@@ -21,7 +20,7 @@ class CompassDeviation(TransitEffect):
     def velocity(self, leg: Leg) -> Array:
         """Return the velocity error of each leg, shape (2, n) [m/s]."""
         east, north = leg.along
-        return turned(leg, self.amplitude * (np.cos(self.phase) * north + np.sin(self.phase) * east))
+        return leg.turned(self.amplitude * (np.cos(self.phase) * north + np.sin(self.phase) * east))
 
 
 MAX_MEAN_HEADING = 2.0 / math.pi

@@ -7,11 +7,8 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, LegRecord, Parameter
-from missionplan.effects.oscillation import mean_phasor, wave
-from missionplan.phases.hooks import Leg, TransitEffect
-
-EARTH_ROTATION = 7.2921159e-5
-"""Angular velocity of the Earth [rad/s]."""
+from missionplan.effects.oscillation import inertial_frequency, mean_phasor, polar, wave
+from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
 
 
 @dataclass(frozen=True)
@@ -35,10 +32,14 @@ class InertialCurrent(TransitEffect):
         """
         if not np.isfinite(leg.latitude):
             raise ValueError("inertial-current needs the latitude of site.origin")
-        cosine, sine = mean_phasor(leg, 2.0 * EARTH_ROTATION * np.sin(leg.latitude))
+        cosine, sine = mean_phasor(leg, inertial_frequency(leg.latitude))
         return np.stack(
             [wave(cosine, sine, self.amplitude, self.phase), wave(-sine, cosine, self.amplitude, self.phase)]
         )
+
+    def drift(self) -> DriftParts:
+        """Return the turning current."""
+        return DriftParts(inertial=np.stack(np.broadcast_arrays(*polar(self.amplitude, self.phase))))
 
 
 def _lacking(record: LegRecord) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import Leg, TransitEffect
+from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
 
 
 @dataclass(frozen=True)
@@ -19,6 +19,10 @@ class MeanCurrent(TransitEffect):
     def velocity(self, leg: Leg) -> Array:
         """Return the velocity error of each leg, shape (2, n) [m/s]."""
         return np.stack([self.east + 0.0 * leg.t_start, self.north + 0.0 * leg.t_start])
+
+    def drift(self) -> DriftParts:
+        """Return the steady velocity."""
+        return DriftParts(velocity=np.stack(np.broadcast_arrays(self.east, self.north)))
 
 
 _COMPONENT = "component of the current, toward positive"

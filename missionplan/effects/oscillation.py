@@ -1,9 +1,22 @@
-"""Mean of an oscillation over a leg, for the tidal and the inertial current."""
+"""Oscillating currents: their mean over a leg, and the frequency of the inertial one."""
 
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import Leg
+
+EARTH_ROTATION = 7.2921159e-5
+"""Angular velocity of the Earth [rad/s]."""
+
+
+def inertial_frequency(latitude: float) -> float:
+    """Return the angular frequency f = 2Ω sin(latitude) at which an inertial current turns [rad/s]."""
+    return 2.0 * EARTH_ROTATION * float(np.sin(latitude))
+
+
+def polar(amplitude: Scalars, phase: Scalars) -> tuple[Array, Array]:
+    """Return ``amplitude·cos(ωt − phase)`` as coefficients of cos ωt and sin ωt."""
+    return np.asarray(amplitude * np.cos(phase)), np.asarray(amplitude * np.sin(phase))
 
 
 def mean_phasor(leg: Leg, frequency: float) -> tuple[Array, Array]:

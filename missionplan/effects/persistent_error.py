@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import TransitEffect
+from missionplan.phases.hooks import DriftParts, TransitEffect
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,10 @@ class PersistentError(TransitEffect):
         """Return the transition factor exp(−Δt/time) and the added variance sigma²·(1 − exp(−2Δt/time)) [m²/s²]."""
         factor = np.asarray(np.exp(-elapsed / self.time))
         return factor, np.asarray(-np.square(self.sigma) * np.expm1(-2.0 * elapsed / self.time))
+
+    def drift(self) -> DriftParts:
+        """Return the velocity's standard deviation and correlation time."""
+        return DriftParts(persistent=(self.sigma, self.time))
 
     @property
     def first_variance(self) -> Scalars:

@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import TransitEffect
+from missionplan.phases.hooks import DriftParts, TransitEffect
 
 
 @dataclass(frozen=True)
@@ -28,6 +28,10 @@ class RandomWalk(TransitEffect):
     def transition(self, elapsed: Array) -> tuple[Array, Array]:
         """Return the transition factor 1 and the added variance rate²·Δt [m²/s²]."""
         return np.ones_like(elapsed), np.asarray(np.square(self.rate) * elapsed)
+
+    def drift(self) -> DriftParts:
+        """Return the growth of the velocity's deviation."""
+        return DriftParts(walk=self.rate)
 
     @property
     def first_variance(self) -> Scalars:

@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, LegRecord, Parameter
-from missionplan.phases.hooks import TransitEffect
+from missionplan.phases.hooks import DriftParts, TransitEffect
 
 
 @dataclass(frozen=True)
@@ -19,6 +19,10 @@ class SurfaceDrift(TransitEffect):
     def surface_velocity(self, t: Array, duration: Array, position: Array) -> Array:
         """Return the drift velocity, shape (2, n) [m/s]."""
         return np.stack([self.east + 0.0 * t, self.north + 0.0 * t])
+
+    def drift(self) -> DriftParts:
+        """Return the velocity at the surface."""
+        return DriftParts(surface=np.stack(np.broadcast_arrays(self.east, self.north)))
 
 
 def _lacking(record: LegRecord) -> str:

@@ -6,8 +6,8 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, LegRecord, Parameter
-from missionplan.effects.oscillation import mean_phasor, wave
-from missionplan.phases.hooks import Leg, TransitEffect
+from missionplan.effects.oscillation import mean_phasor, polar, wave
+from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
 
 PERIODS = {"m2": 12.4206012 * 3600.0, "s2": 12.0 * 3600.0, "k1": 23.9344696 * 3600.0, "o1": 25.8193417 * 3600.0}
 """Periods of the constituents [s]."""
@@ -47,6 +47,22 @@ class TidalCurrent(TransitEffect):
                 amplitude, phase = getattr(self, component), getattr(self, f"{component}_phase")
                 total[axis] += wave(cosine, sine, amplitude, phase)
         return total
+
+    def drift(self) -> DriftParts:
+        """Return the waves of the constituents that are not nil."""
+        return DriftParts(waves={period: self._wave(name) for name, period in PERIODS.items() if self._has(name)})
+
+    def _has(self, name: str) -> bool:
+        return any(np.any(getattr(self, f"{name}_{component}")) for component in ("east", "north"))
+
+    def _wave(self, name: str) -> Array:
+        """Coefficients of cosine and sine toward east, then north, shape (4,) or (4, n) [m/s]."""
+        parts = [
+            part
+            for component in ("east", "north")
+            for part in polar(getattr(self, f"{name}_{component}"), getattr(self, f"{name}_{component}_phase"))
+        ]
+        return np.stack(np.broadcast_arrays(*parts))
 
 
 def resolvable_constituents(duration: float) -> tuple[str, ...]:

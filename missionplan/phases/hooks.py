@@ -6,8 +6,8 @@ variances add, factors multiply. Parameters as arrays let each trial of one call
 point or a dive of its own.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from math import inf
 from typing import Protocol, runtime_checkable
 
@@ -40,6 +40,40 @@ class Leg:
     along: Array
     speed: Scalars
     latitude: float = float("nan")
+
+    def turned(self, angle: Scalars) -> Array:
+        """Velocity error when the courses made are turned clockwise by an angle [rad], shape (2, n) [m/s]."""
+        east, north = self.along
+        sine, less = np.sin(angle), np.cos(angle) - 1.0
+        return self.speed * np.stack([north * sine + east * less, north * less - east * sine])
+
+
+@dataclass(frozen=True)
+class DriftParts:
+    """What an effect adds to the drift, as far as the filter of the drift estimates it (`transit.kalman_filter`).
+
+    Attributes
+    ----------
+    velocity : float or array, shape (2,) or (2, n)
+        Steady velocity under way [m/s].
+    surface : float or array, shape (2,) or (2, n)
+        Steady velocity at the surface [m/s].
+    waves : mapping
+        By period [s], coefficients of cos ωt and sin ωt toward east, then toward north, shape (4,) or (4, n) [m/s].
+    inertial : array, optional, shape (2,) or (2, n)
+        A and B of a current (A cos ft + B sin ft, B cos ft − A sin ft) that turns with the inertial frequency [m/s].
+    persistent : pair of float or array, optional
+        Standard deviation [m/s] and correlation time [s] of an Ornstein–Uhlenbeck velocity; None: it has none.
+    walk : float or array
+        Growth of the steady velocity's deviation [m/s^1.5].
+    """
+
+    velocity: Array | float = 0.0
+    surface: Array | float = 0.0
+    waves: Mapping[float, Array] = field(default_factory=dict)
+    inertial: Array | None = None
+    persistent: tuple[Scalars, Scalars] | None = None
+    walk: Scalars = 0.0
 
 
 @runtime_checkable
@@ -82,6 +116,10 @@ class TransitEffect:
     def error_scale(self, normals: Array) -> Array | float:
         """Factor on the leg's random velocity error, from standard normals of shape (2, n)."""
         return 1.0
+
+    def drift(self) -> DriftParts:
+        """What a filter of the drift may estimate of it; none: the filter does not know of the effect."""
+        return DriftParts()
 
     @property
     def is_random(self) -> bool:

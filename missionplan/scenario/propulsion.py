@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missionplan.arrays import Scalars
-from missionplan.effects.speed_scale import SpeedScale
+from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import TransitPhase
+from missionplan.phases.hooks import Leg, TransitEffect
 from missionplan.physics.cruise import cruise_speed, distance_lost, shaft_power, shaft_rate_for, speed_error
 from missionplan.physics.propeller import Propeller, Resistance
 from missionplan.physics.vehicle_drag import VehicleDrag
@@ -15,6 +15,17 @@ from missionplan.scenario.vehicle import Draws, surge_added_mass
 
 LONG_AGO = 1e9
 """A leg so long that setting off does not count [s]."""
+
+
+@dataclass(frozen=True)
+class InferredSpeed(TransitEffect):
+    """Error of a speed inferred from the shaft rate: the true one is ``1 + fraction`` times as large."""
+
+    fraction: Scalars
+
+    def velocity(self, leg: Leg) -> Array:
+        """Return the velocity error of each leg, shape (2, n) [m/s]."""
+        return np.asarray(self.fraction * leg.speed * leg.along)
 
 
 @dataclass(frozen=True)
@@ -57,7 +68,7 @@ class PropelledVehicle:
         """Mass and added mass of the egress vehicle in surge [kg]."""
         return self.draws["vehicle.mass"] + surge_added_mass(self.drag.hull, self.draws)
 
-    def inferred_speed(self, speed: Scalars) -> tuple[SpeedScale, ...]:
+    def inferred_speed(self, speed: Scalars) -> tuple[InferredSpeed, ...]:
         """Return the error of a speed [m/s] that is inferred from the shaft rate; none where thrust and drag are right.
 
         The vehicle assumes the speed that its file's propeller and drag give; the true ones are `thrust_factor` and
@@ -71,7 +82,7 @@ class PropelledVehicle:
         resistance = Resistance(mass=1.0, linear=0.0, quadratic=force / speed**2)
         rate = shaft_rate_for(self.propeller, force, speed)
         error = speed_error(self.propeller, resistance, rate, LONG_AGO, thrust_factor=thrust, drag_factor=drag)
-        return (SpeedScale(_scalar(error / speed)),)
+        return (InferredSpeed(_scalar(error / speed)),)
 
     def power(self, speed: Scalars) -> Scalars:
         """Electrical power that holds a speed [m/s]: shaft power over the motor's efficiency [W]."""

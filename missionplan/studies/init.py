@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.effects.compass_bias import CompassBias
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, load
 from missionplan.mission.views import TransitMission
@@ -90,7 +89,6 @@ def sea_trial(mission: Mission, *, legs: int = LEGS, compass_bias: float = COMPA
     draws = stream(seed, "sea-trial", 0).standard_normal((legs, 3, 2))
     errors = draws[:, 0] @ np.linalg.cholesky(navigation.velocity_error.covariance).T
     fixes = draws[:, 1:] * mean_of(navigation.fix_error)
-    compass = CompassBias(compass_bias)
     under_way, surface = (_mean_current(mission, depth) for depth in (mean_of(transit.depth), 0.0))
     speed, pause = mean_of(transit.speed), mean_of(navigation.surfacing_time)
     corners = 0.5 * SIDE * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
@@ -100,7 +98,7 @@ def sea_trial(mission: Mission, *, legs: int = LEGS, compass_bias: float = COMPA
         planned = corners[leg % 4] - dived
         duration = float(np.hypot(*planned)) / speed
         sailed = Leg(*_columns(time, duration, position, planned / np.hypot(*planned)), speed)
-        error = compass.velocity(sailed)[:, 0] + errors[leg] + under_way
+        error = sailed.turned(compass_bias)[:, 0] + errors[leg] + under_way
         position = position + planned + error * duration
         rows.append((leg + 1, time, time + duration, *dived, *(dived + planned), *(position + fixes[leg, 1])))
         position = position + surface * pause

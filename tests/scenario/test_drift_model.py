@@ -1,14 +1,18 @@
 """The drift filter's model from a sample of draws."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
-from missionplan.effects.inertial_current import EARTH_ROTATION, InertialCurrent
+from missionplan.effects.inertial_current import InertialCurrent
 from missionplan.effects.mean_current import MeanCurrent
+from missionplan.effects.oscillation import EARTH_ROTATION
 from missionplan.effects.persistent_error import PersistentError
 from missionplan.effects.random_walk import RandomWalk
 from missionplan.effects.surface_drift import SurfaceDrift
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent
+from missionplan.phases.hooks import DriftParts, TransitEffect
 from missionplan.phases.transit.compensation import Forecast
 from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE, WAVES
 from missionplan.scenario.drift_model import DriftSample, drift_model
@@ -59,6 +63,23 @@ def test_variances_of_persistent_errors_and_walks_add_up():
     assert built.prior[PERSISTENT, PERSISTENT] == pytest.approx(0.05**2)
     assert built.persistence == 900.0
     assert built.walk == pytest.approx(1e-4)
+
+
+@dataclass(frozen=True)
+class Seiche(TransitEffect):
+    """Another package's effect: a basin that swings with a period of its own."""
+
+    speed: float
+
+    def drift(self):
+        return DriftParts(waves={1800.0: np.array([self.speed, 0.0, 0.0, 0.0])}, walk=2e-4)
+
+
+def test_the_filter_estimates_what_any_effect_declares():
+    built = model(Seiche(0.1), TidalCurrent(m2_north=0.2), Seiche(0.2), RandomWalk(1e-4))
+    assert built.tides == (2.0 * np.pi / 1800.0, 2.0 * np.pi / PERIODS["m2"])
+    assert built.mean[WAVES:] == pytest.approx([0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.2, 0.0], abs=1e-12)
+    assert built.walk == pytest.approx(3e-4)
 
 
 def test_nothing_uncertain_leaves_no_prior():

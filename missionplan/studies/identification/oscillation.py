@@ -80,7 +80,7 @@ def _added_masses(data: TankData, settings: OscillationSettings) -> FittedModel:
 
 def _mass_panel(direct: FittedModel, modes: list[str], words: str) -> FitPanel:
     return FitPanel(
-        name="added-mass",
+        name="added-masses",
         x_label="",
         y_label="added mass [kg]",
         x=np.arange(len(modes), dtype=float),
