@@ -12,7 +12,7 @@ from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.effects import instruments
 from missionplan.mission import Mission
 from missionplan.results.diagnosis import PlanGain
-from missionplan.results.evidence import Verdict
+from missionplan.results.evidence import ParameterEstimate, Verdict
 
 
 class Dataset(Protocol):
@@ -65,6 +65,11 @@ class DataKind(ABC):
             effect: DirectMeasurement(instrument.description, instrument.parameter, instrument.sd)
             for effect, instrument in instruments().items()
         }
+
+    @property
+    def known(self) -> tuple[ParameterEstimate, ...]:
+        """What the mission knows of its own effects, of those that the data could show."""
+        return ()
 
     @classmethod
     @abstractmethod

@@ -107,6 +107,8 @@ def _result(
         source=bound.data.source,
         verdict=bound.limited_verdict(found.verdict),
         causes=found.best.causes,
+        known=bound.known,
+        confirmed=found.best.given,
         misfit=bound.misfit(residuals),
         credible_set=found.credible_set,
         ranking=ranked_sets(bound, found, residuals),

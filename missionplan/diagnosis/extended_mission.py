@@ -18,12 +18,12 @@ def extended_mission(
     raw : mapping
         The mission file's data with includes in place.
     found : sequence of ParameterEstimate
-        Parameters of the causes; none leaves the effects as they are.
+        Parameters of the causes, and of the mission's own effects as they are known now.
     calibration : mapping
         Nuisance parameters as fitted; ``sigma_v_m_s`` replaces the mission's where it has a sigma.
     """
     mission = copy.deepcopy(dict(raw))
-    effects = _with_causes(mission.get("effects"), found)
+    effects = _with_found(mission.get("effects"), found)
     if effects:
         mission["effects"] = effects
     navigation = mission.get("navigation")
@@ -33,13 +33,23 @@ def extended_mission(
     return mission
 
 
-def _with_causes(given: object, found: Sequence[ParameterEstimate]) -> list[object]:
-    """Effects of the mission, those that are causes replaced by what was found."""
-    effects: list[object] = list(given) if isinstance(given, list) else []
-    for name in dict.fromkeys(estimate.effect for estimate in found):
-        effects = [entry for entry in effects if not (isinstance(entry, dict) and name in entry)]
-        effects.append({name: {e.name: quantity(e) for e in found if e.effect == name}})
-    return effects
+def _with_found(given: object, found: Sequence[ParameterEstimate]) -> list[object]:
+    """Effects of the mission with what was found of them, then the further causes.
+
+    An effect of the same exclusive group as another that was found has been replaced by that.
+    """
+    entries: list[object] = list(given) if isinstance(given, list) else []
+    by_effect = {name: [e for e in found if e.effect == name] for name in dict.fromkeys(e.effect for e in found)}
+    groups = {CATALOGUE[name].exclusive_group for name in by_effect} - {""}
+    effects: list[object] = []
+    for entry in entries:
+        name, parameters = next(iter(entry.items())) if isinstance(entry, dict) and entry else ("", None)
+        own = by_effect.pop(name, None)
+        if own is not None:
+            effects.append({name: {**(parameters or {}), **{e.name: quantity(e) for e in own}}})
+        elif name not in CATALOGUE or CATALOGUE[name].exclusive_group not in groups:
+            effects.append(entry)
+    return effects + [{name: {e.name: quantity(e) for e in own}} for name, own in by_effect.items()]
 
 
 def quantity(estimate: ParameterEstimate) -> dict[str, str | float]:

@@ -1,8 +1,77 @@
-"""Effects that a mission carries already: part of the base model."""
+"""Effects that a mission carries already: part of the base model, their distributions the priors of their parameters.
 
-from missionplan.effects import CATALOGUE, Effect
+What a mission knows of an effect (its long-run value) and what the effect is in one record differ by the effect's
+spike, its uncertainty from record to record. A number without a distribution is known to within the spike alone.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtri
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, estimates
+from missionplan.effects import CATALOGUE, Effect, EffectInfo
 from missionplan.mission import Mission
-from missionplan.montecarlo.distributions import mean_of
+from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of, sd_of
+from missionplan.results.evidence import Causes, ParameterEstimate
+
+BARE_SHAPE_LOG_SD = 0.05
+"""Standard deviation of the logarithm of a shape parameter that is given as a number: it has no spike."""
+QUANTILES = 512
+"""Equally likely values that stand for a distribution where its moments are taken of a function of it."""
+
+
+@dataclass(frozen=True)
+class GivenEffect:
+    """An effect of the mission as the diagnosis holds it, k coordinates.
+
+    Attributes
+    ----------
+    effect : str
+        Its name.
+    coordinates : tuple of Coordinate, length k
+        Of the parameters that the mission gives, and of all its shapes.
+    mean : array, shape (k,)
+        Of their long-run values.
+    covariance : array, shape (k, k)
+        Of their long-run values: what the mission knows.
+    scatter : array, shape (k,)
+        Variance about them from record to record.
+    """
+
+    effect: str
+    coordinates: tuple[Coordinate, ...]
+    mean: Array
+    covariance: Array
+    scatter: Array
+
+    @property
+    def here(self) -> Array:
+        """Prior covariance of the coordinates in one record, shape (k, k)."""
+        return self.covariance + np.diag(self.scatter)
+
+    @property
+    def prior(self) -> tuple[ParameterEstimate, ...]:
+        """What the mission knows."""
+        return estimates(self.coordinates, self.mean, self.covariance)
+
+    def posterior(self, mean: Array, covariance: Array) -> tuple[ParameterEstimate, ...]:
+        """Return the long-run parameters after a record.
+
+        Parameters
+        ----------
+        mean : array, shape (k,)
+            Posterior mean of the coordinates in the record.
+        covariance : array, shape (k, k)
+            Posterior covariance of them.
+        """
+        gain = self.covariance @ np.linalg.pinv(self.here)
+        after = self.mean + gain @ (mean - self.mean)
+        spread = (np.eye(len(gain)) - gain) @ self.covariance + gain @ covariance @ gain.T
+        return estimates(self.coordinates, after, spread)
 
 
 def given_effects(mission: Mission) -> list[Effect]:
@@ -11,3 +80,76 @@ def given_effects(mission: Mission) -> list[Effect]:
         CATALOGUE[entry.effect].make({name: mean_of(value) for name, value in entry.parameters.items()})
         for entry in mission.effects
     ]
+
+
+def given_priors(mission: Mission, wanted: Iterable[EffectInfo]) -> tuple[GivenEffect, ...]:
+    """Return the effects of a mission among those wanted, with the priors of their parameters.
+
+    An effect whose shape is at its neutral value (infinite degrees of freedom) or whose size is nil is left out.
+    """
+    known = {info.id: info for info in wanted}
+    found = [_given(known[entry.effect], entry.parameters) for entry in mission.effects if entry.effect in known]
+    return tuple(given for given in found if given is not None)
+
+
+def held(given: Iterable[GivenEffect], causes: Causes) -> tuple[GivenEffect, ...]:
+    """Return the given effects that hold beside a set of causes.
+
+    A given effect that is itself a cause has changed; one of the same exclusive group is replaced.
+    """
+    groups = {CATALOGUE[name].exclusive_group for name in causes} - {""}
+    return tuple(
+        each for each in given if each.effect not in causes and CATALOGUE[each.effect].exclusive_group not in groups
+    )
+
+
+def _given(info: EffectInfo, parameters: Mapping[str, Quantity]) -> GivenEffect | None:
+    values = {name: parameter.default for name, parameter in info.parameters.items() if parameter.is_shape}
+    quantities: dict[str, Quantity] = values | dict(parameters)
+    shapes = [name for name in quantities if info.parameters[name].is_shape]
+    if any(not 0.0 < mean_of(quantities[name]) < math.inf for name in shapes):
+        return None
+    phases = dict(info.polar)
+    names = [name for name in info.parameters if name in quantities or phases.get(name) in quantities]
+    coordinates = coordinates_of(info, names)
+    mean, covariance, scatter = (np.zeros((len(coordinates),) * dimensions) for dimensions in (1, 2, 1))
+    for index, coordinate in enumerate(coordinates):
+        quantity = quantities.get(coordinate.name, 0.0)
+        is_bare = sd_of(quantity) == 0.0
+        if coordinate.kind == "shape":
+            mean[index], sd = _log_moments(quantity)
+            covariance[index, index] = (BARE_SHAPE_LOG_SD if is_bare else sd) ** 2
+        elif coordinate.kind == "strength":
+            mean[index] = mean_of(quantity)
+            covariance[index, index] = (coordinate.spike if is_bare else sd_of(quantity)) ** 2
+            scatter[index] = 0.0 if is_bare else coordinate.spike**2
+        elif coordinate.kind == "sine":
+            phase = quantities.get(phases[coordinate.name], 0.0)
+            pair = slice(index - 1, index + 1)
+            mean[pair], covariance[pair, pair] = _polar_moments(quantity, phase)
+            is_bare = is_bare and sd_of(phase) == 0.0
+            covariance[pair, pair] += coordinate.spike**2 * np.eye(2) if is_bare else 0.0
+            scatter[pair] = 0.0 if is_bare else coordinate.spike**2
+    return GivenEffect(info.id, coordinates, mean, covariance, scatter)
+
+
+def _equally_likely(quantity: Quantity) -> Array:
+    """Values at the middles of equal shares of probability, shape (q,)."""
+    if not isinstance(quantity, Distribution):
+        return np.array([quantity])
+    return quantity.from_normal(ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES))
+
+
+def _log_moments(quantity: Quantity) -> tuple[float, float]:
+    """Mean and standard deviation of the logarithm; values at or below zero count as a thousandth of the mean."""
+    logarithms = np.log(np.maximum(_equally_likely(quantity), 1e-3 * mean_of(quantity)))
+    return float(logarithms.mean()), float(logarithms.std())
+
+
+def _polar_moments(amplitude: Quantity, phase: Quantity) -> tuple[Array, Array]:
+    """Mean and covariance of (a·cos φ, a·sin φ), amplitude and phase independent."""
+    sizes, angles = _equally_likely(amplitude), _equally_likely(phase)
+    directions = np.stack([np.cos(angles), np.sin(angles)])
+    mean = sizes.mean() * directions.mean(axis=1)
+    second = np.mean(sizes**2) * (directions @ directions.T) / len(angles)
+    return mean, second - np.outer(mean, mean)

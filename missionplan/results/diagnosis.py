@@ -7,7 +7,15 @@ from typing import ClassVar
 import pandas as pd
 
 from missionplan.results.base import Provenance, Result, to_csv, to_json, to_yaml
-from missionplan.results.evidence import Causes, Discrepancy, GroupScore, NextMeasurement, RankedSet, Verdict
+from missionplan.results.evidence import (
+    Causes,
+    Discrepancy,
+    GroupScore,
+    NextMeasurement,
+    ParameterEstimate,
+    RankedSet,
+    Verdict,
+)
 
 Plan = Mapping[str, float | None]
 """What is chosen, and how it fares; keys end with their units."""
@@ -54,6 +62,10 @@ class Diagnosis(Result):
     verdict : str
     causes : tuple of str
         The claimed set; empty if none.
+    known : tuple of ParameterEstimate
+        What the mission knew of its own effects.
+    confirmed : tuple of ParameterEstimate
+        The same after these data, of the effects that have not changed.
     misfit : str
         Size of the base model's misfit in the planner's terms.
     credible_set : tuple
@@ -91,6 +103,8 @@ class Diagnosis(Result):
     source: str
     verdict: Verdict
     causes: Causes
+    known: tuple[ParameterEstimate, ...]
+    confirmed: tuple[ParameterEstimate, ...]
     misfit: str
     credible_set: tuple[Causes, ...]
     ranking: tuple[RankedSet, ...]
@@ -113,6 +127,23 @@ class Diagnosis(Result):
         """The claimed set's entry; the first of the ranking where nothing is claimed; None without any."""
         return self.ranking[0] if self.ranking else None
 
+    @property
+    def changed(self) -> Causes:
+        """Effects of the mission that are not as it knew them."""
+        return tuple(cause for cause in self.causes if any(cause == estimate.effect for estimate in self.known))
+
+    def _confirmed_summary(self) -> list[dict[str, object]]:
+        before = {(estimate.effect, estimate.name): estimate for estimate in self.known}
+        return [
+            {
+                "effect": after.effect,
+                "name": after.name,
+                "prior": before[after.effect, after.name].quantity_summary(),
+                "posterior": after.quantity_summary(),
+            }
+            for after in self.confirmed
+        ]
+
     def diagnosis(self) -> dict[str, object]:
         """Return the dictionary of ``diagnosis.json``."""
         return {
@@ -131,6 +162,8 @@ class Diagnosis(Result):
             "untestable": dict(self.untestable),
             "failures": dict(self.failures),
             "extended_mission": "mission.yaml",
+            "confirmed": self._confirmed_summary(),
+            "changed": bool(self.changed),
         }
 
     def summary(self) -> dict[str, object]:

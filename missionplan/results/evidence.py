@@ -21,6 +21,10 @@ class ParameterEstimate:
     high: float
     unit: str
 
+    def quantity_summary(self) -> dict[str, float | str]:
+        """Return value, standard deviation, interval and unit."""
+        return {"value": self.value, "sd": self.sd, "low": self.low, "high": self.high, "unit": self.unit}
+
 
 @dataclass(frozen=True)
 class GroupScore:

@@ -51,7 +51,7 @@ class DescentKind(DataKind):
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
         """Write the causes as effects."""
-        return extended_mission(self.mission.raw, best.estimates, best.calibration)
+        return extended_mission(self.mission.raw, (*best.given, *best.estimates), best.calibration)
 
     def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen."""

@@ -18,6 +18,8 @@ from missionplan.arrays import Array
 LOG_2PI = math.log(2.0 * math.pi)
 QUANTILE_95 = 1.6448536269514722
 """95 % quantile of the standard normal distribution: half the width of a 90 % interval, in standard deviations."""
+Normal = tuple[Array, Array]
+"""A normal distribution: mean, shape (N,), and covariance, shape (N, N)."""
 NEAR, TOLERANCE = 0.01, 1e-6
 """Last step below which Newton's is tried, and below which the mode is found [prior standard deviations]."""
 
@@ -131,22 +133,22 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
     return Marginal(log_density, prior_sd * coefficients, covariance)
 
 
-def expected_log_ratio(mean: Array, truth: Array, first: Array, second: Array) -> float:
-    """Return the mean of ln N(y; 0, first) − ln N(y; 0, second) over y ~ N(mean, truth): an expected log Bayes factor.
+def expected_log_ratio(truth: Normal, first: Normal, second: Normal) -> float:
+    """Return the mean of ln p₁(y) − ln p₂(y) over y from the truth, all normal: an expected log Bayes factor.
 
     The difference of two Kullback–Leibler divergences between normals (Rasmussen & Williams 2006, Eq. A.23).
 
     Parameters
     ----------
-    mean : array, shape (N,)
-        Of the data under the truth.
-    truth, first, second : array, shape (N, N)
-        Covariances.
+    truth, first, second : tuple of array
+        Mean, shape (N,), and covariance, shape (N, N), of the data.
     """
+    mean, covariance = truth
+    spread = np.linalg.cholesky(covariance)
     total = 0.0
-    for sign, covariance in ((-1.0, first), (1.0, second)):
-        factor = np.linalg.cholesky(covariance)
-        both = np.concatenate([np.linalg.cholesky(truth), mean[:, None]], axis=1)
+    for sign, (centre, own) in ((-1.0, first), (1.0, second)):
+        factor = np.linalg.cholesky(own)
+        both = np.concatenate([spread, (mean - centre)[:, None]], axis=1)
         white = solve_triangular(factor, both, lower=True, check_finite=False)
         total += sign * (0.5 * float(np.sum(white**2)) + float(np.log(np.diag(factor)).sum()))
     return total

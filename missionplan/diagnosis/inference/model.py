@@ -38,6 +38,8 @@ class CauseFit:
         Whether signs and sizes are physically possible, and the fit lies where the model can be trusted.
     state : Any
         The model's own: linearisation, posterior and what else it needs to go on from here.
+    given : tuple of ParameterEstimate
+        The mission's own effects after this record; those among the causes or replaced by one are left out.
     """
 
     causes: Causes
@@ -46,6 +48,7 @@ class CauseFit:
     calibration: Mapping[str, float]
     possible: bool
     state: Any
+    given: tuple[ParameterEstimate, ...] = ()
 
 
 @dataclass(frozen=True)

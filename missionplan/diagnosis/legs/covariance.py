@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
+from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal, student_marginal
 from missionplan.diagnosis.legs.markov_covariance import LegSelection, MarkovCovariance
 from missionplan.diagnosis.legs.mean import LinearisedLegs, TransitMean
@@ -59,7 +60,15 @@ class TransitCovariance(TransitMean):
                     Hyperparameter(info.id, name, math.log(parameter.median), math.log(parameter.factor))
                     for name, parameter in info.parameters.items()
                 ]
+        for each in held(self.given_in_covariance, causes):
+            known = zip(each.coordinates, each.mean, np.sqrt(np.diag(each.here)), strict=True)
+            found += [Hyperparameter(c.effect, c.name, float(centre), float(sd)) for c, centre, sd in known]
         return tuple(found)
+
+    @cached_property
+    def given_in_covariance(self) -> tuple[GivenEffect, ...]:
+        """The mission's own random effects."""
+        return tuple(each for each in self.given if CATALOGUE[each.effect].part == "covariance")
 
     def values(self, causes: Causes, logarithms: Array) -> dict[tuple[str, str], float]:
         """Hyperparameters by effect and name, from their logarithms."""
@@ -144,14 +153,15 @@ class TransitCovariance(TransitMean):
         values = self.values(causes, logarithms)
         legs = self._all_legs if rows is ALL_LEGS else self.markov_covariance(rows)
         white, fix, process = self.noise_components(values)
+        prior_sd = np.ones(linear.columns.shape[2])
         dof = min((float(effect.tail_dof()) for effect in _covariance_effects(values)), default=math.inf)
         if math.isinf(dof):
             gram, log_determinant = legs.gram(linear.joined[:, rows], white, fix, process)
-            return gaussian_marginal(gram, linear.prior_sd, log_determinant, 2 * len(legs.under_way))
+            return gaussian_marginal(gram, prior_sd, log_determinant, 2 * len(legs.under_way))
         if dof <= MIN_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
         variance = white[:, None] + fix**2 * legs.fix_variance()
-        return student_marginal(linear.y[:, rows], linear.columns[:, rows], linear.prior_sd, variance, dof)
+        return student_marginal(linear.y[:, rows], linear.columns[:, rows], prior_sd, variance, dof)
 
 
 def _covariance_effects(values: HyperparameterValues) -> list[TransitEffect]:

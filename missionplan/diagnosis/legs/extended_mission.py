@@ -17,12 +17,13 @@ def extended_transit_mission(raw: Mapping[str, object], best: CauseFit, data: Tr
     raw : mapping
         The mission file's data with includes in place.
     best : CauseFit
-        The causes; without any, the effects stay as they are.
+        The causes, and what is known now of the mission's own effects.
     data : TransitData
         Gives origin and start to missions that lack them: the phases of currents refer to them.
     """
-    mission = extended_mission(raw, best.estimates, best.calibration)
-    if not best.estimates:
+    found = (*best.given, *best.estimates)
+    mission = extended_mission(raw, found, best.calibration)
+    if not found:
         return mission
     given = mission.get("site")
     site = dict(given) if isinstance(given, dict) else {}

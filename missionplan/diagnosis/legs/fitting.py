@@ -8,9 +8,10 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, estimates, is_possible
+from missionplan.diagnosis.given_effects import held
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.covariance import ALL_LEGS, Hyperparameter, TransitCovariance
 from missionplan.diagnosis.legs.markov_covariance import LegSelection
@@ -34,15 +35,18 @@ class TransitState:
         Those of the set of causes.
     posterior : Laplace
         Of their logarithms.
-    marginal : Marginal
-        Coefficients of all coordinates, the hyperparameters at their mode.
+    mean : array, shape (k,)
+        Posterior mean of all coordinates, the hyperparameters at their mode.
+    covariance : array, shape (k, k)
+        Posterior covariance of them.
     linear : LinearisedLegs
         The model as linearised last.
     """
 
     hyperparameters: tuple[Hyperparameter, ...]
     posterior: Laplace
-    marginal: Marginal
+    mean: Array
+    covariance: Array
     linear: LinearisedLegs
 
 
@@ -78,24 +82,24 @@ class TransitFitting(TransitCovariance):
         starts, covariance = _starts(hyperparameters, near)
         slabs = np.array([coordinate.slab for coordinate in self.coordinates])
         nonlinear = any(CATALOGUE[name].modulation or not CATALOGUE[name].linear for name in causes)
-        about = self._starting_mean(causes, near) if nonlinear else np.zeros(len(slabs))
+        about = self._starting_mean(causes, near) if nonlinear else self.expected
         for iteration in range(MAX_LINEARISATIONS):
             linear = self.linearised(causes, about)
             posterior = self._posterior(causes, hyperparameters, starts, covariance, linear, rows, integrate=integrate)
-            marginal = self.marginal(causes, posterior.mode, linear, rows)
-            state = TransitState(hyperparameters, posterior, marginal, linear)
-            moved, about = np.abs(marginal.mean[: len(about)] - about), marginal.mean[: len(about)]
+            mean, spread = linear.prior.posterior(self.marginal(causes, posterior.mode, linear, rows))
+            state = TransitState(hyperparameters, posterior, mean, spread, linear)
+            moved, about = np.abs(mean - about), mean
             starts, covariance = [posterior.mode], posterior.covariance
             if not nonlinear or (iteration and np.max(moved / slabs) < CONVERGED):
                 break
         return self._fit_of(causes, state)
 
     def _starting_mean(self, causes: Causes, near: Sequence[CauseFit]) -> Array:
-        """Coordinates of a set's causes from fits of its subsets; else zero."""
-        mean = np.zeros(len(self.coordinates))
+        """Coordinates of a set's causes from fits of its subsets; else as the mission expects."""
+        mean = self.expected.copy()
         for fit in reversed(near):
             own = [i for i, c in enumerate(self.coordinates) if c.effect in fit.causes and c.effect in causes]
-            mean[own] = fit.state.marginal.mean[own]
+            mean[own] = fit.state.mean[own]
         return mean
 
     def _posterior(
@@ -133,17 +137,28 @@ class TransitFitting(TransitCovariance):
 
     def _fit_of(self, causes: Causes, state: TransitState) -> CauseFit:
         chosen = [i for i, coordinate in enumerate(self.coordinates) if coordinate.effect in causes]
-        own, marginal = [self.coordinates[i] for i in chosen], state.marginal
+        own = [self.coordinates[i] for i in chosen]
         # a cause adds to what varies from record to record in any case
         from_record_to_record = np.diag([coordinate.spike**2 for coordinate in own])
-        covariance = marginal.covariance[np.ix_(chosen, chosen)] + from_record_to_record
-        found = estimates(own, marginal.mean[chosen], covariance) + _hyperparameter_estimates(state)
+        covariance = state.covariance[np.ix_(chosen, chosen)] + from_record_to_record
+        found = estimates(own, state.mean[chosen], covariance) + _hyperparameter_estimates(state, causes)
         calibration = {
             f"{h.name}_{'m' if h.name == 'fix_sd' else 'm_s'}": math.exp(value)
             for h, value in zip(state.hyperparameters, state.posterior.mode, strict=True)
             if not h.effect
         }
-        return CauseFit(causes, state.posterior.log_evidence, found, calibration, is_possible(found), state)
+        evidence, possible = state.posterior.log_evidence, is_possible(found)
+        return CauseFit(causes, evidence, found, calibration, possible, state, self._given_estimates(causes, state))
+
+    def _given_estimates(self, causes: Causes, state: TransitState) -> tuple[ParameterEstimate, ...]:
+        """What is known of the mission's own effects after this record, those that changed left out."""
+        found: list[ParameterEstimate] = []
+        for each in held(self.given_in_mean, causes):
+            own = self.places(each)
+            found += each.posterior(state.mean[own], state.covariance[np.ix_(own, own)])
+        for each in held(self.given_in_covariance, causes):
+            found += _hyperparameter_estimates(state, (each.effect,))
+        return tuple(found)
 
 
 def _log_prior(hyperparameters: tuple[Hyperparameter, ...], logarithms: Array) -> float:
@@ -176,9 +191,9 @@ def _starts(hyperparameters: tuple[Hyperparameter, ...], near: Sequence[CauseFit
     return starts, np.diag([guess[1] for guess in guesses])
 
 
-def _hyperparameter_estimates(state: TransitState) -> tuple[ParameterEstimate, ...]:
-    """Estimates of the hyperparameters that are parameters of causes."""
-    chosen = [i for i, hyperparameter in enumerate(state.hyperparameters) if hyperparameter.effect]
+def _hyperparameter_estimates(state: TransitState, effects: Causes) -> tuple[ParameterEstimate, ...]:
+    """Estimates of the hyperparameters that are parameters of some effects."""
+    chosen = [i for i, hyperparameter in enumerate(state.hyperparameters) if hyperparameter.effect in effects]
     own = [state.hyperparameters[i] for i in chosen]
     shapes = [Coordinate(h.effect, h.name, "shape", h.centre, h.spread, 0.0) for h in own]
     return estimates(shapes, state.posterior.mode[chosen], state.posterior.covariance[np.ix_(chosen, chosen)])

@@ -18,6 +18,7 @@ from missionplan.diagnosis.legs.tables import transit_misfit, transit_residuals,
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.results.diagnosis import PlanGain
+from missionplan.results.evidence import ParameterEstimate
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,11 @@ class TransitKind(DataKind):
         """Read the legs and bind the mission's first transit to them."""
         data = read_transit(folder, mission)
         return cls(kind, mission, data, transit_model(data, mission, seed))
+
+    @property
+    def known(self) -> tuple[ParameterEstimate, ...]:
+        """What the mission knows of its own effects on a transit."""
+        return tuple(estimate for each in self.model.given for estimate in each.prior)
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a leg."""

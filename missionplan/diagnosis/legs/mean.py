@@ -11,6 +11,8 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.datasets.legs import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
+from missionplan.diagnosis.given_effects import GivenEffect, held
+from missionplan.diagnosis.inference.marginal_likelihood import Marginal
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.legs.modulation import modulation
 from missionplan.effects import CATALOGUE, effects_of
@@ -24,29 +26,43 @@ DIFFERENCE_STEP = 1e-3
 
 @dataclass(frozen=True)
 class LinearisedLegs:
-    """Linearised model of a set of causes: y ≈ columns·coefficients + noise, coefficients ~ N(0, prior_sd²).
+    """Linearised model of a set of causes: y ≈ columns·coefficients + noise, coefficients ~ N(0, 1) and independent.
 
     Attributes
     ----------
     about : array, shape (k,)
         Coordinates about which it is linearised.
+    prior : CoordinatePrior
+        Of the k coordinates, which are its mean plus its factor times the first k coefficients.
     y : array, shape (2, n)
-        Velocity errors on the principal axes [m/s].
+        Velocity errors less those at the prior means, on the principal axes [m/s].
     columns : array, shape (2, n, k + m)
-        Of the k coordinates, then of the m functions that modulate oscillating causes.
-    prior_sd : array, shape (k + m,)
-        Prior standard deviations.
+        Of the coefficients: k for the coordinates, then m of the functions that modulate oscillations.
     """
 
     about: Array
+    prior: "CoordinatePrior"
     y: Array
     columns: Array
-    prior_sd: Array
 
     @cached_property
     def joined(self) -> Array:
         """Columns and, last, data, shape (2, n, k + m + 1)."""
         return np.concatenate([self.columns, self.y[:, :, None]], axis=2)
+
+
+@dataclass(frozen=True)
+class CoordinatePrior:
+    """Normal prior of k coordinates: mean, shape (k,), and lower factor L of the covariance L Lᵀ, shape (k, k)."""
+
+    mean: Array
+    factor: Array
+
+    def posterior(self, marginal: Marginal) -> tuple[Array, Array]:
+        """Return mean (k,) and covariance (k, k) of the coordinates from those of the standardised coefficients."""
+        k = len(self.mean)
+        mean = self.mean + self.factor @ marginal.mean[:k]
+        return mean, self.factor @ marginal.covariance[:k, :k] @ self.factor.T
 
 
 @dataclass(frozen=True)
@@ -65,6 +81,8 @@ class TransitMean:
         The mission's standard deviation of a fix [m]; 0 when not given.
     current_sd : tuple of float
         Standard deviation of the mission's steady current, east and north [m/s].
+    given : tuple of GivenEffect
+        The mission's own effects on a transit, whose means `base` includes.
     only : tuple of Coordinate, optional
         Coordinates to use; default those that the record can resolve.
     """
@@ -74,6 +92,7 @@ class TransitMean:
     covariance: Array
     fix_error: float
     current_sd: tuple[float, float] = (0.0, 0.0)
+    given: tuple[GivenEffect, ...] = ()
     only: tuple[Coordinate, ...] | None = None
 
     def minimum_evidence_gain(self, causes: Causes) -> float:
@@ -99,7 +118,7 @@ class TransitMean:
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Coordinates of all causes of the mean."""
+        """Coordinates of all causes of the mean, and of the mission's own effects in it."""
         if self.only is not None:
             return self.only
         found: list[Coordinate] = []
@@ -107,7 +126,32 @@ class TransitMean:
             if info.part == "mean":
                 names = info.resolvable(self._record.duration) if info.resolvable is not None else None
                 found += [self._limited(coordinate) for coordinate in coordinates_of(info, names)]
-        return tuple(found)
+        known = {(coordinate.effect, coordinate.name) for coordinate in found}
+        for each in self.given_in_mean:
+            found += [c for c in each.coordinates if (c.effect, c.name) not in known]
+        return tuple(sorted(found, key=lambda coordinate: self._order[coordinate.effect]))
+
+    @cached_property
+    def _order(self) -> dict[str, int]:
+        return {info.id: index for index, info in enumerate(effects_of("transit"))}
+
+    @cached_property
+    def given_in_mean(self) -> tuple[GivenEffect, ...]:
+        """The mission's own effects on the mean of the errors."""
+        return tuple(each for each in self.given if CATALOGUE[each.effect].part == "mean")
+
+    def places(self, given: GivenEffect) -> list[int]:
+        """Indices of a given effect's coordinates among all."""
+        index = {(c.effect, c.name, c.kind): i for i, c in enumerate(self.coordinates)}
+        return [index[c.effect, c.name, c.kind] for c in given.coordinates]
+
+    @cached_property
+    def expected(self) -> Array:
+        """Coordinates that the mission expects: those of its own effects, zero for the others, shape (k,)."""
+        values = np.zeros(len(self.coordinates))
+        for each in self.given_in_mean:
+            values[self.places(each)] = each.mean
+        return values
 
     def _limited(self, coordinate: Coordinate) -> Coordinate:
         """Limit a gradient's priors by what it changes over the area of the record."""
@@ -181,35 +225,52 @@ class TransitMean:
         return np.stack(columns, axis=2)
 
     @cached_property
-    def _columns_at_zero(self) -> Array:
-        return self.columns(np.zeros(len(self.coordinates)))
+    def columns_as_expected(self) -> Array:
+        """Columns of the coordinates as the mission expects them, shape (2, n, k)."""
+        return self.columns(self.expected)
 
-    def prior_sd(self, causes: Causes) -> Array:
-        """Prior standard deviation of each coordinate: its slab when its effect is a cause, else its spike."""
-        values = [c.slab if c.effect in causes else c.spike for c in self.coordinates]
+    @cached_property
+    def _error_as_expected(self) -> Array:
+        return self.mean_error(self.expected)
+
+    def prior(self, causes: Causes) -> CoordinatePrior:
+        """Prior of the coordinates: slabs of the causes, what the mission knows of its own effects, spikes."""
+        spread = np.array([c.slab if c.effect in causes else c.spike for c in self.coordinates])
         for index, coordinate in enumerate(self.coordinates):
             if CATALOGUE[coordinate.effect].is_steady_current:
-                values[index] = math.hypot(values[index], self.current_sd[coordinate.name == "north"])
-        return np.array(values)
+                spread[index] = math.hypot(spread[index], self.current_sd[coordinate.name == "north"])
+        mean, factor = np.zeros(len(spread)), np.diag(spread)
+        for each in held(self.given_in_mean, causes):
+            own = self.places(each)
+            mean[own] = each.mean
+            factor[np.ix_(own, own)] = _square_root(each.here)
+        return CoordinatePrior(mean, factor)
 
-    def linearised(self, causes: Causes, about: Array) -> LinearisedLegs:
-        """Linearise the model of a set about given coordinates, with columns that modulate its oscillating causes."""
-        prior = self.prior_sd(causes)
-        if not np.any(about):
-            return LinearisedLegs(about, self.y, self._columns_at_zero, prior)
+    def linearised(self, causes: Causes, about: Array | None = None) -> LinearisedLegs:
+        """Linearise the model of a set about given coordinates, with columns that modulate its oscillations.
+
+        Parameters
+        ----------
+        causes : tuple of str
+            The set.
+        about : array, shape (k,), optional
+            Default as the mission expects.
+        """
+        about = self.expected if about is None else about
+        prior = self.prior(causes)
         linear = all(CATALOGUE[name].linear for name in causes)
-        columns = self._columns_at_zero if linear else self.columns(about)
-        y = self.y - self.mean_error(about) + columns @ about
-        modulated = [self._modulation_columns(name, about) for name in self._modulated(causes)]
-        extra = np.concatenate([np.zeros((2, self.data.n, 0)), *modulated], axis=2)
-        return LinearisedLegs(
-            about, y, np.concatenate([columns, extra], axis=2), np.append(prior, np.ones(extra.shape[2]))
-        )
+        columns = self.columns_as_expected if linear else self.columns(about)
+        moved = self.mean_error(about) - self._error_as_expected
+        y = self.y - moved + columns @ (about - prior.mean)
+        modulated = [self._modulation_columns(name, about) for name in self._modulated(causes, about)]
+        standardised = np.concatenate([columns @ prior.factor, *modulated], axis=2)
+        return LinearisedLegs(about, prior, y, standardised)
 
-    @staticmethod
-    def _modulated(causes: Causes) -> tuple[str, ...]:
-        """Oscillating causes whose amplitude and phase change slowly, in the catalogue's order; see `modulation`."""
-        return tuple(info.id for info in effects_of("transit") if info.modulation and info.id in causes)
+    def _modulated(self, causes: Causes, about: Array) -> tuple[str, ...]:
+        """Oscillations whose amplitude and phase change slowly, in the catalogue's order; see `modulation`."""
+        present = {*causes, *(each.effect for each in held(self.given_in_mean, causes))}
+        oscillations = [info.id for info in effects_of("transit") if info.modulation and info.id in present]
+        return tuple(name for name in oscillations if np.any(about[self._by_effect[name]]))
 
     def _modulation_columns(self, name: str, about: Array) -> Array:
         """Columns of the slow modulation of an oscillating cause, shape (2, n, m)."""
@@ -222,3 +283,9 @@ class TransitMean:
             modulation(self.data.middle, *(component[:, None] * each for each in steady)) for component in components
         ]
         return np.asarray(np.einsum("ij,jnm->inm", self.axes.T, np.concatenate(columns, axis=2)))
+
+
+def _square_root(covariance: Array) -> Array:
+    """Return a factor L with L Lᵀ the covariance, which may be singular."""
+    values, vectors = np.linalg.eigh(covariance)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))

@@ -52,10 +52,8 @@ class TransitModel(TransitFitting):
         further = [CATALOGUE[name] for name in causes if name not in parent.causes]
         if any(info.part == "covariance" or info.modulation for info in further):
             return math.inf
-        mode, zero = parent.state.posterior.mode, np.zeros(len(self.coordinates))
-        with_causes, without = (
-            self.marginal(names, mode, self.linearised(names, zero)) for names in (causes, parent.causes)
-        )
+        mode = parent.state.posterior.mode
+        with_causes, without = (self.marginal(names, mode, self.linearised(names)) for names in (causes, parent.causes))
         return with_causes.log_density - without.log_density
 
     def may_be_multimodal(self, causes: Causes) -> bool:
@@ -80,8 +78,8 @@ class TransitModel(TransitFitting):
         """Covariance of all errors under a fit's noise and the coefficients' priors, first axis then second."""
         noise = self.noise(self.values(fit.causes, fit.state.posterior.mode))
         n = self.data.n
-        scaled = (linear.columns * linear.prior_sd).reshape(2 * n, -1)
-        total = scaled @ scaled.T
+        columns = linear.columns.reshape(2 * n, -1)
+        total = columns @ columns.T
         total[:n, :n] += noise[0]
         total[n:, n:] += noise[1]
         return total
@@ -166,15 +164,14 @@ class TransitModel(TransitFitting):
         """
         model = self if entry is None else self._with_design(entry)
         own = np.array([coordinate.effect in first.causes for coordinate in self.coordinates])
-        values = np.where(own, first.state.marginal.mean[: len(own)], 0.0)
-        base = model.linearised((), np.zeros(len(own)))
-        mean = (base.columns @ values).ravel()
-        truth = model._total_covariance(first, base)
+        columns = model.columns_as_expected.reshape(2 * model.data.n, -1)
+        truth = columns @ np.where(own, first.state.mean - self.expected, 0.0)
+        models = [model.linearised(fit.causes, fit.state.linear.about) for fit in (first, second)]
         predictive = [
-            model._total_covariance(fit, model.linearised(fit.causes, fit.state.linear.about))
-            for fit in (first, second)
+            (columns @ (linear.prior.mean - self.expected), model._total_covariance(fit, linear))
+            for fit, linear in zip((first, second), models, strict=True)
         ]
-        return max(expected_log_ratio(mean, truth, *predictive), 0.0)
+        return max(expected_log_ratio((truth, model._total_covariance(first, model.linearised(()))), *predictive), 0.0)
 
     def _with_design(self, entry: int) -> "TransitModel":
         """The model of the log with the legs of a design after it."""

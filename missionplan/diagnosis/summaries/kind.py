@@ -52,7 +52,7 @@ class SummaryKind(DataKind):
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
         """Write the causes as effects."""
-        return extended_mission(self.mission.raw, best.estimates, best.calibration)
+        return extended_mission(self.mission.raw, (*best.given, *best.estimates), best.calibration)
 
     def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen."""

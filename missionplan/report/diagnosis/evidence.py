@@ -56,6 +56,37 @@ def _parameters(best: RankedSet) -> Table:
     return Table(["Parameter", "Value", "90 % interval", "Unit"], rows, caption)
 
 
+def known_section(diagnosis: Diagnosis) -> list[PageSection]:
+    """Show what the mission knew of its own effects, and what is known of them now."""
+    if not diagnosis.known:
+        return []
+    after = {(p.effect, p.name): p for p in (*diagnosis.confirmed, *claimed_parameters(diagnosis))}
+    rows = []
+    for before in diagnosis.known:
+        now = after.get((before.effect, before.name))
+        rows.append([f"{before.effect}: {before.name}", _with_sd(before), _with_sd(now) if now else "", _unit(before)])
+    caption = "The mission's own effects are part of its model; the extended mission carries what is known now."
+    table = Table(["Parameter", "In the mission", "After these data", "Unit"], rows, caption)
+    return [PageSection("What the mission knew, and what is known now", [table])]
+
+
+def claimed_parameters(diagnosis: Diagnosis) -> tuple[ParameterEstimate, ...]:
+    """Return the parameters of the causes that are claimed."""
+    return diagnosis.best.parameters if diagnosis.causes and diagnosis.best is not None else ()
+
+
+def _with_sd(parameter: ParameterEstimate) -> str:
+    return f"{_shown(parameter, parameter.value)} ± {_shown(parameter, parameter.sd)}"
+
+
+def sized(parameter: ParameterEstimate) -> str:
+    """Write a parameter with its standard deviation and unit, as in ``2.9° ± 0.3°``."""
+    value, sd = (_shown(parameter, number) for number in (parameter.value, parameter.sd))
+    if parameter.unit == "rad":
+        return f"{value}° ± {sd}°"
+    return f"{value} ± {sd}\N{NO-BREAK SPACE}{parameter.unit}".rstrip()
+
+
 def _shown(parameter: ParameterEstimate, value: float) -> str:
     return f"{math.degrees(value) if parameter.unit == 'rad' else value:.3g}"
 

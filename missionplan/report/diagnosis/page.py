@@ -6,15 +6,25 @@ import shlex
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.causes import causes_section, names
 from missionplan.report.diagnosis.discrepancy import discrepancy_section, resemblance
-from missionplan.report.diagnosis.evidence import distinction_section, held_out_section, ranking_rows, ranking_section
+from missionplan.report.diagnosis.evidence import (
+    claimed_parameters,
+    distinction_section,
+    held_out_section,
+    known_section,
+    ranking_rows,
+    ranking_section,
+    sized,
+)
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
 from missionplan.results.diagnosis import Diagnosis
-from missionplan.results.evidence import NextMeasurement
+from missionplan.results.evidence import NextMeasurement, ParameterEstimate
 
 _INDISTINGUISHABLE = 1.0
 """Expected nats below which a measurement separates nothing."""
+_CONFIRMED = 3
+"""Parameters of the mission's own effects that the headline names."""
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -25,6 +35,7 @@ def page(diagnosis: Diagnosis) -> Page:
         PageSection("What to do next", _next_words(diagnosis)),
         ranking_section(diagnosis),
         *causes_section(diagnosis),
+        *known_section(diagnosis),
         *_residual_section(diagnosis),
         *held_out_section(diagnosis),
         discrepancy_section(diagnosis),
@@ -64,7 +75,9 @@ def answer(diagnosis: Diagnosis) -> str:
 def _verdict_words(diagnosis: Diagnosis) -> str:
     named, left = names(diagnosis.causes), resemblance(diagnosis.discrepancy)
     if diagnosis.verdict == "adequate":
-        return "The mission's model is adequate for these data: nothing in them asks for a cause."
+        return (
+            f"The mission's model is adequate for these data: nothing in them asks for a cause.{_confirmed(diagnosis)}"
+        )
     if diagnosis.verdict == "unexplained":
         return f"Something is left that no cause of the catalogue explains: it {left}."
     if diagnosis.verdict == "partly-explained":
@@ -75,9 +88,43 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
         words = f"The data fit {named}{rest}."
     else:
         words = f"The misfit is explained by {named}."
+    words += _changed(diagnosis)
     if any(CATALOGUE[cause].tier == "statistical" for cause in diagnosis.causes):
         words += " Part of this describes the errors statistically; its physical cause is not identified."
     return words
+
+
+def _confirmed(diagnosis: Diagnosis) -> str:
+    """Say what the data bear out of what the mission knew."""
+    before = {(p.effect, p.name): p for p in diagnosis.known}
+    told = [
+        f"{_parameter_words(p)} is {sized(p)}, was {sized(before[p.effect, p.name])}"
+        for p in diagnosis.confirmed[:_CONFIRMED]
+    ]
+    more = len(diagnosis.confirmed) - len(told)
+    return f" Confirmed: {'; '.join(told)}{f'; and {more} more below' if more else ''}." if told else ""
+
+
+def _changed(diagnosis: Diagnosis) -> str:
+    """Say what is not as the mission knew it."""
+    after = {(p.effect, p.name): p for p in claimed_parameters(diagnosis)}
+    told = [
+        f"{_parameter_words(p)} has changed from {sized(p)} to {sized(after[p.effect, p.name])}"
+        for p in diagnosis.known
+        if p.effect in diagnosis.changed and (p.effect, p.name) in after
+    ]
+    return f" {_sentence('; '.join(told))}." if told else ""
+
+
+def _parameter_words(parameter: ParameterEstimate) -> str:
+    """Name a parameter: its effect alone where that has no other."""
+    effect = names((parameter.effect,))
+    alone = len(CATALOGUE[parameter.effect].parameters) == 1
+    return effect if alone else f"{parameter.name.replace('_', ' ')} of {effect}"
+
+
+def _sentence(words: str) -> str:
+    return words[:1].upper() + words[1:]
 
 
 def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:

@@ -63,13 +63,14 @@ def test_student_marginal_tends_to_the_gaussian():
 
 
 def test_expected_ratio_is_the_mean_over_draws():
-    first, second = np.diag([1.0, 2.0]), np.diag([3.0, 1.0])
-    mean, truth = np.array([0.5, -0.2]), np.diag([1.5, 1.0])
-    draws = mean + RNG.normal(size=(40_000, 2)) * np.sqrt(np.diag(truth))
-    laws = [stats.multivariate_normal(np.zeros(2), covariance) for covariance in (first, second)]
+    first = np.array([0.1, 0.3]), np.diag([1.0, 2.0])
+    second = np.array([-0.2, 0.0]), np.diag([3.0, 1.0])
+    truth = np.array([0.5, -0.2]), np.diag([1.5, 1.0])
+    draws = truth[0] + RNG.normal(size=(40_000, 2)) * np.sqrt(np.diag(truth[1]))
+    laws = [stats.multivariate_normal(*law) for law in (first, second)]
     sampled = laws[0].logpdf(draws) - laws[1].logpdf(draws)
     error = 4.0 * sampled.std() / 200.0
-    assert expected_log_ratio(mean, truth, first, second) == pytest.approx(sampled.mean(), abs=error)
+    assert expected_log_ratio(truth, first, second) == pytest.approx(sampled.mean(), abs=error)
 
 
 def test_student_marginal_is_the_integral_over_the_coefficient():
