@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 
@@ -44,38 +46,48 @@ class LegCase:
         How the case differs from the mission; empty for the mission itself.
     sigma : float
         σ_v of the trials [m/s].
-    mean_error : tuple of float
-        v̄ of the trials in addition to the mission's, east and north [m/s].
+    mean_error, surface_drift : tuple of float
+        Velocity under way and at the surface in addition to the mission's, east and north [m/s].
     fixed, adaptive : SampledCost
         With the best fixed d_max and with the table of legs.
     saving, saving_error : float
         Mean time that the table saves, and its standard error, paired trial by trial [s].
     energy_saving, energy_saving_error : float
         Mean energy that the table saves, likewise; nan where the mission has no energy budget [J].
+    late_saving, late_saving_error : float
+        For the aim ``p95`` alone: by how much sooner 95 % of all trials arrive, and its standard error [s]; where the
+        mission has a deadline, by how much its probability is greater.
     """
 
     name: str
     sigma: float
     mean_error: tuple[float, float]
+    surface_drift: tuple[float, float]
     fixed: SampledCost
     adaptive: SampledCost
     saving: float
     saving_error: float
     energy_saving: float
     energy_saving_error: float
+    late_saving: float = float("nan")
+    late_saving_error: float = float("nan")
 
     def saving_for(self, aim: str) -> tuple[float, float]:
-        """Return the saving and its standard error: energy for the aim ``energy`` [J], else time [s]."""
+        """Return what the table saves by an aim, and its standard error [J for energy, s, or a probability]."""
         if aim == "energy":
             return self.energy_saving, self.energy_saving_error
+        if aim == "p95":
+            return self.late_saving, self.late_saving_error
         return self.saving, self.saving_error
 
     def summary(self) -> dict[str, object]:
         """Return the entry of ``summary.json``."""
+        late = np.isfinite(self.late_saving_error)
         return {
             "name": self.name or "as the mission",
             "sigma_m_s": self.sigma,
             "mean_error_m_s": list(self.mean_error),
+            "surface_drift_m_s": list(self.surface_drift),
             "fixed": self.fixed.summary(),
             "adaptive": self.adaptive.summary(),
             "saving_s": {"mean": self.saving, "standard_error": self.saving_error},
@@ -83,6 +95,7 @@ class LegCase:
                 "mean": self.energy_saving / JOULES_PER_WATT_HOUR,
                 "standard_error": self.energy_saving_error / JOULES_PER_WATT_HOUR,
             },
+            **({"gain_p95": {"mean": self.late_saving, "standard_error": self.late_saving_error}} if late else {}),
         }
 
 

@@ -8,7 +8,12 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
-from missionplan.results.leg_cases import CandidatePlan, LegCase
+from missionplan.results.leg_cases import CandidatePlan, LegCase, SampledCost
+
+LEAST_SHARE = 0.01
+"""Share of what the fixed d_max takes that a table must save to be worth its complication."""
+LEAST_ERRORS = 3.0
+"""Standard errors of the saving that a table must save."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +34,8 @@ class LegPlan(Result):
         How the table was found, in a sentence.
     deadline : float
         For the end of the transit, for ``p95``; infinite without one [s].
+    required_arrival : float
+        Probability of arriving that legs must have to be recommended: the mission's requirement on it.
     distance, speed, arrival_radius, surfacing_time, sigma : float
         Of the transit, distributions at their means; the speed is chosen for ``energy`` [m, m/s, m, s, m/s].
     mission_speed : float
@@ -69,6 +76,7 @@ class LegPlan(Result):
     speed: float
     mission_speed: float
     arrival_radius: float
+    required_arrival: float
     surfacing_time: float
     sigma: float
     planned_sigma: float
@@ -104,13 +112,47 @@ class LegPlan(Result):
 
     @property
     def recommended(self) -> bool:
-        """Whether the table does better in the mission's own trials by more than two standard errors."""
-        if self.aim == "p95":
-            fixed, *_, table = self.candidates
-            gain = table.value - fixed.value if np.isfinite(self.deadline) else fixed.value - table.value
-            return gain > 2.0 * float(np.hypot(fixed.standard_error, table.standard_error))
+        """Whether to take the table: it saves enough for certain, under every doubt, and arrives as often."""
+        return self.adapts and self.saves_for_certain and self.saves_enough and self.keeps_arrivals and not self.losing
+
+    @property
+    def saves_for_certain(self) -> bool:
+        """Whether the table saves more than three standard errors in the mission's own trials."""
         saving, error = self.cases[0].saving_for(self.aim)
-        return saving > 2.0 * error
+        return saving > LEAST_ERRORS * error
+
+    @property
+    def saves_enough(self) -> bool:
+        """Whether the table saves more than a hundredth of what the fixed d_max takes."""
+        return self.cases[0].saving_for(self.aim)[0] > LEAST_SHARE * self.whole
+
+    @property
+    def keeps_arrivals(self) -> bool:
+        """Whether the table arrives as often as required, or as the fixed d_max where that does not either."""
+        own = self.cases[0]
+        return own.adaptive.arrived.value >= min(self.required_arrival, own.fixed.arrived.value)
+
+    @property
+    def losing(self) -> tuple[LegCase, ...]:
+        """The doubts under which the table does not save."""
+        return tuple(case for case in self.cases[1:] if not case.saving_for(self.aim)[0] > 0.0)
+
+    @property
+    def whole(self) -> float:
+        """What the best fixed d_max takes by the aim, of which the table saves a part [s, J, or 1 for a deadline]."""
+        if self.aim == "energy" or (self.aim == "p95" and not np.isfinite(self.deadline)):
+            return self.candidates[0].value
+        return 1.0 if self.aim == "p95" else (1.0 + self.cases[0].fixed.cost) * self.nominal_time
+
+    @property
+    def chosen(self) -> SampledCost:
+        """Trials of the plan that is recommended."""
+        return self.cases[0].adaptive if self.recommended else self.cases[0].fixed
+
+    @property
+    def reaches(self) -> bool:
+        """Whether the plan that is recommended arrives as often as required."""
+        return self.chosen.arrived.value >= self.required_arrival
 
     @property
     def adapts(self) -> bool:
@@ -119,9 +161,9 @@ class LegPlan(Result):
 
     @property
     def d_max(self) -> dict[str, list[list[str]]] | str:
-        """The table as in a mission file, to 0.1 m; a single length where it does not adapt."""
-        if not self.adapts:
-            return f"{self.leg[0]:.1f} m"
+        """What is recommended as in a mission file: the table to 0.1 m, else the fixed d_max."""
+        if not self.recommended:
+            return f"{self.fixed_d_max:.1f} m"
         return {"table": [[f"{left:.1f} m", f"{leg:.1f} m"] for left, leg in zip(self.left, self.leg, strict=True)]}
 
     @property
@@ -142,7 +184,9 @@ class LegPlan(Result):
         return {**self.provenance.data, "phases": planned}
 
     def to_frame(self) -> pd.DataFrame:
-        """One row per knot of the table."""
+        """One row per knot of the table where it is recommended; else one row, the fixed d_max."""
+        if not self.recommended:
+            return pd.DataFrame({"distance_left_m": [self.distance], "leg_m": [self.fixed_d_max]})
         return pd.DataFrame({"distance_left_m": self.left, "leg_m": self.leg, "aim_short_m": self.left - self.leg})
 
     def files(self) -> dict[str, str | bytes]:
@@ -176,6 +220,8 @@ class LegPlan(Result):
             },
             "saving_s": self.saving,
             "recommended": "adaptive" if self.recommended else "fixed",
+            "required_arrival": self.required_arrival,
+            "reaches_required_arrival": self.reaches,
             "cases": [case.summary() for case in self.cases],
             "contenders": [candidate.summary() for candidate in self.candidates],
         }

@@ -7,17 +7,17 @@ import pytest
 
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import Statistic, wilson
-from missionplan.report.leg_length.plan import page
+from missionplan.report.leg_length.plan import answer, page, terminal
 from missionplan.report.page import Figure, Listing, Table
 from missionplan.results.leg_cases import CandidatePlan
 from missionplan.studies.leg_length.plan_legs import plan_legs
 
 MISSION = """
 name: Legs
-navigation: {velocity_error: {sigma: 0.05 m/s}, surfacing_time: 90 s}
+navigation: {velocity_error: {sigma: 0.15 m/s}, surfacing_time: 90 s}
 phases:
-  - transit: {name: in, from: [0 m, 0 m], to: [3 km, 1 km], speed: 1 m/s, d_max: 1 km, arrival_radius: 50 m}
-monte_carlo: {trials: 400, seed: 5}
+  - transit: {name: in, from: [0 m, 0 m], to: [3 km, 1 km], speed: 1 m/s, d_max: 1 km, arrival_radius: 20 m}
+monte_carlo: {trials: 2000, seed: 5}
 """
 
 
@@ -30,7 +30,8 @@ def adaptive(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def fixed(adaptive):
-    return replace(adaptive, left=np.array([50.0]), leg=np.array([693.25]), speed=0.845, mission_speed=1.0)
+    own, knot = np.array([693.25]), np.array([20.0])
+    return replace(adaptive, left=knot, leg=own, fixed_d_max=693.25, speed=0.845, mission_speed=1.0)
 
 
 def blocks(plan, kind):
@@ -57,8 +58,42 @@ def test_two_plans_are_set_beside_each_other_only_where_there_are_two(adaptive, 
     assert all("able" not in head for table in blocks(fixed, Table) for head in table.columns)
 
 
+def test_a_table_that_is_not_worth_it_is_not_shown_but_what_it_would_bring_is(adaptive):
+    own, *others = adaptive.cases
+    small = replace(adaptive, cases=(replace(own, saving=10.0, saving_error=1.0), *others))
+    assert answer(small).startswith("Keep a fixed d_max of ")
+    assert answer(small).endswith(
+        ": a table of legs would bring 10.0\u00a0±\u00a01.0\u00a0s less time on average, no more than 1\u00a0% of the whole."
+    )
+    losing = replace(adaptive, cases=(own, *others[:-1], replace(others[-1], saving=-5.0)))
+    assert answer(losing).endswith(f"nothing or a loss with {others[-1].name}.")
+    for plan in (small, losing):
+        (listing,) = blocks(plan, Listing)
+        assert listing.text == f"d_max: {adaptive.fixed_d_max:.1f} m"
+        assert terminal(plan).columns[0] == "Errors"
+        assert all("knots" not in figure.caption for figure in [page(plan).figure, *blocks(plan, Figure)])
+
+
+def test_legs_that_arrive_less_often_than_required_are_said_to_in_red(adaptive):
+    own, *others = adaptive.cases
+    rare = wilson(1520, 2000)
+    own = replace(own, fixed=replace(own.fixed, arrived=rare), adaptive=replace(own.adaptive, arrived=rare))
+    plan = replace(adaptive, cases=(own, *others))
+    assert answer(plan).startswith("No legs arrive as often as 99\u00a0%: ")
+    assert "in 76.0\u00a0% of the trials" in answer(plan)
+    assert page(plan).verdict == terminal(plan).verdict == "bad"
+
+
+@pytest.mark.parametrize("d_max", [800.0, 3162.3, 1e9])
+def test_figures_are_drawn_where_every_leg_aims_at_the_target(adaptive, d_max):
+    flat = replace(adaptive, fixed_d_max=d_max, left=np.array([20.0]), leg=np.array([d_max]))
+    assert page(flat).figure.name == "policy"
+    long = replace(adaptive, fixed_d_max=d_max, left=np.array([20.0, 3000.0]), leg=np.array([30.0, 4000.0]))
+    assert page(long).figure.name == "policy"
+
+
 def test_an_aim_of_energy_is_judged_by_energy(adaptive):
-    case = replace(adaptive.cases[0], energy_saving=7200.0, energy_saving_error=360.0)
+    case = replace(adaptive.cases[0], energy_saving=7200.0, energy_saving_error=360.0)  # J of 36 kJ
     energy = Statistic(36e3, 3600.0, 30e3, 36e3, 42e3, 36.0, 400)
     rival = CandidatePlan("rival", 1.0, Statistic.of_constant(3600.0, 400), energy, wilson(400, 400), 36e3, 36.0)
     plan = replace(adaptive, aim="energy", cases=(case,), candidates=(rival,) * 4)
@@ -66,4 +101,6 @@ def test_an_aim_of_energy_is_judged_by_energy(adaptive):
     (table,) = (table for table in blocks(plan, Table) if table.columns[0] == "Errors")
     assert table.columns[-1] == "Energy saved (W\u202fh)"
     assert table.rows[0][-1] == "2.00\u00a0±\u00a00.10"
-    assert not replace(plan, cases=(replace(case, energy_saving=500.0),)).recommended
+    assert not replace(plan, cases=(replace(case, energy_saving=1000.0),)).recommended  # less than three errors
+    sure = replace(case, energy_saving=350.0, energy_saving_error=10.0)
+    assert not replace(plan, cases=(sure,)).recommended  # less than 1 %

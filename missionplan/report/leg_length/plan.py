@@ -5,8 +5,14 @@ import numpy as np
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.report.display_units import Unit
 from missionplan.report.leg_length.plan_figures import cases_figure, policy_figure, tracks_figure
-from missionplan.report.leg_length.plan_tables import candidates_table, cases_table, trials_table
-from missionplan.report.numbers import length_in_words, number, percent, time_in_words, with_error
+from missionplan.report.leg_length.plan_tables import (
+    candidates_table,
+    cases_table,
+    saving_in_words,
+    saving_unit,
+    trials_table,
+)
+from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Listing, Page, PageSection, Terminal
 from missionplan.results.legs import LegPlan
 
@@ -35,28 +41,42 @@ def page(plan: LegPlan) -> Page:
             _cases_section(plan),
             *_agreement_section(plan),
         ],
-        verdict="good" if plan.recommended else "",
+        verdict=_verdict(plan),
     )
 
 
 def terminal(plan: LegPlan) -> Terminal:
-    """Build the terminal's view of a plan of legs."""
+    """Build the terminal's view: the table of legs where it is recommended, else what shows that it is not."""
+    if not plan.recommended:
+        shown = cases_table(plan)
+        return Terminal(answer(plan), list(shown.columns), [list(row) for row in shown.rows], verdict=_verdict(plan))
     rows = [
         [f"{left:.1f}", f"{leg:.1f}", f"{max(left - leg, 0.0):.1f}"]
         for left, leg in zip(plan.left, plan.leg, strict=True)
     ]
-    return Terminal(answer(plan), ["Distance left (m)", "Leg (m)", "Short of the target by (m)"], rows)
+    columns = ["Distance left (m)", "Leg (m)", "Short of the target by (m)"]
+    return Terminal(answer(plan), columns, rows, verdict=_verdict(plan))
+
+
+def _verdict(plan: LegPlan) -> str:
+    if not plan.reaches:
+        return "bad"
+    return "good" if plan.recommended else ""
 
 
 def answer(plan: LegPlan) -> str:
     """Write whether to let the legs adapt, and what it saves."""
     fixed = f"the best fixed d_max, {length_in_words(plan.fixed_d_max)}"
     speed = _speed_in_words(plan) if plan.aim == "energy" else ""
-    if not plan.recommended:
+    if not plan.reaches:
+        arriving = share(plan.chosen.arrived)
+        what = "the table of legs" if plan.recommended else f"a fixed d_max of {length_in_words(plan.fixed_d_max)}"
         return (
-            f"Keep a fixed d_max of {length_in_words(plan.fixed_d_max)}: in the trials no table of legs does better by "
-            f"more than chance.{speed}"
+            f"No legs arrive as often as {100.0 * plan.required_arrival:g}\u00a0%: the likeliest to arrive, {what}, do "
+            f"so in {arriving} of the trials.{speed}"
         )
+    if not plan.recommended:
+        return f"Keep a fixed d_max of {length_in_words(plan.fixed_d_max)}: {_why_fixed(plan)}.{speed}"
     if plan.aim == "p95":
         return f"Let the legs adapt: {_slow_transits_in_words(plan, fixed)}"
     own = plan.cases[0]
@@ -65,6 +85,21 @@ def answer(plan: LegPlan) -> str:
         return f"Let the legs adapt: they need {saved} less energy than {fixed}.{speed}"
     saved = with_error(own.saving, own.saving_error, _SECONDS if own.saving < 120.0 else _MINUTES)
     return f"Let the legs adapt: the transit then takes {saved} less on average than with {fixed}."
+
+
+def _why_fixed(plan: LegPlan) -> str:
+    """Write why the table is not worth taking: the first of the conditions that it fails."""
+    saved = with_error(*plan.cases[0].saving_for(plan.aim), saving_unit(plan)[1])
+    what = saving_in_words(plan)
+    if not plan.adapts or not plan.saves_for_certain:
+        return "no table of legs does better for certain (three standard errors) in the trials"
+    if not plan.saves_enough:
+        return f"a table of legs would bring {saved} {what}, no more than 1\u00a0% of the whole"
+    if not plan.keeps_arrivals:
+        own = plan.cases[0]
+        return f"a table of legs would arrive less often, {share(own.adaptive.arrived)} of the time"
+    doubts = " or with ".join(case.name for case in plan.losing)
+    return f"a table of legs would bring {saved} {what} in the mission as planned, and nothing or a loss with {doubts}"
 
 
 def _slow_transits_in_words(plan: LegPlan, fixed: str) -> str:
@@ -97,9 +132,9 @@ def _numbers(plan: LegPlan) -> list[tuple[str, str]]:
     )
     if not plan.adapts:
         return [fixed]
-    what, unit = ("Energy", _WATT_HOURS) if plan.aim == "energy" else ("Time", _SECONDS)
+    head, unit = saving_unit(plan)
     return [
-        (f"{what} saved against the best fixed d_max", with_error(*own.saving_for(plan.aim), unit)),
+        (f"{head}, against the best fixed d_max", with_error(*own.saving_for(plan.aim), unit)),
         ("Mean cost of the table", with_error(own.adaptive.cost, own.adaptive.standard_error, _PERCENT)),
         fixed,
     ]
@@ -117,13 +152,13 @@ def _candidates_section(plan: LegPlan) -> list[PageSection]:
         return []
     has_deadline = bool(np.isfinite(plan.deadline))
     best = max(plan.candidates, key=lambda candidate: candidate.value if has_deadline else -candidate.value)
-    found = best.name if plan.recommended else "no table beats the best fixed d_max by more than chance"
+    found = best.name if plan.recommended else f"the fixed d_max is kept, as {_why_fixed(plan)}"
     what = "Least energy" if plan.aim == "energy" else "Most often on time" if has_deadline else "Shortest 95 % time"
     return [PageSection(f"{what}: {found}", [plan.how_found, candidates_table(plan)])]
 
 
 def _mission_file_section(plan: LegPlan) -> PageSection:
-    explained = [_table_in_words(plan)] if plan.adapts else []
+    explained = [_table_in_words(plan)] if plan.recommended else []
     return PageSection("What to write in the mission file", [*explained, Listing(_yaml_of_changes(plan))])
 
 
@@ -148,7 +183,7 @@ def _yaml_of_changes(plan: LegPlan) -> str:
 def _surfacings_heading(plan: LegPlan) -> str:
     own = plan.cases[0]
     fixed = f"{own.fixed.surfacings:.2f}"
-    if not plan.adapts:
+    if not plan.recommended:
         return f"The vehicle surfaces {fixed} times on average"
     table = f"{own.adaptive.surfacings:.2f}"
     return f"The vehicle surfaces {table} times on average with the table, {fixed} times with the best fixed d_max"
@@ -157,10 +192,9 @@ def _surfacings_heading(plan: LegPlan) -> str:
 def _cases_section(plan: LegPlan) -> PageSection:
     if not plan.adapts:
         return PageSection("What the transit costs when the errors are not as planned", [cases_table(plan)])
-    losing = [case.name for case in plan.cases[1:] if not case.saving_for(plan.aim)[0] > 0.0]
     heading = "The table still saves when the errors are not as planned"
-    if losing:
-        heading = "The table loses its advantage with " + ", or ".join(losing)
+    if plan.losing:
+        heading = "The table loses its advantage with " + ", or ".join(case.name for case in plan.losing)
     return PageSection(heading, [cases_figure(plan), cases_table(plan)])
 
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.report.leg_length.plan_tables import saving_unit
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.results.legs import LegPlan
 
@@ -19,13 +19,13 @@ def policy_figure(plan: LegPlan) -> Figure:
     legs, aims = figure.subplots(2, 1)
     _draw_lengths(legs, plan)
     _draw_aims(aims, plan)
-    plans = "Blue: the table, dots its knots; grey: the best fixed d_max" if plan.adapts else "The best fixed d_max"
+    plans = "Blue: the table, dots its knots; grey: the best fixed d_max" if plan.recommended else "The fixed d_max"
     return to_figure(
         figure,
         "policy",
         alt=(
             f"Leg length against distance left: far out legs stop short of the target, near it they end "
-            f"{'just inside the arrival circle of' if plan.adapts else 'at its middle, the arrival circle being'} "
+            f"{'just inside the arrival circle of' if plan.recommended else 'at its middle, the arrival circle being'} "
             f"{plan.arrival_radius:.0f} m"
         ),
         caption=(
@@ -41,7 +41,7 @@ def _draw_lengths(axes: Axes, plan: LegPlan) -> None:
     left = np.union1d(np.linspace(plan.arrival_radius, plan.distance, 400), knots)
     colour, width = _fixed_look(plan)
     axes.plot(left / 1000.0, np.minimum(left, plan.fixed_d_max) / 1000.0, color=colour, linewidth=width)
-    if plan.adapts:
+    if plan.recommended:
         table = LegTable(plan.left, plan.leg)
         axes.plot(left / 1000.0, table(left) / 1000.0, color=BLUE)
         axes.plot(knots / 1000.0, table(knots) / 1000.0, ".", color=BLUE, markersize=5)
@@ -53,16 +53,24 @@ def _draw_aims(axes: Axes, plan: LegPlan) -> None:
     """Draw how far short of the target legs are aimed, on logarithmic axes."""
     left = np.union1d(np.geomspace(plan.arrival_radius, plan.distance, 400), _knots(plan))
     colour, width = _fixed_look(plan)
-    axes.plot(left, _short(left, np.minimum(left, plan.fixed_d_max)), color=colour, linewidth=width)
-    if plan.adapts:
-        axes.plot(left, _short(left, LegTable(plan.left, plan.leg)(left)), color=BLUE)
+    short = _short(left, np.minimum(left, plan.fixed_d_max))
+    axes.plot(left, short, color=colour, linewidth=width)
+    some_stop_short = bool(np.isfinite(short).any())
+    if plan.recommended:
+        by_table = _short(left, LegTable(plan.left, plan.leg)(left))
+        axes.plot(left, by_table, color=BLUE)
+        some_stop_short |= bool(np.isfinite(by_table).any())
     radius = plan.arrival_radius
     axes.axhline(radius, color=ORANGE, linewidth=1.0, linestyle=(0, (4, 3)))
     axes.annotate(
         "arrival radius", (left[-1], radius), xytext=(0, 3), textcoords="offset points", ha="right", color=ORANGE
     )
-    axes.set(xlabel="Distance left (m)", ylabel="Leg stops short of\nthe target by (m)", xscale="log", yscale="log")
-    for axis in (axes.xaxis, axes.yaxis):
+    axes.set(xlabel="Distance left (m)", ylabel="Leg stops short of\nthe target by (m)", xscale="log")
+    if some_stop_short:
+        axes.set(yscale="log")
+    else:  # every leg aims at the target itself: a logarithmic axis would have nothing to show
+        axes.set(xlim=(left[0], left[-1]), ylim=(0.0, 2.0 * radius))
+    for axis in (axes.xaxis, axes.yaxis) if some_stop_short else (axes.xaxis,):
         low, high = axis.get_view_interval()
         axis.set_major_formatter(lambda value, _: f"{value:g}")
         axis.set_minor_formatter(_with_first_digit("25" if high > 10.0 * low else "2468"))
@@ -80,7 +88,7 @@ def _knots(plan: LegPlan) -> Array:
 
 def _fixed_look(plan: LegPlan) -> tuple[str, float | None]:
     """Colour and line width of the fixed d_max: thin and grey beside a table."""
-    return (GREY, 1.0) if plan.adapts else (BLUE, None)
+    return (GREY, 1.0) if plan.recommended else (BLUE, None)
 
 
 def _short(left: Array, leg: Array) -> Array:
@@ -91,20 +99,20 @@ def _short(left: Array, leg: Array) -> Array:
 def tracks_figure(plan: LegPlan) -> Figure:
     """Draw tracks of the same trials by both plans, or by the one there is, along and across the course."""
     plans = [(f"Best fixed d_max, {plan.fixed_d_max:.0f} m", plan.fixed_tracks)]
-    plans += [("Table", plan.adaptive_tracks)] if plan.adapts else []
+    plans += [("Table", plan.adaptive_tracks)] if plan.recommended else []
     figure = MatplotlibFigure(figsize=(6.0, 0.2 + 2.4 * len(plans)))
     rows = figure.subplots(len(plans), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     for axes, (title, tracks) in zip(rows, plans, strict=True):
         _draw_tracks(axes, plan, tracks)
         axes.set(title=title, ylabel="Across (m, to port)")
     rows[-1].set(xlabel="Along the course (km)")
-    number, both = plan.fixed_tracks.shape[2], ", with the same errors, by both plans" if plan.adapts else ""
+    number, both = plan.fixed_tracks.shape[2], ", with the same errors, by both plans" if plan.recommended else ""
     return to_figure(
         figure,
         "tracks",
-        alt=f"Tracks of {number} trials{' by both plans' if plan.adapts else ''}, with dots where they surface",
+        alt=f"Tracks of {number} trials{' by both plans' if plan.recommended else ''}, with dots where they surface",
         caption=(
-            f"{'The same ' if plan.adapts else ''}{number} trials{both}; across the course the scale is larger. "
+            f"{'The same ' if plan.recommended else ''}{number} trials{both}; across the course the scale is larger. "
             "Dots: at the surface; ellipse: the arrival circle."
         ),
     )
@@ -131,17 +139,17 @@ def cases_figure(plan: LegPlan) -> Figure:
     figure = MatplotlibFigure(figsize=(6.0, 0.8 + 0.42 * len(plan.cases)))
     axes = figure.subplots()
     place = np.arange(len(plan.cases))[::-1]
-    what, unit, scale = ("Energy", "W\u202fh", JOULES_PER_WATT_HOUR) if plan.aim == "energy" else ("Time", "s", 1.0)
-    saved, error = np.array([case.saving_for(plan.aim) for case in plan.cases]).T / scale
+    what, unit = saving_unit(plan)
+    saved, error = np.array([case.saving_for(plan.aim) for case in plan.cases]).T / unit.size
     axes.errorbar(saved, place, xerr=1.96 * np.nan_to_num(error), fmt="o", color=BLUE, markersize=5)
     axes.axvline(0.0, color=GREY, linewidth=1.0)
     axes.set_yticks(place, [_wrapped(case.name or "as the mission") for case in plan.cases])
-    axes.set(xlabel=f"{what} that the table saves ({unit})", ylim=(-0.6, len(plan.cases) - 0.4))
+    axes.set(xlabel=f"{what} by the table{unit.axis}", ylim=(-0.6, len(plan.cases) - 0.4))
     axes.grid(visible=False, axis="y")
     return to_figure(
         figure,
         "robustness",
-        alt=f"{what} that the table saves against the best fixed d_max, when the errors are as planned and when not",
+        alt=f"{what} by the table, against the best fixed d_max, when the errors are as planned and when not",
         caption="With 95 % intervals, paired trial by trial. Right of the line the table is better.",
     )
 

@@ -11,6 +11,7 @@ from missionplan.results.legs import LegPlan
 
 _BARE_PERCENT = Unit("", 0.01)
 _BARE_MINUTES = Unit("", 60.0)
+_SECONDS = Unit("s", 1.0)
 _BARE_WATT_HOURS = Unit("", JOULES_PER_WATT_HOUR)
 
 
@@ -66,7 +67,8 @@ def cases_table(plan: LegPlan) -> Table:
     """Tabulate the costs when the errors are as planned and when they are not."""
     heads = ["Errors", "Fixed d_max (%)"]
     if plan.adapts:
-        heads += ["Table (%)", "Energy saved (W\u202fh)" if plan.aim == "energy" else "Time saved (s)"]
+        what, unit = saving_unit(plan)
+        heads += ["Table (%)", f"{what}{unit.axis}"]
     rows = [_case_row(plan, case) for case in plan.cases]
     return Table(heads, rows, caption=f"Every row has the same {'two plans' if plan.adapts else 'plan'}.")
 
@@ -74,5 +76,23 @@ def cases_table(plan: LegPlan) -> Table:
 def _case_row(plan: LegPlan, case: LegCase) -> list[str]:
     costs = [case.fixed, case.adaptive] if plan.adapts else [case.fixed]
     row = [case.name or "as the mission", *(with_error(it.cost, it.standard_error, _BARE_PERCENT) for it in costs)]
-    unit = _BARE_WATT_HOURS if plan.aim == "energy" else Unit("", 1.0)
+    unit = Unit("", saving_unit(plan)[1].size)
     return [*row, with_error(*case.saving_for(plan.aim), unit)] if plan.adapts else row
+
+
+def saving_unit(plan: LegPlan) -> tuple[str, Unit]:
+    """Return what the table saves by the aim, as a heading, and its unit."""
+    if plan.aim == "energy":
+        return "Energy saved", Unit("W\u202fh", JOULES_PER_WATT_HOUR)
+    if plan.aim == "p95":
+        return ("On time more often", Unit("%", 0.01)) if np.isfinite(plan.deadline) else ("95 % time saved", _SECONDS)
+    return "Time saved", _SECONDS
+
+
+def saving_in_words(plan: LegPlan) -> str:
+    """Return what the table saves by the aim, as the end of "would bring 3 s …"."""
+    if plan.aim == "energy":
+        return "less energy"
+    if plan.aim == "p95":
+        return "more transits in time" if np.isfinite(plan.deadline) else "less for 95 % of the transits"
+    return "less time on average"

@@ -16,10 +16,19 @@ from scipy.optimize import minimize_scalar
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
+from missionplan.montecarlo.parallel_blocks import Progress
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.analytic_transit import AnalyticTransit
 from missionplan.studies.leg_length.leg_spread import LegSpread, fit_leg_spread
-from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, Objective, PlanTrials
+from missionplan.studies.leg_length.paired_trials import (
+    PILOT_BLOCK,
+    LegsAtSpeed,
+    Objective,
+    PlanTrials,
+    Score,
+    arrival_shortfall,
+    run_plans,
+)
 from missionplan.studies.leg_length.policy_search import SPREAD_FACTORS, PolicyFamily, search_policies
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
@@ -99,8 +108,14 @@ class OptimisedLegs:
         return LegsAtSpeed(self.table, self.speed_factor)
 
 
-def optimise_legs(scenario: SweepScenario, aim: LegAim, seed: int, spread: LegSpread | None = None) -> OptimisedLegs:
-    """Find the best legs for an aim.
+def optimise_legs(
+    scenario: SweepScenario,
+    aim: LegAim,
+    seed: int,
+    spread: LegSpread | None = None,
+    progress: Progress | None = None,
+) -> OptimisedLegs:
+    """Find the best legs for an aim, among those that arrive as often as the mission requires; else the likeliest to.
 
     Parameters
     ----------
@@ -111,6 +126,8 @@ def optimise_legs(scenario: SweepScenario, aim: LegAim, seed: int, spread: LegSp
         Of the pilot trials.
     spread : LegSpread, optional
         Of legs in the pilot trials, where it is known already.
+    progress : callable, optional
+        Called with (done, total) pilot trials.
 
     Raises
     ------
@@ -118,41 +135,55 @@ def optimise_legs(scenario: SweepScenario, aim: LegAim, seed: int, spread: LegSp
         When no legs can be planned.
     """
     obstacle = scenario.analytic_obstacle()
+    pilot = _Pilot(seed, progress, bool(obstacle))
     try:
         transit = AnalyticTransit(scenario, LegSpread(scenario.sigma(0), 0.0), scenario.speed, scenario.surfacing_time)
         transit.expected(scenario.distance)  # refuses errors that no legs can cope with
         if obstacle:
             transit = replace(transit, spread=spread or fit_leg_spread(scenario, seed))
         if aim.name == "energy":
-            return _for_energy(transit, seed, on_trials=bool(obstacle))
+            return _for_energy(transit, pilot)
         if aim.name == "p95":
-            return _for_deadline(transit, aim.deadline, seed)
-        return _for_mean_time(transit, seed, on_trials=bool(obstacle))
+            return _for_deadline(transit, aim.deadline, pilot)
+        return _for_mean_time(transit, pilot)
     except ValueError as error:
         raise InputError([Problem(str(error), scenario.mission.file, key=scenario.phase.name)]) from error
 
 
-def _for_mean_time(transit: AnalyticTransit, seed: int, *, on_trials: bool) -> OptimisedLegs:
+@dataclass(frozen=True)
+class _Pilot:
+    """Pilot trials: their seed, a progress bar, and whether legs must be chosen on them, not by the equation alone."""
+
+    seed: int
+    progress: Progress | None
+    is_needed: bool
+
+
+def _for_mean_time(transit: AnalyticTransit, pilot: _Pilot) -> OptimisedLegs:
     """Least expected time."""
-    if not on_trials:
-        return _analytic(
+    if not pilot.is_needed:
+        found = _analytic(
             transit, "Dynamic programming over the distance left: exact for isotropic errors drawn anew for each leg."
         )
+        if _arrive(transit.scenario, found, pilot.seed):
+            return found
     how_found = (
         "Dynamic programming with the spread of legs that a pilot of the mission's own trials shows, and such "
         "legs for other spreads and with other first legs, chosen on common trials."
     )
-    return _on_trials(transit, MEAN_FAMILY, lambda trials: _mean(trials, trials.duration), seed, how_found)
+    required = transit.scenario.required_arrival
+    return _on_trials(transit, MEAN_FAMILY, lambda trials: _mean(trials, trials.cost, required), pilot, how_found)
 
 
-def _for_deadline(transit: AnalyticTransit, deadline: float, seed: int) -> OptimisedLegs:
+def _for_deadline(transit: AnalyticTransit, deadline: float, pilot: _Pilot) -> OptimisedLegs:
     """Least 95 % quantile of the time, or greatest probability of meeting a deadline, in a family of policies."""
+    required = transit.scenario.required_arrival
 
-    def lateness(trials: PlanTrials) -> float:
+    def lateness(trials: PlanTrials) -> Score:
         time = np.where(trials.arrived, trials.duration, np.inf)
-        if np.isfinite(deadline):
-            return -float(np.mean(time <= deadline))
-        return float(np.quantile(time, DEADLINE_QUANTILE, method="higher"))
+        if np.isfinite(deadline):  # of all trials, so that those that never arrive count already
+            return 0.0, -float(np.mean(time <= deadline))
+        return arrival_shortfall(trials, required), float(np.quantile(time, DEADLINE_QUANTILE, method="higher"))
 
     family = DEADLINE_FAMILY
     goal = "the probability of meeting the deadline" if np.isfinite(deadline) else "the 95 % quantile of the time"
@@ -161,10 +192,10 @@ def _for_deadline(transit: AnalyticTransit, deadline: float, seed: int) -> Optim
         f"{len(family.spread_factors)} spreads, for the best of them also for other prices of a surfacing, larger and "
         "smaller, with first legs of all lengths, and fixed d_max."
     )
-    return _on_trials(transit, family, lateness, seed, how_found)
+    return _on_trials(transit, family, lateness, pilot, how_found)
 
 
-def _for_energy(transit: AnalyticTransit, seed: int, *, on_trials: bool) -> OptimisedLegs:
+def _for_energy(transit: AnalyticTransit, pilot: _Pilot) -> OptimisedLegs:
     """Least expected energy: a surfacing costs joules, a metre costs joules, and the speed is chosen too.
 
     The speed by Brent's method, golden sections with parabolic interpolation (Brent 1973, Algorithms for Minimization
@@ -189,9 +220,12 @@ def _for_energy(transit: AnalyticTransit, seed: int, *, on_trials: bool) -> Opti
         "Dynamic programming with prices of a metre and of a surfacing in joules, and a search over the speed "
         f"from {slowest:g} to {fastest:g} times the mission's."
     )
-    if on_trials:
-        return _on_trials(best, MEAN_FAMILY, lambda trials: _mean(trials, trials.energy), seed, how_found)
-    return _analytic(best, how_found)
+    if not pilot.is_needed:
+        analytic = _analytic(best, how_found)
+        if _arrive(scenario, analytic, pilot.seed):
+            return analytic
+    required = scenario.required_arrival
+    return _on_trials(best, MEAN_FAMILY, lambda trials: _mean(trials, trials.energy, required), pilot, how_found)
 
 
 def _energy_rates(scenario: SweepScenario, speed: float) -> tuple[float, float]:
@@ -209,16 +243,22 @@ def _energy_rates(scenario: SweepScenario, speed: float) -> tuple[float, float]:
     return under_way, surfacing
 
 
-def _mean(trials: PlanTrials, values: Array) -> float:
-    """Mean over the trials that arrive, divided by the share that does."""
-    share = float(np.mean(trials.arrived))
-    return float(np.mean(values[trials.arrived])) / share if share else float("inf")
+def _mean(trials: PlanTrials, values: Array, required: float) -> Score:
+    """Score of a mean over the trials that arrive."""
+    mean = float(np.mean(values[trials.arrived])) if trials.arrived.any() else float("inf")
+    return arrival_shortfall(trials, required), mean
+
+
+def _arrive(scenario: SweepScenario, found: OptimisedLegs, seed: int) -> bool:
+    """Whether both plans arrive as often as required in the pilot trials: the integral equation has no `max_legs`."""
+    pilots = run_plans(scenario, (found.fixed, found.adaptive), seed, PILOT_BLOCK)
+    return all(arrival_shortfall(trials, scenario.required_arrival) == 0.0 for trials in pilots)
 
 
 def _on_trials(
-    transit: AnalyticTransit, family: PolicyFamily, objective: Objective, seed: int, how_found: str
+    transit: AnalyticTransit, family: PolicyFamily, objective: Objective, pilot: _Pilot, how_found: str
 ) -> OptimisedLegs:
-    d_max, table = search_policies(transit, family, objective, seed)
+    d_max, table = search_policies(transit, family, objective, pilot.seed, pilot.progress)
     return _optimised(transit, d_max, table, how_found)
 
 

@@ -4,17 +4,18 @@ Differences between plans on common trials are known much better than either pla
 and Analysis, sect. 11.2).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.effects.surface_drift import SurfaceDrift
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.transit.compensation import Compensation
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.phases.transit.plan import TransitPlan, VelocityError
+from missionplan.phases.transit.plan import Environment, TransitPlan, VelocityError
 from missionplan.phases.transit.transit import transit
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
@@ -51,18 +52,27 @@ class ErrorScenario:
     sigma_factor : float
         On Σ_v's root.
     mean : tuple of float
-        Beyond the mission's v̄, east and north [m/s].
+        Under way, beyond the mission's v̄, east and north [m/s].
+    surface : tuple of float
+        At the surface, beyond the mission's current, east and north [m/s].
     """
 
     name: str
     sigma_factor: float = 1.0
     mean: tuple[float, float] = (0.0, 0.0)
+    surface: tuple[float, float] = (0.0, 0.0)
 
     def applied_to(self, plan: TransitPlan) -> TransitPlan:
         """Replace the velocity error of a plan."""
         error = plan.velocity_error
         shifted = VelocityError(error.mean + np.array(self.mean)[:, None], error.root * self.sigma_factor)
         return replace(plan, velocity_error=shifted)
+
+    def applied_to_surface(self, environment: Environment) -> Environment:
+        """Add the drift at the surface."""
+        if not any(self.surface):
+            return environment
+        return replace(environment, effects=(*environment.effects, SurfaceDrift(*self.surface)))
 
 
 AS_PLANNED = ErrorScenario("")
@@ -94,8 +104,19 @@ class PlanTrials:
     track: Array
 
 
-Objective = Callable[[PlanTrials], float]
+Score = tuple[float, float]
+"""By how much fewer trials arrive than required, then what is to be least: the first decides, the second among equals.
+
+By it a plan that arrives as often as required is better than any that does not, and of those that do not the likeliest
+to arrive is best.
+"""
+Objective = Callable[[PlanTrials], Score]
 """Function of a plan's trials whose least value is sought."""
+
+
+def arrival_shortfall(trials: PlanTrials, required: float) -> float:
+    """By how much the share of trials that arrive is less than required."""
+    return max(required - float(np.mean(trials.arrived)), 0.0)
 
 
 def run_plans(
@@ -124,12 +145,29 @@ def run_plans(
     wrap_compensation : callable, optional
         Applied to the vehicle's compensation.
     """
+    return list(
+        iter_plans(scenario, plans, seed, block, size, case=case, tracked=tracked, wrap_compensation=wrap_compensation)
+    )
+
+
+def iter_plans(
+    scenario: SweepScenario,
+    plans: Sequence[LegsAtSpeed],
+    seed: int,
+    block: int,
+    size: int = BLOCK,
+    *,
+    case: ErrorScenario = AS_PLANNED,
+    tracked: int = 0,
+    wrap_compensation: Callable[[Compensation | None], Compensation] | None = None,
+) -> Iterator[PlanTrials]:
+    """Run every plan on the same trials of a block, one after the other; parameters as of `run_plans`."""
     drawn = Scenario.drawn(scenario.mission, scenario.means.recorded, seed=seed, block=block, size=size)
     state = scenario.state(drawn, seed, block, size)
-    normals, environment = scenario.normals(seed, block), scenario.environment(drawn)
+    normals, environment = scenario.normals(seed, block), case.applied_to_surface(scenario.environment(drawn))
     if wrap_compensation is not None:
         environment = replace(environment, compensation=wrap_compensation(environment.compensation))
-    name, found = f"{scenario.phase.name}.speed", []
+    name = f"{scenario.phase.name}.speed"
     at_speed: dict[float, TransitPlan] = {}
     for legs in plans:
         factor = legs.speed_factor
@@ -139,38 +177,57 @@ def run_plans(
         plan = replace(at_speed[factor], d_max=legs.d_max)
         _, record = transit(plan, state, normals, environment, tracked=tracked)
         nominal = plan.nominal_time(state.position)
-        found.append(
-            PlanTrials(
-                cost=plan.cost(record, nominal),
-                duration=record.duration,
-                energy=record.energy,
-                surfacings=record.surfacings,
-                arrived=record.arrived,
-                nominal=nominal,
-                track=np.empty((2, 0, 0)) if record.track is None else record.track,
-            )
+        yield PlanTrials(
+            cost=plan.cost(record, nominal),
+            duration=record.duration,
+            energy=record.energy,
+            surfacings=record.surfacings,
+            arrived=record.arrived,
+            nominal=nominal,
+            track=np.empty((2, 0, 0)) if record.track is None else record.track,
         )
-    return found
+
+
+def pilot_work(plans: int) -> int:
+    """Count the trials that `best_plan` runs for a number of plans, each trial of each plan for itself."""
+    work, left = 0, plans
+    if not plans:
+        return work
+    for trials, kept in (*HALVING_RUNGS, (BLOCK, 1)):
+        if left > kept or trials == BLOCK:
+            work, left = work + trials * left, min(left, kept)
+    return work
 
 
 def best_plan(
-    scenario: SweepScenario, plans: Sequence[LegsAtSpeed], objective: Objective, seed: int
-) -> tuple[int, float]:
+    scenario: SweepScenario,
+    plans: Sequence[LegsAtSpeed],
+    objective: Objective,
+    seed: int,
+    *,
+    advance: Callable[[int], None] | None = None,
+) -> tuple[int, Score]:
     """Find the plan of least objective on a block of pilot trials, by successive halving.
 
     All plans are screened on the first of the trials, and the best go on to more of them (Jamieson & Talwalkar 2016,
     Non-stochastic best arm identification, AISTATS, with rungs as in `HALVING_RUNGS`): as the trials are common to
-    all, differences between plans show long before their costs are known.
+    all, differences between plans show long before their costs are known. `advance`, if given, is called with the
+    number of trials whenever a plan has been run.
 
     Returns
     -------
-    index, value : int, float
+    index, value : int, Score
         Of the plan, and its objective.
     """
-    left, values = list(range(len(plans))), {}
+    left: list[int] = list(range(len(plans)))
+    values: dict[int, Score] = {}
     for trials, kept in (*HALVING_RUNGS, (BLOCK, 1)):
         if len(left) > kept or trials == BLOCK:
-            tried = run_plans(scenario, [plans[index] for index in left], seed, PILOT_BLOCK, trials)
-            values = dict(zip(left, map(objective, tried), strict=True))
+            tried = iter_plans(scenario, [plans[index] for index in left], seed, PILOT_BLOCK, trials)
+            values = {}
+            for index, run in zip(left, tried, strict=True):
+                values[index] = objective(run)
+                if advance is not None:
+                    advance(trials)
             left = sorted(left, key=values.__getitem__)[:kept]
     return left[0], values[left[0]]

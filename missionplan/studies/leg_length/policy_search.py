@@ -5,17 +5,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from missionplan.montecarlo.parallel_blocks import Progress
 from missionplan.phases.transit.analytic.bellman import JUMP
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.analytic_transit import AnalyticTransit
-from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, Objective, best_plan
+from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, Objective, Score, best_plan, pilot_work
 
 SPREAD_FACTORS = (0.7, 1.0, 1.4, 2.0)
 """Factors on the spread for which best legs are tried."""
 SURFACING_FACTORS = (0.6, 1.7)
 """Factors on the cost of a surfacing for which best legs are tried."""
 FIXED_LENGTHS = np.linspace(0.05, 1.0, 58)
-"""Fixed d_max that are tried, as shares of the distance."""
+"""Fixed d_max that are tried, besides those of the mission's sweep, as shares of the distance."""
 FIRST_LEG_SHARE = 0.97
 """Share of the distance beyond which a leg is the first."""
 
@@ -44,13 +45,40 @@ class _Policy:
     table: LegTable
 
 
+@dataclass
+class _Search:
+    """Best plans on the pilot trials, with a count of the trials for a progress bar."""
+
+    transit: AnalyticTransit
+    objective: Objective
+    seed: int
+    progress: Progress | None
+    work: int
+    done: int = 0
+
+    def best_of(self, policies: Sequence[_Policy]) -> tuple[Score, _Policy]:
+        """Find the best of some policies, with its score."""
+        plans = [LegsAtSpeed(policy.table, self.transit.speed_factor) for policy in policies]
+        index, least = best_plan(self.transit.scenario, plans, self.objective, self.seed, advance=self._advance)
+        return least, policies[index]
+
+    def _advance(self, trials: int) -> None:
+        self.done += trials
+        if self.progress is not None:
+            self.progress(self.done, self.work)
+
+
 def search_policies(
-    transit: AnalyticTransit, family: PolicyFamily, objective: Objective, seed: int
+    transit: AnalyticTransit,
+    family: PolicyFamily,
+    objective: Objective,
+    seed: int,
+    progress: Progress | None = None,
 ) -> tuple[float, LegTable]:
     """Find the best fixed d_max [m] and the best table of a family, on the same pilot trials.
 
     Each table is also tried with first legs of every length: on the first leg nothing has been learnt of the drift.
-    Where no table does better, the best fixed length is the table.
+    Where no table does better, the best fixed length is the table. `progress` is told the trials run of all.
 
     Raises
     ------
@@ -59,18 +87,20 @@ def search_policies(
     """
     distance = transit.scenario.distance
     lengths = [round(float(share * distance), 1) for share in FIXED_LENGTHS]
+    swept = [round(float(length), 1) for length in transit.scenario.d_max]
     radius = np.array([transit.scenario.arrival_radius])
-    fixed = [_Policy(1.0, LegTable(radius, np.array([length]))) for length in lengths]
+    fixed = [_Policy(1.0, LegTable(radius, np.array([length]))) for length in sorted({*lengths, *swept})]
+    variants = len(lengths) + 1
+    work = sum(
+        pilot_work(plans)
+        for plans in (len(fixed), variants * len(family.spread_factors), variants * len(family.surfacing_factors))
+    )
+    search = _Search(transit, objective, seed, progress, work)
 
-    def best_of(policies: Sequence[_Policy]) -> tuple[float, _Policy]:
-        plans = [LegsAtSpeed(policy.table, transit.speed_factor) for policy in policies]
-        index, least = best_plan(transit.scenario, plans, objective, seed)
-        return least, policies[index]
+    def best_variant(policies: Sequence[_Policy]) -> tuple[Score, _Policy]:
+        return search.best_of([variant for policy in policies for variant in _variants(policy, distance, lengths)])
 
-    def best_variant(policies: Sequence[_Policy]) -> tuple[float, _Policy]:
-        return best_of([variant for policy in policies for variant in _variants(policy, distance, lengths)])
-
-    fixed_value, constant = best_of(fixed)
+    fixed_value, constant = search.best_of(fixed)
     value, policy = best_variant(_policies(transit, [(factor, 1.0) for factor in family.spread_factors]))
     if family.surfacing_factors:
         others = _policies(transit, [(policy.spread_factor, factor) for factor in family.surfacing_factors])

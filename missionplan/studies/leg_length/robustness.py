@@ -22,22 +22,29 @@ def error_scenarios(scenario: SweepScenario) -> tuple[ErrorScenario, ...]:
         AS_PLANNED,
         ErrorScenario("σ_v half as large", 0.5),
         ErrorScenario("σ_v twice as large", 2.0),
-        *(ErrorScenario(name, mean=(float(mean[0]), float(mean[1]))) for name, mean in _mean_errors(scenario)),
+        *_mean_errors(scenario),
     )
 
 
-def _mean_errors(scenario: SweepScenario) -> list[tuple[str, Array]]:
-    """Mean errors beyond the mission's, with names; shape (2,) each [m/s]."""
-    drift, sigma = scenario.mean_drift, scenario.sigma(0)
-    if np.any(drift):
-        return [("mean drift half as large", -0.5 * drift), ("mean drift twice as large", drift)]
+def _mean_errors(scenario: SweepScenario) -> tuple[ErrorScenario, ErrorScenario]:
+    """Mean drift that is not as planned; a current that is larger or smaller is so at the surface too."""
+    drift, surface, sigma = scenario.mean_drift, scenario.mean_surface_drift, scenario.sigma(0)
+    if np.any(drift) or np.any(surface):
+        return (
+            ErrorScenario("mean drift half as large", mean=_pair(-0.5 * drift), surface=_pair(-0.5 * surface)),
+            ErrorScenario("mean drift twice as large", mean=_pair(drift), surface=_pair(surface)),
+        )
     course = scenario.means.position(scenario.phase.to, f"{scenario.phase.name}.to")
     course = course - scenario.means.position(*scenario.start)
     across = np.array([-course[1], course[0]]) / np.hypot(*course)
-    return [
-        ("unexpected mean error of σ_v/2 across the course", 0.5 * sigma * across),
-        ("unexpected mean error of σ_v across the course", sigma * across),
-    ]
+    return (
+        ErrorScenario("unexpected mean error of σ_v/2 across the course", mean=_pair(0.5 * sigma * across)),
+        ErrorScenario("unexpected mean error of σ_v across the course", mean=_pair(sigma * across)),
+    )
+
+
+def _pair(vector: Array) -> tuple[float, float]:
+    return float(vector[0]), float(vector[1])
 
 
 @dataclass(frozen=True)
@@ -99,6 +106,7 @@ def leg_case(scenario: SweepScenario, case: ErrorScenario, totals: Moments) -> L
         name=case.name,
         sigma=scenario.sigma(0) * case.sigma_factor,
         mean_error=case.mean,
+        surface_drift=case.surface,
         fixed=sampled(0),
         adaptive=sampled(1),
         saving=saving,

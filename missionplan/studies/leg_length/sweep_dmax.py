@@ -16,7 +16,7 @@ from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.base import Provenance
-from missionplan.results.sweep import USUAL_ARRIVAL, Sweep, SweepCurve, SweepPoint
+from missionplan.results.sweep import Sweep, SweepCurve, SweepPoint
 from missionplan.studies.leg_length.sweep_cells import CellTotals, run_cells
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
@@ -184,15 +184,8 @@ def _curve(scenario: SweepScenario, index: int, sampled: CellTotals | None, anal
     points = [_point(scenario, number, costs, analytic) for number in range(len(costs.cost))]
     table = points[-1] if scenario.table is not None else None
     return SweepCurve(
-        scenario.sigma(index), tuple(points[:grid]), costs.best, points[grid], table, _required_arrival(scenario)
+        scenario.sigma(index), tuple(points[:grid]), costs.best, points[grid], table, scenario.required_arrival
     )
-
-
-def _required_arrival(scenario: SweepScenario) -> float:
-    """Probability of arriving that the mission requires of the transit; the usual one where it requires none."""
-    event = f"{scenario.phase.name}.arrived"
-    required = [item.probability for item in scenario.mission.requirements if item.quantity == event]
-    return max(required, default=USUAL_ARRIVAL)
 
 
 def _point(scenario: SweepScenario, number: int, costs: _Costs, analytic: Analytic) -> SweepPoint:

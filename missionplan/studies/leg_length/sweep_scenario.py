@@ -16,6 +16,7 @@ from missionplan.phases.state import TrialState
 from missionplan.phases.transit.analytic.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
+from missionplan.results.sweep import USUAL_ARRIVAL
 from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.scenario.site_current import recorded_current
 from missionplan.scenario.transit_streams import deployed, transit_normals
@@ -86,6 +87,18 @@ class SweepScenario:
     def mean_drift(self) -> Array:
         """Mean velocity that carries the vehicle under way at the start, shape (2,) [m/s]."""
         return _mean_drift(self.means, self.phase, self.means.position(*self.start))
+
+    @property
+    def mean_surface_drift(self) -> Array:
+        """Mean velocity of the current at the surface at the start, shape (2,) [m/s]."""
+        return _mean_current(self.means, 0.0, self.means.position(*self.start))
+
+    @property
+    def required_arrival(self) -> float:
+        """Probability of arriving that the mission requires of the transit; the usual one where it requires none."""
+        event = f"{self.phase.name}.arrived"
+        required = [item.probability for item in self.mission.requirements if item.quantity == event]
+        return max(required, default=USUAL_ARRIVAL)
 
     @property
     def table(self) -> LegTable | None:
@@ -183,6 +196,9 @@ def _start(checked: TransitMission, phase: TransitPhase) -> tuple[Position, str]
 def _mean_drift(means: Scenario, phase: TransitPhase, start: Array) -> Array:
     """Mean velocity that carries the vehicle under way at the start: v̄ and the current, shape (2,) [m/s]."""
     error = means.transit_plan(phase).velocity_error.mean[:, 0]
-    if means.current is None:
-        return error
-    return error + means.current.velocity(0.0, mean_of(phase.depth), start[:, None])[:, 0]
+    return np.asarray(error + _mean_current(means, mean_of(phase.depth), start))
+
+
+def _mean_current(means: Scenario, depth: float, start: Array) -> Array:
+    """Mean current at the start, shape (2,) [m/s]."""
+    return np.zeros(2) if means.current is None else means.current.velocity(0.0, depth, start[:, None])[:, 0]

@@ -8,6 +8,7 @@ import yaml
 
 from missionplan.errors import InputError
 from missionplan.mission import load
+from missionplan.montecarlo.statistics import wilson
 from missionplan.studies.leg_length import optimise_legs, paired_trials
 from missionplan.studies.leg_length.leg_spread import fit_leg_spread
 from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan
@@ -24,6 +25,13 @@ navigation:
 phases:
   - transit: {name: in, from: [0 m, 0 m], to: [3 km, 1 km], speed: 1 m/s, d_max: 1 km, arrival_radius: 50 m}
 monte_carlo: {trials: 8000, seed: 5}
+"""
+ERRATIC = """
+name: Large errors, a small circle
+navigation: {velocity_error: {sigma: 0.15 m/s}, surfacing_time: 90 s}
+phases:
+  - transit: {name: in, from: [0 m, 0 m], to: [3 km, 1 km], speed: 1 m/s, d_max: 1 km, arrival_radius: 20 m}
+monte_carlo: {trials: 4000, seed: 5}
 """
 
 
@@ -49,7 +57,83 @@ def test_monte_carlo_agrees_with_the_integral_equation(plan):
 
 def test_legs_beat_the_best_fixed_d_max_which_beats_one_leg(plan):
     assert plan.least_cost <= plan.expected_cost < plan.fixed_cost < plan.one_leg_cost
-    assert plan.recommended
+
+
+def test_a_saving_of_less_than_a_hundredth_is_not_worth_a_table(plan):
+    saving, error = plan.cases[0].saving_for("mean")
+    assert 3.0 * error < saving < 0.01 * (plan.nominal_time * (1.0 + plan.cases[0].fixed.cost))
+    assert not plan.recommended
+    assert plan.d_max == f"{plan.fixed_d_max:.1f} m"
+    assert list(plan.to_frame()["leg_m"]) == [plan.fixed_d_max]
+
+
+@pytest.fixture(scope="module")
+def erratic(tmp_path_factory):
+    """A mission whose table of legs saves about 3 % (by the integral equation), and more with larger errors."""
+    path = tmp_path_factory.mktemp("legs") / "erratic.yaml"
+    path.write_text(ERRATIC, encoding="utf-8")
+    return load(path)
+
+
+@pytest.fixture(scope="module")
+def adaptive(erratic):
+    return plan_legs(erratic, trials=4000)
+
+
+def test_a_saving_of_three_hundredths_is_worth_a_table(adaptive):
+    whole = adaptive.nominal_time * (1.0 + adaptive.fixed_cost)
+    assert adaptive.saving / whole == pytest.approx(0.0315, abs=0.001)
+    assert adaptive.cases[0].saving == pytest.approx(adaptive.saving, abs=3.0 * adaptive.cases[0].saving_error)
+    assert adaptive.recommended
+
+
+def test_a_table_is_not_recommended_that_loses_under_a_doubt_or_arrives_less_often(adaptive):
+    own, *others = adaptive.cases
+    losing = replace(others[-1], saving=-1.0)
+    assert not replace(adaptive, cases=(own, *others[:-1], losing)).recommended
+    rarely = replace(own, adaptive=replace(own.adaptive, arrived=wilson(3900, 4000)))
+    assert not replace(adaptive, cases=(rarely, *others)).recommended
+    unsure = replace(own, saving_error=own.saving / 2.9)
+    assert not replace(adaptive, cases=(unsure, *others)).recommended
+
+
+def test_where_none_arrives_as_often_as_required_the_likeliest_to_arrive_is_chosen(tmp_path, monkeypatch):
+    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
+    path = tmp_path / "few-legs.yaml"
+    few = "navigation: {max_legs: 3, "
+    path.write_text(ERRATIC.replace("navigation: {", few), encoding="utf-8")
+    mission = load(path)
+    plan = plan_legs(mission, trials=4000)
+    assert not plan.reaches
+    curve = sweep_dmax(mission, trials=4000).curves[0]
+    assert not curve.reaches(curve.recommended)
+    arrived = plan.cases[0].fixed.arrived
+    assert arrived.value == pytest.approx(curve.recommended.arrived.value, abs=0.03)
+    assert arrived.value > curve.best.arrived.value - 0.03
+    assert plan.cases[0].fixed.arrived.value < 0.99
+
+
+def test_legs_arrive_as_often_as_the_mission_requires(tmp_path, monkeypatch):
+    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
+    path = tmp_path / "six-legs.yaml"
+    required = "requirements: [{quantity: in.arrived, probability: 0.85}]\n"
+    path.write_text(ERRATIC.replace("navigation: {", "navigation: {max_legs: 4, ") + required, encoding="utf-8")
+    mission = load(path)
+    plan, curve = plan_legs(mission, trials=4000), sweep_dmax(mission, trials=4000).curves[0]
+    assert plan.required_arrival == curve.required_arrival == 0.85
+    assert plan.cases[0].fixed.arrived.value == pytest.approx(curve.recommended.arrived.value, abs=0.03)
+
+
+def test_progress_is_shown_while_legs_are_sought(tmp_path, monkeypatch):
+    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
+    path = tmp_path / "fixes.yaml"
+    path.write_text(ERRATIC.replace("navigation: {", "navigation: {fix_error: 3 m, "), encoding="utf-8")
+    calls = []
+    plan_legs(load(path), trials=100, progress=lambda done, total: calls.append((done, total)))
+    pilot = [(done, total) for done, total in calls if total > 10_000]
+    assert len(pilot) > 100
+    assert pilot == sorted(pilot)
+    assert pilot[-1][0] == pilot[-1][1]
 
 
 def test_robustness_covers_sigma_and_mean(plan):
@@ -72,14 +156,16 @@ def test_robustness_varies_the_drift_that_the_mission_expects(tmp_path):
     assert (half.name, double.name) == ("mean drift half as large", "mean drift twice as large")
     assert half.mean_error == pytest.approx((-0.015, -0.05))
     assert double.mean_error == pytest.approx((0.03, 0.1))
+    assert half.surface_drift == pytest.approx((0.0, -0.05))
+    assert double.surface_drift == pytest.approx((0.0, 0.1))
 
 
-def test_the_mission_with_legs_loads_and_runs(plan, tmp_path):
+def test_the_mission_with_legs_loads_and_runs(adaptive, tmp_path):
     path = tmp_path / "mission.yaml"
-    path.write_text(plan.files()["mission-with-legs.yaml"], encoding="utf-8")
+    path.write_text(adaptive.files()["mission-with-legs.yaml"], encoding="utf-8")
     table = load(path).transits[0].d_max.table
-    np.testing.assert_allclose(np.array(table), np.column_stack([plan.left, plan.leg]), atol=1e-6)
-    assert yaml.safe_load(plan.files()["legs.yaml"])["d_max"] == plan.d_max
+    np.testing.assert_allclose(np.array(table), np.column_stack([adaptive.left, adaptive.leg]), atol=1e-6)
+    assert yaml.safe_load(adaptive.files()["legs.yaml"])["d_max"] == adaptive.d_max
 
 
 def test_same_numbers_for_any_jobs(mission, plan):
@@ -95,11 +181,11 @@ def test_tracks_start_together_and_end_near_the_target(plan):
             assert np.hypot(*(last - [3000.0, 1000.0])) <= 50.0
 
 
-def test_tables_and_summary(plan):
-    frame = plan.to_frame()
+def test_tables_and_summary(adaptive):
+    frame = adaptive.to_frame()
     assert list(frame.columns) == ["distance_left_m", "leg_m", "aim_short_m"]
-    summary = plan.summary()
-    assert summary["adaptive"]["cost"] == plan.expected_cost
+    summary = adaptive.summary()
+    assert summary["adaptive"]["cost"] == adaptive.expected_cost
     assert summary["recommended"] == "adaptive"
     assert len(summary["cases"]) == 5
 
@@ -133,7 +219,7 @@ def test_screening_on_few_trials_finds_the_plan_of_least_cost(mission, monkeypat
     plans = [LegsAtSpeed(float(length)) for length in np.linspace(300.0, 3100.0, 40)]
 
     def cost(run):
-        return float(run.cost.mean())
+        return 0.0, float(run.cost.mean())
 
     screened = best_plan(scenario, plans, cost, seed=7)
     monkeypatch.setattr(paired_trials, "HALVING_RUNGS", ())
@@ -173,6 +259,16 @@ def learning(tmp_path_factory):
 def test_where_drift_is_learnt_the_table_is_no_worse_than_the_best_fixed_d_max(learning):
     own = plan_legs(learning).cases[0]
     assert own.saving > -3.0 * own.saving_error
+
+
+def test_sweep_and_plan_recommend_a_d_max_of_the_same_cost_and_arrivals(learning, monkeypatch):
+    monkeypatch.setattr(optimise_legs, "MEAN_FAMILY", PolicyFamily((1.0,), ()))
+    plan, curve = plan_legs(learning, trials=4000), sweep_dmax(learning, trials=4000).curves[0]
+    chosen = min(curve.points, key=lambda point: abs(point.d_max - plan.fixed_d_max))
+    assert chosen.d_max == pytest.approx(plan.fixed_d_max, rel=0.03)
+    assert curve.reaches(chosen)
+    assert curve.reaches(curve.recommended)
+    assert chosen.cost == pytest.approx(curve.recommended.cost, abs=3.0 * max(chosen.excess_error, 1e-4))
 
 
 @pytest.mark.slow
@@ -230,12 +326,12 @@ def test_sweep_and_plan_agree_on_the_best_d_max(mission, plan):
     assert curve.best.cost == pytest.approx(plan.fixed_cost, abs=5e-4)
 
 
-def test_the_sweep_sets_a_table_beside_the_fixed_d_max(plan, tmp_path):
+def test_the_sweep_sets_a_table_beside_the_fixed_d_max(adaptive, tmp_path):
     path = tmp_path / "mission.yaml"
-    path.write_text(plan.files()["mission-with-legs.yaml"], encoding="utf-8")
+    path.write_text(adaptive.files()["mission-with-legs.yaml"], encoding="utf-8")
     sweep = sweep_dmax(load(path), trials=4000)
     curve = sweep.curves[0]
-    assert curve.table.cost_analytic == pytest.approx(plan.expected_cost, abs=1e-5)
+    assert curve.table.cost_analytic == pytest.approx(adaptive.expected_cost, abs=1e-5)
     assert curve.table.cost == pytest.approx(curve.table.cost_analytic, abs=3 * curve.table.standard_error)
     assert curve.table.cost < curve.best.cost
     summary = sweep.summary()["sweep"][0]["table"]
