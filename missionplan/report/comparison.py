@@ -1,14 +1,14 @@
 """Report of `compare`: two runs side by side."""
 
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.mission.checks.requirements import QUANTITIES
-from missionplan.report.display_units import Unit, unit_for
-from missionplan.report.numbers import NARROW_SPACE, has_spread, number, with_error
+from missionplan.report.compared_numbers import importance, name_of, noise_of, row_of, shown_change
+from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, INK, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
 from missionplan.report.wording import in_words
 from missionplan.results.comparison import ChangedValue, ComparedNumber, Comparison
@@ -17,9 +17,6 @@ _MOST_ROWS = 60
 """Rows of a table."""
 _MOST_DOTS = 16
 """Numbers in the figure."""
-_PERCENT = Unit("%", 0.01)
-_GROUPS = {"sweep": "", "anchor": "", "odds": "dives"}
-"""How sections of `summary.json` are named, where not by their keys."""
 
 
 def page(comparison: Comparison) -> Page:
@@ -30,35 +27,61 @@ def page(comparison: Comparison) -> Page:
         answer=answer(comparison),
         figure=changes_figure(comparison),
         numbers=_numbers(comparison),
-        sections=[*_runs(comparison), *_changes(comparison), *_differences(comparison)],
+        sections=[section for part in _PARTS for section in part(comparison)],
         rerun=f"missionplan compare {' '.join(folders)}",
     )
 
 
 def terminal(comparison: Comparison) -> Terminal:
-    """Build the terminal's view: the answer, the changes of the mission, and the numbers that changed."""
-    changes = [
-        (change.path, change.first or "–", change.second or "–", "")
-        for change in (*comparison.mission_changes, *comparison.option_changes, *comparison.requirement_changes)
-    ]
-    rows = [_row(comparison, difference) for difference in comparison.changed[:_MOST_ROWS]]
-    columns = ("what changed", "first", "second", "change")
-    return Terminal(answer(comparison), columns, [*changes, *((row[0], *row[2:]) for row in rows)])
+    """Build the terminal's view: what decides, what changed by more than noise, then what differs in the missions."""
+    numbers = [*comparison.deciding, *_others_changed(comparison)][:_MOST_ROWS]
+    rows = [row_of(comparison, difference) for difference in numbers]
+    changes = [*(comparison.mission_changes if comparison.alike else ()), *comparison.option_changes]
+    values = [(change.path, change.first or "–", change.second or "–", "") for change in changes]
+    columns = ("what", "first", "second", "change")
+    return Terminal(answer(comparison), columns, [*((row[0], *row[2:]) for row in rows), *values])
 
 
 def answer(comparison: Comparison) -> str:
-    """Write how many numbers changed, which changed most clearly, and which requirements are judged differently."""
-    sentences = [_numbers_in_words(comparison), *map(_requirement_change, comparison.requirement_changes)]
-    return " ".join(sentences)
+    """Write what decides first: success and requirements; then how many numbers changed, and which most clearly."""
+    sentences = [
+        *([] if comparison.alike else [_unlike(comparison)]),
+        *map(partial(_success, comparison), comparison.success),
+        *map(_requirement_change, comparison.requirement_changes),
+        _numbers_in_words(comparison),
+    ]
+    return " ".join(filter(None, sentences))
+
+
+def _unlike(comparison: Comparison) -> str:
+    """Write in one line that the missions have little in common."""
+    first, second = (", ".join(names) or "no phases" for names in comparison.phases)
+    if first != second:
+        what = f"the first has {first}, the second {second}"
+    else:
+        what = f"{len(comparison.mission_changes)} values of their files differ"
+    return f"The two missions are not alike: {what}; only what both have is compared."
+
+
+def _success(comparison: Comparison, success: ComparedNumber) -> str:
+    """Write how the probability of success changed."""
+    _, verdict, first, second, change = row_of(comparison, success)
+    if verdict == "same" and {item.verdict for item in comparison.differences} == {"same"}:
+        return ""
+    if verdict == "same":
+        return f"The probability of success is {first} in both."
+    if verdict == "within noise":
+        return f"The probability of success, {first} and then {second}, differs by no more than noise ({change})."
+    return f"The probability of success was {first} and is now {second} ({change})."
 
 
 def _numbers_in_words(comparison: Comparison) -> str:
     judged = [item for item in comparison.differences if item.verdict in ("changed", "within noise", "same")]
     changed = comparison.changed
     if changed:
-        largest = max(changed, key=_importance)
+        largest = max(changed, key=importance)
         words = f"{len(changed)} of {len(judged)} numbers changed by more than Monte-Carlo noise, most clearly "
-        return f"{words}{_name(comparison, largest)} ({_shown_change(comparison, largest)})."
+        return f"{words}{name_of(comparison, largest)} ({shown_change(comparison, largest)})."
     if any(item.verdict == "within noise" for item in judged):
         return "No number changed by more than Monte-Carlo noise."
     return "The results are the same."
@@ -71,87 +94,6 @@ def _requirement_change(change: ChangedValue) -> str:
     if not change.second:
         return f"The requirement on {name}, which was {change.first}, has been dropped."
     return f"The requirement on {name} was {change.first} and is now {change.second}."
-
-
-def _importance(difference: ComparedNumber) -> float:
-    """Size of the change against its noise, or, without noise, against the number."""
-    change = abs(difference.change or 0.0)
-    noise = _noise(difference)
-    if noise:
-        return change / noise
-    return change / max(abs(difference.first or 0.0), abs(difference.second or 0.0), 1e-300)
-
-
-def _noise(difference: ComparedNumber) -> float:
-    """Standard error of the change; zero where it is only rounding."""
-    error = difference.standard_error or 0.0
-    size = max(abs(difference.first or 0.0), abs(difference.second or 0.0))
-    return error if has_spread(size, error) else 0.0
-
-
-def _name(comparison: Comparison, difference: ComparedNumber) -> str:
-    if difference.group == "requirement":
-        return f"{_requirement(comparison, difference)} (requirement)"
-    group = _GROUPS.get(difference.group, difference.group)
-    return in_words(f"{group}.{difference.key}".lstrip(".")) if group != difference.key else in_words(difference.key)
-
-
-def _requirement(comparison: Comparison, difference: ComparedNumber) -> str:
-    """Write a requirement with its limit as the mission does, or in SI where that is not certain."""
-    quantity, _, limit = difference.key.partition(", ")
-    alike = [item for item in _requirements(_mission(comparison, difference)) if item.get("quantity") == quantity]
-    if limit:
-        limit = (_limit(alike[0]) if len(alike) == 1 else "") or _in_si(quantity, limit)
-    return f"{in_words(quantity)} {limit}".strip()
-
-
-def _in_si(quantity: str, limit: str) -> str:
-    """Write the limit of a requirement, as the comparison's keys have it, with its SI unit."""
-    units = {name: unit for kind in QUANTITIES.values() for name, unit in kind.items()}
-    unit = units.get(quantity.partition(".")[2], "")
-    return f"{limit}\u00a0{unit}" if unit else limit
-
-
-def _requirements(mission: Mapping[str, object]) -> list[Mapping[str, object]]:
-    written = mission.get("requirements")
-    return [item for item in written if isinstance(item, Mapping)] if isinstance(written, list | tuple) else []
-
-
-def _mission(comparison: Comparison, difference: ComparedNumber) -> Mapping[str, object]:
-    """Data of the second run's mission; of the first's where only that has the number."""
-    data = comparison.provenance.data["second" if difference.second is not None else "first"]
-    return data if isinstance(data, Mapping) else {}
-
-
-def _limit(requirement: Mapping[str, object]) -> str:
-    for bound in ("at_most", "at_least"):
-        if bound in requirement:
-            return f"{bound.replace('_', ' ')} {str(requirement[bound]).replace('*', NARROW_SPACE)}"
-    return ""
-
-
-def _unit(comparison: Comparison, difference: ComparedNumber) -> Unit:
-    if difference.kind == "probability":
-        return _PERCENT
-    typical = difference.first if difference.first is not None else difference.second
-    return unit_for(difference.group, difference.key, _mission(comparison, difference), typical=abs(typical or 0.0))
-
-
-def _shown_change(comparison: Comparison, difference: ComparedNumber) -> str:
-    change = difference.change
-    if change is None:
-        return "–"
-    words = with_error(change, _noise(difference), _unit(comparison, difference))
-    return words if words.startswith("−") or change == 0.0 else f"+{words}"
-
-
-def _row(comparison: Comparison, difference: ComparedNumber) -> tuple[str, str, str, str, str]:
-    unit, error = _unit(comparison, difference), _noise(difference)
-    first, second = (
-        "–" if value is None else number(unit(value), unit(error)) + unit.suffix
-        for value in (difference.first, difference.second)
-    )
-    return _name(comparison, difference), difference.verdict, first, second, _shown_change(comparison, difference)
 
 
 def _numbers(comparison: Comparison) -> list[tuple[str, str]]:
@@ -168,21 +110,21 @@ def _count(items: Sequence[object], noun: str) -> str:
 
 def changes_figure(comparison: Comparison) -> Figure | None:
     """Draw the changes in standard errors, the clearest first; None where no number is noisy."""
-    noisy = [item for item in comparison.differences if item.change is not None and _noise(item)]
-    shown = sorted(noisy, key=_importance, reverse=True)[:_MOST_DOTS]
+    noisy = [item for item in comparison.differences if item.change is not None and noise_of(item)]
+    shown = sorted(noisy, key=importance, reverse=True)[:_MOST_DOTS]
     if not shown:
         return None
     figure = MatplotlibFigure(figsize=(5.0, 0.7 + 0.42 * len(shown)))
     axes = figure.add_subplot()
     axes.axvspan(-1.96, 1.96, color=BLUE, alpha=0.15, linewidth=0.0)
     axes.axvline(0.0, color=INK, linewidth=0.8)
-    scores = [(item.change or 0.0) / _noise(item) for item in shown]
-    _draw_scores(axes, scores, [(_name(comparison, item), item.verdict == "changed") for item in shown])
+    scores = [(item.change or 0.0) / noise_of(item) for item in shown]
+    _draw_scores(axes, scores, [(name_of(comparison, item), item.verdict == "changed") for item in shown])
     reach = 1.1 * max(3.0, *(abs(score) for score in scores))
     axes.set(yticks=[], ylim=(len(shown) - 0.5, -0.8), xlim=(-reach, reach))
     axes.set_xlabel("second − first, in standard errors of the difference")
     axes.grid(visible=False, axis="y")
-    clearest = _name(comparison, shown[0])
+    clearest = name_of(comparison, shown[0])
     return to_figure(
         figure,
         "changes",
@@ -210,7 +152,8 @@ def _runs(comparison: Comparison) -> Iterator[PageSection]:
 
 
 def _changes(comparison: Comparison) -> Iterator[PageSection]:
-    groups = (("value", "mission", comparison.mission_changes), ("option", "run", comparison.option_changes))
+    mission = comparison.mission_changes if comparison.alike else ()
+    groups = (("value", "mission", mission), ("option", "run", comparison.option_changes))
     for noun, whole, changes in groups:
         if changes:
             heading = f"{_count(changes, noun)} of the {whole} {'differs' if len(changes) == 1 else 'differ'}"
@@ -223,11 +166,28 @@ def _change(change: ChangedValue) -> tuple[str, str, str]:
     return change.path, change.first or "–", change.second or "–"
 
 
-def _differences(comparison: Comparison) -> Iterator[PageSection]:
-    changed = sorted(comparison.changed, key=_importance, reverse=True)
-    rest = [item for item in comparison.differences if item.verdict != "changed"]
+def _deciding(comparison: Comparison) -> Iterator[PageSection]:
+    if comparison.deciding:
+        yield PageSection("What decides", [_table(comparison, comparison.deciding)])
+
+
+def _others_changed(comparison: Comparison) -> list[ComparedNumber]:
+    """Numbers that changed, besides those that decide, the clearest first."""
+    others = [item for item in comparison.changed if item not in comparison.deciding]
+    return sorted(others, key=importance, reverse=True)
+
+
+def _changed(comparison: Comparison) -> Iterator[PageSection]:
+    changed = _others_changed(comparison)
     if changed:
-        yield PageSection(f"{_count(changed, 'number')} changed", [_table(comparison, changed)])
+        yield PageSection(f"{_count(changed, 'number')} changed, the clearest first", [_table(comparison, changed)])
+
+
+def _rest(comparison: Comparison) -> Iterator[PageSection]:
+    shown = comparison.deciding
+    rest = [item for item in comparison.differences if item.verdict != "changed" and item not in shown]
+    if not comparison.alike:
+        rest = [item for item in rest if item.change is not None]
     if rest:
         yield PageSection("What did not change, or cannot be judged", [_table(comparison, rest)])
 
@@ -235,4 +195,8 @@ def _differences(comparison: Comparison) -> Iterator[PageSection]:
 def _table(comparison: Comparison, items: Sequence[ComparedNumber]) -> Table:
     many = f"The first {_MOST_ROWS} of {len(items)}; all are in differences.csv." if len(items) > _MOST_ROWS else ""
     columns = ("number", "verdict", "first", "second", "change ± standard error")
-    return Table(columns, [_row(comparison, item) for item in items[:_MOST_ROWS]], many, text_columns=2)
+    return Table(columns, [row_of(comparison, item) for item in items[:_MOST_ROWS]], many, text_columns=2)
+
+
+_PARTS = (_deciding, _changed, _runs, _changes, _rest)
+"""Parts of the page, what decides first."""

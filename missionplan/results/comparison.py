@@ -1,5 +1,6 @@
 """Result of `compare`: what changed between two runs, in the mission and in its results."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -7,6 +8,8 @@ import pandas as pd
 
 from missionplan.results.base import Provenance, Result, to_csv
 
+MOST_CHANGES = 40
+"""Values in which two missions that are alike may differ."""
 ChangeVerdict = Literal["changed", "within noise", "same", "not judged", "only first", "only second"]
 
 
@@ -122,6 +125,29 @@ class Comparison(Result):
         """Numbers that differ by more than Monte-Carlo noise."""
         return tuple(difference for difference in self.differences if difference.verdict == "changed")
 
+    @property
+    def success(self) -> tuple[ComparedNumber, ...]:
+        """The probability that the whole mission works, where both runs have it."""
+        return tuple(item for item in self.differences if item.key == "success" and item.change is not None)
+
+    @property
+    def deciding(self) -> tuple[ComparedNumber, ...]:
+        """What a plan is judged by: success, requirements, the d_max that is recommended."""
+        requirements = tuple(item for item in self.differences if item.group == "requirement")
+        recommended = tuple(item for item in self.differences if item.group.endswith(", recommended"))
+        return (*self.success, *requirements, *recommended)
+
+    @property
+    def phases(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Names of the phases of both missions."""
+        return _phase_names(self.provenance.data.get("first")), _phase_names(self.provenance.data.get("second"))
+
+    @property
+    def alike(self) -> bool:
+        """Whether the missions have the same phases, and few other differences."""
+        first, second = self.phases
+        return first == second and len(self.mission_changes) <= MOST_CHANGES
+
     def summary(self) -> dict[str, object]:
         """Return the contents of `summary.json`."""
         return {
@@ -141,3 +167,14 @@ class Comparison(Result):
     def files(self) -> dict[str, str | bytes]:
         """Return `differences.csv`."""
         return {"differences.csv": to_csv(self.to_frame())}
+
+
+def _phase_names(mission: object) -> tuple[str, ...]:
+    """Names of a mission's phases: given, or else their kinds."""
+    phases = mission.get("phases") if isinstance(mission, Mapping) else None
+    entries = [entry for entry in phases if isinstance(entry, Mapping)] if isinstance(phases, list | tuple) else []
+    return tuple(
+        str(section.get("name", kind)) if isinstance(section, Mapping) else str(kind)
+        for entry in entries
+        for kind, section in entry.items()
+    )

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from missionplan.report.comparison import answer, page
+from missionplan.report.comparison import answer, page, terminal
 from missionplan.report.page import Table
 from missionplan.results.base import Provenance
 from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
@@ -47,7 +47,37 @@ def test_rounding_is_no_noise(comparison):
 
 def test_a_limit_that_the_mission_does_not_show_has_its_unit(comparison):
     added = ComparedNumber("requirement", "total.energy, 162000", "probability", 0.9, 0.8, 0.01, 0.0, "changed")
-    assert "total energy 162000\u00a0J (requirement)" in rows(replace(comparison, differences=(added,)))
+    assert "total energy 162\u202f000\u00a0J (requirement)" in rows(replace(comparison, differences=(added,)))
+
+
+def test_what_decides_comes_first_then_the_clearest_change(comparison):
+    success = ComparedNumber("total", "success", "probability", 0.9, 0.8, 0.005, 1e-9, "changed")
+    weak = ComparedNumber("moor", "duration_s", "mean", 600.0, 603.0, 1.0, 1e-3, "changed")
+    shown = replace(comparison, differences=(weak, *comparison.differences, success))
+    assert answer(shown).startswith(
+        "The probability of success was 90.0\u00a0% and is now 80.0\u00a0% (−10.0\u00a0±\u00a00.5\u00a0%)."
+    )
+    names = [row[0] for row in terminal(shown).rows]
+    assert names == [
+        "total success",
+        "moor offset at most 75 ft (requirement)",
+        "moor offset",  # 20 standard errors
+        "moor duration",  # 3
+        "moor lowest altitude",  # without noise
+    ]
+
+
+def test_missions_that_are_not_alike_are_said_so_in_one_line(comparison):
+    first = {"phases": [{"transit": {"name": "in"}}, {"moor": {}}]}
+    second = {"phases": [{"transit": {"name": "out"}}]}
+    changes = tuple(ChangedValue(f"key {number}", "", "1") for number in range(90))
+    data = {"first": first, "second": second}
+    unlike = replace(comparison, provenance=replace(comparison.provenance, data=data), mission_changes=changes)
+    assert answer(unlike).startswith("The two missions are not alike: the first has in, moor, the second out; ")
+    assert not any(row[0].startswith("key") for row in terminal(unlike).rows)
+    assert not any(name.startswith("key") for name in rows(unlike))
+    same = replace(comparison, mission_changes=changes)
+    assert answer(same).startswith("The two missions are not alike: 90 values of their files differ; ")
 
 
 def test_requirements_of_one_run_are_named_as_that_run_has_them(comparison):

@@ -142,15 +142,27 @@ def _with_verdict(difference: ComparedNumber, adjusted: float | None) -> Compare
 
 
 def _requirement_changes(first: Mapping[str, object], second: Mapping[str, object]) -> tuple[ChangedValue, ...]:
-    """Requirements that one run meets and the other does not."""
+    """Requirements that are judged otherwise in the two runs, or that one run does not have."""
     return changed_values(_requirements_met(first), _requirements_met(second))
 
 
 def _requirements_met(summary: Mapping[str, object]) -> dict[str, str]:
+    """Verdict on each requirement, by its quantity; of several on one quantity, with their limits."""
     requirements = summary.get("requirements")
-    items = requirements if isinstance(requirements, list) else []
+    items = [item for item in requirements if isinstance(item, Mapping)] if isinstance(requirements, list) else []
+    quantities = [str(item.get("quantity")) for item in items]
     return {
-        str(item.get("quantity")): "met" if item.get("met") else "not met"
-        for item in items
-        if isinstance(item, Mapping)
+        quantity if quantities.count(quantity) == 1 else f"{quantity}{_limit(item)}": _judged(item)
+        for quantity, item in zip(quantities, items, strict=True)
     }
+
+
+def _limit(requirement: Mapping[str, object]) -> str:
+    bounds = (("at_most", "at most"), ("at_least", "at least"))
+    return "".join(f" {words} {requirement[key]:g}" for key, words in bounds if isinstance(requirement.get(key), float))
+
+
+def _judged(requirement: Mapping[str, object]) -> str:
+    if requirement.get("undecided"):
+        return "undecided"
+    return "met" if requirement.get("met") else "not met"

@@ -107,6 +107,23 @@ def test_a_requirement_that_is_no_longer_met_is_reported(report):
     assert "The requirement on moor offset was met and is now not met." in terminal_view(comparison).sentence
 
 
+def test_a_requirement_that_has_become_undecided_is_reported(report):
+    unsure = simulated(seed=2)
+    unsure["requirements"][0]["undecided"] = True
+    comparison = compare(report(simulated()), report(unsure))
+    assert "The requirement on moor offset was met and is now undecided." in terminal_view(comparison).sentence
+
+
+def test_requirements_on_one_quantity_are_told_apart_by_their_limits(report):
+    first, second = simulated(), simulated(seed=2)
+    for summary, met in ((first, True), (second, False)):
+        summary["requirements"].append({**summary["requirements"][0], "at_most": 15.0, "met": met})
+    changes = compare(report(first), report(second)).requirement_changes
+    assert [(change.path, change.first, change.second) for change in changes] == [
+        ("moor.offset at most 15", "met", "not met")
+    ]
+
+
 def test_what_changed_in_the_mission_is_named_by_key(report):
     other = {**MISSION, "site": {"depth": "12.192 m"}, "phases": [dict(MISSION["phases"][0])]}
     other["phases"][0] = {"transit": {"name": "ingress", "speed": "1.4 m/s", "d_max": "0.35 km", "depth": "2 m"}}

@@ -1,0 +1,100 @@
+"""Numbers of two runs in words: their names, units and changes."""
+
+from collections.abc import Mapping
+
+from missionplan.mission.checks.requirements import QUANTITIES
+from missionplan.report.display_units import Unit, unit_for
+from missionplan.report.numbers import NARROW_SPACE, has_spread, number, with_error
+from missionplan.report.wording import in_words
+from missionplan.results.comparison import ComparedNumber, Comparison
+
+_PERCENT = Unit("%", 0.01)
+_GROUPS = {"sweep": "", "anchor": "", "odds": "dives"}
+"""How sections of `summary.json` are named, where not by their keys."""
+
+
+def importance(difference: ComparedNumber) -> float:
+    """Size of the change against its noise, or, without noise, against the number."""
+    change = abs(difference.change or 0.0)
+    noise = noise_of(difference)
+    if noise:
+        return change / noise
+    return change / max(abs(difference.first or 0.0), abs(difference.second or 0.0), 1e-300)
+
+
+def noise_of(difference: ComparedNumber) -> float:
+    """Standard error of the change; zero where it is only rounding."""
+    error = difference.standard_error or 0.0
+    size = max(abs(difference.first or 0.0), abs(difference.second or 0.0))
+    return error if has_spread(size, error) else 0.0
+
+
+def name_of(comparison: Comparison, difference: ComparedNumber) -> str:
+    """Name a number."""
+    if difference.group == "requirement":
+        return f"{_requirement(comparison, difference)} (requirement)"
+    group = _GROUPS.get(difference.group, difference.group)
+    return in_words(f"{group}.{difference.key}".lstrip(".")) if group != difference.key else in_words(difference.key)
+
+
+def _requirement(comparison: Comparison, difference: ComparedNumber) -> str:
+    """Write a requirement with its limit as the mission does, or in SI where that is not certain."""
+    quantity, _, limit = difference.key.partition(", ")
+    alike = [item for item in _requirements(_mission(comparison, difference)) if item.get("quantity") == quantity]
+    if limit:
+        limit = (_limit(alike[0]) if len(alike) == 1 else "") or _in_si(quantity, limit)
+    return f"{in_words(quantity)} {limit}".strip()
+
+
+def _in_si(quantity: str, limit: str) -> str:
+    """Write the limit of a requirement, as the comparison's keys have it, with its SI unit."""
+    units = {name: unit for kind in QUANTITIES.values() for name, unit in kind.items()}
+    unit = units.get(quantity.partition(".")[2], "")
+    if not unit:
+        return limit
+    words, _, value = limit.rpartition(" ")
+    return f"{words} {number(float(value))}\u00a0{unit}".strip()
+
+
+def _requirements(mission: Mapping[str, object]) -> list[Mapping[str, object]]:
+    written = mission.get("requirements")
+    return [item for item in written if isinstance(item, Mapping)] if isinstance(written, list | tuple) else []
+
+
+def _mission(comparison: Comparison, difference: ComparedNumber) -> Mapping[str, object]:
+    """Data of the second run's mission; of the first's where only that has the number."""
+    data = comparison.provenance.data["second" if difference.second is not None else "first"]
+    return data if isinstance(data, Mapping) else {}
+
+
+def _limit(requirement: Mapping[str, object]) -> str:
+    for bound in ("at_most", "at_least"):
+        if bound in requirement:
+            return f"{bound.replace('_', ' ')} {str(requirement[bound]).replace('*', NARROW_SPACE)}"
+    return ""
+
+
+def _unit(comparison: Comparison, difference: ComparedNumber) -> Unit:
+    if difference.kind == "probability":
+        return _PERCENT
+    typical = difference.first if difference.first is not None else difference.second
+    return unit_for(difference.group, difference.key, _mission(comparison, difference), typical=abs(typical or 0.0))
+
+
+def shown_change(comparison: Comparison, difference: ComparedNumber) -> str:
+    """Write second minus first, with its standard error."""
+    change = difference.change
+    if change is None:
+        return "–"
+    words = with_error(change, noise_of(difference), _unit(comparison, difference))
+    return words if words.startswith("−") or change == 0.0 else f"+{words}"
+
+
+def row_of(comparison: Comparison, difference: ComparedNumber) -> tuple[str, str, str, str, str]:
+    """Write a number's name, verdict, both values and change."""
+    unit, error = _unit(comparison, difference), noise_of(difference)
+    first, second = (
+        "–" if value is None else number(unit(value), unit(error)) + unit.suffix
+        for value in (difference.first, difference.second)
+    )
+    return name_of(comparison, difference), difference.verdict, first, second, shown_change(comparison, difference)
