@@ -1,5 +1,6 @@
 """Errors that reach a user as a message and an exit status, never as a traceback."""
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -7,6 +8,8 @@ from difflib import get_close_matches
 KeyPath = tuple[str | int, ...]
 """Place of a value in a file: keys of mappings and indices of lists, from the outside in."""
 
+UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ufffe\uffff]")
+"""Control characters but tab and line feed, what reverses the direction of text, and what XML cannot hold."""
 _LONGEST = 60
 """Characters of a value that a message shows."""
 
@@ -38,7 +41,8 @@ class Problem:
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}" if self.file and self.line is not None else self.file
         parts = [part for part in (place, self.key, self.message) if part]
-        return ": ".join(parts) + (f" ({self.hint})" if self.hint else "")
+        text = ": ".join(parts) + (f" ({self.hint})" if self.hint else "")
+        return UNPRINTABLE.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,10 @@ class InputError(MissionplanError):
         self.problems = (Problem(problems),) if isinstance(problems, str) else tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
+    def __reduce__(self) -> tuple[type["InputError"], tuple[Sequence[Problem]]]:
+        """Keep the problems when a worker's error is sent to the process that waits for it."""
+        return type(self), (self.problems,)
+
 
 class RunError(MissionplanError):
     """The run itself failed (exit status 1)."""
@@ -92,7 +100,10 @@ def key_path(path: KeyPath) -> str:
 
 def shown(value: object) -> str:
     """Return a value as messages show it, cut where it is long."""
-    text = repr(value)
+    try:
+        text = repr(value)
+    except ValueError:  # of a whole number with thousands of digits
+        return "a number with thousands of digits"
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 

@@ -8,6 +8,7 @@ import atexit
 import gc
 import signal
 import sys
+from dataclasses import replace
 from importlib.metadata import version
 from typing import Annotated
 
@@ -44,7 +45,7 @@ def main() -> None:
     try:
         status = app(standalone_mode=False)
     except MissionplanError as error:
-        typer.echo(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{error}", err=True)
+        typer.echo(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{_in_options(error)}", err=True)
         status = error.exit_status
     except KeyboardInterrupt:
         status = INTERRUPTED
@@ -54,6 +55,27 @@ def main() -> None:
         _end_workers()
         typer.echo("Interrupted.", err=True)
     sys.exit(status if isinstance(status, int) else 0)
+
+
+_OPTIONS = {
+    "force=True": "--force",
+    "resume=True": "--resume",
+    "allow_outside=True": "--allow-outside",
+    "method='monte-carlo'": "--method monte-carlo",
+}
+"""Arguments of the public functions that hints name, as options."""
+
+
+def _in_options(error: MissionplanError) -> str:
+    """Say what is wrong with arguments of the public functions as what is wrong with options."""
+    lines = []
+    for problem in getattr(error, "problems", ()):
+        hint = problem.hint
+        for argument, option in _OPTIONS.items():
+            hint = hint.replace(argument, option)
+        key = f"--{problem.key.replace('_', '-')}" if problem.key and not problem.file else problem.key
+        lines.append(str(replace(problem, hint=hint, key=key)))
+    return "\n".join(lines) or str(error)
 
 
 def _interrupt_on_termination() -> None:

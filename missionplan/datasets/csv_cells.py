@@ -2,12 +2,15 @@
 
 import csv
 from collections.abc import Sequence
+from io import TextIOWrapper
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from missionplan.datasets.packed_files import open_table
 from missionplan.errors import InputError, Problem, did_you_mean
+from missionplan.store.paths import check_name
 
 BLANKS = ("", "nan", "NaN", "NA", "N/A", "null")
 """What stands for a missing number."""
@@ -22,6 +25,7 @@ def check_file(path: Path, max_bytes: int) -> None:
         When it is not.
     """
     file = str(path)
+    check_name(file)
     try:
         size = path.stat().st_size
         if path.is_dir():
@@ -45,7 +49,7 @@ def read_header(path: Path) -> list[str]:
     """
     file = str(path)
     try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
+        with open_table(path) as content, TextIOWrapper(content, encoding="utf-8-sig", newline="") as stream:
             return [name.strip() for name in next(csv.reader(stream, skipinitialspace=True))]
     except StopIteration:
         raise InputError([Problem("is empty; expected a header row and data", file)]) from None
@@ -60,7 +64,7 @@ def read_header(path: Path) -> list[str]:
 def long_rows(path: Path, width: int) -> list[int]:
     """Lines with more cells than the header; cells beyond it that are blank do not count."""
     found = []
-    with path.open("rb") as lines:
+    with open_table(path) as lines:
         for number, line in enumerate(lines, start=1):
             if line.count(b",") >= width and number > 1:
                 cells = next(csv.reader([line.decode(errors="replace")], skipinitialspace=True))
@@ -113,19 +117,20 @@ def _floats_or_text(path: Path, names: Sequence[str], used: Sequence[str], numbe
 
 
 def _parsed(path: Path, names: Sequence[str], used: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
-    rows: pd.DataFrame = pd.read_csv(
-        path,
-        encoding="utf-8-sig",
-        header=0,
-        names=list(names),
-        usecols=list(used),
-        index_col=False,
-        dtype={name: float if name in numbers else str for name in used},
-        na_values={name: list(BLANKS) for name in numbers},
-        keep_default_na=False,
-        skipinitialspace=True,
-        skip_blank_lines=False,
-    )
+    with open_table(path) as stream:
+        rows: pd.DataFrame = pd.read_csv(
+            stream,
+            encoding="utf-8-sig",
+            header=0,
+            names=list(names),
+            usecols=list(used),
+            index_col=False,
+            dtype={name: float if name in numbers else str for name in used},
+            na_values={name: list(BLANKS) for name in numbers},
+            keep_default_na=False,
+            skipinitialspace=True,
+            skip_blank_lines=False,
+        )
     return rows
 
 

@@ -1,6 +1,5 @@
 """Data set folders: `dataset.yaml`, checked against a schema, and its CSV, with every problem of both at once."""
 
-import os.path
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import date
@@ -15,6 +14,7 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.reading.documents import Document, load_document
 from missionplan.mission.reading.validation_errors import validation_problems
 from missionplan.mission.schema.section import FileSection
+from missionplan.store.paths import is_file
 
 
 def _as_text(value: object) -> object:
@@ -103,7 +103,7 @@ def load_dataset_document(folder: Path) -> Document:
     InputError
         When there is none, or it is no mapping.
     """
-    if folder.is_file():
+    if is_file(folder):
         raise InputError([Problem("is a file; a data set is a folder with dataset.yaml", str(folder))])
     document = load_document(folder / "dataset.yaml")
     if not isinstance(document.data, dict):
@@ -124,7 +124,7 @@ def dataset_files(folder: Path) -> tuple[Path, ...]:
         value = left.pop()
         if isinstance(value, dict | list):
             left += value.values() if isinstance(value, dict) else value
-        elif isinstance(value, str) and value.strip() and os.path.isfile(folder / value.strip()):  # noqa: PTH113 - raises nothing
+        elif isinstance(value, str) and value.strip() and is_file(folder / value.strip()):
             found.append(folder / value.strip())
     return tuple(found)
 

@@ -14,10 +14,14 @@ import numpy as np
 import pandas as pd
 
 from missionplan.datasets.csv_cells import BLANKS, check_file, long_rows, read_cells, read_header
-from missionplan.errors import InputError, Problem
+from missionplan.errors import UNPRINTABLE, InputError, Problem
 
 MAX_SHOWN = 5
 """Problems of one sort that are reported one by one; the rest are counted."""
+MAX_NAMED = 20
+"""Columns that a notice names."""
+LEAST, GREATEST = 1e-20, 1e12
+"""Between which the size of every number of a table is, but for zero [SI]."""
 MAX_BYTES = 2_000_000_000
 LONG_ROW = "the row has more cells than the header has columns (a decimal comma, or a comma in a text without quotes?)"
 
@@ -105,6 +109,7 @@ def read_table(path: Path, columns: Columns) -> CsvTable:
         raise InputError(problems)
     complete = [name for name in (*needed, *columns.complete) if name in used and name not in columns.text]
     rows, incomplete = _without_incomplete(rows, complete, columns.text)
+    problems += [problem for name in needed if name in columns.text for problem in _blanks(rows[name], file, name)]
     if rows.empty and not problems:
         problems.append(Problem("has no rows of data", file))
     notices = tuple(f"{path.name}: {note}" for note in (*_unused(header, used), *marked, *incomplete))
@@ -119,14 +124,16 @@ def _check_header(header: Sequence[str], needed: Sequence[str], used: Sequence[s
             close = get_close_matches(name, header, n=1)
             hint = f"is it {close[0]}?" if close else ""
             problems.append(Problem("the column is missing", file, 1, name, hint))
-    twice = [name for name in used if header.count(name) > 1]
-    return [*problems, *(Problem("the column stands twice", file, 1, name) for name in twice)]
+    problems += [Problem("the column stands twice", file, 1, name) for name in used if header.count(name) > 1]
+    hidden = [name for name in header if UNPRINTABLE.search(name)][:MAX_SHOWN]
+    return [*problems, *(Problem("the column's name holds a control character", file, 1, name) for name in hidden)]
 
 
 def _unused(header: Sequence[str], used: Sequence[str]) -> list[str]:
     """Note the columns that are not used."""
     unused = [name for name in dict.fromkeys(header) if name and name not in used]
-    return [f"columns not used: {', '.join(unused)}"] if unused else []
+    more = [f"{len(unused) - MAX_NAMED} more"] if len(unused) > MAX_NAMED else []
+    return [f"columns not used: {', '.join([*unused[:MAX_NAMED], *more])}"] if unused else []
 
 
 def _without_marked(rows: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
@@ -146,21 +153,41 @@ def _as_numbers(rows: pd.DataFrame, text: Sequence[str], file: str) -> tuple[pd.
         cells = rows[name]
         if pd.api.types.is_float_dtype(cells):
             converted[name] = cells
+            problems += _problems_of_size(cells, file, name)
             continue
         words = cells.fillna("").astype(str).str.strip()
         if name in text:
+            hidden = words.str.contains(UNPRINTABLE)
+            problems += problems_at(rows.index[hidden], partial(_hidden_character, words, file, name))
             converted[name] = words
             continue
         blank = words.isin(BLANKS)
         numbers = pd.to_numeric(words.mask(blank), errors="coerce").astype(float)
         bad = (numbers.isna() & ~blank) | np.isinf(numbers)
         problems += problems_at(rows.index[bad], partial(_bad_cell, words, file, name))
-        converted[name] = numbers.mask(bad)
+        converted[name] = numbers = numbers.mask(bad)
+        problems += _problems_of_size(numbers, file, name)
     return pd.DataFrame(converted, index=rows.index).drop(columns="ok", errors="ignore"), problems
 
 
 def _bad_cell(words: "pd.Series[str]", file: str, name: str, line: int) -> Problem:
     return Problem(f"given {words[line]!r}, expected a number", file, line, name)
+
+
+def _problems_of_size(numbers: "pd.Series[float]", file: str, name: str) -> list[Problem]:
+    """Return a problem for each number that no quantity has, and that overflows when it is squared or divided by."""
+    size = numbers.abs()
+    odd = (size > GREATEST) | ((size > 0.0) & (size < LEAST))
+
+    def problem(line: int) -> Problem:
+        message = f"given {numbers[line]:g}, expected 0, or from {LEAST:g} to {GREATEST:g} in size"
+        return Problem(message, file, line, name)
+
+    return problems_at(numbers.index[odd], problem)
+
+
+def _hidden_character(words: "pd.Series[str]", file: str, name: str, line: int) -> Problem:
+    return Problem(f"given {words[line]!r}, expected text without control characters", file, line, name)
 
 
 def _without_incomplete(
@@ -180,6 +207,10 @@ def _without_incomplete(
         where = [name for name in complete if counted[name].any()]
         notices.append(f"{_count(len(counted))} left out without {' or '.join(where)}")
     return rows[~incomplete], notices
+
+
+def _blanks(words: "pd.Series[str]", file: str, name: str) -> list[Problem]:
+    return problems_at(words.index[words == ""], lambda line: Problem("is blank; expected a name", file, line, name))
 
 
 def _count(rows: int) -> str:

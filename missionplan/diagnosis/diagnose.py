@@ -14,6 +14,8 @@ from missionplan.diagnosis.result_builder import group_scores, ranked_sets
 from missionplan.mission import Mission
 from missionplan.results.base import Provenance
 from missionplan.results.diagnosis import Diagnosis, PlanGain
+from missionplan.store.paths import as_path
+from missionplan.studies.arguments import check_arguments
 
 Progress = Callable[[int, int], None]
 """Called with stages done, of how many."""
@@ -56,9 +58,10 @@ def diagnose(
     RunError
         When not even the base model can be fitted.
     """
+    check_arguments(mission, seed=seed, jobs=jobs)
     seed = mission.monte_carlo.seed if seed is None else seed
     with threadpool_limits(limits=1):  # matrices of some hundred rows: more threads only wait for each other
-        return _diagnose(mission, Path(dataset), seed, jobs, plan=plan, stage=_Stages(progress))
+        return _diagnose(mission, as_path(dataset, "dataset"), seed, jobs, plan=plan, stage=_Stages(progress))
 
 
 def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: bool, stage: "_Stages") -> Diagnosis:

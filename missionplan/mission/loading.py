@@ -4,6 +4,7 @@ from pathlib import Path
 
 from missionplan.mission.mission import Mission
 from missionplan.mission.reading.documents import load_document
+from missionplan.store.paths import as_path
 
 
 def load(path: str | Path, *, allow_outside: bool = False) -> Mission:
@@ -21,5 +22,5 @@ def load(path: str | Path, *, allow_outside: bool = False) -> Mission:
     InputError
         With every problem of the file: file, line, key path, what was given, what was expected.
     """
-    path = Path(path)
+    path = as_path(path, "path")
     return Mission.from_document(load_document(path), path.parent, allow_outside=allow_outside, file=str(path))

@@ -9,14 +9,14 @@ from typing import cast
 from pydantic import BaseModel, Field, PrivateAttr, ValidationError, field_validator
 
 from missionplan.effects import FAILED_PLUGINS
-from missionplan.errors import InputError, LocalProblem, key_path
+from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
 from missionplan.mission.checks.correlations import check_correlations
 from missionplan.mission.checks.limits.ranges import Findings, check_effects, check_ranges
 from missionplan.mission.checks.limits.relations import check_relations
 from missionplan.mission.checks.phases import check_phases
 from missionplan.mission.checks.requirements import misspelt_requirements, read_requirements
 from missionplan.mission.checks.site import check_site
-from missionplan.mission.reading.documents import Document
+from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import include_files
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
 from missionplan.mission.schema.effects import EffectEntry, read_effects
@@ -74,7 +74,12 @@ class Mission(FileSection):
         InputError
             With every problem: key path, what was given, what was expected.
         """
+        if not isinstance(data, Mapping):
+            raise InputError([Problem(f"given {shown(data)}, expected a mapping of sections", key="data")])
         document = Document(copy.deepcopy(dict(data)), {(): (file, None)})
+        unprintable = [document.located(problem) for problem in unprintable_texts(document.data)]
+        if unprintable:
+            raise InputError(unprintable)
         return cls.from_document(document, Path(), allow_outside=True, file=file)
 
     @classmethod

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 _MAX_LENGTH = 80
+LEAST, GREATEST = 1e-30, 1e31
+_SENSIBLE = f"0, or from {LEAST:g} to {GREATEST:g} in size"
 _COMMON_UNITS = (*(name for names in FACTORS.values() for name in names), "degF", "K", "1/s", "s/m", "rpm")
 """Units that a hint may name."""
 
@@ -78,9 +80,18 @@ def parse_number_with_unit(value: object, unit: str, *, difference: bool = False
 
 
 def _bare_number(value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(_as_float(value)):
         raise QuantityError(f"given {shown(value)}, expected a bare number")
+    if not _is_sensible(float(value)):
+        raise QuantityError(f"given {shown(value)}, expected {_SENSIBLE}")
     return float(value)
+
+
+def _as_float(value: float) -> float:
+    try:
+        return float(value)
+    except OverflowError:  # a whole number of more than 308 digits
+        return math.inf
 
 
 def _convert(number: float, name: str, unit: str, difference: bool) -> float:
@@ -88,9 +99,14 @@ def _convert(number: float, name: str, unit: str, difference: bool) -> float:
     if known is None and dimension_of(name) not in (None, dimension_of(unit)):
         raise QuantityError(f"given {number:g} {name}, expected a quantity in {unit} or a unit like it")
     result = number * known if known is not None else _convert_by_pint(number, name, unit, difference)
-    if not math.isfinite(result):
-        raise QuantityError(f"given {number:g} {name}, expected a finite quantity")
+    if not _is_sensible(result):
+        raise QuantityError(f"given {number:g} {name}, expected {_SENSIBLE} {unit}")
     return result
+
+
+def _is_sensible(number: float) -> bool:
+    """Whether squares and quotients of a number can be computed, and any quantity has it."""
+    return number == 0.0 or LEAST <= abs(number) <= GREATEST
 
 
 def _convert_by_pint(number: float, name: str, unit: str, difference: bool) -> float:

@@ -201,5 +201,5 @@ def _named(phases: tuple[_Phase, ...], name: str | None, kind: str) -> _Phase:
     if name is None:
         return phases[0]
     if name not in found:
-        raise InputError([Problem(f"given {name!r}, expected {kind}: {', '.join(found)}", key="--phase")])
+        raise InputError([Problem(f"given {name!r}, expected {kind}: {', '.join(found)}", key="phase")])
     return found[name]

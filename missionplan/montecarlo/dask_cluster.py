@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from missionplan.errors import InputError, MissionplanError, RunError
+from missionplan.errors import InputError, MissionplanError, Problem, RunError
 from missionplan.montecarlo.fingerprint import fingerprint
 from missionplan.montecarlo.pool import interrupts_blocked
 
@@ -80,12 +80,13 @@ class _Proven(Generic[Item, Result]):
         """Run the task on an item."""
         if (found := fingerprint()) != self.expected:
             worker = import_module("distributed").get_worker().address
-            raise InputError(_other_code(worker, found, self.expected))
+            raise InputError([_other_code(worker, found, self.expected)])
         return self.task(item)
 
 
-def _other_code(worker: str, found: str, expected: str) -> str:
-    return f"--scheduler: the worker {worker} runs missionplan {found}; here it is {expected}: install the same there"
+def _other_code(worker: str, found: str, expected: str) -> Problem:
+    message = f"the worker {worker} runs missionplan {found}; here it is {expected}: install the same there"
+    return Problem(message, key="scheduler")
 
 
 def _check_workers(client: "Client", place: str) -> None:
@@ -99,18 +100,18 @@ def _check_workers(client: "Client", place: str) -> None:
     deadline = time.monotonic() + ANSWER_TIME
     while not _threads(client):
         if time.monotonic() > deadline:
-            raise InputError(
-                f"--scheduler: the Dask scheduler at {place} has no workers; start some with: dask worker {place}"
-            )
+            message = f"the Dask scheduler at {place} has no workers; start some with: dask worker {place}"
+            raise InputError([Problem(message, key="scheduler")])
         time.sleep(0.1)
     expected, wrong = fingerprint(), []
     for worker, found in client.run(fingerprint, on_error="return").items():
         if isinstance(found, BaseException):
-            wrong.append(f"--scheduler: the worker {worker} cannot run missionplan: {type(found).__name__}: {found}")
+            message = f"the worker {worker} cannot run missionplan: {type(found).__name__}: {found}"
+            wrong.append(Problem(message, key="scheduler"))
         elif found != expected:
             wrong.append(_other_code(worker, found, expected))
     if wrong:
-        raise InputError("\n".join(wrong))
+        raise InputError(wrong)
 
 
 def _threads(client: "Client") -> dict[str, int]:
@@ -142,7 +143,8 @@ def _connected(jobs: int, scheduler: str | None) -> "Iterator[Client]":
     try:
         distributed = import_module("distributed")
     except ImportError as error:
-        raise InputError("--backend dask needs dask.distributed: pip install 'missionplan[dask]'") from error
+        message = "dask needs dask.distributed: pip install 'missionplan[dask]'"
+        raise InputError([Problem(message, key="backend")]) from error
     client: Client | None = None
     if scheduler is None:
         with interrupts_blocked(terminable=True):
@@ -152,7 +154,7 @@ def _connected(jobs: int, scheduler: str | None) -> "Iterator[Client]":
             client = distributed.Client(scheduler, timeout=f"{ANSWER_TIME}s")
         if client is None:
             gc.collect()  # ends what is left of the client; collected while the next one starts, it would block that
-            raise InputError(f"--scheduler: no Dask scheduler answers at {scheduler}")
+            raise InputError([Problem(f"no Dask scheduler answers at {scheduler}", key="scheduler")])
     try:
         yield client
     finally:

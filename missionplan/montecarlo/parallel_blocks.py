@@ -10,7 +10,7 @@ from typing import Generic, Literal, TypeVar, cast
 
 import joblib
 
-from missionplan.errors import InputError
+from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.dask_cluster import run_on_cluster
 from missionplan.montecarlo.pool import process_pool, shut_down_on_failure
 
@@ -56,9 +56,9 @@ def run_blocks(
         When a worker process dies, or the cluster is lost.
     """
     if backend not in ("loky", "threading", "dask"):
-        raise InputError(f"--backend: given {backend!r}, expected loky, threading or dask")
+        raise InputError([Problem(f"given {backend!r}, expected loky, threading or dask", key="backend")])
     if jobs == 0 or jobs < -1:
-        raise InputError(f"--jobs: given {jobs}, expected a positive number, or -1 for every core")
+        raise InputError([Problem(f"given {jobs}, expected a positive number, or -1 for every core", key="jobs")])
     total = len(items)
     if progress is not None:
         progress(0, total)

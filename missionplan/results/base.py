@@ -16,6 +16,7 @@ import yaml
 
 from missionplan.rendering import render
 from missionplan.store.folder import check_holds_no_input, new_folder, write_atomically
+from missionplan.store.paths import as_path
 
 _LIBRARIES = ("numpy", "scipy", "pandas", "matplotlib", "joblib", "pydantic", "pint")
 
@@ -111,7 +112,7 @@ class Result(ABC):
         RunError
             When the folder cannot be written.
         """
-        folder = Path(folder)
+        folder = as_path(folder, "folder")
         check_holds_no_input(folder, [Path(self.provenance.file)] if self.provenance.file else ())
         rendered = render(self)
         contents: dict[str, str | bytes] = {

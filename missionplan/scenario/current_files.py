@@ -9,12 +9,16 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
+from missionplan.datasets.csv_cells import check_file
+from missionplan.datasets.packed_files import open_table
 from missionplan.errors import InputError, Problem
 from missionplan.mission.schema.site import Geographic
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
 
+MAX_BYTES = 200_000_000
+"""Of a CSV file of a current."""
 CSV_COLUMNS = ("t_s", "depth_m", "east_m_s", "north_m_s")
 
 
@@ -65,13 +69,19 @@ def read_current_csv(path: Path) -> CurrentSeries:
         With every problem of the file.
     """
     shown = str(path)
+    check_file(path, MAX_BYTES)
     try:
-        frame = pd.read_csv(path)
+        with open_table(path) as stream:
+            frame = pd.read_csv(stream, encoding="utf-8-sig", skipinitialspace=True)
     except (OSError, ValueError) as error:
-        raise InputError([Problem(f"cannot be read as CSV: {error}", shown)]) from None
+        raise InputError([Problem(f"cannot be read as CSV: {str(error).strip()}", shown)]) from None
     missing = [name for name in CSV_COLUMNS if name not in frame]
     if missing:
         message = f"lacks the column {', '.join(missing)}; a current has {', '.join(CSV_COLUMNS)}"
+        raise InputError([Problem(message, shown, 1)])
+    twice = [name for name in CSV_COLUMNS if f"{name}.1" in frame]
+    if twice or frame.empty:
+        message = f"the column {twice[0]} stands twice" if twice else "has no rows of data"
         raise InputError([Problem(message, shown, 1)])
     values = frame[list(CSV_COLUMNS)].apply(pd.to_numeric, errors="coerce")
     bad = np.flatnonzero(~np.isfinite(values.to_numpy(dtype=float)).all(axis=1))
@@ -133,8 +143,11 @@ def read_current_netcdf(path: Path, start: datetime | None, origin: Geographic) 
     try:
         with xarray.open_dataset(path) as dataset:
             return _field(dataset, start, shown, origin)
-    except (OSError, ValueError) as error:
-        raise InputError([Problem(f"cannot be read as NetCDF: {error}", shown)]) from None
+    except InputError:
+        raise
+    except Exception as error:  # the libraries below raise many kinds for what is damaged
+        words = str(error).partition("\n")[0]
+        raise InputError([Problem(f"cannot be read as NetCDF: {words}", shown)]) from None
 
 
 REACH = np.radians(8.0)
@@ -146,6 +159,11 @@ def _field(dataset: "Dataset", start: datetime, shown: str, origin: Geographic) 
     axes = [found[key] for key in ("time", "depth", "latitude", "longitude")]
     if any(axis.ndim != 1 for axis in axes):
         raise InputError([Problem("expected one-dimensional time, depth, latitude and longitude", shown)])
+    if any(axis.size == 0 for axis in axes):
+        raise InputError([Problem("has no times, depths or positions", shown)])
+    if not np.issubdtype(found["time"].dtype, np.datetime64):
+        hint = "its attribute `units` has to say since when, such as `hours since 2025-06-01`"
+        raise InputError([Problem("its times are no dates", shown, hint=hint)])
     moment = np.datetime64(start.astimezone(UTC).replace(tzinfo=None) if start.tzinfo else start, "ns")
     latitude, longitude = (np.radians(found[key].to_numpy().astype(float)) for key in ("latitude", "longitude"))
     # about the origin's meridian, so that neither the date line nor the convention of the file matters

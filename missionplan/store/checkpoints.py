@@ -109,7 +109,7 @@ class Checkpoints:
         shown = str(self._folder)
         if not resume:
             message = "holds the finished blocks of a run"
-            raise InputError([Problem(message, shown, hint="--resume continues with them")])
+            raise InputError([Problem(message, shown, hint="resume=True continues with them")])
         old = _read_identity(before)
         if old is None and not any(self._folder.glob("block-*.npz")):
             raise InputError([Problem("run.json is not that of a run; nothing can be resumed", shown)])

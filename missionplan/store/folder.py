@@ -49,7 +49,7 @@ def check_new_folder(folder: Path, *, force: bool = False) -> None:
     if exists and not folder.is_dir():
         raise InputError([Problem("is a file; a folder was expected", file=str(folder))])
     if holds and not force:
-        raise InputError([Problem("is not empty", file=str(folder), hint="--force writes over it")])
+        raise InputError([Problem("is not empty", file=str(folder), hint="force=True writes over it")])
 
 
 def check_holds_no_input(folder: Path, inputs: Iterable[Path]) -> None:

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.errors import InputError
+from missionplan.errors import InputError, Problem
+
+_MISSING = "needs pyarrow: pip install 'missionplan[parquet]'"
 
 
 class TrialsTable:
@@ -25,7 +27,7 @@ class TrialsTable:
         try:
             import_module("pyarrow")
         except ImportError as error:
-            raise InputError("--keep-trials needs pyarrow: pip install 'missionplan[parquet]'") from error
+            raise InputError([Problem(_MISSING, key="keep_trials")]) from error
         self._content = io.BytesIO()
         self._writer: Any = None
 

@@ -17,6 +17,7 @@ from missionplan.phases.hooks import Leg
 from missionplan.results.base import to_csv
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.folder import write_atomically
+from missionplan.store.paths import as_path
 
 COMPASS_BIAS = math.radians(3.0)
 """Compass error of the sea trial, unknown to the mission: the course made, clockwise of that steered [rad]."""
@@ -49,7 +50,7 @@ def init(folder: str | Path = ".") -> tuple[Path, ...]:
     RunError
         When the folder cannot be written.
     """
-    folder = Path(folder)
+    folder = as_path(folder, "folder")
     if folder.exists() and not folder.is_dir():
         raise InputError([Problem("is a file; a folder was expected", str(folder))])
     paths = [folder / name for name in (*_TEXTS.values(), _LOG)]

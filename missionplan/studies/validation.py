@@ -14,6 +14,7 @@ from missionplan.mission import Mission, load
 from missionplan.mission.views import MooringMission, TransitionMission
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
+from missionplan.store.paths import is_folder
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.checks import check_complete, input_notices
@@ -91,7 +92,7 @@ def validate(paths: Iterable[Path], *, allow_outside: bool = False) -> tuple[Val
         Missions first; a data set is checked with the first of them that gives it what its runs leave to it.
     """
     found = [each for path in paths for each in _expanded(path)]
-    missions = [path for path in found if not path.is_dir()]
+    missions = [path for path in found if not is_folder(path)]
     done: list[Validated] = []
     valid: list[Mission] = []
     for path in missions:
@@ -102,12 +103,12 @@ def validate(paths: Iterable[Path], *, allow_outside: bool = False) -> tuple[Val
             done.append(Validated(path, problems=error.problems))
         else:
             valid.append(mission)
-    return (*done, *(_dataset(path, valid) for path in found if path.is_dir()))
+    return (*done, *(_dataset(path, valid) for path in found if is_folder(path)))
 
 
 def _expanded(path: Path) -> Iterator[Path]:
     """Missions and data sets in a folder and below; what is neither stays, to be refused."""
-    if not path.is_dir() or (path / "dataset.yaml").is_file():
+    if not is_folder(path) or (path / "dataset.yaml").is_file():
         yield path
         return
     datasets = sorted(each.parent for each in path.rglob("dataset.yaml"))

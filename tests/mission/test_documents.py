@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from missionplan.errors import InputError, key_path
+from missionplan.mission import load
 from missionplan.mission.reading.documents import MAX_DEPTH, load_document
 
 
@@ -59,7 +60,7 @@ def test_deep_nesting_is_refused_before_recursion(tmp_path: Path, opening: str) 
         ("a: !!python/name:os.system x\n", "could not determine a constructor"),
         ("? [1, 2]\n: 3\n", "plain word"),
         ("a: 2026-13-45\n", "cannot be read"),
-        ('a: "\\ud800"\n', "cannot be read"),
+        ('a: "\\ud800"\n', "code"),
         ("a: 1\n---\nb: 2\n", "not valid YAML"),
     ],
 )
@@ -86,3 +87,47 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 
 def test_key_paths_read_as_users_write_them() -> None:
     assert key_path(("phases", 0, "transit", "speed")) == "phases[0].transit.speed"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("phases: [{moor: }]\n", "phases[0].moor: given nothing, expected the keys of this phase"),
+        ("phases: [{transit: }]\n", "phases[0].transit: given nothing"),
+        ("<a: 1\n", "<a: unknown key"),
+        ("site: {current: [{down_to: 5 m, <file>: 1}]}\n", "site.current[0].<file>: unknown key"),
+        ("site: {depth: {median: 10 m, factor: 1e300}}\n", "site.depth.factor: given '1e300'"),
+        ("site: {depth: {median: 10 m, factor: 1.0e+300}}\n", "site.depth.factor: given 1e+300"),
+        (
+            "site: {depth: {median: 10 m, factor: 1.0e+9}}\n",
+            "site.depth.factor: given 1e+09, expected a factor above 1",
+        ),
+        ("site: {depth: 1e300 m}\n", "given 1e+300 m, expected 0, or from 1e-30 to 1e+31 in size m"),
+        ('name: "a\\eb"\n', "name: given 'a\\x1bb', expected text without control characters"),
+        ('"a\\eb": 1\n', "holds a control character"),
+        ('name: "a\\u202eb"\n', "expected text without control characters"),
+        (f"name: {'1:' * 50_000}1\n", "a number of 100001 characters"),
+        (f"name: 0x{'f' * 5000}\n", "a number of 5002 characters"),
+        ("name: !!bool maybe\n", "'maybe' is no bool"),
+        ("name: !!timestamp x\n", "'x' is no timestamp"),
+    ],
+)
+def test_what_once_was_a_traceback_is_said_in_words(tmp_path: Path, text: str, words: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load(write(tmp_path, text))
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "name: [" + "1," * 490_000 + "1]\n",
+        "".join(f"key{number}: 1\n" for number in range(80_000)),
+        "[" * 500_000,
+        "- " * 400_000,
+        "a: &x 1\n" + "b: *x\n" * 150_000,
+    ],
+)
+def test_nonsense_is_refused_while_it_is_parsed(tmp_path: Path, text: str) -> None:
+    (problem,) = problems_of(tmp_path, text)
+    assert "has more than 10000 values" in problem or "is nested deeper" in problem

@@ -52,7 +52,7 @@ def test_an_anchor_needs_a_construction_or_a_flooded_mass() -> None:
 
 def test_a_phase_that_is_not_there() -> None:
     moorings = MooringMission.of(load(MISSIONS / "chesapeake.yaml"))
-    with pytest.raises(InputError, match="--phase: given 'egress', expected a mooring: moor"):
+    with pytest.raises(InputError, match="phase: given 'egress', expected a mooring: moor"):
         moorings.mooring("egress")
 
 

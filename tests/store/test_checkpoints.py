@@ -32,7 +32,7 @@ def test_a_block_cut_short_is_not_the_whole_block(tmp_path):
 
 def test_a_folder_in_use_is_not_taken_unasked(tmp_path):
     Checkpoints(tmp_path, IDENTITY)
-    with pytest.raises(InputError, match="--resume"):
+    with pytest.raises(InputError, match="resume=True"):
         Checkpoints(tmp_path, IDENTITY)
 
 

@@ -18,6 +18,7 @@ from missionplan.errors import Problem
 from missionplan.mission.schema.site import WaterSection
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.physics.water import sea_water
+from missionplan.store.paths import as_path
 
 Settings = DragSettings | OscillationSettings | ThrusterSettings | PropellerSettings
 _FORMATS: tuple[DatasetFormat[Settings], ...] = (DRAG, FREE_OSCILLATION, THRUSTER, PROPELLER_TRANSIENT)
@@ -90,7 +91,7 @@ def read_tank_data(folder: str | Path) -> TankData:
     InputError
         With every problem of `dataset.yaml` and of the tables.
     """
-    folder = Path(folder)
+    folder = as_path(folder, "dataset")
     form = TANK_FORMATS[dataset_kind(folder, TANK_FORMATS)]
     raw = read_dataset(folder, form)
     problems: list[Problem] = []

@@ -1,17 +1,23 @@
 """YAML with line marks, loaded safely: limits on size, depth and nodes, no duplicate keys."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from missionplan.errors import InputError, KeyPath, LocalProblem, Problem, did_you_mean, key_path
+from missionplan.errors import UNPRINTABLE, InputError, KeyPath, LocalProblem, Problem, did_you_mean, key_path, shown
+from missionplan.store.paths import check_name
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 24
-MAX_NODES = 50_000
-"""Nodes after aliases are expanded, or a file of a few lines could expand to billions."""
+MAX_NODES = 10_000
+"""Nodes as written, and after aliases are expanded, or a file of a few lines could expand to billions."""
+MAX_NUMBER_LENGTH = 80
+"""Characters of a number: longer ones take minutes to convert."""
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+"""That of libyaml, where PyYAML has it: ten times as fast."""
 
 
 @dataclass
@@ -75,6 +81,7 @@ def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
     InputError
         When it is missing, a folder, unreadable, too large or not UTF-8.
     """
+    check_name(shown)
     try:
         if path.is_dir():
             raise InputError([Problem("is a folder; a file was expected", shown)])
@@ -89,6 +96,21 @@ def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
         raise InputError([Problem(f"cannot be read: {error.strerror or error}", shown)]) from None
 
 
+def unprintable_texts(data: object, path: KeyPath = ()) -> Iterator[LocalProblem]:
+    """Yield a problem for each key and text that holds a control character, or another that no report can show."""
+    if isinstance(data, str) and UNPRINTABLE.search(data):
+        yield LocalProblem(path, f"given {shown(data)}, expected text without control characters")
+    elif isinstance(data, dict):
+        for key, value in data.items():
+            if isinstance(key, str) and UNPRINTABLE.search(key):
+                yield LocalProblem(path, f"the key {shown(key)} holds a control character")
+            else:
+                yield from unprintable_texts(value, (*path, key))
+    elif isinstance(data, list):
+        for index, value in enumerate(data):
+            yield from unprintable_texts(value, (*path, index))
+
+
 def _nearest_file(path: Path) -> str:
     """Hint at the file that was meant, or at the outermost folder that is missing."""
     missing = path
@@ -99,14 +121,14 @@ def _nearest_file(path: Path) -> str:
     return "; ".join([*parts, hint] if hint else parts)
 
 
-def load_document(path: Path, shown: str | None = None) -> Document:
+def load_document(path: Path, name: str | None = None) -> Document:
     """Load one YAML document with its line marks.
 
     Parameters
     ----------
     path : Path
         File to read.
-    shown : str, optional
+    name : str, optional
         How messages name the file; default as given.
 
     Raises
@@ -114,40 +136,45 @@ def load_document(path: Path, shown: str | None = None) -> Document:
     InputError
         With all problems of the file's syntax: duplicate keys, keys that are not text, too deep, too large.
     """
-    shown = str(path) if shown is None else shown
-    text = read_text(path, shown)
+    name = str(path) if name is None else name
+    text = read_text(path, name)
     try:
-        _check_depth(text, shown)
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
+        _check_size(text, name)
+        node = yaml.compose(text, Loader=_LOADER)
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else None
         words = " ".join(part for part in (error.context, error.problem) if part)
-        raise InputError([Problem(f"is not valid YAML: {words}", shown, line)]) from None
+        raise InputError([Problem(f"is not valid YAML: {words}", name, line)]) from None
     except yaml.YAMLError as error:
-        raise InputError([Problem(f"is not valid YAML: {error}", shown)]) from None
+        raise InputError([Problem(f"is not valid YAML: {error}", name)]) from None
     if node is None:
-        raise InputError([Problem("is empty", shown)])
-    builder = _Builder(shown)
+        raise InputError([Problem("is empty", name)])
+    builder = _Builder(name)
     document = Document(builder.build(node, ()), builder.marks)
-    if builder.problems:
-        raise InputError(builder.problems)
+    unprintable = [document.located(problem) for problem in unprintable_texts(document.data)]
+    if builder.problems or unprintable:
+        raise InputError([*builder.problems, *unprintable])
     return document
 
 
-def _check_depth(text: str, shown: str) -> None:
-    """Refuse deep nesting from the event stream, before any function that recurses."""
-    depth = 0
-    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+def _check_size(text: str, name: str) -> None:
+    """Refuse what is nested deeply or has too many values while it is parsed, before any function that recurses."""
+    depth, nodes = 0, 0
+    for event in yaml.parse(text, Loader=_LOADER):
+        nodes += isinstance(event, yaml.NodeEvent)
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
-            if depth > MAX_DEPTH:
-                line = event.start_mark.line + 1 if event.start_mark else None
-                raise InputError([Problem(f"is nested deeper than {MAX_DEPTH} levels", shown, line)])
         elif isinstance(event, yaml.CollectionEndEvent):
             depth -= 1
+        line = event.start_mark.line + 1 if event.start_mark else None
+        if depth > MAX_DEPTH:
+            raise InputError([Problem(f"is nested deeper than {MAX_DEPTH} levels", name, line)])
+        if nodes > MAX_NODES:
+            raise InputError([Problem(f"has more than {MAX_NODES} values", name, line)])
 
 
 _COLLECTIONS = ("tag:yaml.org,2002:map", "tag:yaml.org,2002:seq")
+_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 
 
 class _Builder:
@@ -160,8 +187,8 @@ class _Builder:
     problems : list of Problem
     """
 
-    def __init__(self, shown: str) -> None:
-        self.shown = shown
+    def __init__(self, name: str) -> None:
+        self.name = name
         self.marks: dict[KeyPath, tuple[str, int | None]] = {}
         self.problems: list[Problem] = []
         self._nodes = 0
@@ -173,10 +200,10 @@ class _Builder:
         line = node.start_mark.line + 1
         if self._nodes > MAX_NODES or len(path) > MAX_DEPTH:
             message = f"expands to more than {MAX_NODES} values (aliases of aliases?)"
-            raise InputError([Problem(message, self.shown, line)])
-        self.marks.setdefault(path, (self.shown, line))
+            raise InputError([Problem(message, self.name, line)])
+        self.marks.setdefault(path, (self.name, line))
         if not isinstance(node, yaml.ScalarNode) and node.tag not in _COLLECTIONS:
-            self.problems.append(Problem(f"the tag {node.tag} is not supported", self.shown, line, key_path(path)))
+            self.problems.append(Problem(f"the tag {node.tag} is not supported", self.name, line, key_path(path)))
             return None
         if isinstance(node, yaml.MappingNode):
             return self._mapping(node, path)
@@ -185,14 +212,18 @@ class _Builder:
         return self._scalar(node, path)
 
     def _scalar(self, node: yaml.Node, path: KeyPath) -> object:
+        words = ""
         try:
             str(node.value).encode()  # an escape may spell half a character, which no file can hold
-            return self._scalars.construct_object(node)
+            if len(node.value) <= MAX_NUMBER_LENGTH or node.tag not in _NUMBERS:
+                return self._scalars.construct_object(node)
+            words = f"a number of {len(node.value)} characters"
         except (yaml.YAMLError, ValueError) as error:
-            line = node.start_mark.line + 1
             words = getattr(error, "problem", None) or str(error)
-            self.problems.append(Problem(f"cannot be read: {words}", self.shown, line, key_path(path)))
-            return None
+        except (LookupError, AttributeError, OverflowError):  # what a tag makes of text that it does not fit
+            words = f"{shown(node.value)} is no {node.tag.rpartition(':')[2]}"
+        self.problems.append(Problem(f"cannot be read: {words}", self.name, node.start_mark.line + 1, key_path(path)))
+        return None
 
     def _mapping(self, node: yaml.MappingNode, path: KeyPath) -> dict[str, object]:
         result: dict[str, object] = {}
@@ -201,14 +232,14 @@ class _Builder:
             key, line = key_node.value, key_node.start_mark.line + 1
             if not isinstance(key_node, yaml.ScalarNode) or key_node.tag == "tag:yaml.org,2002:merge":
                 message = "a key must be a plain word (merge keys are not supported)"
-                self.problems.append(Problem(message, self.shown, line, key_path(path)))
+                self.problems.append(Problem(message, self.name, line, key_path(path)))
                 continue
             here = (*path, key)
             if key in result:
                 message = f"duplicate key; first on line {first_line[key]}"
-                self.problems.append(Problem(message, self.shown, line, key_path(here)))
+                self.problems.append(Problem(message, self.name, line, key_path(here)))
                 continue
             first_line[key] = line
-            self.marks[here] = (self.shown, line)
+            self.marks[here] = (self.name, line)
             result[key] = self.build(value_node, here)
         return result

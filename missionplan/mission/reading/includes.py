@@ -1,12 +1,12 @@
 """Files that a mission file names: the vehicle's, put in its place, and the current's, whose path is resolved."""
 
-import os.path
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 
 from missionplan.errors import InputError, KeyPath, Problem, shown
 from missionplan.mission.reading.documents import Document, load_document
+from missionplan.store.paths import is_file
 
 
 def include_files(document: Document, folder: Path, *, allow_outside: bool) -> list[Problem]:
@@ -68,9 +68,9 @@ class _Files:
         target = (self.folder / name).resolve()
         if not self.allow_outside and not target.is_relative_to(self.folder.resolve()):
             message = f"{given}, which lies outside the mission file's folder"
-            self._refuse(path, message, "--allow-outside permits it")
+            self._refuse(path, message, "allow_outside=True permits it")
             return None
-        if not os.path.isfile(target):  # noqa: PTH113 - raises nothing where a name is too long
+        if not is_file(target):
             near = get_close_matches(target.name, [entry.name for entry in target.parent.glob("*")], n=1)
             hint = f"did you mean {Path(name).parent / near[0]}?" if near else ""
             self._refuse(path, f"{given}; there is no such file", hint)

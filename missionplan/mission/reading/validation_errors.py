@@ -11,6 +11,8 @@ from missionplan.errors import KeyPath, Problem, shown
 from missionplan.mission.reading.documents import Document
 from missionplan.mission.schema.quantity_parser import QuantityParser
 
+MAX_SHOWN = 100
+"""Problems that are looked into one by one: a file with more is something else altogether."""
 _MESSAGES = {
     "Input should be a valid dictionary": "expected a mapping",
     "Input should be a valid tuple": "expected a list",
@@ -29,8 +31,9 @@ def validation_problems(error: ValidationError, document: Document, model: type[
     problems: list[Problem] = []
     mistyped: set[KeyPath] = set()
     missing: list[KeyPath] = []
-    for detail in error.errors(include_url=False):
-        path = tuple(part for part in detail["loc"] if not str(part).startswith("<"))  # the tags of unions
+    details = error.errors(include_url=False)
+    for detail in details[:MAX_SHOWN]:
+        path = _without_tags(detail["loc"], document.data)
         context = detail.get("ctx") or {}
         if "problems" in context:
             problems += [document.located(problem, path) for problem in context["problems"]]
@@ -45,7 +48,23 @@ def validation_problems(error: ValidationError, document: Document, model: type[
     for path in missing:
         if path not in mistyped:
             problems.append(document.problem(path, f"missing; expected {_expected(path, model)}"))
+    if len(details) > MAX_SHOWN:
+        problems.append(document.problem((), f"{len(details) - MAX_SHOWN} more problems are not listed"))
     return problems
+
+
+def _without_tags(location: KeyPath, data: object) -> KeyPath:
+    """Leave the tags of unions, such as ``<layers>``, out of a location, but no key of the file that looks like one."""
+    path: list[str | int] = []
+    for part in location:
+        if isinstance(data, Mapping):
+            inside = part in data
+        else:
+            inside = isinstance(data, list | tuple) and isinstance(part, int) and part < len(data)
+        if inside or not str(part).startswith("<"):
+            path.append(part)
+            data = data[part] if inside else None  # type: ignore[index]
+    return tuple(path)
 
 
 def in_order(problems: Sequence[Problem]) -> list[Problem]:

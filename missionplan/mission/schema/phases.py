@@ -92,6 +92,9 @@ class PhaseEntry(FileSection):
     def _exactly_one(self) -> "PhaseEntry":
         if len(self.model_fields_set) != 1:
             raise invalid(f"expected one of the phases {', '.join(type(self).model_fields)} in each item")
+        (kind,) = self.model_fields_set
+        if getattr(self, kind) is None:
+            raise invalid("given nothing, expected the keys of this phase", (kind,))
         return self
 
     @property

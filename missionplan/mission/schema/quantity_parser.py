@@ -26,6 +26,9 @@ _FORMS: dict[frozenset[str], str] = {
     frozenset({"median", "factor"}): "log-normal",
     frozenset({"choices"}): "choices",
 }
+_MAX_FACTOR = 1000.0
+"""Of a log-normal: 68 % of its draws lie within six powers of ten."""
+_MAX_CHOICES = 1000
 _FORMS_IN_WORDS = "{mean, sd}, {mean, sd, low, high}, {low, high}, {median, factor} or {choices}"
 
 
@@ -115,6 +118,8 @@ class QuantityParser:
     def _choices(self, values: object) -> Choices:
         if not isinstance(values, list) or not values:
             raise QuantityError(f"given {shown(values)}, expected a list of values", ("choices",))
+        if len(values) > _MAX_CHOICES:
+            raise QuantityError(f"given {len(values)} values, expected at most {_MAX_CHOICES}", ("choices",))
         numbers: list[float] = []
         problems: list[LocalProblem] = []
         for index, given in enumerate(values):
@@ -160,8 +165,8 @@ def _build(form: str, numbers: Mapping[str, float]) -> Distribution:
 
 
 def _log_normal(median: float, factor: float) -> LogNormal:
-    if factor <= 1.0:
-        raise QuantityError(f"given {factor:g}, expected a factor above 1", ("factor",))
+    if not 1.0 < factor <= _MAX_FACTOR:
+        raise QuantityError(f"given {factor:g}, expected a factor above 1 and at most {_MAX_FACTOR:g}", ("factor",))
     if median <= 0.0:
         raise QuantityError(f"given {median:g}, expected a positive median", ("median",))
     return LogNormal(median, factor)

@@ -2,7 +2,7 @@
 
 import time
 
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission
@@ -15,6 +15,7 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.dive_trials import AnchorTrials, ParallelOptions
 from missionplan.studies.anchor.sizing import AnchorSizer
+from missionplan.studies.arguments import check_arguments
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.record_cover import check_cover
 
@@ -51,6 +52,7 @@ def size_anchor(
         When the mission lacks what a descent needs, or the probability is not between 0 and 1.
     """
     started = time.perf_counter()
+    check_arguments(mission, trials=trials, seed=seed, jobs=jobs)
     moor = MooringMission.of(mission).mooring(phase)
     _check_probability(probability)
     required = _required(mission, moor)
@@ -83,11 +85,11 @@ def size_anchor(
 
 
 def _check_probability(probability: float | None) -> None:
-    if probability is None or 0.0 < probability < 1.0:
+    is_number = isinstance(probability, int | float)
+    if probability is None or (is_number and 0.0 < probability < 1.0):
         return
-    hint = f"was {probability / 100.0:g} meant?" if 1.0 < probability < 100.0 else ""
-    problem = Problem(f"given {probability:g}, expected between 0 and 1", key="--probability", hint=hint)
-    raise InputError([problem])
+    hint = f"was {probability / 100.0:g} meant?" if is_number and 1.0 < probability < 100.0 else ""
+    raise InputError([Problem(f"given {shown(probability)}, expected between 0 and 1", key="probability", hint=hint)])
 
 
 def _required(mission: Mission, moor: MoorPhase) -> float | None:

@@ -10,6 +10,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.results.base import Provenance
 from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
+from missionplan.store.paths import as_path
 from missionplan.studies.comparison.mission_changes import changed_values
 from missionplan.studies.comparison.significance import holm, standard_error_and_p_value
 from missionplan.studies.comparison.summary_numbers import SECTIONS, SummaryNumber, summary_numbers
@@ -36,7 +37,7 @@ def compare(first: str | Path, second: str | Path) -> Comparison:
         When a folder is no report, or the two were not made by one command that can be compared.
     """
     began = time.perf_counter()
-    folders = (Path(first), Path(second))
+    folders = (as_path(first, "first"), as_path(second, "second"))
     summaries = [_read_summary(folder) for folder in folders]
     missions = [load_document(folder / "mission.yaml").data for folder in folders]
     command = _one_command(folders, summaries)

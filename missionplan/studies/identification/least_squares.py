@@ -81,7 +81,13 @@ def fit(
     def misfit(values: Array) -> Array:
         return (model(values) - data) / scale
 
-    solution = least_squares(misfit, start, bounds=bounds, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    low, high = np.array(bounds)
+    if not (np.all((low <= start) & (start <= high)) and np.all(np.isfinite(misfit(start)))):
+        raise RunError(f"{name}: the data are so large, so small or so uniform that no fit can start")
+    try:
+        solution = least_squares(misfit, start, bounds=bounds, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    except (ValueError, np.linalg.LinAlgError) as error:  # residuals that are not finite on the way
+        raise RunError(f"{name}: the fit failed ({error})") from error
     if not solution.success:
         raise RunError(f"{name}: the fit did not converge ({solution.message})")
     covariance = _covariance(name, np.asarray(solution.jac), parameters)
@@ -94,6 +100,8 @@ def fit(
     estimates = tuple(
         _estimate(p, float(v), float(sd), quantile) for p, v, sd in zip(parameters, solution.x, deviations, strict=True)
     )
+    if not (np.all(np.isfinite(solution.x)) and np.all(np.isfinite(deviations))):
+        raise RunError(f"{name}: the data do not determine the parameters")
     residual_sd = float(np.sqrt(np.sum((data - fitted) ** 2) / dof))
     stated = chi_squared if data_sd is not None else float("nan")
     return FittedModel(name, estimates, stated, dof, widened, fitted, residual_sd, spread)
@@ -124,8 +132,8 @@ def _covariance(name: str, jacobian: Array, parameters: Sequence[FitParameter]) 
     """
     norms = np.linalg.norm(jacobian, axis=0)
     for norm, parameter in zip(norms, parameters, strict=True):
-        if norm == 0.0:
-            raise RunError(f"{name}: the data do not depend on {parameter.name}")
+        if not 0.0 < norm < np.inf:
+            raise RunError(f"{name}: the data do not depend on {parameter.name} in a way that numbers can hold")
     _, singular, rows = np.linalg.svd(jacobian / norms, full_matrices=False)
     if singular[-1] < RANK_TOLERANCE * singular[0]:
         confounded = [p.name for p, weight in zip(parameters, rows[-1], strict=True) if abs(weight) > 0.1]

@@ -8,6 +8,7 @@ from scipy.special import ndtri
 
 from missionplan.arrays import Array
 from missionplan.datasets.tank import OscillationSettings, TankData
+from missionplan.errors import RunError
 from missionplan.physics import oscillation as osc
 from missionplan.physics.tank import full_size_mass
 from missionplan.results.identification import FitCurve, FitPanel, FittedModel, IdentifiedParameter, TankAnalysis
@@ -18,6 +19,9 @@ from missionplan.studies.identification.least_squares import (
     fit,
     scaled_estimate,
 )
+
+_FEWEST = 4
+"""Samples of a record that have a frequency at all."""
 
 
 def identify_oscillation(data: TankData, settings: OscillationSettings) -> TankAnalysis:
@@ -151,6 +155,9 @@ def starting_values(time: Array, record: Array) -> list[FitParameter]:
     The frequency is the peak of a discrete Fourier transform with a Hann window, padded with zeros (Harris 1978, Proc.
     IEEE 66, 51–83).
     """
+    if len(time) < _FEWEST or not np.all(np.diff(time) > 0.0) or not 0.0 < np.ptp(record) < np.inf:
+        message = f"a record of an oscillation needs {_FEWEST} samples in the order of time, not all the same"
+        raise RunError(message)
     step = float(np.median(np.diff(time)))
     even = np.arange(time[0], time[-1], step)
     spectrum = np.abs(

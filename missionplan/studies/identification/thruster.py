@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.datasets.tank import TankData, ThrusterSettings
+from missionplan.errors import RunError
 from missionplan.physics.thruster import bollard_pull
 from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import FitParameter, f_test_prefers, fit
@@ -31,6 +32,8 @@ def _static(data: TankData, at_rest: NDArray[np.bool_]) -> TankAnalysis:
     name, unit = ("voltage_v", "V") if "voltage_v" in data.columns else ("rpm", "1/s")
     command = data.columns[name][at_rest] / (1.0 if unit == "V" else 60.0)
     thrust = data.columns["thrust_n"][at_rest]
+    if not np.any(command):
+        raise RunError(f"thrust: no row at rest has a {name} other than 0")
     noise = data.settings.noise.thrust
     thrust_sd = None if noise is None else np.full_like(thrust, noise)
     simple, richer = _static_fits(command, thrust, thrust_sd, unit)

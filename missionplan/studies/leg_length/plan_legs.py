@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 from missionplan.arrays import Array
 from missionplan.mission import Mission
@@ -12,6 +13,7 @@ from missionplan.montecarlo.streams import block_count
 from missionplan.results.base import Provenance
 from missionplan.results.leg_cases import CandidatePlan, LegCase
 from missionplan.results.legs import LegPlan
+from missionplan.studies.arguments import check_arguments
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs
 from missionplan.studies.leg_length.plan_comparison import compare_plans, late_gain
 from missionplan.studies.leg_length.robustness import PairedPlansTask, error_scenarios, leg_case
@@ -50,6 +52,7 @@ def plan_legs(
         When the mission has no transit, or no legs can be planned for it.
     """
     started = time.perf_counter()
+    check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of={"aim": (aim, get_args(Aim))})
     scenario = replace(SweepScenario.of(mission), sigmas=(None,))
     trials = trials or mission.monte_carlo.trials
     seed = mission.monte_carlo.seed if seed is None else seed

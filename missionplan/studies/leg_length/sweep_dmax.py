@@ -3,7 +3,7 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.base import Provenance
 from missionplan.results.sweep import Sweep, SweepCurve, SweepPoint
+from missionplan.studies.arguments import check_arguments
 from missionplan.studies.leg_length.sweep_cells import CellTotals, run_cells
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
@@ -54,6 +55,8 @@ def sweep_dmax(
         where it does not apply.
     """
     started = time.perf_counter()
+    methods = (method, (None, *get_args(Method)))
+    check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of={"method": methods})
     scenario = SweepScenario.of(mission)
     used = _method(scenario, method)
     trials = 0 if used == "analytic" else trials or mission.monte_carlo.trials
@@ -94,8 +97,8 @@ def sweep_dmax(
 def _method(scenario: SweepScenario, requested: Method | None) -> Method:
     obstacle = scenario.analytic_obstacle()
     if obstacle and requested in ("both", "analytic"):
-        hint = "use --method monte-carlo"
-        raise InputError([Problem(f"the analytic cost does not allow for {obstacle}", key="--method", hint=hint)])
+        hint = "use method='monte-carlo'"
+        raise InputError([Problem(f"the analytic cost does not allow for {obstacle}", key="method", hint=hint)])
     return requested or ("monte-carlo" if obstacle else "both")
 
 

@@ -11,7 +11,7 @@ from missionplan.studies.simulation.block_statistics import SCALES, BlockStatist
 
 _Z95 = 1.959963984540054
 SUCCESS = "success"
-_OPTION = "--precision"
+_OPTION = "precision"
 
 
 @dataclass(frozen=True)

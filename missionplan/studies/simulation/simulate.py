@@ -14,7 +14,9 @@ from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_file, recorded_current
 from missionplan.store.checkpoints import Checkpoints, Identity
+from missionplan.store.paths import as_path
 from missionplan.store.trials_table import TrialsTable
+from missionplan.studies.arguments import check_arguments
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence
 from missionplan.studies.simulation.block_statistics import LIMIT
@@ -38,7 +40,7 @@ def simulate(
     backend: Backend = "loky",
     scheduler: str | None = None,
     precision: str | None = None,
-    checkpoint: Path | None = None,
+    checkpoint: str | Path | None = None,
     resume: bool = False,
     keep_trials: bool = False,
     progress: Progress | None = None,
@@ -55,7 +57,7 @@ def simulate(
     precision : str, optional
         Stop after the first block at which a standard error is below it: ``0.5%`` (of P(success)),
         ``success=0.002``, ``total.duration=0.5%``, ``moor.offset=0.1 m``. The run then equals one of that many trials.
-    checkpoint : Path, optional
+    checkpoint : str or Path, optional
         Folder in which finished blocks are kept.
     resume : bool
         Continue with the blocks in that folder.
@@ -72,6 +74,8 @@ def simulate(
         When every block fails, a worker dies, or the checkpoint cannot be written.
     """
     started = time.perf_counter()
+    check_arguments(mission, trials=trials, seed=seed, jobs=jobs, text={"precision": precision})
+    folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     check_complete(mission)
     seed = mission.monte_carlo.seed if seed is None else seed
     goal = Precision.parse(precision, mission) if precision else None
@@ -82,7 +86,7 @@ def simulate(
     task = BlockTask(means, seed, keep_trials)
     run = BlockSequence(
         items=_items(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials)),
-        store=Checkpoints(checkpoint, _identity(task), resume=resume) if checkpoint else None,
+        store=Checkpoints(folder, _identity(task), resume=resume) if folder else None,
         goal=goal,
         table=TrialsTable() if keep_trials else None,
     )

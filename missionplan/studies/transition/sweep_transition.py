@@ -19,6 +19,7 @@ from missionplan.results.base import Provenance
 from missionplan.results.transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.transition import manoeuvre, transition_vehicle
+from missionplan.studies.arguments import check_arguments
 from missionplan.studies.transition.grid_runs import SAMPLE, GridRuns, time_history
 
 LOWEST_SPEED = 0.3
@@ -43,6 +44,7 @@ def sweep_transition(mission: Mission, *, phase: str | None = None, time_step: f
         When the mission lacks what a transition needs.
     """
     started = time.perf_counter()
+    check_arguments(mission)
     transition = TransitionMission.of(mission).transition(phase)
     scenario = Scenario.at_means(mission)
     vehicle = replace(transition_vehicle(scenario, transition), suction_moment=False)

@@ -200,7 +200,7 @@ def test_a_changed_mission_is_refused_with_the_difference(mission, tmp_path):
     assert "+  surfacing_time: 80 s" in lines
     with pytest.raises(InputError, match=r"\+seed: 2"):
         simulate(mission, trials=10, seed=2, checkpoint=folder, resume=True)
-    with pytest.raises(InputError, match="--resume"):
+    with pytest.raises(InputError, match="resume=True"):
         simulate(mission, trials=10, checkpoint=folder)
 
 

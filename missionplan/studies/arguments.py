@@ -1,0 +1,63 @@
+"""Arguments of the public functions: every wrong one at once, in Python's terms; the command line has its own."""
+
+from collections.abc import Mapping, Sequence
+
+from missionplan.errors import InputError, Problem, shown
+from missionplan.mission import Mission
+
+MAX_JOBS = 10_000
+
+
+def check_arguments(
+    mission: object,
+    *,
+    trials: object = None,
+    seed: object = None,
+    jobs: object = 1,
+    one_of: Mapping[str, tuple[object, Sequence[object]]] | None = None,
+    text: Mapping[str, object] | None = None,
+) -> None:
+    """Check the arguments that studies share.
+
+    Parameters
+    ----------
+    mission : object
+        Expected to be a `Mission`.
+    trials, seed, jobs : object
+        Expected to be whole numbers; None, for the first two, is the mission's.
+    one_of : mapping, optional
+        By argument: what is given, and what may be.
+    text : mapping, optional
+        Arguments that are text or None.
+
+    Raises
+    ------
+    InputError
+        With every argument that is wrong.
+    """
+    problems = []
+    if not isinstance(mission, Mission):
+        problems.append(_wrong("mission", mission, "a Mission, as missionplan.load returns it"))
+    if trials is not None and not _is_whole(trials, 1):
+        problems.append(_wrong("trials", trials, "a whole number, at least 1"))
+    if seed is not None and not _is_whole(seed, 0):
+        problems.append(_wrong("seed", seed, "a whole number, at least 0"))
+    if jobs != -1 and not _is_whole(jobs, 1, MAX_JOBS):
+        problems.append(_wrong("jobs", jobs, f"a whole number from 1 to {MAX_JOBS}, or -1 for every core"))
+    for name, (value, known) in (one_of or {}).items():
+        if value not in known:
+            words = ", ".join("None" if each is None else str(each) for each in known)
+            problems.append(_wrong(name, value, f"one of {words}"))
+    for name, value in (text or {}).items():
+        if value is not None and not isinstance(value, str):
+            problems.append(_wrong(name, value, "text"))
+    if problems:
+        raise InputError(problems)
+
+
+def _is_whole(value: object, least: int, most: float = float("inf")) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
+
+
+def _wrong(argument: str, value: object, expected: str) -> Problem:
+    return Problem(f"given {shown(value)}, expected {expected}", key=argument)
