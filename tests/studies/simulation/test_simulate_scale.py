@@ -117,7 +117,7 @@ def test_precisions_are_read(whole_mission, text, expected):
         ("moor.offset=5 s", "quantity in m"),
         ("mor.offset=5 m", "did you mean moor"),
         ("moor.ofset=1%", "did you mean offset"),
-        ("half", "--precision"),
+        ("half", "precision: given"),
         ("0%", "more than 0"),
     ],
 )
