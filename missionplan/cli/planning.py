@@ -169,7 +169,7 @@ def simulate(
             **run.arguments(),
         )
     deliver(outcome, folder, replace(output, force=True))
-    if not outcome.requirements_met:
+    if not outcome.requirements_met or not outcome.can_be_built:
         raise typer.Exit(REQUIREMENT_NOT_MET)
 
 

@@ -20,7 +20,7 @@ class ProbableAnchor:
     required : float
         Probability required.
     anchor : SizedAnchor or None
-        None where no anchor reaches it.
+        The lightest that can be built; that of any parts where none can; None where no anchor reaches it.
     reason : str
         Why none reaches it; empty otherwise.
     best : float
@@ -29,6 +29,8 @@ class ProbableAnchor:
         Shortest line [m] with which some anchor would reach it, where the line is what fails.
     line_anchor_weight : float or None
         Wet weight of that anchor [N].
+    lighter : float or None
+        Wet weight [N] of a lighter anchor that reaches it, where the parts cannot make that one.
     """
 
     required: float
@@ -37,6 +39,7 @@ class ProbableAnchor:
     best: float
     line_length: float | None = None
     line_anchor_weight: float | None = None
+    lighter: float | None = None
 
     def summary(self) -> dict[str, object]:
         """Return the section `probable` of ``summary.json``."""
@@ -51,6 +54,7 @@ class ProbableAnchor:
             "odds": found.probabilities.summary() if found else None,
             "line_length_m": self.line_length,
             "line_anchor_wet_weight_n": self.line_anchor_weight,
+            "lightest_of_any_parts_n": self.lighter,
         }
 
 

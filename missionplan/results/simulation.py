@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
 from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.sized_anchor import MooringAnchor
 
 
 @dataclass(frozen=True)
@@ -210,6 +211,8 @@ class Outcome(Result):
     limits : mapping of str to Probability
         Trials that met a limit of the world, failed or not: ``current_faster`` than the vehicle, ``left_record``
         of the current; without those that cannot be.
+    anchors : tuple of MooringAnchor
+        Of the moorings whose anchor is sized, or cannot be built.
     failed_blocks : tuple of str
         Blocks of trials that failed numerically, with seed and block; left out of everything above.
     trials_table : bytes or None
@@ -227,6 +230,7 @@ class Outcome(Result):
     tracks: Tracks
     arrivals: Mapping[str, Array]
     limits: Mapping[str, Probability] = field(default_factory=dict)
+    anchors: tuple[MooringAnchor, ...] = ()
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
 
@@ -234,6 +238,11 @@ class Outcome(Result):
     def requirements_met(self) -> bool:
         """Whether every requirement of the mission is met."""
         return all(requirement.met for requirement in self.requirements)
+
+    @property
+    def can_be_built(self) -> bool:
+        """Whether no anchor is known to be impossible with its parts."""
+        return not any(anchor.failures for anchor in self.anchors)
 
     def summary(self) -> dict[str, object]:
         """Return the contents of `summary.json`."""
@@ -249,6 +258,7 @@ class Outcome(Result):
                 for step in self.attrition
             ],
             "limits": {name: share.summary() for name, share in self.limits.items()},
+            "anchors": [anchor.summary() for anchor in self.anchors],
             "sensitivities": [vars(sensitivity) for sensitivity in self.sensitivities],
             "failed_blocks": list(self.failed_blocks),
         }

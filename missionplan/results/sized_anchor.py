@@ -176,3 +176,34 @@ _BUILT: Mapping[str, str] = {
     "flooded_mass_kg": "flooded_mass",
 }
 """Keys of ``summary.json`` and the properties of the design that they hold."""
+
+
+@dataclass(frozen=True)
+class MooringAnchor:
+    """The anchor of a mooring that the mission leaves to be sized, or whose parts it gives.
+
+    Attributes
+    ----------
+    phase : str
+    wet_weight : float
+        [N]
+    is_sized : bool
+        Whether it is the worst case's (Briggs et al., Eqs. 1 and 15).
+    failures : tuple of str
+        Why its parts cannot make it; empty where they can, or are not given.
+    """
+
+    phase: str
+    wet_weight: float
+    is_sized: bool
+    failures: tuple[str, ...] = ()
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of `summary.json`."""
+        return {
+            "phase": self.phase,
+            "wet_weight_n": self.wet_weight,
+            "sized": self.is_sized,
+            "feasible": not self.failures,
+            "problems": list(self.failures),
+        }

@@ -1,5 +1,8 @@
 """Parameters of a mission's moorings."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from missionplan.arrays import Scalars
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.mooring.forces import Dive
@@ -47,6 +50,11 @@ def dive_of(scenario: Scenario, phase: MoorPhase) -> Dive:
         line_length=scenario[f"{phase.name}.line_length"],
         site_depth=scenario["site.depth"],
     )
+
+
+def is_too_shallow(scenario: Scenario, dive: Dive) -> NDArray[np.bool_]:
+    """Whether the anchor lies on the seafloor before line and vehicle are under water, shape broadcasting to (n,)."""
+    return np.atleast_1d(dive.line_length + scenario["vehicle.hull.length"] >= dive.site_depth)
 
 
 def wet_weight_of(scenario: Scenario, phase: MoorPhase) -> Scalars:

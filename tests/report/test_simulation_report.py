@@ -10,11 +10,13 @@ import pytest
 from outcome_example import MAPPED, example
 
 from missionplan.montecarlo.statistics import wilson
+from missionplan.report.numbers import percent
 from missionplan.report.page import Figure, style
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
 from missionplan.report.simulation.requirements import judged
 from missionplan.results.simulation import Attrition, Outcome, RequirementOutcome
+from missionplan.results.sized_anchor import MooringAnchor
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +37,7 @@ def with_success(outcome: Outcome, successes: int, trials: int, attrition=()) ->
 
 def test_the_verdict_comes_first_in_plain_words(page, outcome):
     share = 100.0 * outcome.total.events["success"].value
-    assert page.answer.startswith(f"This mission works {share:.1f}")
+    assert page.answer.startswith(f"This mission does not do what is required of it; it succeeds {share:.1f}")
     assert "most failures are missed arrivals (ingress)" in page.answer
     assert "3 of its 4 requirements are met" in page.answer
     assert page.verdict == "bad"
@@ -47,6 +49,50 @@ def test_a_mission_that_never_failed_says_so(outcome):
         "none of 4000 trials failed, so that P(success) is 100\u00a0% (at least 99.6\u00a0%)"
         in terminal_view(sure).sentence
     )
+
+
+def test_a_mission_is_not_said_to_work_that_misses_what_it_requires(outcome):
+    sure = with_success(outcome, 4000, 4000)
+    for successes, words in ((100, "does not do what is required of it, though none"), (450, "is undecided, though")):
+        one = requirement(outcome, successes, 500)
+        said = terminal_view(replace(sure, requirements=(one,))).sentence
+        assert words in said
+        assert "works" not in said
+
+
+def test_a_mission_that_never_succeeds_fails(outcome):
+    steps = [Attrition("ingress: not arrived", wilson(100, 100), wilson(0, 100))]
+    lost = replace(with_success(outcome, 0, 100, steps), requirements=())
+    assert terminal_view(lost).sentence.startswith("This mission fails: none of 4000 trials succeeded; most failures")
+    assert terminal_view(lost).verdict == "bad"
+
+
+def test_an_anchor_that_is_sized_is_told_with_what_it_achieves(outcome):
+    free = replace(outcome, requirements=())
+    sized = replace(free, anchors=(MooringAnchor("moor", 11.7, True),))
+    within = percent(outcome.phases[1].events["within_radius"])
+    words = f"The anchor sized for the worst case of Eq. 1 (moor), 11.7\u00a0N wet, comes down within the radius in {within}"
+    assert words in terminal_view(sized).sentence
+    assert terminal_view(sized).verdict == ""
+    impossible = replace(free, anchors=(MooringAnchor("moor", 0.13, True, ("the tube would have no length",)),))
+    said = terminal_view(impossible)
+    assert said.sentence.startswith("This mission cannot be carried out, as its anchor cannot be built; it succeeds")
+    assert "0.13\u00a0N wet (moor) cannot be built from its parts: the tube would have no length." in said.sentence
+    assert said.verdict == "bad"
+    assert not impossible.can_be_built
+    assert impossible.summary()["anchors"][0]["feasible"] is False
+
+
+def test_durations_of_those_that_end_say_of_how_many(outcome):
+    duration = replace(outcome.total.quantities["duration_s"], count=3040, missing=960)
+    part = replace(
+        outcome, total=replace(outcome.total, quantities={**outcome.total.quantities, "duration_s": duration})
+    )
+    shown = simulation.page(part)
+    assert ("Duration of nine missions in ten, of the 76.0\u00a0% that end") in dict(shown.numbers)
+    headings = [section.heading for section in shown.sections]
+    assert any(heading.startswith("Nine missions in ten of the 76.0\u00a0% that end take") for heading in headings)
+    assert any(heading.startswith("Half of the 76.0\u00a0% that end need") for heading in headings)
 
 
 def test_the_commonest_of_many_failures_is_named_as_such(outcome):

@@ -22,7 +22,7 @@ def drift_figure(sizing: AnchorSizing) -> Figure:
         figure,
         "drift",
         alt=(
-            f"Drift of anchor and vehicle from the last fix to touchdown: {sizing.anchor.offset:.1f} m, "
+            f"Drift of anchor and vehicle from the last fix to touchdown: {sizing.to_build.offset:.1f} m, "
             f"with the allowed radius of {sizing.radius:.1f} m"
         ),
         caption="The nominal dive with the mean currents: each body drifts with its layer. Cross: the anchor.",
@@ -31,7 +31,7 @@ def drift_figure(sizing: AnchorSizing) -> Figure:
 
 def _until_touchdown(sizing: AnchorSizing) -> int:
     """Number of samples of the profile until touchdown."""
-    profile = sizing.anchor.profile
+    profile = sizing.to_build.profile
     return int(np.count_nonzero(profile.time <= profile.stages["touchdown"]))
 
 
@@ -45,7 +45,7 @@ def _draw_radius(axes: Axes, sizing: AnchorSizing) -> None:
 
 
 def _draw_plan(axes: Axes, sizing: AnchorSizing) -> None:
-    profile, until, offset = sizing.anchor.profile, _until_touchdown(sizing), sizing.anchor.offset
+    profile, until, offset = sizing.to_build.profile, _until_touchdown(sizing), sizing.to_build.offset
     axes.plot(*profile.anchor_track[:, :until], color=ORANGE, linewidth=2.6)
     axes.plot(*profile.vehicle_track[:, :until], color=BLUE, linewidth=1.3)
     east, north = (float(value) for value in profile.record.offset[:, 0])
@@ -59,7 +59,7 @@ def _draw_plan(axes: Axes, sizing: AnchorSizing) -> None:
 
 
 def _draw_elevation(axes: Axes, sizing: AnchorSizing) -> None:
-    profile, until = sizing.anchor.profile, _until_touchdown(sizing)
+    profile, until = sizing.to_build.profile, _until_touchdown(sizing)
     anchor, vehicle = np.hypot(*profile.anchor_track), np.hypot(*profile.vehicle_track)
     axes.plot(anchor[:until], profile.anchor_depth[:until], color=ORANGE)
     axes.plot(vehicle[:until], profile.vehicle_depth[:until], color=BLUE)
@@ -76,7 +76,7 @@ def _draw_elevation(axes: Axes, sizing: AnchorSizing) -> None:
     axes.set(
         xlabel="Distance from the last fix (m)", ylabel="Depth (m)", ylim=(1.06 * sizing.depth, -0.04 * sizing.depth)
     )
-    axes.set_xlim(0.0, 1.1 * max(sizing.radius, sizing.anchor.offset))
+    axes.set_xlim(0.0, 1.1 * max(sizing.radius, sizing.to_build.offset))
     axes.set_title("Elevation")
 
 

@@ -56,7 +56,10 @@ def answer(sizing: AnchorSizing) -> str:
         return built
     if probable.anchor is None:
         return f"No anchor reaches {100.0 * probable.required:g}\u00a0%. {built}"
-    worst = f"The worst-case anchor of Eq. 1, {sizing.anchor.wet_weight:.1f}\u00a0N wet, reaches "
+    if probable.lighter is not None:
+        required = f"{100.0 * probable.required:g}\u00a0%"
+        built += f" For {required}, {probable.lighter:.2f}\u00a0N would do, but these parts make no lighter anchor."
+    worst = f"The worst-case anchor of Eq. 1, {sections.weight_in_words(sizing.anchor)} wet, reaches "
     return f"{built} {worst}{percent(sizing.anchor.probabilities.good)}."
 
 
@@ -72,7 +75,7 @@ def _achieved(sizing: AnchorSizing, anchor: SizedAnchor) -> str:
 
 def _anchor_in_words(anchor: SizedAnchor) -> str:
     design = anchor.design
-    weight = f"{anchor.wet_weight:.{1 if anchor.wet_weight >= 1.0 else 2}f}\u00a0N"
+    weight = sections.weight_in_words(anchor)
     if design is None:
         return f"An anchor of {weight} wet: {sections.dive_in_words(anchor)}."
     if not design.feasible:

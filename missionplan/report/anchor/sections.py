@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator
 
+from missionplan.montecarlo.statistics import wilson
 from missionplan.report.anchor.drawing import drawing
 from missionplan.report.anchor.drift import drift_figure
 from missionplan.report.anchor.figures import descent_profile, drag_bars
 from missionplan.report.anchor.numbers_table import numbers_table
-from missionplan.report.numbers import number, percent
+from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.wording import capitalised
 from missionplan.results.anchor import AnchorSizing, ProbableAnchor
@@ -36,7 +37,7 @@ def probable(sizing: AnchorSizing) -> Iterator[PageSection]:
     if found is None:
         yield PageSection(f"No anchor reaches {wanted}", _why_none(sizing, sizing.probable))
     else:
-        heading = f"For {wanted} the anchor weighs {found.wet_weight:.1f}\u00a0N"
+        heading = f"For {wanted} the anchor weighs {weight_in_words(found)}"
         problems = [f"{capitalised(problem)}." for problem in found.problems]
         yield PageSection(heading, [_compared(sizing, found, wanted), _WORST_CASE, *problems])
 
@@ -54,12 +55,18 @@ def _why_none(sizing: AnchorSizing, probable: ProbableAnchor) -> list[str]:
 def _compared(sizing: AnchorSizing, found: SizedAnchor, wanted: str) -> str:
     worst = sizing.anchor
     difference = found.wet_weight - worst.wet_weight
+    which = "lightest" if sizing.probable is None or sizing.probable.lighter is None else "lightest buildable"
     return (
-        f"The lightest anchor that stays within {sizing.radius:.1f}\u00a0m without the vehicle striking in {wanted} of "
-        f"dives weighs {found.wet_weight:.1f}\u00a0N wet, {abs(difference):.1f}\u00a0N "
+        f"The {which} anchor that stays within {sizing.radius:.1f}\u00a0m without the vehicle striking in {wanted} of "
+        f"dives weighs {weight_in_words(found)} wet, {abs(difference):.1f}\u00a0N "
         f"{'lighter' if difference < 0.0 else 'heavier'} than the worst-case anchor, which reaches "
         f"{percent(worst.probabilities.good)}. It is {dive_in_words(found)}."
     )
+
+
+def weight_in_words(anchor: SizedAnchor) -> str:
+    """Write the wet weight: ``11.8 N``."""
+    return f"{anchor.wet_weight:.{1 if anchor.wet_weight >= 1.0 else 2}f}\u00a0N"
 
 
 def dive_in_words(anchor: SizedAnchor) -> str:
@@ -77,18 +84,19 @@ def dive_in_words(anchor: SizedAnchor) -> str:
 
 def probabilities(sizing: AnchorSizing) -> PageSection:
     """Present how often dives stay within the radius and clear of the bottom."""
-    good = percent(sizing.anchor.probabilities.good)
+    good = percent(sizing.to_build.probabilities.good)
     heading = f"{good} of dives stay within {sizing.radius:.1f}\u00a0m and clear of the bottom"
     return PageSection(heading, [_dives_in_words(sizing)])
 
 
 def _dives_in_words(sizing: AnchorSizing) -> str:
-    dives, trials = sizing.anchor.probabilities, sizing.provenance.trials
+    dives, trials = sizing.to_build.probabilities, sizing.provenance.trials
     offset, lowest = dives.offset, dives.lowest_altitude.p05
     if offset.count == 0:
-        return f"In none of {trials} dives drawn from the mission's distributions does the anchor reach the seafloor."
+        drawn = f"{number(trials)} dives drawn from the mission's distributions"
+        return f"In none of {drawn} does the anchor reach the seafloor."
     words = (
-        f"Over {trials} dives drawn from the mission's distributions the anchor comes down "
+        f"{_those_that_land(offset.count, trials)} the anchor comes down "
         f"{number(offset.p50, offset.standard_error)}\u00a0m from the last fix in the median and "
         f"{number(offset.p95, 2.0 * offset.standard_error)}\u00a0m at the 95th percentile. The vehicle "
         f"strikes the seafloor in {percent(dives.struck)}"
@@ -96,9 +104,17 @@ def _dives_in_words(sizing: AnchorSizing) -> str:
     return f"{words}; in one dive of twenty it stops within {lowest:.2f}\u00a0m of it." if lowest > 0.0 else f"{words}."
 
 
+def _those_that_land(landed: int, trials: int) -> str:
+    """Write of which dives a statistic of the offset is."""
+    drawn = f"{number(trials)} dives drawn from the mission's distributions"
+    if landed == trials:
+        return f"Over {drawn}"
+    return f"Of {drawn}, in {share(wilson(landed, trials))} the anchor reaches the seafloor; in these"
+
+
 def dive(sizing: AnchorSizing) -> Iterator[PageSection]:
     """Draw the nominal dive, where it reaches the seafloor."""
-    anchor = sizing.anchor
+    anchor = sizing.to_build
     if not anchor.touched_down:
         yield PageSection("The anchor does not reach the seafloor", [_layers_in_words(sizing)])
         return
@@ -122,9 +138,9 @@ def _layers_in_words(sizing: AnchorSizing) -> str:
 
 def drag(sizing: AnchorSizing) -> PageSection:
     """Draw where the drag comes from, with the notes on the formulae."""
-    anchor = sizing.anchor
-    share = float(anchor.drag.anchor) / float(anchor.drag.total)
-    heading = f"The vehicle makes {100 * (1 - share):.0f}\u00a0% of the drag, the anchor {100 * share:.0f}\u00a0%"
+    anchor = sizing.to_build
+    part = float(anchor.drag.anchor) / float(anchor.drag.total)
+    heading = f"The vehicle makes {100 * (1 - part):.0f}\u00a0% of the drag, the anchor {100 * part:.0f}\u00a0%"
     return PageSection(heading, [drag_bars(anchor), *sizing.notes])
 
 

@@ -9,7 +9,12 @@ from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Page, Terminal
 from missionplan.report.simulation import sections
 from missionplan.report.simulation.figures import waterfall
-from missionplan.report.simulation.quantities import failure_in_words, range_in_words, worst_step
+from missionplan.report.simulation.quantities import (
+    failure_in_words,
+    of_those_that_end,
+    range_in_words,
+    worst_step,
+)
 from missionplan.report.simulation.requirements import requirements_in_words, requirements_section, verdict
 from missionplan.report.simulation.sensitivities import sensitivity_sections
 from missionplan.report.wording import in_words
@@ -45,7 +50,7 @@ def terminal(outcome: Outcome) -> Terminal:
         events = [f"{in_words(name)} {share(probability)}" for name, probability in phase.events.items()]
         ranges = (range_in_words(outcome, phase, key) for key in ("duration_s", "energy_wh"))
         rows.append((phase.name, events[0] if events else "", *ranges))
-    columns = ("phase", "of the trials", "duration (5–95 %)", "energy (5–95 %)")
+    columns = ("phase", "of the trials", "those that end take (5–95 %)", "and use (5–95 %)")
     return Terminal(answer(outcome), columns, rows, verdict=verdict(outcome))
 
 
@@ -57,7 +62,12 @@ def _files(outcome: Outcome) -> dict[str, str]:
 
 def answer(outcome: Outcome) -> str:
     """Write how often the mission works, what fails it most, and how many requirements are met."""
-    parts = (_success_in_words(outcome), *_limits_in_words(outcome), requirements_in_words(outcome))
+    parts = (
+        _success_in_words(outcome),
+        *_anchors_in_words(outcome),
+        *_limits_in_words(outcome),
+        requirements_in_words(outcome),
+    )
     return " ".join(part for part in parts if part)
 
 
@@ -79,21 +89,53 @@ def _limits_in_words(outcome: Outcome) -> Iterator[str]:
             yield f"In {share(probability)} of the trials {_LIMITS[limit]}{beyond}."
 
 
+def _anchors_in_words(outcome: Outcome) -> Iterator[str]:
+    """Write what an anchor that is sized achieves, and which anchors cannot be built."""
+    for anchor in outcome.anchors:
+        weight = f"{anchor.wet_weight:.{1 if anchor.wet_weight >= 1.0 else 2}f}\u00a0N wet"
+        if anchor.is_sized:
+            events = next(phase.events for phase in outcome.phases if phase.name == anchor.phase)
+            reached = percent(events["within_radius"])
+            yield (
+                f"The anchor sized for the worst case of Eq. 1 ({anchor.phase}), {weight}, comes down within the "
+                f"radius in {reached} of the trials."
+            )
+        if anchor.failures:
+            reasons = "; ".join(anchor.failures)
+            yield f"An anchor of {weight} ({anchor.phase}) cannot be built from its parts: {reasons}."
+
+
 def _success_in_words(outcome: Outcome) -> str:
-    success = outcome.total.events["success"]
-    worst = worst_step(outcome)
+    """Write how often the mission succeeds; that it works only where it does all that it is asked."""
+    success, worst = outcome.total.events["success"], worst_step(outcome)
+    works, trials = verdict(outcome) in ("", "good"), number(outcome.provenance.trials)
     if worst is None:
-        trials = number(outcome.provenance.trials)
-        return f"This mission works: none of {trials} trials failed, so that P(success) is {percent(success)}."
+        certain = f"none of {trials} trials failed, so that P(success) is {percent(success)}"
+        return f"This mission works: {certain}." if works else f"{_judged(outcome)}, though {certain}."
     most = "most" if worst.lost.value > 0.5 * (1.0 - success.value) else "the commonest"
-    return f"This mission works {percent(success)} of the time; {most} failures are {failure_in_words(worst.step)}."
+    failures = f"{most} failures are {failure_in_words(worst.step)}"
+    if success.value == 0.0:
+        return f"This mission fails: none of {trials} trials succeeded; {failures}."
+    if works:
+        return f"This mission works {percent(success)} of the time; {failures}."
+    return f"{_judged(outcome)}; it succeeds {percent(success)} of the time, and {failures}."
+
+
+def _judged(outcome: Outcome) -> str:
+    """First words about a mission that cannot be said to work."""
+    if not outcome.can_be_built:
+        return "This mission cannot be carried out, as its anchor cannot be built"
+    if verdict(outcome) == "bad":
+        return "This mission does not do what is required of it"
+    return "Whether this mission does what is required of it is undecided"
 
 
 def _numbers(outcome: Outcome) -> list[tuple[str, str]]:
-    labels = {"duration_s": "Duration of nine missions in ten", "energy_wh": "Energy of nine missions in ten"}
+    labels = {"duration_s": "Duration", "energy_wh": "Energy"}
     shown = [("Mission succeeds (95 % interval)", percent(outcome.total.events["success"]))]
     for key, label in labels.items():
         statistic = outcome.total.quantities.get(key)
         if statistic is not None and math.isfinite(statistic.p50):
-            shown.append((label, range_in_words(outcome, outcome.total, key)))
+            whole = f"{label} of nine missions in ten{of_those_that_end(outcome, key, ', of ')}"
+            shown.append((whole, range_in_words(outcome, outcome.total, key)))
     return shown

@@ -3,8 +3,9 @@
 import math
 from collections.abc import Sequence
 
+from missionplan.montecarlo.statistics import wilson
 from missionplan.report.display_units import Unit, si_per_unit, unit_for
-from missionplan.report.numbers import number, span
+from missionplan.report.numbers import number, share, span
 from missionplan.report.wording import in_words
 from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome, RequirementOutcome
 
@@ -36,6 +37,12 @@ def range_in_words(outcome: Outcome, phase: PhaseOutcome, key: str) -> str:
     unit = unit_of(outcome, phase, key)
     low, _, high = span(statistic, unit)
     return f"{low} to {high}{unit.suffix}"
+
+
+def of_those_that_end(outcome: Outcome, key: str, before: str) -> str:
+    """Write of which missions a quantity of the whole is: ``of the 76 % that end``; nothing where all do."""
+    ended, trials = outcome.total.quantities[key].count, outcome.provenance.trials
+    return f"{before}the {share(wilson(ended, trials))} that end" if 0 < ended < trials else ""
 
 
 def worst_step(outcome: Outcome) -> Attrition | None:

@@ -52,7 +52,12 @@ def _rounded_up(trials: int) -> str:
 
 
 def verdict(outcome: Outcome) -> str:
-    """Choose how the headline is marked: bad once a requirement is certainly missed, undecided before good."""
+    """Choose how the headline is marked: bad once a requirement is certainly missed, undecided before good.
+
+    Bad, too, is a mission that never succeeds or whose anchor cannot be built.
+    """
+    if not outcome.can_be_built or outcome.total.events["success"].value == 0.0:
+        return "bad"
     if not outcome.requirements:
         return ""
     if _missed(outcome.requirements):

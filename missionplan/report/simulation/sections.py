@@ -3,8 +3,9 @@
 import math
 from collections.abc import Iterator
 
+from missionplan.montecarlo.statistics import wilson
 from missionplan.report.geography.plan_view import Ring, rings
-from missionplan.report.numbers import has_spread, number, percent, span, with_error
+from missionplan.report.numbers import has_spread, number, percent, share, span, with_error
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.simulation.close_ups import close_ups
 from missionplan.report.simulation.figures import timeline_figure
@@ -12,6 +13,7 @@ from missionplan.report.simulation.histograms import histogram_figure
 from missionplan.report.simulation.maps import track_map
 from missionplan.report.simulation.quantities import (
     failure_in_words,
+    of_those_that_end,
     range_in_words,
     requirement_on,
     unit_of,
@@ -50,7 +52,8 @@ def _share(ring: Ring) -> str:
 def timeline(outcome: Outcome) -> PageSection:
     """Draw when each phase begins and ends."""
     duration = range_in_words(outcome, outcome.total, "duration_s")
-    return PageSection(f"Nine missions in ten take {duration}", [timeline_figure(outcome)])
+    which = of_those_that_end(outcome, "duration_s", " of ")
+    return PageSection(f"Nine missions in ten{which} take {duration}", [timeline_figure(outcome)])
 
 
 def distributions(outcome: Outcome) -> PageSection:
@@ -61,7 +64,8 @@ def distributions(outcome: Outcome) -> PageSection:
         for key in phase.quantities
         if _is_drawn(outcome, phase, key)
     ]
-    return PageSection(f"Half of the missions need no more than {_medians(outcome)}", blocks)
+    which = of_those_that_end(outcome, "duration_s", "") or "the missions"
+    return PageSection(f"Half of {which} need no more than {_medians(outcome)}", blocks)
 
 
 def _is_drawn(outcome: Outcome, phase: PhaseOutcome, key: str) -> bool:
@@ -99,15 +103,14 @@ def attrition(outcome: Outcome) -> PageSection:
 
 def quantities(outcome: Outcome) -> PageSection:
     """Tabulate every quantity of every phase."""
+    trials = outcome.provenance.trials
     rows = [
-        (in_words(f"{phase.name}.{key}"), *_statistic(outcome, phase, key))
+        (in_words(f"{phase.name}.{key}"), share(wilson(statistic.count, trials)), *_statistic(outcome, phase, key))
         for phase in (*outcome.phases, outcome.total)
-        for key in phase.quantities
+        for key, statistic in phase.quantities.items()
     ]
-    columns = ("quantity", "mean ± standard error", "sd", "5 %", "50 %", "95 %")
-    return PageSection(
-        "Every quantity, phase by phase", [Table(columns, rows), "Over the trials that reached the quantity."]
-    )
+    columns = ("quantity", "trials that reached it", "their mean ± standard error", "sd", "5 %", "50 %", "95 %")
+    return PageSection("Every quantity, phase by phase", [Table(columns, rows)])
 
 
 def _statistic(outcome: Outcome, phase: PhaseOutcome, key: str) -> tuple[str, ...]:

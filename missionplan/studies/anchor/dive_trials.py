@@ -17,7 +17,7 @@ from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import Dive
 from missionplan.results.sized_anchor import DiveProbabilities
 from missionplan.scenario.anchor_weight import anchor_flooded_mass
-from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.mooring import dive_of, is_too_shallow
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 
 STEP = 0.2
@@ -112,15 +112,16 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
         step=STEP,
     )
     fix_error = scenario.fix_error * stream(study.seed, f"{study.phase.name}.fix", block).standard_normal((2, size))
-    offset = np.where(record.touched_down, np.hypot(*(record.offset - fix_error)), np.nan)
+    landed = record.touched_down & ~is_too_shallow(scenario, dive)
+    offset = np.where(landed, np.hypot(*(record.offset - fix_error)), np.nan)
     within = offset <= scenario[f"{study.phase.name}.radius"]
-    struck = record.struck & record.touched_down
+    struck = record.struck & landed
     return _Totals(
         Count.of(within & ~struck),
         Count.of(within),
         Count.of(struck),
         RunningStatistic.of(offset),
-        RunningStatistic.of(record.lowest_altitude),
+        RunningStatistic.of(np.where(landed, record.lowest_altitude, np.nan)),
     )
 
 

@@ -1,6 +1,7 @@
 """Which anchor? From the worst current to an anchor one can build, the dive it gives, and how often that is enough."""
 
 import time
+from dataclasses import replace
 
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission
@@ -114,7 +115,7 @@ def _anchor_sizing(
     probable: ProbableAnchor | None,
     required: float | None,
 ) -> AnchorSizing:
-    return AnchorSizing(
+    sizing = AnchorSizing(
         provenance=provenance,
         phase=sizer.moor.name,
         radius=sizer.radius,
@@ -125,9 +126,10 @@ def _anchor_sizing(
         vector_velocity=sizer.vector_velocity,
         anchor=anchor,
         probable=probable,
-        notes=sizer.notes(anchor),
+        notes=(),
         required=required,
     )
+    return replace(sizing, notes=sizer.notes(sizing.to_build))
 
 
 def worst_case_anchor(mission: Mission) -> float:

@@ -103,7 +103,23 @@ class AnchorSizer:
         start = worst_case + max(float(self.means["vehicle.net_buoyancy"]), 0.0)
         found = lightest_anchor(self.trials.probabilities, required, start, self.line_length)
         anchor = self.sized(found.weight) if found.weight is not None else None
-        return ProbableAnchor(required, anchor, found.reason, found.best, found.line_length, found.line_weight)
+        heavier = self._buildable(anchor, required) if anchor is not None else None
+        return ProbableAnchor(
+            required,
+            heavier or anchor,
+            found.reason,
+            found.best,
+            found.line_length,
+            found.line_weight,
+            found.weight if heavier is not None else None,
+        )
+
+    def _buildable(self, anchor: SizedAnchor, required: float) -> SizedAnchor | None:
+        """Lightest heavier anchor that the parts can make, if that one is impossible and this one does too."""
+        if anchor.buildable is None or anchor.buildable[0] <= anchor.wet_weight:
+            return None
+        weight = anchor.buildable[0]
+        return self.sized(weight) if self.trials.probabilities(weight).good.value >= required else None
 
     def notes(self, anchor: SizedAnchor) -> tuple[str, ...]:
         """Sentences on where the model leaves its range for an anchor."""

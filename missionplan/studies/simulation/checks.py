@@ -9,6 +9,7 @@ from missionplan.mission.schema.phases import TransitPhase
 from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
 from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.vehicle_drag import range_notes
+from missionplan.results.sized_anchor import MooringAnchor
 from missionplan.scenario.anchor_weight import anchor_problem
 from missionplan.scenario.mooring import wet_weight_of
 from missionplan.scenario.scenario import Scenario
@@ -47,7 +48,7 @@ def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
         *_drag_notices(mission, means),
         *(words for phase in mission.transits if (words := _drift_notice(means, phase))),
         *_effect_notices(mission),
-        *_anchor_notices(mission, means),
+        *_anchor_notices(mission),
     )
 
 
@@ -91,22 +92,30 @@ def _effect_notices(mission: Mission) -> list[str]:
     return found
 
 
-def _anchor_notices(mission: Mission, means: Scenario) -> list[str]:
-    """Notices of parts that are not drawn, and of anchors that cannot be built."""
-    anchor = mission.vehicle.anchor if mission.vehicle else None
-    if not mission.moors or anchor is None or anchor.construction is None or anchor.flooded_mass is not None:
-        return []
-    found = []
+def _anchor_notices(mission: Mission) -> list[str]:
+    """Notice of parts of an anchor that are not drawn."""
     uncertain = [path for path in mission.uncertain() if path.startswith("vehicle.anchor.construction")]
-    if uncertain:
-        found.append(f"The anchor is built once, from the means of its parts: {', '.join(uncertain)} not drawn.")
+    if not uncertain or not _makes_anchors(mission):
+        return []
+    return [f"The anchor is built once, from the means of its parts: {', '.join(uncertain)} not drawn."]
+
+
+def _makes_anchors(mission: Mission) -> bool:
+    """Whether the mission's anchors are made of the parts that it gives."""
+    anchor = mission.vehicle.anchor if mission.vehicle else None
+    return bool(mission.moors and anchor and anchor.construction is not None and anchor.flooded_mass is None)
+
+
+def mooring_anchors(mission: Mission, means: Scenario) -> tuple[MooringAnchor, ...]:
+    """Return the anchors that are sized by the mission's worst case, and those that their parts cannot make."""
+    found = []
     for phase in mission.moors:
-        weight = float(wet_weight_of(means, phase))
-        for failure in solve_anchor(anchor_problem(means), weight).failures:
-            found.append(
-                f"{phase.name}: an anchor of {weight:.3g} N wet cannot be built as described: {failure.words}."
-            )
-    return found
+        weight, is_sized = float(wet_weight_of(means, phase)), phase.anchor_wet_weight == "sized"
+        failures = solve_anchor(anchor_problem(means), weight).failures if _makes_anchors(mission) else ()
+        if is_sized or failures:
+            words = tuple(failure.words for failure in failures)
+            found.append(MooringAnchor(phase.name, weight, is_sized, words))
+    return tuple(found)
 
 
 def run_notices(merged: MergedBlocks, goal: Precision | None) -> tuple[str, ...]:

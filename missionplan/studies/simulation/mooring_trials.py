@@ -10,8 +10,8 @@ from missionplan.phases.currents import Current, Span
 from missionplan.phases.mooring.mooring import MoorPlan, MoorRecord, moor
 from missionplan.phases.state import TrialState
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.scenario.mooring import moor_plan
-from missionplan.scenario.scenario import STILL_WATER, Scenario
+from missionplan.scenario.mooring import is_too_shallow, moor_plan
+from missionplan.scenario.scenario import STILL_WATER
 from missionplan.scenario.transit_streams import fix_normals
 from missionplan.studies.simulation.phase_trials import (
     LEFT_RECORD,
@@ -44,7 +44,7 @@ def mooring_trials(
     """
     scenario, begun = block.scenario, state.alive
     plan, current = moor_plan(scenario, phase), scenario.current or STILL_WATER
-    shallow = begun & _is_too_shallow(scenario, plan)
+    shallow = begun & is_too_shallow(scenario, plan.dive)
     after, record = moor(
         plan,
         replace(state, alive=begun & ~shallow),
@@ -87,11 +87,6 @@ def mooring_trials(
         inputs={},
     )
     return continuing, found
-
-
-def _is_too_shallow(scenario: Scenario, plan: MoorPlan) -> Flags:
-    """Whether the anchor lies on the seafloor before line and vehicle are under water, shape broadcasting to (n,)."""
-    return np.atleast_1d(plan.dive.line_length + scenario["vehicle.hull.length"] >= plan.dive.site_depth)
 
 
 def _is_covered(plan: MoorPlan, current: Current, before: TrialState, after: TrialState, record: MoorRecord) -> Flags:

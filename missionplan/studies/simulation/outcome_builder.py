@@ -22,6 +22,7 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
+from missionplan.results.sized_anchor import MooringAnchor
 from missionplan.studies.simulation.block_statistics import (
     LIMIT,
     BlockStatistics,
@@ -51,6 +52,8 @@ class OutcomeBuilder:
         Of the first trials.
     failed_blocks : tuple of str
     trials_table : bytes or None
+    anchors : tuple of MooringAnchor
+        As of `Outcome`.
     """
 
     mission: Mission
@@ -58,6 +61,7 @@ class OutcomeBuilder:
     tracks: MapTracks
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
+    anchors: tuple[MooringAnchor, ...] = ()
 
     def outcome(self, provenance: Provenance) -> Outcome:
         """Return the result."""
@@ -73,6 +77,7 @@ class OutcomeBuilder:
             sensitivities=self._sensitivities(),
             tracks=simulation_tracks(self.mission, self.tracks),
             arrivals=self._sampled("miss:"),
+            anchors=self.anchors,
             failed_blocks=self.failed_blocks,
             trials_table=self.trials_table,
         )

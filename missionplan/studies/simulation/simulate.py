@@ -21,7 +21,7 @@ from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence
 from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.block_task import BlockTask
-from missionplan.studies.simulation.checks import check_complete, input_notices, run_notices
+from missionplan.studies.simulation.checks import check_complete, input_notices, mooring_anchors, run_notices
 from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.precision import Precision
@@ -111,7 +111,8 @@ def simulate(
         notices=(*notices, *run_notices(merged, goal)),
     )
     table = run.table.parquet() if run.table else None
-    return OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table).outcome(provenance)
+    anchors = mooring_anchors(mission, means)
+    return OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors).outcome(provenance)
 
 
 def _items(trials: int) -> list[BlockItem]:

@@ -7,9 +7,11 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission import load
+from missionplan.scenario.scenario import Scenario
 from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import lightest_anchor
 from missionplan.studies.anchor.size_anchor import size_anchor, worst_case_anchor
+from missionplan.studies.anchor.sizing import AnchorSizer
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 
@@ -139,6 +141,33 @@ def test_an_impossible_anchor_is_reported_with_reasons_and_remedies(tmp_path):
     assert summary["anchor"]["feasible"] is False
     assert "behind the tube" in summary["anchor"]["problems"][0]
     assert any("front" in problem for problem in summary["anchor"]["problems"][1:])
+
+
+def test_where_the_parts_cannot_make_the_lightest_anchor_the_lightest_that_they_make_is_built():
+    sizing = size_anchor(load(MISSIONS / "chesapeake.yaml"), trials=500)
+    found = sizing.probable
+    assert found.lighter < found.anchor.wet_weight
+    assert not found.anchor.problems
+    assert found.anchor.probabilities.good.value >= found.required == 0.9
+    assert sizing.succeeds
+    below = AnchorSizer(*sizer_parts(500)).sized(found.anchor.wet_weight / 1.02)
+    assert below.problems
+
+
+def sizer_parts(trials):
+    mission = load(MISSIONS / "chesapeake.yaml")
+    (moor,) = mission.moors
+    return moor, Scenario.at_means(mission), AnchorTrials(mission, moor, None, trials, 1)
+
+
+def test_dives_in_water_that_line_and_vehicle_do_not_fit_fail(tmp_path):
+    """Depths from a metre less to two metres more than line and vehicle are long: in a third they do not fit."""
+    length = 5.0 + load(MISSIONS / "anchor-design.yaml").vehicle.hull.length
+    depth = f"depth: {{low: {length - 1.0} m, high: {length + 2.0} m}}"
+    mission = altered(tmp_path, ("depth: 100 ft", depth), ("down_to: 50 ft", "down_to: 3 m"))
+    probabilities = AnchorTrials(mission, mission.moors[0], None, 2000, 1).probabilities(12.0)
+    assert probabilities.offset.count / 2000 == pytest.approx(2.0 / 3.0, abs=0.03)
+    assert probabilities.good.value <= 0.7
 
 
 def test_without_construction_the_weight_is_still_found(tmp_path):
