@@ -10,7 +10,7 @@ from missionplan.cli.running import checked_folder, deliver
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from missionplan.studies.validation import Validated
+    from missionplan.studies.validation.readiness import Validated
 
 
 def register(app: typer.Typer) -> None:
@@ -71,7 +71,7 @@ _Files = Annotated[
 
 def validate(files: _Files, allow_outside: o.AllowOutside = False, quiet: o.Quiet = False) -> None:
     """Check missions and data sets without running anything, and list which commands each is ready for."""
-    from missionplan.studies.validation import validate
+    from missionplan.studies.validation.validate import validate
 
     found = validate(files, allow_outside=allow_outside)
     if not quiet:

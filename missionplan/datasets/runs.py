@@ -4,17 +4,15 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
-from pydantic import PlainValidator
-
 from missionplan.datasets.reading import DatasetSettings, RawDataset
 from missionplan.errors import Problem, did_you_mean
 from missionplan.mission import Mission
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection
+from missionplan.mission.schema.section import FileSection, ReadBy
 from missionplan.montecarlo.distributions import mean_of
 
-Weight = Annotated[float, PlainValidator(QuantityParser("N", low=0.0, open_low=True, fixed=True))]
+Weight = Annotated[float, ReadBy(QuantityParser("N", low=0.0, open_low=True, fixed=True))]
 
 
 DEEPEST = 11_000.0

@@ -15,7 +15,14 @@ import scipy
 from typing_extensions import override
 
 from missionplan.arrays import Array
-from missionplan.montecarlo.restricted_normal import normal_cdf, restricted_cdf, restricted_moments, restricted_normal
+from missionplan.montecarlo.restricted_normal import (
+    normal_cdf,
+    normal_quantile,
+    restricted_cdf,
+    restricted_moments,
+    restricted_normal,
+    restricted_quantile,
+)
 
 NEGLIGIBLE = 1e-20
 """Probability of a draw that no run will ever contain."""
@@ -32,6 +39,10 @@ class NormalTransform(ABC):
     def cdf(self, value: float) -> float:
         """Probability of a draw at or below a value."""
 
+    def quantile(self, probability: float) -> float:
+        """Value that a draw stays below with a probability, of one number."""
+        return float(self.from_normal(np.array(normal_quantile(probability))))
+
     @property
     def mass_cut(self) -> float:
         """Probability that truncation to the physical range has removed; 0 where there was none."""
@@ -40,8 +51,7 @@ class NormalTransform(ABC):
     def truncated(self, low: float = -math.inf, high: float = math.inf) -> "Distribution":
         """Truncate to the physical range of a quantity.
 
-        Returns the distribution itself where the probability outside is below `NEGLIGIBLE`; else `mass_cut` of the
-        result is the probability that was outside.
+        Returns the distribution itself where the probability outside is below `NEGLIGIBLE`; else it is `mass_cut`.
 
         Raises
         ------
@@ -113,6 +123,11 @@ class TruncatedNormal(NormalTransform):
     def cdf(self, value: float) -> float:
         return restricted_cdf((value - self.parent_mean) / self.parent_sd, *self._bounds)
 
+    @override
+    def quantile(self, probability: float) -> float:
+        value = self.parent_mean + self.parent_sd * restricted_quantile(probability, *self._bounds)
+        return min(max(value, self.low), self.high)
+
 
 @dataclass(frozen=True)
 class Uniform(NormalTransform):
@@ -138,6 +153,10 @@ class Uniform(NormalTransform):
     @override
     def cdf(self, value: float) -> float:
         return min(1.0, max(0.0, (value - self.low) / (self.high - self.low)))
+
+    @override
+    def quantile(self, probability: float) -> float:
+        return self.low + (self.high - self.low) * probability
 
 
 @dataclass(frozen=True)
@@ -249,6 +268,12 @@ class Truncated(NormalTransform):
     def cdf(self, value: float) -> float:
         low, high = self._bounds
         return restricted_cdf(float(scipy.special.ndtri(self.parent.cdf(value))), low, high)
+
+    @override
+    def quantile(self, probability: float) -> float:
+        below, above = _tails(self.parent, self.low, self.high)
+        value = self.parent.quantile(below + (1.0 - below - above) * probability)
+        return min(max(value, self.low), self.high)
 
 
 Distribution = Normal | TruncatedNormal | Uniform | LogNormal | Choices | Truncated

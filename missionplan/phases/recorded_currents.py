@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 from typing_extensions import override
 
 from missionplan.arrays import Array, Scalars
@@ -159,7 +159,7 @@ def fill_gaps(values: Array) -> Array:
         if missing.all():
             raise InputError("the current field has a time without any value")
         if missing.any():
-            nearest = distance_transform_edt(
+            nearest = scipy.ndimage.distance_transform_edt(
                 missing, sampling=(0.01, 1.0, 1.0), return_distances=False, return_indices=True
             )
             at_one_time[...] = at_one_time[tuple(nearest)]

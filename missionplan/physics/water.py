@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-import gsw
 import numpy as np
 
 from missionplan.arrays import Scalars
@@ -42,6 +41,8 @@ def sea_water_density(temperature: Scalars, salinity: Scalars) -> Scalars:
     float or array
         ρ at zero sea pressure [kg/m³]; 1025.98 at 15 °C and S = 35.
     """
+    import gsw  # a mission that states the density needs none of it
+
     absolute = np.multiply(salinity, REFERENCE_SALINITY_RATIO)
     density = gsw.rho_t_exact(absolute, temperature, 0.0)
     return density if np.ndim(density) else float(density)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,7 +12,9 @@ from missionplan.mission.schema.site import CurrentFile, Geographic
 from missionplan.mission.views import required_origin
 from missionplan.phases.currents import Current
 from missionplan.phases.recorded_currents import FieldCurrent, Outside, SeriesCurrent, fill_gaps
-from missionplan.scenario.current_files import CurrentField, read_current_csv, read_current_netcdf
+
+if TYPE_CHECKING:
+    from missionplan.scenario.current_files import CurrentField
 
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 """Endings of files that are read as NetCDF; others are read as CSV."""
@@ -28,6 +31,8 @@ def recorded_current(mission: Mission) -> Current | None:
     source = current_file(mission)
     if source is None:
         return None
+    from missionplan.scenario.current_files import read_current_csv, read_current_netcdf  # pandas: half a second
+
     if source.suffix.lower() not in NETCDF:
         series = read_current_csv(source)
         return SeriesCurrent(series.time, series.depth, series.east, series.north, outside=_outside(mission))
@@ -47,7 +52,7 @@ def _outside(mission: Mission) -> Outside:
     return written.outside if isinstance(written, CurrentFile) else "error"
 
 
-def placed(field: CurrentField, origin: Geographic) -> FieldCurrent:
+def placed(field: "CurrentField", origin: Geographic) -> FieldCurrent:
     """Return a field in the local plane of the origin.
 
     Each row of the grid keeps the north coordinate of its point on the origin's meridian, each column the east

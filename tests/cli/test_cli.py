@@ -115,11 +115,46 @@ def test_planned_legs_give_a_mission_that_validates(
     assert run(monkeypatch, "validate", str(out / "mission-with-legs.yaml")) == 0
 
 
-def test_help_defers_heavy_imports() -> None:
-    code = "import sys; sys.argv = ['missionplan', '--help']\nfrom missionplan.cli import main\ntry: main()\nexcept SystemExit: pass\n"
-    code += "print([name for name in ('numpy', 'pandas', 'matplotlib', 'pint', 'pydantic', 'scipy') if name in sys.modules], file=sys.stderr)"
+HEAVY = {
+    "pandas",
+    "matplotlib",
+    "xarray",
+    "netCDF4",
+    "pyarrow",
+    "joblib",
+    "loky",
+    "dask",
+    "pint",
+    "pyproj",
+    "jinja2",
+    "rich",
+}
+HEAVY |= {f"scipy.{part}" for part in ("interpolate", "linalg", "ndimage", "optimize", "sparse", "special", "stats")}
+
+
+def imported_by(*arguments: str) -> set[str]:
+    """Modules that a command imports in a process of its own."""
+    code = f"import sys; sys.argv = ['missionplan', *{arguments!r}]\nfrom missionplan.cli import main\n"
+    code += "try: main()\nexcept SystemExit as end: print(end.code, *sys.modules, file=sys.stderr)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stderr.strip() == "[]"
+    status, *names = done.stderr.splitlines()[-1].split()
+    assert status == "0"
+    return set(names)
+
+
+def test_help_defers_heavy_imports() -> None:
+    assert not imported_by("--help") & (HEAVY - {"rich"} | {"numpy", "pydantic", "scipy"})
+
+
+def test_validate_imports_only_what_a_mission_needs() -> None:
+    missions = [
+        str(MISSIONS / f"{name}.yaml") for name in ("anchor-design", "autosub-transition", "chesapeake", "fig8")
+    ]
+    imported = imported_by("validate", *missions)
+    assert {"numpy", "missionplan.studies.validation.missions"} <= imported
+    assert not imported & (
+        HEAVY | {"missionplan.studies.validation.datasets", "missionplan.studies.simulation.simulate"}
+    )
 
 
 def test_simulate_is_resumed_refused_and_forced(

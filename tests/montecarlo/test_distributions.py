@@ -37,6 +37,17 @@ def test_draws_follow_the_theory(distribution, theory):
     assert distribution.sd == pytest.approx(theory.std(), rel=1e-6)
     for value in theory.ppf([0.001, 0.3, 0.9]):
         assert distribution.cdf(value) == pytest.approx(theory.cdf(value), rel=1e-9)
+    for probability in (1e-6, 0.01, 0.4, 0.99):
+        assert distribution.quantile(probability) == pytest.approx(theory.ppf(probability), rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("distribution", [*(each for each, _ in CASES), Choices((3.0, 1.0, 2.0))])
+def test_a_quantile_of_one_number_is_what_normals_are_transformed_to(distribution):
+    z = np.array([-3.0, -0.5, 0.0, 1.0, 2.0])
+    found = [distribution.quantile(float(probability)) for probability in stats.norm.cdf(z)]
+    np.testing.assert_allclose(found, distribution.from_normal(z), rtol=1e-9, atol=1e-9)
+    assert distribution.quantile(0.0) <= distribution.quantile(1e-9)
+    assert distribution.quantile(1.0) >= distribution.quantile(1.0 - 1e-9)
 
 
 def test_lognormal_factor_holds_68_percent():

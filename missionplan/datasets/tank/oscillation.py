@@ -2,17 +2,17 @@
 
 from typing import Annotated
 
-from pydantic import Field, PlainValidator
+from pydantic import Field
 
 from missionplan.datasets.reading import DatasetFormat
 from missionplan.datasets.table import Columns
 from missionplan.datasets.tank.settings import MAX_TABLE_BYTES, Number, TankSettings
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import invalid
+from missionplan.mission.schema.section import ReadBy, invalid
 from missionplan.montecarlo.distributions import Quantity
 
 
-def _known(unit: str) -> PlainValidator:
+def _known(unit: str) -> ReadBy:
     """Return a validator of a positive quantity that says why it is needed where it is missing."""
     parser = QuantityParser(unit, low=0.0, open_low=True, fixed=True)
 
@@ -24,7 +24,7 @@ def _known(unit: str) -> PlainValidator:
             )
         return parser(value)
 
-    return PlainValidator(read)
+    return ReadBy(read)
 
 
 class OscillationSettings(TankSettings):

@@ -10,6 +10,7 @@ from pydantic.fields import FieldInfo
 from missionplan.errors import KeyPath, Problem, shown
 from missionplan.mission.reading.documents import Document
 from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.section import ReadBy
 
 MAX_SHOWN = 100
 """Problems that are looked into one by one: a file with more is something else altogether."""
@@ -129,7 +130,7 @@ def _expected(path: KeyPath, model: type[BaseModel]) -> str:
     if field is None:
         return "a value here"
     for item in field.metadata:
-        parser = getattr(item, "func", None)
+        parser = item.read if isinstance(item, ReadBy) else None
         if isinstance(parser, QuantityParser):
             return parser.expected
     section = _section_in(field.annotation)
@@ -139,7 +140,7 @@ def _expected(path: KeyPath, model: type[BaseModel]) -> str:
 
 def _quantities_in(annotation: object) -> list[str]:
     """What the quantities inside a union are."""
-    parsers = (getattr(item, "func", None) for item in getattr(annotation, "__metadata__", ()))
+    parsers = (item.read for item in getattr(annotation, "__metadata__", ()) if isinstance(item, ReadBy))
     found = [parser.expected for parser in parsers if isinstance(parser, QuantityParser)]
     for inner in getattr(annotation, "__args__", ()):
         found += [words for words in _quantities_in(inner) if words not in found]

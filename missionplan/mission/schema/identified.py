@@ -2,21 +2,21 @@
 
 from typing import Annotated
 
-from pydantic import Discriminator, PlainValidator, Tag, model_validator
+from pydantic import Discriminator, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, invalid
+from missionplan.mission.schema.section import FileSection, ReadBy, invalid
 from missionplan.mission.schema.transition import TunnelThrusterSection
 from missionplan.montecarlo.distributions import Quantity
 
-_Area = Annotated[float, PlainValidator(QuantityParser("m^2", low=0.0, open_low=True, fixed=True))]
-_Exponent = Annotated[Quantity, PlainValidator(QuantityParser("", low=-2.0, high=2.0))]
-_Fraction = Annotated[float, PlainValidator(QuantityParser("", low=0.0, high=0.99, fixed=True))]
-_Negative = Annotated[Quantity, PlainValidator(QuantityParser("", high=0.0))]
-_PerVolt = Annotated[Quantity, PlainValidator(QuantityParser("N/V^2", low=0.0, open_low=True))]
-_Volts = Annotated[Quantity, PlainValidator(QuantityParser("V", low=0.0))]
-_FixedNumber = Annotated[float, PlainValidator(QuantityParser("", low=0.0, open_low=True, fixed=True))]
+_Area = Annotated[float, ReadBy(QuantityParser("m^2", low=0.0, open_low=True, fixed=True))]
+_Exponent = Annotated[Quantity, ReadBy(QuantityParser("", low=-2.0, high=2.0))]
+_Fraction = Annotated[float, ReadBy(QuantityParser("", low=0.0, high=0.99, fixed=True))]
+_Negative = Annotated[Quantity, ReadBy(QuantityParser("", high=0.0))]
+_PerVolt = Annotated[Quantity, ReadBy(QuantityParser("N/V^2", low=0.0, open_low=True))]
+_Volts = Annotated[Quantity, ReadBy(QuantityParser("V", low=0.0))]
+_FixedNumber = Annotated[float, ReadBy(QuantityParser("", low=0.0, open_low=True, fixed=True))]
 
 
 class MeasuredDrag(FileSection):

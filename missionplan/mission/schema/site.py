@@ -2,14 +2,14 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, PlainValidator, Tag, model_validator
+from pydantic import Discriminator, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, invalid
+from missionplan.mission.schema.section import FileSection, ReadBy, invalid
 
 _LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
-Latitude = Annotated[float, PlainValidator(_LATITUDE)]
+Latitude = Annotated[float, ReadBy(_LATITUDE)]
 
 
 class Geographic(FileSection):

@@ -2,16 +2,16 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, invalid
+from missionplan.mission.schema.section import FileSection, ReadBy, invalid
 from missionplan.montecarlo.distributions import Quantity
 
 
-def _fixed(unit: str, low: float | None = 0.0, *, open_low: bool = False, high: float | None = None) -> PlainValidator:
-    return PlainValidator(
+def _fixed(unit: str, low: float | None = 0.0, *, open_low: bool = False, high: float | None = None) -> ReadBy:
+    return ReadBy(
         QuantityParser(
             unit,
             low=float("-inf") if low is None else low,
@@ -30,7 +30,7 @@ _Rate = Annotated[float, _fixed("1/s", open_low=True)]
 _Deflection = Annotated[float, _fixed("rad", open_low=True, high=1.5)]
 _Lever = Annotated[float, _fixed("m", None)]
 _Speeds = tuple[Annotated[float, _fixed("m/s", open_low=True)], ...]
-Deceleration = PlainValidator(QuantityParser("m/s^2", low=0.0, open_low=True))
+Deceleration = ReadBy(QuantityParser("m/s^2", low=0.0, open_low=True))
 
 
 class DerivativesSection(FileSection):
@@ -114,7 +114,7 @@ class TunnelThrusterSection(FileSection):
 
     name: str = "tunnel thruster"
     diameter: q.FixedLength
-    thrust_constant: Annotated[Quantity, PlainValidator(QuantityParser("N*s^2", low=0.0, open_low=True))]
+    thrust_constant: Annotated[Quantity, ReadBy(QuantityParser("N*s^2", low=0.0, open_low=True))]
     decay: q.PositiveNumber
     position: _Lever = 0.0
     suction_gradient: Annotated[float, _fixed("")] = 0.0

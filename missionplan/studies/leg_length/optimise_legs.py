@@ -19,6 +19,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.parallel_blocks import Progress
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.analytic_transit import AnalyticTransit
+from missionplan.studies.leg_length.integral_equation import analytic_obstacle
 from missionplan.studies.leg_length.leg_spread import LegSpread, fit_leg_spread
 from missionplan.studies.leg_length.paired_trials import (
     PILOT_BLOCK,
@@ -134,7 +135,7 @@ def optimise_legs(
     InputError
         When no legs can be planned.
     """
-    obstacle = scenario.analytic_obstacle()
+    obstacle = analytic_obstacle(scenario)
     pilot = _Pilot(seed, progress, bool(obstacle))
     try:
         transit = AnalyticTransit(scenario, LegSpread(scenario.sigma(0), 0.0), scenario.speed, scenario.surfacing_time)

@@ -14,6 +14,7 @@ from missionplan.results.base import Provenance
 from missionplan.results.leg_cases import CandidatePlan, LegCase
 from missionplan.results.legs import LegPlan
 from missionplan.studies.arguments import check_arguments
+from missionplan.studies.leg_length.integral_equation import analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs
 from missionplan.studies.leg_length.plan_comparison import compare_plans, late_gain
 from missionplan.studies.leg_length.robustness import PairedPlansTask, error_scenarios, leg_case
@@ -152,7 +153,7 @@ def _deadline(scenario: SweepScenario) -> float:
 
 
 def _notices(scenario: SweepScenario) -> tuple[str, ...]:
-    obstacle = scenario.analytic_obstacle()
+    obstacle = analytic_obstacle(scenario)
     if not obstacle:
         return ()
     return (

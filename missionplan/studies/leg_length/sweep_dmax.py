@@ -18,6 +18,7 @@ from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.base import Provenance
 from missionplan.results.sweep import Sweep, SweepCurve, SweepPoint
 from missionplan.studies.arguments import check_arguments
+from missionplan.studies.leg_length.integral_equation import analytic_curve, analytic_obstacle
 from missionplan.studies.leg_length.sweep_cells import CellTotals, run_cells
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
@@ -62,7 +63,7 @@ def sweep_dmax(
     trials = 0 if used == "analytic" else trials or mission.monte_carlo.trials
     seed = mission.monte_carlo.seed if seed is None else seed
     curves = range(len(scenario.sigmas))
-    analytic = {index: scenario.analytic(index) for index in curves} if used != "monte-carlo" else {}
+    analytic = {index: analytic_curve(scenario, index) for index in curves} if used != "monte-carlo" else {}
     sampled: dict[int, CellTotals] = {}
     # the largest sigma, as a rule the last, takes longest: it goes first, so that workers end together
     items = [(index, block) for block in range(block_count(trials)) for index in reversed(curves)]
@@ -95,7 +96,7 @@ def sweep_dmax(
 
 
 def _method(scenario: SweepScenario, requested: Method | None) -> Method:
-    obstacle = scenario.analytic_obstacle()
+    obstacle = analytic_obstacle(scenario)
     if obstacle and requested in ("both", "analytic"):
         hint = "use method='monte-carlo'"
         raise InputError([Problem(f"the analytic cost does not allow for {obstacle}", key="method", hint=hint)])

@@ -11,9 +11,8 @@ from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.mission.schema.site import Position
 from missionplan.mission.views import TransitMission
-from missionplan.montecarlo.distributions import Distribution, mean_of
+from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.state import TrialState
-from missionplan.phases.transit.analytic.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
 from missionplan.results.sweep import USUAL_ARRIVAL
@@ -52,8 +51,14 @@ class SweepScenario:
     sigmas: tuple[float | None, ...]
 
     @classmethod
-    def of(cls, mission: Mission) -> "SweepScenario":
+    def of(cls, mission: Mission, means: Scenario | None = None) -> "SweepScenario":
         """Read a mission.
+
+        Parameters
+        ----------
+        mission : Mission
+        means : Scenario, optional
+            The mission at its means, where it is made and its record of the current checked already.
 
         Raises
         ------
@@ -64,8 +69,9 @@ class SweepScenario:
         checked = TransitMission.of(mission)
         phase = checked.transit(mission.sweep.phase)
         start = _start(checked, phase)
-        means = Scenario.at_means(mission, recorded_current(mission))
-        check_cover(mission, means)
+        if means is None:
+            means = Scenario.at_means(mission, recorded_current(mission))
+            check_cover(mission, means)
         origin, goal = means.position(*start), means.position(phase.to, f"{phase.name}.to")
         distance = float(np.hypot(*(goal - origin)))
         if distance == 0.0:
@@ -144,41 +150,6 @@ class SweepScenario:
     def state(self, drawn: Scenario, seed: int, block: int, trials: int) -> TrialState:
         """Place a block of trials at the start, with the fix that each takes before its first dive."""
         return deployed(drawn, self.phase, drawn.position(*self.start), seed, block, trials)
-
-    def analytic_obstacle(self) -> str:
-        """First property of the mission that the analytic cost does not allow for; empty where there is none."""
-        mission, navigation, phase = self.mission, self.navigation, self.phase
-        error = navigation.velocity_error
-        start = self.start[0] if isinstance(self.start[0], tuple) else ()
-        goal = phase.to if isinstance(phase.to, tuple) else ()
-        course = (phase.speed, phase.shaft_rate, phase.arrival_radius, *start, *goal)
-        uncertain = (*course, navigation.surfacing_time, *error.mean)
-        own_error = () if mission.sweep.sigma else (error.sigma,)
-        obstacles = {
-            "a current": bool(mission.site and mission.site.current),
-            "drift compensation": navigation.drift_compensation != "none",
-            "a fix error": navigation.fix_error != 0.0,
-            "effects": bool(self.means.transit_effects),
-            "a propeller, which takes time to gather way": self.plan(0, self.means).length_lost is not None,
-            "uncertain speed, error, surfacing time or place": any(
-                isinstance(quantity, Distribution) for quantity in (*uncertain, *own_error)
-            ),
-            "a velocity error that is not isotropic": not mission.sweep.sigma and error.isotropic_sigma is None,
-            "a velocity error whose mean is not zero": any(mean_of(component) != 0.0 for component in error.mean),
-            f"a velocity error over {MAX_RATIO:g} of the speed": any(
-                self.sigma(index) > MAX_RATIO * self.speed for index in range(len(self.sigmas))
-            ),
-        }
-        return next((words for words, applies in obstacles.items() if applies), "")
-
-    def analytic(self, index: int) -> tuple[TransitExpectation, ...]:
-        """Solve for the expected transit of every d_max of a curve, and of the table after them."""
-        sigma = self.sigma(index)
-        lengths: list[float | LegTable] = [float(d_max) for d_max in self.d_max]
-        return tuple(
-            expected_transit(self.distance, d_max, self.speed, self.arrival_radius, sigma, self.surfacing_time)
-            for d_max in [*lengths, *([self.table] if self.table is not None else [])]
-        )
 
 
 def _start(checked: TransitMission, phase: TransitPhase) -> tuple[Position, str]:

@@ -1,5 +1,7 @@
 """What a mission needs to be simulated, checked before any trial is run, and notices for the reader."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from missionplan.effects import CATALOGUE
@@ -13,8 +15,10 @@ from missionplan.results.sized_anchor import MooringAnchor
 from missionplan.scenario.anchor_weight import anchor_problem
 from missionplan.scenario.mooring import wet_weight_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.simulation.block_sequence import MergedBlocks
-from missionplan.studies.simulation.precision import Precision
+
+if TYPE_CHECKING:
+    from missionplan.studies.simulation.block_sequence import MergedBlocks
+    from missionplan.studies.simulation.precision import Precision
 
 
 def check_complete(mission: Mission) -> None:
@@ -118,7 +122,7 @@ def mooring_anchors(mission: Mission, means: Scenario) -> tuple[MooringAnchor, .
     return tuple(found)
 
 
-def run_notices(merged: MergedBlocks, goal: Precision | None) -> tuple[str, ...]:
+def run_notices(merged: "MergedBlocks", goal: "Precision | None") -> tuple[str, ...]:
     """Notices of the run: precision not reached, failed blocks."""
     trials, failures = merged.totals.trials, len(merged.failures)
     found = []

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,11 +10,12 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, MissionplanError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
-from missionplan.montecarlo.statistics import Probability
 from missionplan.phases.recorded_currents import FieldCurrent, RecordedCurrent
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.simulation.phase_trials import PhaseTrials
-from missionplan.studies.simulation.trial_block import run_block
+
+if TYPE_CHECKING:
+    from missionplan.montecarlo.statistics import Probability
+    from missionplan.studies.simulation.phase_trials import PhaseTrials
 
 TOLERATED = 0.01
 """Share of the trials that may leave the record."""
@@ -47,7 +49,7 @@ def check_cover(mission: Mission, means: Scenario) -> None:
         raise InputError(problems)
 
 
-def check_trials(mission: Mission, current: object, left: Probability | None) -> None:
+def check_trials(mission: Mission, current: object, left: "Probability | None") -> None:
     """Refuse a run of which more than 1 % of the trials left the record of the current.
 
     Raises
@@ -65,6 +67,8 @@ def check_trials(mission: Mission, current: object, left: Probability | None) ->
 
 def _nominal(mission: Mission, means: Scenario, current: RecordedCurrent, lasts: str) -> list[Problem]:
     """Run the mission once at its means, with the record's ends held, and see which phases leave it."""
+    from missionplan.studies.simulation.trial_block import run_block  # most missions have no record to be run with
+
     held = replace(means, recorded=replace(current, outside="hold"))
     try:
         phases = run_block(held, mission.monte_carlo.seed, 0, 1, inputs=False).phases if _is_complete(mission) else ()
@@ -81,7 +85,7 @@ def _nominal(mission: Mission, means: Scenario, current: RecordedCurrent, lasts:
     return [_problem(mission, message)]
 
 
-def _names(phases: list[PhaseTrials]) -> str:
+def _names(phases: "list[PhaseTrials]") -> str:
     return " and ".join(phase.name for phase in phases)
 
 

@@ -13,8 +13,8 @@ from missionplan.mission.schema.effects import EffectEntry
 from missionplan.mission.schema.phases import Phase
 from missionplan.montecarlo.distributions import NormalTransform, Quantity
 
-_TAIL = 2.326
-"""Standard normal that 1 % of draws exceed."""
+_TAIL = 0.01
+"""Share of the draws beyond each end."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,7 @@ def check_ranges(sections: Sequence[tuple[str, object]], phases: Sequence[Phase]
 def ends(quantity: Quantity) -> tuple[float, float]:
     """Return the value twice, or the ends of what 98 % of the draws of a distribution lie between."""
     if isinstance(quantity, NormalTransform):
-        low, high = quantity.from_normal(np.array([-_TAIL, _TAIL]))
-        return float(low), float(high)
+        return quantity.quantile(_TAIL), quantity.quantile(1.0 - _TAIL)
     return float(quantity), float(quantity)
 
 

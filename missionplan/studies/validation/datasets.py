@@ -1,0 +1,45 @@
+"""A data set of any kind, alone or with the missions beside it."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from missionplan.datasets.dives import DescentData, read_descent
+from missionplan.datasets.legs import TransitData, read_transit
+from missionplan.datasets.reading import dataset_kind
+from missionplan.datasets.summaries import SummaryData, read_summary
+from missionplan.datasets.tank.data import TANK_FORMATS, read_tank_data
+from missionplan.errors import InputError, Problem
+from missionplan.mission import Mission
+from missionplan.studies.validation.readiness import Readiness, Validated
+
+_Read = Callable[[Path, Mission], TransitData | DescentData | SummaryData]
+DIAGNOSED: dict[str, _Read] = {"transit": read_transit, "descent": read_descent, "summary": read_summary}
+_STAND_IN = {
+    "site": {"depth": "11 km"},
+    "phases": [{"moor": {"radius": "1 m", "line_length": "1 m", "anchor_wet_weight": "1 N"}}],
+}
+"""Mission of a data set that is checked alone: what its runs leave to the mission is taken to be there."""
+
+
+def validated_dataset(path: Path, missions: Sequence[Mission]) -> Validated:
+    """Check a data set with the first of some missions that gives it what its runs leave to it."""
+    try:
+        if not (path / "dataset.yaml").is_file():
+            raise InputError([Problem("holds neither a mission nor a data set", str(path))])
+        kind = dataset_kind(path, (*DIAGNOSED, *TANK_FORMATS))
+        summary = f"valid data set of kind {kind}."
+        if kind in TANK_FORMATS:
+            read_tank_data(path)
+            return Validated(path, summary, (Readiness("identify"), Readiness("diagnose")))
+        alone = DIAGNOSED[kind](path, Mission.from_data(_STAND_IN)).notices
+    except InputError as error:
+        return Validated(path, problems=error.problems)
+    lacking: tuple[str, ...] = ("a mission beside it, to check what the runs leave to it",)
+    for mission in missions:
+        try:
+            notices = DIAGNOSED[kind](path, mission).notices
+        except InputError as error:
+            lacking = tuple(f"{problem.key}: {problem.message} ({mission.file})" for problem in error.problems)
+        else:
+            return Validated(path, summary, (Readiness("diagnose"),), notices)
+    return Validated(path, summary, (Readiness("diagnose", lacking),), alone)

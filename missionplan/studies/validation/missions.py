@@ -1,0 +1,50 @@
+"""A mission beyond what reading it checks: its current, nominal dives and times, and what each command needs."""
+
+from pathlib import Path
+
+from missionplan.mission import Mission
+from missionplan.mission.views import MooringMission, TransitionMission
+from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import recorded_current
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario
+from missionplan.studies.nominal_dive import check_dives
+from missionplan.studies.simulation.checks import check_complete, input_notices
+from missionplan.studies.simulation.record_cover import check_cover
+from missionplan.studies.validation.readiness import Readiness, Validated, needs
+
+
+def validated_mission(path: Path, mission: Mission) -> Validated:
+    """Check a mission that has been read.
+
+    Raises
+    ------
+    InputError
+        When the current cannot be read or does not cover the mission, or a nominal dive is impossible.
+    """
+    means = Scenario.at_means(mission, recorded_current(mission))
+    check_cover(mission, means)
+    check_dives(means)
+    notices: list[str] = []
+
+    def simulable() -> None:
+        check_complete(mission)
+        notices.extend(input_notices(mission, means))
+
+    simulation = needs(simulable)
+    kinds = ", ".join(phase.kind for phase in mission.phases) or "none"
+    legs = needs(lambda: SweepScenario.of(mission, means))
+    table = (
+        Readiness("simulate", simulation),
+        Readiness("sweep-dmax", legs),
+        Readiness("plan-legs", legs),
+        Readiness("size-anchor", needs(lambda: MooringMission.of(mission)), _construction(mission)),
+        Readiness("sweep-transition", needs(lambda: TransitionMission.of(mission))),
+    )
+    summary = f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
+    return Validated(path, summary, table, tuple(notices) or mission.notices())
+
+
+def _construction(mission: Mission) -> str:
+    anchor = mission.vehicle.anchor if mission.vehicle else None
+    built = anchor is None or anchor.construction is not None
+    return "" if built else "vehicle.anchor.construction to say how the anchor is built"
