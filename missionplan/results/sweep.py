@@ -11,9 +11,6 @@ import pandas as pd
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv
 
-USUAL_ARRIVAL = 0.99
-"""Probability of arriving that a d_max must have to be recommended where the mission requires none."""
-
 
 @dataclass(frozen=True)
 class SweepPoint:
@@ -106,8 +103,8 @@ class SweepCurve:
     points: tuple[SweepPoint, ...]
     best_index: int
     one_leg: SweepPoint
-    table: SweepPoint | None = None
-    required_arrival: float = USUAL_ARRIVAL
+    table: SweepPoint | None
+    required_arrival: float
 
     @property
     def best(self) -> SweepPoint:

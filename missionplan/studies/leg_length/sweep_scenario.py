@@ -15,11 +15,13 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
-from missionplan.results.sweep import USUAL_ARRIVAL
 from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.scenario.site_current import recorded_current
 from missionplan.scenario.transit_streams import deployed, transit_normals
 from missionplan.studies.simulation.record_cover import check_cover
+
+USUAL_ARRIVAL = 0.99
+"""Probability of arriving that a d_max must have to be recommended where the mission requires none."""
 
 
 @dataclass(frozen=True)
