@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.effects.surface_drift import SurfaceDrift
 from missionplan.montecarlo.streams import BLOCK
+from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.transit.compensation import Compensation
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitPlan, VelocityError
@@ -72,7 +72,19 @@ class ErrorScenario:
         """Add the drift at the surface."""
         if not any(self.surface):
             return environment
-        return replace(environment, effects=(*environment.effects, SurfaceDrift(*self.surface)))
+        return replace(environment, effects=(*environment.effects, _AddedDrift(*self.surface)))
+
+
+@dataclass(frozen=True)
+class _AddedDrift(TransitEffect):
+    """Steady drift at the surface [m/s], added to the mission's."""
+
+    east: float
+    north: float
+
+    def surface_velocity(self, t: Array, duration: Array, position: Array) -> Array:
+        """Return the drift velocity, shape (2, n) [m/s]."""
+        return np.stack([np.full_like(t, self.east), np.full_like(t, self.north)])
 
 
 AS_PLANNED = ErrorScenario("")
