@@ -95,6 +95,13 @@ def test_steepest_interchange_costs_most(sweep):
     assert common.idxmax() == 0.01
 
 
+def test_by_option_b_the_smoothest_interchange_costs_most(sweep):
+    """Unlike the paper's statement for the steepest: not reproduced, see docs/transition.md."""
+    to_hover = sweep.energy(FORCE, "b")
+    assert to_hover.mean().idxmax() == 0.30
+    assert (to_hover.loc[:0.875].idxmax(axis=1) == 0.30).all()
+
+
 def test_gentle_interchanges_differ_little(sweep):
     common = sweep.energy(FORCE, "a").mean()[GENTLE]
     assert np.ptp(common) < 0.06 * common.mean()
@@ -113,6 +120,30 @@ def test_slow_deceleration_loses_more_depth(sweep):
     by_deceleration = cells.groupby("deceleration_m_s2")["depth_excursion_m"].mean()
     assert by_deceleration.iloc[0] > 1.4 * by_deceleration.iloc[-1]
     assert spearmanr(by_deceleration.index, by_deceleration).statistic < -0.85
+
+
+def test_deceleration_matters_at_low_mid_transition_speed_alone(sweep):
+    """Above 0.625 m/s its effect is gone, and at 1.25 m/s reversed."""
+    cells = sweep.cells[sweep.cells["variant"] == FORCE]
+    depth = cells.pivot_table(index="mid_speed_m_s", columns="deceleration_m_s2", values="depth_excursion_m")
+    slow, fast = depth[0.005], depth[0.015]
+    assert (slow.loc[:0.625] > 1.05 * fast.loc[:0.625]).all()
+    assert np.all(np.abs(slow.loc[0.75:] - fast.loc[0.75:]) < 0.06)
+    assert slow.loc[1.25] < fast.loc[1.25]
+
+
+def test_suction_makes_pitch_more_consistent_in_part(sweep):
+    """A narrower range over the grid, but larger excursions from 0.75 m/s on."""
+    force, suction = (np.degrees(excursions(sweep, variant, "pitch_excursion_rad")) for variant in (FORCE, SUCTION))
+    assert np.ptp(suction.to_numpy()) < np.ptp(force.to_numpy())
+    assert (suction.loc[0.75:].mean(axis=1) > force.loc[0.75:].mean(axis=1)).all()
+
+
+def test_with_suction_energy_still_rises_with_mid_transition_speed(sweep):
+    common, to_hover = sweep.energy(SUCTION, "a").mean(axis=1), sweep.energy(SUCTION, "b").mean(axis=1)
+    assert common.loc[0.875:].min() > 1.1 * common.loc[0.5]
+    assert common.loc[0.875:].max() < 1.02 * common.loc[0.875:].min()
+    assert to_hover.loc[1.25] == pytest.approx(1.25 * to_hover.loc[0.5], rel=0.03)
 
 
 def test_suction_reduces_depth_change_and_energy(sweep):
