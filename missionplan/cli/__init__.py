@@ -15,6 +15,7 @@ from typing import Annotated
 import typer
 
 from missionplan.cli import files, measurements, planning
+from missionplan.cli.streams import answering, note, prepare_streams
 from missionplan.errors import MissionplanError
 
 INTERRUPTED = 130
@@ -42,10 +43,13 @@ def main() -> None:
     """Run the command line; every expected error becomes a message and an exit status."""
     atexit.register(gc.freeze)  # saves half a second of garbage collection when the process ends
     _interrupt_on_termination()
+    prepare_streams()
+    status: object = 0
     try:
-        status = app(standalone_mode=False)
+        with answering():
+            status = app(standalone_mode=False)
     except MissionplanError as error:
-        typer.echo(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{_in_options(error)}", err=True)
+        note(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{_in_options(error)}")
         status = error.exit_status
     except KeyboardInterrupt:
         status = INTERRUPTED
@@ -53,7 +57,7 @@ def main() -> None:
         status = _usage_error(error)
     if status == INTERRUPTED:  # typer returns it too
         _end_workers()
-        typer.echo("Interrupted.", err=True)
+        note("Interrupted.")
     sys.exit(status if isinstance(status, int) else 0)
 
 

@@ -7,6 +7,7 @@ import typer
 
 from missionplan.cli import options as o
 from missionplan.cli.running import checked_folder, deliver
+from missionplan.cli.streams import note
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
@@ -42,12 +43,9 @@ def effects(effect: _EffectId = "") -> None:
     from missionplan.effects import CATALOGUE
     from missionplan.report.effect_catalogue import catalogue_text, effect_text
 
-    if not effect:
-        typer.echo(catalogue_text())
-        return
-    if effect not in CATALOGUE:
+    if effect and effect not in CATALOGUE:
         raise InputError([Problem(f"no effect of the name {shown(effect)}", hint=did_you_mean(effect, CATALOGUE))])
-    typer.echo(effect_text(CATALOGUE[effect]))
+    typer.echo(effect_text(CATALOGUE[effect]) if effect else catalogue_text())
 
 
 _First = Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder, before.", show_default=False)]
@@ -89,4 +87,4 @@ def _print_valid(found: "Validated") -> None:
     for row in found.table:
         typer.echo(f"  {row}")
     for notice in found.notices:
-        typer.echo(f"{found.path}: {notice}", err=True)
+        note(f"{found.path}: {notice}")

@@ -4,8 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import typer
-
+from missionplan.cli.streams import note
 from missionplan.errors import InputError, Problem, RunError
 
 BLOCKS = "blocks"
@@ -52,5 +51,5 @@ def resume_hint(folder: Path, *, resumed: bool) -> Iterator[None]:
         raise
     except (KeyboardInterrupt, RunError):
         if any((folder / BLOCKS).glob("block-*.npz")):
-            typer.echo(f"Finished blocks are kept; go on with: --resume --out {folder}", err=True)
+            note(f"Finished blocks are kept; go on with: --resume --out {folder}")
         raise

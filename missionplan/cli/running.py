@@ -5,11 +5,10 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import typer
+from typing import TYPE_CHECKING, NoReturn
 
 from missionplan.cli.options import OutputOptions
+from missionplan.cli.streams import answering, note
 
 if TYPE_CHECKING:
     from rich.progress import Task
@@ -66,15 +65,26 @@ def new_folder_name(stem: str, command: str) -> Path:
 def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
     result.save(folder, force=output.force)
-    if output.as_json:
-        from missionplan.results.base import to_json
-
-        sys.stdout.write(to_json(result.summary()))
-    elif not output.quiet:
-        _print_result(result)
+    with answering(f"; the report is saved in {folder}"):
+        if output.as_json:
+            _print_summary(result)
+        elif not output.quiet:
+            _print_result(result)
+    if not output.as_json and not output.quiet:
         for notice in result.provenance.notices:
-            typer.echo(f"Note: {notice}", err=True)
-        typer.echo(f"Report: {folder / 'report.html'}", err=True)
+            note(f"Note: {notice}")
+        note(f"Report: {folder / 'report.html'}")
+
+
+def _print_summary(result: "Result") -> None:
+    from missionplan.results.base import to_json
+
+    text = to_json(result.summary())
+    try:
+        text.encode(sys.stdout.encoding or "utf-8")
+    except UnicodeEncodeError:
+        text = to_json(result.summary(), ascii_only=True)
+    sys.stdout.write(text)
 
 
 def _print_result(result: "Result") -> None:
@@ -84,8 +94,12 @@ def _print_result(result: "Result") -> None:
 
     from missionplan.report.render import terminal_view
 
+    class Output(Console):
+        def on_broken_pipe(self) -> NoReturn:
+            raise BrokenPipeError  # the base class would end the process
+
     shown = terminal_view(result)
-    console = Console(highlight=False)
+    console = Output(highlight=False)
     style = f"bold {_COLOURS.get(shown.verdict, '')}".strip()
     console.print(f"[{style}]{escape(shown.sentence)}[/]")
     table = Table(box=None, pad_edge=False, header_style="dim")
@@ -94,7 +108,6 @@ def _print_result(result: "Result") -> None:
     for row in shown.rows:
         table.add_row(*(escape(cell) for cell in row))
     console.print(table)
-    sys.stdout.flush()
 
 
 @contextmanager

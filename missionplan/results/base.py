@@ -129,9 +129,9 @@ class Result(ABC):
         return folder
 
 
-def to_json(summary: Mapping[str, object]) -> str:
+def to_json(summary: Mapping[str, object], *, ascii_only: bool = False) -> str:
     """Write a summary as JSON; a number that is not finite becomes null."""
-    return json.dumps(_plain(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(_plain(summary), indent=2, ensure_ascii=ascii_only, allow_nan=False) + "\n"
 
 
 def to_yaml(data: Mapping[str, object]) -> str:

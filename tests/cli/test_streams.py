@@ -1,0 +1,67 @@
+"""The answer on standard output of any encoding, full, or closed: a message at worst, and the report is kept."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+MISSION = Path(__file__).parents[2] / "missions" / "chesapeake.yaml"
+NEEDS_FULL = pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+
+
+def run(words, *, stdout=subprocess.PIPE, encoding="utf-8"):
+    environment = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    command = [sys.executable, "-m", "missionplan", *words]
+    return subprocess.run(command, stdout=stdout, stderr=subprocess.PIPE, env=environment, check=False)
+
+
+def simulate(folder, *more):
+    return ["simulate", str(MISSION), "--trials", "20", "--jobs", "1", "--out", str(folder), *more]
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp1252"])
+def test_every_encoding_can_be_printed(tmp_path, encoding):
+    printed = run(simulate(tmp_path / "table"), encoding=encoding)
+    assert (printed.returncode in (0, 3), b"Traceback" in printed.stderr) == (True, False)
+    assert "min" in printed.stdout.decode(encoding)
+    summary = run(simulate(tmp_path / "json", "--json"), encoding=encoding)
+    assert json.loads(summary.stdout.decode(encoding))["trials"] == 20
+
+
+@NEEDS_FULL
+@pytest.mark.parametrize("more", [(), ("--json",)])
+def test_a_full_output_is_said_after_the_report_is_saved(tmp_path, more):
+    with Path("/dev/full").open("wb") as full:
+        done = run(simulate(tmp_path / "out", *more), stdout=full)
+    assert done.returncode == 1
+    assert b"cannot write to standard output" in done.stderr
+    assert b"Traceback" not in done.stderr
+    assert b"the report is saved in" in done.stderr
+    assert (tmp_path / "out" / "report.html").is_file()
+
+
+@NEEDS_FULL
+@pytest.mark.parametrize("words", [["effects"], ["--help"], ["validate", str(MISSION)], ["--version"]])
+def test_other_commands_say_it_too(words):
+    with Path("/dev/full").open("wb") as full:
+        done = run(words, stdout=full)
+    assert (done.returncode, b"Traceback" in done.stderr) == (1, False)
+
+
+@pytest.mark.parametrize("more", [(), ("--json",)])
+def test_a_reader_that_has_gone_away_is_no_error(tmp_path, more):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = run(simulate(tmp_path / "out", *more), stdout=writing)
+    os.close(writing)
+    assert (done.returncode in (0, 3), b"Traceback" in done.stderr, b"Error" in done.stderr) == (True, False, False)
+
+
+def test_closed_streams_are_no_error(tmp_path):
+    words = " ".join(simulate(tmp_path / "out"))
+    done = subprocess.run(["sh", "-c", f"{sys.executable} -m missionplan {words} >&- 2>&-"], check=False)
+    assert done.returncode in (0, 3)
+    assert (tmp_path / "out" / "report.html").is_file()
