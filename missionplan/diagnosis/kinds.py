@@ -1,21 +1,30 @@
 """The kinds of data that can be diagnosed: a new kind has a folder of its own and a line here."""
 
+from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
+from typing import cast
 
 from missionplan.datasets.reading import dataset_kind
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.dives.kind import DescentKind
-from missionplan.diagnosis.legs.kind import TransitKind
-from missionplan.diagnosis.summaries.kind import SummaryKind
-from missionplan.diagnosis.tank.kind import TankKind
 from missionplan.mission import Mission
 
-KINDS: tuple[type[DataKind], ...] = (
-    TransitKind,
-    DescentKind,
-    TankKind,
-    SummaryKind,
-)
+KINDS: Mapping[str, tuple[str, str]] = {
+    "transit": ("legs", "TransitKind"),
+    "descent": ("dives", "DescentKind"),
+    "drag": ("tank", "TankKind"),
+    "free-oscillation": ("tank", "TankKind"),
+    "thruster": ("tank", "TankKind"),
+    "propeller-transient": ("tank", "TankKind"),
+    "summary": ("summaries", "SummaryKind"),
+}
+"""By ``kind`` in ``dataset.yaml``, the folder and the class: one of them is imported, when it is needed."""
+
+
+def kind_named(name: str) -> type[DataKind]:
+    """Import a kind of data by its name in ``dataset.yaml``."""
+    folder, of = KINDS[name]
+    return cast("type[DataKind]", getattr(import_module(f"missionplan.diagnosis.{folder}.kind"), of))
 
 
 def bind_dataset(folder: Path, mission: Mission, seed: int) -> DataKind:
@@ -34,6 +43,5 @@ def bind_dataset(folder: Path, mission: Mission, seed: int) -> DataKind:
     InputError
         When there is no such kind; all problems of the data set, or all that the mission lacks.
     """
-    known = {name: kind for kind in KINDS for name in kind.ids}
-    given = dataset_kind(folder, known)
-    return known[given].bind(given, folder, mission, seed)
+    given = dataset_kind(folder, KINDS)
+    return kind_named(given).bind(given, folder, mission, seed)

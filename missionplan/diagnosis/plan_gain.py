@@ -10,9 +10,6 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.parallel_map import parallel_map
 from missionplan.results.diagnosis import Plan, PlanGain
 from missionplan.results.sweep import SweepCurve, SweepPoint
-from missionplan.studies.anchor.size_anchor import worst_case_anchor
-from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
-from missionplan.studies.simulation.simulate import simulate
 
 Choice = Callable[[Mission, Mission, int, int], PlanGain]
 """Of base and extended mission, seed and processes."""
@@ -52,6 +49,8 @@ def leg_length_choice(base: Mission, extended: Mission, seed: int, jobs: int) ->
 
 def _sweeps(seed: int, missions: Sequence[Mission]) -> list[SweepCurve]:
     """Cost over maximum leg length of each mission."""
+    from missionplan.studies.leg_length.sweep_dmax import sweep_dmax  # each kind of data needs one of the studies
+
     plain = [m.model_copy(update={"sweep": type(m.sweep).model_validate({"d_max": GRID})}) for m in missions]
     return [sweep_dmax(m, trials=TRIALS, seed=seed, method="monte-carlo").curves[0] for m in plain]
 
@@ -63,6 +62,8 @@ def _leg_plan(point: SweepPoint) -> Plan:
 
 def anchor_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> PlanGain:
     """Choose the anchor for the worst current of the design."""
+    from missionplan.studies.anchor.size_anchor import worst_case_anchor
+
     missions = [_carrying_net_buoyancy(mission) for mission in (base, extended)]
     chosen = [worst_case_anchor(mission) for mission in missions]
     cases = [(missions[0], chosen[0]), (missions[1], chosen[1])]
@@ -93,6 +94,8 @@ def _anchor_plans(seed: int, cases: Sequence[tuple[Mission, float]]) -> list[Pla
 
 
 def _anchor_plan(mission: Mission, weight: float, seed: int) -> Plan:
+    from missionplan.studies.simulation.simulate import simulate
+
     anchored = _with_first_mooring(mission, lambda moor: moor.model_copy(update={"anchor_wet_weight": weight}))
     outcome = simulate(anchored, trials=TRIALS, seed=seed)
     phase = next(phase for phase in outcome.phases if phase.name == mission.moors[0].name)

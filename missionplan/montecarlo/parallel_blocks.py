@@ -8,7 +8,7 @@ from concurrent.futures import Future, wait
 from contextlib import closing
 from typing import Generic, Literal, TypeVar, cast
 
-import joblib
+from loky import cpu_count
 
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.dask_cluster import run_on_cluster
@@ -73,7 +73,7 @@ def _results(
     task: Callable[[Item], Result], items: Sequence[Item], jobs: int, backend: Backend, scheduler: str | None
 ) -> Generator[Result, None, None]:
     """Results in the order of the items, by the backend; in this process where nothing is gained by others."""
-    jobs = joblib.cpu_count() if jobs == -1 else jobs
+    jobs = cpu_count() if jobs == -1 else jobs
     if not items or (backend != "dask" and (jobs == 1 or len(items) == 1)):
         return (task(item) for item in items)
     if backend == "loky":
@@ -157,6 +157,8 @@ def _do_nothing(task: object) -> None:
 
 
 def _by_threads(task: Callable[[Item], Result], items: Sequence[Item], jobs: int) -> Generator[Result, None, None]:
+    import joblib  # processes are the rule
+
     with joblib.parallel_config(backend="threading", n_jobs=jobs):
         parallel = joblib.Parallel(return_as="generator", batch_size=1, pre_dispatch="2*n_jobs")
     wanted = True

@@ -146,6 +146,20 @@ def test_help_defers_heavy_imports() -> None:
     assert not imported_by("--help") & (HEAVY - {"rich"} | {"numpy", "pydantic", "scipy"})
 
 
+def test_diagnose_imports_one_kind_of_data(tmp_path: Path) -> None:
+    code = "import sys\nfrom missionplan import diagnose, load\nimport missionplan.diagnosis.diagnose\n"
+    code += "from missionplan.diagnosis.kinds import bind_dataset\nfrom pathlib import Path\n"
+    code += f"bind_dataset(Path({str(MISSIONS / 'measured' / 'avila-drag')!r}), load({str(MISSIONS / 'chesapeake.yaml')!r}), 1)\n"
+    code += "print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    imported = set(done.stdout.split())
+    assert "missionplan.diagnosis.tank.kind" in imported
+    others = {f"missionplan.diagnosis.{kind}.kind" for kind in ("legs", "dives", "summaries")}
+    assert not imported & (
+        others | {"matplotlib", "xarray", "dask", "joblib", "jinja2", "missionplan.studies.simulation.simulate"}
+    )
+
+
 def test_validate_imports_only_what_a_mission_needs() -> None:
     missions = [
         str(MISSIONS / f"{name}.yaml") for name in ("anchor-design", "autosub-transition", "chesapeake", "fig8")

@@ -5,7 +5,6 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import lapack
-from scipy.spatial.distance import cdist
 
 from missionplan.arrays import Array
 
@@ -73,9 +72,8 @@ class Axis:
 @lru_cache(maxsize=64)
 def _smooth(places: bytes, shape: tuple[int, int], length: float) -> Array:
     at = np.frombuffer(places).reshape(shape)
-    factor, pivots, rank, _ = lapack.dpstrf(
-        np.exp(-0.5 * cdist(at, at, "sqeuclidean") / length**2), tol=NEGLIGIBLE, lower=1
-    )
+    squared = np.sum((at[:, None] - at[None, :]) ** 2, axis=2)
+    factor, pivots, rank, _ = lapack.dpstrf(np.exp(-0.5 * squared / length**2), tol=NEGLIGIBLE, lower=1)
     basis = np.empty((shape[0], rank))
     basis[pivots - 1] = np.tril(factor)[:, :rank]
     return basis

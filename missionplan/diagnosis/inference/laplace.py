@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
+import scipy  # its part for optimisation is loaded when first used
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
@@ -82,7 +82,7 @@ def laplace(
         return -value if math.isfinite(value) else IMPOSSIBLE
 
     best = min(starts, key=negative)
-    found = minimize(
+    found = scipy.optimize.minimize(
         negative,
         best,
         method="BFGS",
