@@ -78,6 +78,23 @@ def test_percentiles_of_few_trials_have_few_digits():
 
 
 @pytest.mark.parametrize(
+    ("sd", "trials", "digits"),
+    [
+        (4.5, 9, "12"),  # the mean's error of 1.5 would support a decimal, 2.1 times as much does not
+        (2.52, 9, "12.3"),  # 2.1 times 0.84 does, 2.4 times as much would not
+        (11.0, 400, "12"),  # of many trials a fifth of the spread decides: 2.2
+        (9.0, 400, "12.3"),  # 1.8
+    ],
+)
+def test_an_outer_point_has_the_error_of_the_five_percent_point_of_a_normal_sample(sd, trials, digits):
+    error = sd / math.sqrt(trials)
+    few = Statistic(mean=14.0, sd=sd, p05=12.34, p50=14.0, p95=16.0, standard_error=error, count=trials)
+    assert span(few, Unit("m", 1.0))[0] == digits
+    density = math.exp(-0.5 * 1.6449**2) / math.sqrt(2.0 * math.pi)
+    assert math.sqrt(0.05 * 0.95) / density == pytest.approx(2.1, abs=0.05)  # its standard error over the mean's
+
+
+@pytest.mark.parametrize(
     ("phase", "key", "name", "size"),
     [
         ("moor", "offset_m", "ft", 0.3048),

@@ -236,6 +236,17 @@ def test_a_short_line_lets_the_vehicle_strike():
     assert record.lowest_altitude[0] < 0.0
 
 
+def test_a_vehicle_that_just_touches_the_seafloor_has_struck():
+    def ended(line):
+        return run(replace(PROTOTYPE, line_length=line, site_depth=line + 32.0))
+
+    line = 3.0
+    for _ in range(20):  # lengthen the line by what is missing, until nothing is
+        line -= float(ended(line).lowest_altitude[0])
+    assert ended(line).lowest_altitude[0] == 0.0
+    assert [ended(line + more).struck.tolist() for more in (-1e-6, 0.0, 1e-6)] == [[True], [True], [False]]
+
+
 def test_without_buoyancy_the_vehicle_sinks_to_the_seafloor():
     record = run(replace(PROTOTYPE, net_buoyancy=-0.2))
     assert record.struck.all()
