@@ -91,10 +91,10 @@ def legs():
     return make_legs
 
 
-def make_legs(n=48, seed=1, sigma=0.03, error=None):
+def make_legs(n=48, seed=1, sigma=0.03, error=None, lasting=1.0):
     """Legs with random headings, independent velocity errors and an additional `error(t, heading)` [m/s]."""
     rng = np.random.default_rng(seed)
-    duration = rng.uniform(500.0, 1100.0, n)
+    duration = lasting * rng.uniform(500.0, 1100.0, n)
     t = np.concatenate([[0.0], np.cumsum(duration + 120.0)[:-1]])
     heading = rng.uniform(0.0, 2.0 * np.pi, n)
     through = 1.2 * duration * np.stack([np.sin(heading), np.cos(heading)])

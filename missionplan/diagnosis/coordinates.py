@@ -16,6 +16,7 @@ from scipy.special import ndtri
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, EffectInfo
+from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.results.evidence import Causes, ParameterEstimate
 
 LOWER, UPPER = 0.05, 0.95
@@ -52,9 +53,11 @@ def coordinates_of(info: EffectInfo, names: Iterable[str] | None = None) -> tupl
     info : EffectInfo
         The effect.
     names : iterable of str, optional
-        Parameters to fit; default all of them.
+        Parameters to fit; default all of them but those of a modulation, which is random.
     """
-    wanted = list(info.parameters if names is None else names)
+    wanted = [name for name in info.parameters if not (info.is_modulated and name in MODULATION_PARAMETERS)]
+    if names is not None:
+        wanted = list(names)
     phases = {phase for _, phase in info.polar}
     amplitudes = {amplitude for amplitude, _ in info.polar}
     found: list[Coordinate] = []

@@ -5,7 +5,7 @@ spike, its uncertainty from record to record. A number without a distribution is
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from scipy.special import ndtri
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, estimates
 from missionplan.effects import CATALOGUE, Effect, EffectInfo
+from missionplan.effects.oscillation import MODULATION, MODULATION_PARAMETERS
 from missionplan.mission import Mission
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of, sd_of
 from missionplan.results.evidence import Causes, ParameterEstimate
@@ -47,6 +48,17 @@ class GivenEffect:
     mean: Array
     covariance: Array
     scatter: Array
+
+    def only(self, names: Collection[str]) -> "GivenEffect":
+        """Return the effect with some of its parameters; an amplitude goes with its phase."""
+        kept = [index for index, coordinate in enumerate(self.coordinates) if coordinate.name in names]
+        return GivenEffect(
+            self.effect,
+            tuple(self.coordinates[index] for index in kept),
+            self.mean[kept],
+            self.covariance[np.ix_(kept, kept)],
+            self.scatter[kept],
+        )
 
     @property
     def here(self) -> Array:
@@ -106,6 +118,8 @@ def held(given: Iterable[GivenEffect], causes: Causes) -> tuple[GivenEffect, ...
 def _given(info: EffectInfo, parameters: Mapping[str, Quantity]) -> GivenEffect | None:
     values = {name: parameter.default for name, parameter in info.parameters.items() if parameter.is_shape}
     quantities: dict[str, Quantity] = values | dict(parameters)
+    if info.is_modulated and mean_of(quantities[MODULATION]) == 0.0:
+        quantities = {name: value for name, value in quantities.items() if name not in MODULATION_PARAMETERS}
     shapes = [name for name in quantities if info.parameters[name].is_shape]
     if any(not 0.0 < mean_of(quantities[name]) < math.inf for name in shapes):
         return None

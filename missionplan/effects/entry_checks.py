@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import is_dataclass
 
 from missionplan.effects.info import Effect, EffectInfo, TankEffect
+from missionplan.effects.oscillation import MODULATION_PARAMETERS, Oscillation
 from missionplan.phases.hooks import DescentEffect, MarkovProcess, TransitEffect
 
 _TANK_HOOKS = {
@@ -31,7 +32,8 @@ def entry_problems(info: EffectInfo) -> list[str]:
         return problems
     if info.part == "covariance":
         return _covariance_problems(info)
-    return ['an effect that is random from leg to leg must declare part="covariance"'] if _is_random(info) else []
+    undeclared = _is_random(info) and not info.is_modulated
+    return ['an effect that is random from leg to leg must declare part="covariance"'] if undeclared else []
 
 
 def _field_problems(info: EffectInfo) -> Iterator[str]:
@@ -58,8 +60,13 @@ def _reference_problems(info: EffectInfo) -> Iterator[str]:
     yield from (f"polar: {name} is no parameter" for pair in info.polar for name in pair if name not in info.parameters)
     if info.instrument is not None and info.instrument.parameter not in info.parameters:
         yield f"instrument: {info.instrument.parameter} is no parameter"
-    if info.modulation and not info.polar:
-        yield "modulation: needs pairs of amplitude and phase in polar"
+    if info.is_modulated and not (
+        info.polar and issubclass(info.effect, Oscillation) and {*MODULATION_PARAMETERS} <= {*info.parameters}
+    ):
+        yield (
+            "is_modulated: needs an effect derived from Oscillation, pairs of amplitude and phase in polar, and the "
+            f"parameters {' and '.join(MODULATION_PARAMETERS)}"
+        )
 
 
 def _tank_problems(info: EffectInfo) -> Iterator[str]:

@@ -1,18 +1,27 @@
 """An inertial current: one that rotates with the local inertial period."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, LegRecord, Parameter
-from missionplan.effects.oscillation import inertial_frequency, mean_phasor, polar, wave
-from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
+from missionplan.effects.oscillation import (
+    MODULATION_PARAMETERS,
+    USUAL_TIME,
+    Oscillation,
+    inertial_frequency,
+    mean_phasor,
+    polar,
+    wave,
+)
+from missionplan.phases.hooks import DriftParts, Leg
 
 
 @dataclass(frozen=True)
-class InertialCurrent(TransitEffect):
+class InertialCurrent(Oscillation):
     """Current of constant speed `amplitude` [m/s] that rotates clockwise in the northern hemisphere.
 
     At the mission's start it flows toward the angle `phase` [rad], counted counter-clockwise from east. Its angular
@@ -21,6 +30,12 @@ class InertialCurrent(TransitEffect):
 
     amplitude: Scalars = 0.0
     phase: Scalars = 0.0
+    modulation: Scalars = 0.0
+    coherence_time: Scalars = USUAL_TIME
+
+    def later(self) -> Self:
+        """Return the current with its phase a quarter of a period later."""
+        return replace(self, phase=self.phase + 0.5 * np.pi)
 
     def velocity(self, leg: Leg) -> Array:
         """Return the mean inertial velocity over each leg, shape (2, n) [m/s].
@@ -39,7 +54,8 @@ class InertialCurrent(TransitEffect):
 
     def drift(self) -> DriftParts:
         """Return the turning current."""
-        return DriftParts(inertial=np.stack(np.broadcast_arrays(*polar(self.amplitude, self.phase))))
+        turning = np.stack(np.broadcast_arrays(*polar(self.amplitude, self.phase)))
+        return DriftParts(inertial=turning, modulation=(self.modulation, self.coherence_time))
 
 
 def _lacking(record: LegRecord) -> str:
@@ -55,13 +71,14 @@ INFO = EffectInfo(
     parameters={
         "amplitude": Parameter("m/s", "speed of the rotating current", 0.0, 3.0, scale=0.15, spike=0.002),
         "phase": Parameter("rad", "direction at the mission's start, counter-clockwise from east"),
+        **MODULATION_PARAMETERS,
     },
     what="Water set in motion by a wind that has ceased rotates by the Coriolis force alone.",
     sizes="0.05 to 0.5 m/s for days after a storm.",
     confused_with=("tidal-current", "persistent-error", "mean-current"),
     distinguished_by="A record of two inertial periods or more; both components, which are in quadrature.",
     polar=(("amplitude", "phase"),),
-    modulation="together",
+    is_modulated=True,
     lacking=_lacking,
     needs_latitude=True,
 )

@@ -11,7 +11,6 @@ from missionplan.phases.hooks import DescentEffect, TransitEffect
 Phase = Literal["transit", "descent", "tank"]
 Tier = Literal["physical", "statistical"]
 Part = Literal["mean", "covariance"]
-Modulation = Literal["", "together", "by component"]
 Scatter = Literal["", "release", "drag"]
 TankKind = Literal["drag", "free-oscillation", "thruster", "propeller-transient"]
 VehicleKey = Literal["", "drag.coefficient", "drag.exponent", "added_mass.surge"]
@@ -199,9 +198,9 @@ class EffectInfo:
         Whether the mean is linear in its coordinates.
     exclusive_group : str
         Of the effects of one group a set of causes holds at most one.
-    modulation : str
-        Whether an oscillation's amplitude and phase change over days: both components together, or each by itself.
-        Its parameters are pairs in `polar`.
+    is_modulated : bool
+        Whether it is an oscillation whose amplitude and phase may change over days: an
+        `effects.oscillation.Oscillation` with its two parameters, the others being pairs in `polar`.
     lacking : callable
         Why a navigation log cannot show it; empty where it can.
     resolvable : callable, optional
@@ -239,7 +238,7 @@ class EffectInfo:
     part: Part = "mean"
     linear: bool = True
     exclusive_group: str = ""
-    modulation: Modulation = ""
+    is_modulated: bool = False
     lacking: Callable[[LegRecord], str] = lacks_nothing
     resolvable: Callable[[float], Collection[str]] | None = None
     needs_latitude: bool = False

@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import DriftParts, TransitEffect
+from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class PersistentError(TransitEffect):
         """It needs standard normals for each leg."""
         return True
 
-    def step(self, memory: Array | None, elapsed: Array, normals: Array) -> tuple[Array, Array]:
+    def step(self, memory: Array | None, elapsed: Array, normals: Array, leg: Leg) -> tuple[Array, Array]:
         """Advance the velocity over `elapsed` by the exact transition of the process; stationary on the first leg."""
         if memory is None:
             velocity = self.sigma * normals

@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import DriftParts, TransitEffect
+from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class RandomWalk(TransitEffect):
         """It needs standard normals for each leg."""
         return True
 
-    def step(self, memory: Array | None, elapsed: Array, normals: Array) -> tuple[Array, Array]:
+    def step(self, memory: Array | None, elapsed: Array, normals: Array, leg: Leg) -> tuple[Array, Array]:
         """Advance the velocity over the time between the middles of the legs."""
         velocity = 0.0 * normals if memory is None else memory + np.sqrt(self.transition(elapsed)[1]) * normals
         return velocity, velocity

@@ -1,20 +1,21 @@
 """A tidal current of the constituents M2, S2, K1 and O1."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.info import EffectInfo, LegRecord, Parameter
-from missionplan.effects.oscillation import mean_phasor, polar, wave
-from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
+from missionplan.effects.oscillation import MODULATION_PARAMETERS, USUAL_TIME, Oscillation, mean_phasor, polar, wave
+from missionplan.phases.hooks import DriftParts, Leg
 
 PERIODS = {"m2": 12.4206012 * 3600.0, "s2": 12.0 * 3600.0, "k1": 23.9344696 * 3600.0, "o1": 25.8193417 * 3600.0}
 """Periods of the constituents [s]."""
 
 
 @dataclass(frozen=True)
-class TidalCurrent(TransitEffect):
+class TidalCurrent(Oscillation):
     """Sum over constituents of ``amplitude·cos(ωt − phase)`` in each component, t from the mission's start.
 
     ``m2_east`` is an amplitude [m/s] and ``m2_east_phase`` its phase [rad]: the current is greatest toward east at
@@ -37,6 +38,13 @@ class TidalCurrent(TransitEffect):
     o1_east_phase: Scalars = 0.0
     o1_north: Scalars = 0.0
     o1_north_phase: Scalars = 0.0
+    modulation: Scalars = 0.0
+    coherence_time: Scalars = USUAL_TIME
+
+    def later(self) -> Self:
+        """Return the tide with each constituent a quarter of its period later."""
+        phases = [f"{name}_{component}_phase" for name in PERIODS for component in ("east", "north")]
+        return replace(self, **{phase: getattr(self, phase) + 0.5 * np.pi for phase in phases})
 
     def velocity(self, leg: Leg) -> Array:
         """Return the mean tidal velocity over each leg, shape (2, n) [m/s]."""
@@ -50,7 +58,8 @@ class TidalCurrent(TransitEffect):
 
     def drift(self) -> DriftParts:
         """Return the waves of the constituents that are not nil."""
-        return DriftParts(waves={period: self._wave(name) for name, period in PERIODS.items() if self._has(name)})
+        waves = {period: self._wave(name) for name, period in PERIODS.items() if self._has(name)}
+        return DriftParts(waves=waves, modulation=(self.modulation, self.coherence_time))
 
     def _has(self, name: str) -> bool:
         return any(np.any(getattr(self, f"{name}_{component}")) for component in ("east", "north"))
@@ -109,13 +118,13 @@ INFO = EffectInfo(
     phase="transit",
     tier="physical",
     effect=TidalCurrent,
-    parameters=_parameters(),
+    parameters={**_parameters(), **MODULATION_PARAMETERS},
     what="Tidal ellipses: each component of the current oscillates with the periods of the moon and the sun.",
     sizes="0.02 to 0.5 m/s on shelves and in inlets; a few cm/s or less in the deep ocean.",
     confused_with=("inertial-current", "persistent-error", "current-shear"),
     distinguished_by="A record of two periods or more; two weeks to separate M2 from S2 and K1 from O1.",
     polar=tuple((f"{name}_{d}", f"{name}_{d}_phase") for name in PERIODS for d in ("east", "north")),
-    modulation="by component",
+    is_modulated=True,
     lacking=_lacking,
     resolvable=_resolvable,
 )

@@ -66,6 +66,9 @@ class DriftParts:
         Standard deviation [m/s] and correlation time [s] of an Ornstein–Uhlenbeck velocity; None: it has none.
     walk : float or array
         Growth of the steady velocity's deviation [m/s^1.5].
+    modulation : pair of float or array
+        Standard deviation of slow changes of the waves and of the turning current, relative to their amplitudes, and
+        their e-folding time [s].
     """
 
     velocity: Array | float = 0.0
@@ -74,6 +77,7 @@ class DriftParts:
     inertial: Array | None = None
     persistent: tuple[Scalars, Scalars] | None = None
     walk: Scalars = 0.0
+    modulation: tuple[Scalars, Scalars] = (0.0, 1.0)
 
 
 @runtime_checkable
@@ -126,7 +130,9 @@ class TransitEffect:
         """Whether `step` or `error_scale` needs standard normals for each leg."""
         return False
 
-    def step(self, memory: Array | None, elapsed: Array, normals: Array) -> tuple[Array | None, Array | float]:
+    def step(
+        self, memory: Array | None, elapsed: Array, normals: Array, leg: Leg
+    ) -> tuple[Array | None, Array | float]:
         """Advance a random velocity from leg to leg.
 
         Parameters
@@ -137,6 +143,8 @@ class TransitEffect:
             Time from the middle of the previous leg to the middle of this one [s].
         normals : array, shape (2, n)
             Standard normals of this effect for this leg.
+        leg : Leg
+            The leg.
 
         Returns
         -------

@@ -68,13 +68,15 @@ def drift_model(
     turns = any(part.inertial is not None for part in parts)
     persistent = [part.persistent for part in parts if part.persistent is not None]
     states = _states(sample, parts, forecast, periods, turns=turns)
+    changing, growth = _modulation(parts, periods, len(states))
     return DriftModel(
         mean=states.mean(axis=1),
-        prior=_prior(states, [sigma for sigma, _ in persistent]),
+        prior=_prior(states, [sigma for sigma, _ in persistent]) + np.diag(changing),
         tides=tuple(2.0 * np.pi / period for period in periods),
         turning=inertial_frequency(latitude) if turns else 0.0,
         persistence=float(np.mean(persistent[0][1])) if persistent else 1.0,
         walk=float(np.sqrt(sum(np.mean(np.square(part.walk)) for part in parts))),
+        growth=growth,
         covariance=covariance,
         fix_error=fix_error,
     )
@@ -93,6 +95,32 @@ def _states(
         if part.inertial is not None:
             states[-2:] += _columns(part.inertial)
     return states
+
+
+def _modulation(parts: Sequence[DriftParts], periods: Sequence[float], size: int) -> tuple[Array, Array]:
+    """Variance of each coefficient of a wave by its slow changes, and its growth [1/s], shape (k,) each.
+
+    The filter lets a coefficient walk as fast as the stationary process of that variance begins to.
+    """
+    variance, growth = np.zeros(size), np.zeros(size)
+    for part in parts:
+        relative, time = (float(np.mean(value)) for value in part.modulation)
+        squares = {
+            WAVES + 4 * periods.index(period) + pair: _squared(coefficients[pair : pair + 2])
+            for period, coefficients in part.waves.items()
+            for pair in (0, 2)
+        }
+        if part.inertial is not None:
+            squares[size - 2] = _squared(part.inertial)
+        for first, squared in squares.items():
+            variance[first : first + 2] += relative**2 * squared
+            growth[first : first + 2] += 2.0 * relative**2 * squared / time
+    return variance, growth
+
+
+def _squared(pair: Array) -> float:
+    """Mean over the draws of the squared length of a vector, shape (2,) or (2, n)."""
+    return float(np.mean(np.sum(np.square(pair), axis=0)))
 
 
 def _prior(states: Array, persistent: Sequence[Scalars]) -> Array:

@@ -22,7 +22,7 @@ CONTRACT = {
     "vertical-current": ["speed"],
     "drag-crisis": ["fraction", "speed", "width"],
     "mean-current": ["east", "north"],
-    "inertial-current": ["amplitude", "phase"],
+    "inertial-current": ["amplitude", "phase", "modulation", "coherence_time"],
     "compass-bias": ["angle"],
     "compass-deviation": ["amplitude", "phase"],
     "speed-scale": ["fraction"],
@@ -95,8 +95,8 @@ def test_transit_effect_is_neutral_at_zero_strength(info):
     assert np.all(np.asarray(effect.surface_velocity(leg.t_start, leg.duration, leg.start)) == 0.0)
     assert effect.fix_variance() == 0.0
     assert np.all(np.asarray(effect.error_scale(normals)) == 1.0)
-    memory, velocity = effect.step(None, leg.duration, normals)
-    _, later = effect.step(memory, leg.duration, normals)
+    memory, velocity = effect.step(None, leg.duration, normals, leg)
+    _, later = effect.step(memory, leg.duration, normals, leg)
     assert np.all(np.asarray(velocity) == 0.0)
     assert np.all(np.asarray(later) == 0.0)
 

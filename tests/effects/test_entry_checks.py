@@ -77,7 +77,7 @@ def test_the_projects_own_entries_are_in_order():
         ({"parameters": {"strength": Parameter("m/s", "push", 1.0, 1.0, scale=1.0, spike=0.1)}}, "low must be below"),
         ({"parameters": {"strength": Parameter("m/s", "push", median=0.1)}}, "needs a factor above 1"),
         ({"polar": (("strength", "phase"),)}, "phase is no parameter"),
-        ({"modulation": "together"}, "needs pairs of amplitude and phase"),
+        ({"is_modulated": True}, "needs an effect derived from Oscillation"),
         ({"instrument": Instrument("a log", "speed", 0.1)}, "speed is no parameter"),
         ({"effect": Gusts}, 'must declare part="covariance"'),
         ({"part": "covariance"}, "needs a median and a factor"),

@@ -8,7 +8,9 @@ from missionplan.effects.fix_error import FixError
 from missionplan.effects.heavy_tails import HeavyTails
 from missionplan.effects.persistent_error import PersistentError
 from missionplan.effects.random_walk import RandomWalk
+from missionplan.phases.hooks import Leg
 
+LEG = Leg(np.zeros(1), np.ones(1), np.zeros((2, 1)), np.array([[0.0], [1.0]]), 1.0)
 TIMES = np.array([0.0, 700.0, 1500.0, 4000.0, 4600.0])
 DRAWS = 40_000
 
@@ -18,7 +20,7 @@ def test_sampled_covariance_is_the_one_of_the_diagnosis(effect):
     rng = np.random.default_rng(7)
     memory, path = None, []
     for elapsed in np.diff(TIMES, prepend=-350.0):
-        memory, velocity = effect.step(memory, np.full(DRAWS, elapsed), rng.normal(size=(2, DRAWS)))
+        memory, velocity = effect.step(memory, np.full(DRAWS, elapsed), rng.normal(size=(2, DRAWS)), LEG)
         path.append(velocity)
     east, north = np.stack(path).transpose(1, 0, 2)
     expected = effect.covariance(TIMES)
@@ -33,11 +35,11 @@ def test_persistent_error_has_an_exact_step():
     """Two steps of half the time are distributed as one: transition factors multiply and variances add."""
     effect = PersistentError(0.1, 1000.0)
     zero, one = np.zeros((2, 1)), np.ones((2, 1))
-    kept_half = effect.step(one, np.array([300.0]), zero)[1]
-    kept_full = effect.step(one, np.array([600.0]), zero)[1]
+    kept_half = effect.step(one, np.array([300.0]), zero, LEG)[1]
+    kept_full = effect.step(one, np.array([600.0]), zero, LEG)[1]
     np.testing.assert_allclose(kept_half**2, kept_full)
-    spread_half = effect.step(zero, np.array([300.0]), one)[1]
-    spread_full = effect.step(zero, np.array([600.0]), one)[1]
+    spread_half = effect.step(zero, np.array([300.0]), one, LEG)[1]
+    spread_full = effect.step(zero, np.array([600.0]), one, LEG)[1]
     np.testing.assert_allclose(spread_half**2 * (1.0 + kept_half**2), spread_full**2)
 
 

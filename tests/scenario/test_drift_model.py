@@ -13,8 +13,8 @@ from missionplan.effects.random_walk import RandomWalk
 from missionplan.effects.surface_drift import SurfaceDrift
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent
 from missionplan.phases.hooks import DriftParts, TransitEffect
-from missionplan.phases.transit.compensation import Forecast
-from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE, WAVES
+from missionplan.phases.transit.compensation import Forecast, PlannedLeg
+from missionplan.phases.transit.kalman_filter import PERSISTENT, STEADY, SURFACE, WAVES, DriftFilter
 from missionplan.scenario.drift_model import DriftSample, drift_model
 
 FORECAST = Forecast(current=None, mean_error=np.array([0.01, 0.0]), depth=5.0, surfacing_time=60.0)
@@ -56,6 +56,26 @@ def test_waves_are_coefficients_of_cosine_and_sine():
     assert built.tides == (2.0 * np.pi / PERIODS["m2"],)
     assert built.turning == pytest.approx(2.0 * EARTH_ROTATION * np.sin(0.6))
     assert built.mean[WAVES:] == pytest.approx([0.0, 0.2, 0.0, 0.0, 0.1, 0.0], abs=1e-12)
+
+
+def test_modulated_waves_are_unsure_and_walk():
+    """Each coefficient has the variance of ε times the squared amplitude; its growth is that of the process at first."""
+    tide = TidalCurrent(m2_east=0.2, m2_east_phase=0.4, modulation=0.3, coherence_time=4e5)
+    built = model(tide, InertialCurrent(0.1, 0.0))
+    expected = np.array([0.06**2, 0.06**2, 0.0, 0.0, 0.0, 0.0])
+    assert np.diag(built.prior)[WAVES:] == pytest.approx(expected)
+    assert built.growth[WAVES:] == pytest.approx(2.0 * expected / 4e5)
+    still = model(TidalCurrent(m2_east=0.2))
+    assert not np.any(still.growth)
+    filtered = DriftFilter(FORECAST, built)
+    memory = (built.mean[:, None], built.prior[:, :, None] * 0.0, np.array([1000.0]))
+    assert filtered.spread(memory, leg_at(1000.0))[1] < filtered.spread(memory, leg_at(90_000.0))[1]
+
+
+def leg_at(t):
+    one = np.ones(1)
+    nominal = np.array([[0.0], [800.0]])
+    return PlannedLeg(t * one, np.zeros((2, 1)), nominal, 800.0 * one, np.array([[0.0], [5000.0]]), 50.0)
 
 
 def test_variances_of_persistent_errors_and_walks_add_up():

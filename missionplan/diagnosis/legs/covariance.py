@@ -1,7 +1,7 @@
 """Covariance of a navigation log's velocity errors: hyperparameters and the effects' covariance functions."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,15 +11,24 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal, student_marginal
+from missionplan.diagnosis.legs.hyperparameters import (
+    Hyperparameter,
+    HyperparameterValues,
+    slab_scale,
+    values_of,
+)
 from missionplan.diagnosis.legs.markov_covariance import LegSelection, MarkovCovariance
 from missionplan.diagnosis.legs.mean import LinearisedLegs, TransitMean
-from missionplan.effects import CATALOGUE, effects_of
+from missionplan.effects import CATALOGUE, EffectInfo
+from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.phases.hooks import MarkovProcess, TransitEffect
 from missionplan.results.evidence import Causes
 
-HyperparameterValues = Mapping[tuple[str, str], float]
-"""Hyperparameters by effect and name, not their logarithms."""
 ALL_LEGS = slice(None)
+Grams = dict[tuple[float | MarkovProcess | None, ...], tuple[Array, float]]
+"""Inner products of whitened columns and ln |covariance|, by the noise."""
+KEPT_GRAMS = 8
+"""Most of these that are kept: a gradient by differences needs those of a point and of each step along a noise."""
 
 SIGMA_LOG_SD = 0.7
 """Prior standard deviation of the logarithm of the velocity error's size, about the mission's."""
@@ -32,21 +41,19 @@ MIN_DOF = 2.02
 
 
 @dataclass(frozen=True)
-class Hyperparameter:
-    """A hyperparameter of the covariance, by its logarithm: normal prior with mean `centre` and sd `spread`."""
-
-    effect: str
-    name: str
-    centre: float
-    spread: float
-
-
-@dataclass(frozen=True)
 class TransitCovariance(TransitMean):
     """The legs with the covariance of their errors, and the likelihood at given hyperparameters."""
 
-    def hyperparameters(self, causes: Causes) -> tuple[Hyperparameter, ...]:
-        """Hyperparameters under a set of causes."""
+    def hyperparameters(self, causes: Causes, modulated: Causes = ()) -> tuple[Hyperparameter, ...]:
+        """Hyperparameters under a set of causes.
+
+        Parameters
+        ----------
+        causes : tuple of str
+            The set.
+        modulated : tuple of str
+            Oscillations whose amplitude and phase change slowly.
+        """
         sigma = math.sqrt(max(0.5 * float(np.trace(self.covariance)), 1e-6))
         stated = self.data.fix_sd or self.fix_error
         fix, spread = (stated, FIX_LOG_SD) if stated > 0.0 else FIX_UNSTATED
@@ -54,26 +61,30 @@ class TransitCovariance(TransitMean):
             Hyperparameter("", "sigma_v", math.log(sigma), SIGMA_LOG_SD),
             Hyperparameter("", "fix_sd", math.log(fix), spread),
         ]
-        for info in effects_of("transit"):
-            if info.part == "covariance" and info.id in causes:
-                found += [
-                    Hyperparameter(info.id, name, math.log(parameter.median), math.log(parameter.factor))
-                    for name, parameter in info.parameters.items()
-                ]
-        for each in held(self.given_in_covariance, causes):
-            known = zip(each.coordinates, each.mean, np.sqrt(np.diag(each.here)), strict=True)
-            found += [Hyperparameter(c.effect, c.name, float(centre), float(sd)) for c, centre, sd in known]
+        for info in (CATALOGUE[name] for name in causes):
+            if info.part == "mean":
+                found.append(slab_scale(info.id))
+            else:
+                found += _of_shapes(info, info.parameters)
+        given = held(self.given_in_covariance, causes)
+        known = {each.effect for each in given}
+        for name in modulated:
+            found += _of_shapes(CATALOGUE[name], MODULATION_PARAMETERS) if name not in known else []
+        for each in given:
+            own = zip(each.coordinates, each.mean, np.sqrt(np.diag(each.here)), strict=True)
+            found += [Hyperparameter(c.effect, c.name, float(centre), float(sd)) for c, centre, sd in own]
         return tuple(found)
 
     @cached_property
     def given_in_covariance(self) -> tuple[GivenEffect, ...]:
-        """The mission's own random effects."""
-        return tuple(each for each in self.given if CATALOGUE[each.effect].part == "covariance")
-
-    def values(self, causes: Causes, logarithms: Array) -> dict[tuple[str, str], float]:
-        """Hyperparameters by effect and name, from their logarithms."""
-        hyperparameters = self.hyperparameters(causes)
-        return {(h.effect, h.name): math.exp(value) for h, value in zip(hyperparameters, logarithms, strict=True)}
+        """The mission's own random effects, and the modulation of its oscillations."""
+        found = []
+        for each in self.given:
+            if CATALOGUE[each.effect].part == "covariance":
+                found.append(each)
+            elif CATALOGUE[each.effect].is_modulated and (own := each.only(MODULATION_PARAMETERS)).coordinates:
+                found.append(own)
+        return tuple(found)
 
     @cached_property
     def _shares_fix(self) -> NDArray[np.bool_]:
@@ -127,7 +138,12 @@ class TransitCovariance(TransitMean):
         return np.asarray(total + white[:, None, None] * np.eye(n))
 
     def marginal(
-        self, causes: Causes, logarithms: Array, linear: LinearisedLegs, rows: LegSelection = ALL_LEGS
+        self,
+        hyperparameters: Sequence[Hyperparameter],
+        logarithms: Array,
+        linear: LinearisedLegs,
+        rows: LegSelection = ALL_LEGS,
+        grams: Grams | None = None,
     ) -> Marginal:
         """Log density of some of the legs with the coefficients of the mean integrated out.
 
@@ -136,27 +152,33 @@ class TransitCovariance(TransitMean):
 
         Parameters
         ----------
-        causes : tuple of str
-            The set of causes.
+        hyperparameters : sequence of Hyperparameter
         logarithms : array
-            Of the hyperparameters.
+            Of them.
         linear : LinearisedLegs
             Linearised mean.
         rows : slice or array
             Legs to use.
+        grams : dict, optional
+            Inner products at the last few noises, of the same linearisation and legs.
 
         Raises
         ------
         numpy.linalg.LinAlgError
             When the hyperparameters give no covariance.
         """
-        values = self.values(causes, logarithms)
+        values = values_of(hyperparameters, logarithms)
         legs = self._all_legs if rows is ALL_LEGS else self.markov_covariance(rows)
         white, fix, process = self.noise_components(values)
-        prior_sd = np.ones(linear.columns.shape[2])
+        prior_sd = linear.prior_sd(values)
         dof = min((float(effect.tail_dof()) for effect in _covariance_effects(values)), default=math.inf)
         if math.isinf(dof):
-            gram, log_determinant = legs.gram(linear.joined[:, rows], white, fix, process)
+            grams = {} if grams is None else grams
+            if (noise := (*white.tolist(), fix, process)) not in grams:
+                while len(grams) >= KEPT_GRAMS:
+                    del grams[next(iter(grams))]
+                grams[noise] = legs.gram(linear.joined[:, rows], white, fix, process)
+            gram, log_determinant = grams[noise]
             return gaussian_marginal(gram, prior_sd, log_determinant, 2 * len(legs.under_way))
         if dof <= MIN_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
@@ -164,11 +186,17 @@ class TransitCovariance(TransitMean):
         return student_marginal(linear.y[:, rows], linear.columns[:, rows], prior_sd, variance, dof)
 
 
+def _of_shapes(info: EffectInfo, names: Iterable[str]) -> list[Hyperparameter]:
+    """Parameters of a cause that are sizes or times, under the catalogue's priors with heavy tails."""
+    parameters = ((name, info.parameters[name]) for name in names)
+    return [Hyperparameter(info.id, name, math.log(p.median), math.log(p.factor), "student") for name, p in parameters]
+
+
 def _covariance_effects(values: HyperparameterValues) -> list[TransitEffect]:
     """Effects of the catalogue at the values of their hyperparameters."""
     parameters: dict[str, dict[str, Scalars]] = {}
     for (effect, name), value in values.items():
-        if effect:
+        if effect and CATALOGUE[effect].part == "covariance":
             parameters.setdefault(effect, {})[name] = value
     made = (CATALOGUE[effect].make(own) for effect, own in parameters.items())
     return [effect for effect in made if isinstance(effect, TransitEffect)]

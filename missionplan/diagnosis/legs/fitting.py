@@ -2,25 +2,29 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, estimates, is_possible
-from missionplan.diagnosis.given_effects import held
+from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.legs.covariance import ALL_LEGS, Hyperparameter, TransitCovariance
+from missionplan.diagnosis.legs.covariance import ALL_LEGS, Grams, TransitCovariance
+from missionplan.diagnosis.legs.hyperparameters import Hyperparameter, log_prior, values_of
 from missionplan.diagnosis.legs.markov_covariance import LegSelection
 from missionplan.diagnosis.legs.mean import LinearisedLegs
+from missionplan.diagnosis.legs.modulation import variance_of_mean
 from missionplan.effects import CATALOGUE
 from missionplan.results.evidence import Causes, ParameterEstimate
 
 MAX_LINEARISATIONS = 5
 """Times, at most, that a nonlinear model is linearised anew."""
+CLEARLY = 0.5
+"""Log evidence by which an oscillation must be likelier modulated than steady to be taken so."""
 CONVERGED = 0.005
 """Move of the coordinates, in slabs, below which it is not."""
 
@@ -31,6 +35,8 @@ class TransitState:
 
     Attributes
     ----------
+    modulated : tuple of str
+        Oscillations among the causes whose amplitude and phase change slowly.
     hyperparameters : tuple of Hyperparameter
         Those of the set of causes.
     posterior : Laplace
@@ -43,24 +49,29 @@ class TransitState:
         The model as linearised last.
     """
 
+    modulated: Causes
     hyperparameters: tuple[Hyperparameter, ...]
     posterior: Laplace
     mean: Array
     covariance: Array
     linear: LinearisedLegs
 
+    @property
+    def values(self) -> dict[tuple[str, str], float]:
+        """Hyperparameters at their mode."""
+        return values_of(self.hyperparameters, self.posterior.mode)
+
 
 @dataclass(frozen=True)
 class TransitFitting(TransitCovariance):
     """The likelihood of the legs, with fits of sets of causes."""
 
-    def fit(
-        self, causes: Causes, near: Sequence[CauseFit] = (), rows: LegSelection = ALL_LEGS, *, integrate: bool = True
-    ) -> CauseFit:
+    def fit(self, causes: Causes, near: Sequence[CauseFit] = ()) -> CauseFit:
         """Fit a set of causes, linearised about its own posterior mean.
 
         The hyperparameters' posterior is approximated by Laplace's method (Tierney & Kadane 1986); a set with causes
-        that are not linear is linearised anew until its mean settles (Gauss–Newton).
+        that are not linear is linearised anew until its mean settles (Gauss–Newton). Each oscillation of the set is
+        steady or modulated, equally likely before; the fit is that of the likelier case.
 
         Parameters
         ----------
@@ -68,43 +79,66 @@ class TransitFitting(TransitCovariance):
             The set.
         near : sequence of CauseFit
             Fits to start from.
-        rows : slice or array
-            Legs to fit; default all.
-        integrate : bool
-            Whether the evidence is wanted; without it only the mode is.
 
         Raises
         ------
         numpy.linalg.LinAlgError
             When no covariance near the start is positive definite.
         """
-        hyperparameters = self.hyperparameters(causes)
+        states: list[TransitState] = []
+        for modulated in self._variants(causes, near):
+            starts = [fit.state for fit in near] + states[-1:]
+            states.append(self._fitted(causes, modulated, starts, ALL_LEGS, integrate=True))
+        evidences = np.array([state.posterior.log_evidence for state in states])
+        oscillations = sum(CATALOGUE[name].is_modulated for name in causes)
+        evidence = float(np.logaddexp.reduce(evidences)) - math.log(2.0) * oscillations
+        return self._fit_of(causes, states[int(np.argmax(evidences - CLEARLY * np.arange(len(states))))], evidence)
+
+    @staticmethod
+    def _variants(causes: Causes, near: Sequence[CauseFit]) -> list[Causes]:
+        """Oscillations that are modulated: none, or any that no smaller set has shown to be steady."""
+        known = {name for fit in near for name in fit.causes}
+        shown = {name for fit in near for name in fit.state.modulated}
+        oscillations = [
+            name for name in causes if CATALOGUE[name].is_modulated and (name not in known or name in shown)
+        ]
+        return [chosen for count in range(len(oscillations) + 1) for chosen in combinations(oscillations, count)]
+
+    def refitted(self, fit: CauseFit, rows: LegSelection) -> CauseFit:
+        """Fit the same set to some of the legs: the mode alone, without evidence."""
+        state = self._fitted(fit.causes, fit.state.modulated, [fit.state], rows, integrate=False)
+        return self._fit_of(fit.causes, state, math.nan)
+
+    def _fitted(
+        self, causes: Causes, modulated: Causes, near: Sequence[TransitState], rows: LegSelection, *, integrate: bool
+    ) -> TransitState:
+        modulated = (*modulated, *(each.effect for each in held(self.given_in_covariance, causes) if _modulates(each)))
+        hyperparameters = self.hyperparameters(causes, modulated)
         starts, covariance = _starts(hyperparameters, near)
         slabs = np.array([coordinate.slab for coordinate in self.coordinates])
-        nonlinear = any(CATALOGUE[name].modulation or not CATALOGUE[name].linear for name in causes)
+        nonlinear = bool(modulated) or any(not CATALOGUE[name].linear for name in causes)
         about = self._starting_mean(causes, near) if nonlinear else self.expected
         for iteration in range(MAX_LINEARISATIONS):
-            linear = self.linearised(causes, about)
-            posterior = self._posterior(causes, hyperparameters, starts, covariance, linear, rows, integrate=integrate)
-            mean, spread = linear.prior.posterior(self.marginal(causes, posterior.mode, linear, rows))
-            state = TransitState(hyperparameters, posterior, mean, spread, linear)
+            linear = self.linearised(causes, about, modulated)
+            posterior = self._posterior(hyperparameters, starts, covariance, linear, rows, integrate=integrate)
+            mean, spread = linear.prior.posterior(self.marginal(hyperparameters, posterior.mode, linear, rows))
+            state = TransitState(modulated, hyperparameters, posterior, mean, spread, linear)
             moved, about = np.abs(mean - about), mean
             starts, covariance = [posterior.mode], posterior.covariance
             if not nonlinear or (iteration and np.max(moved / slabs) < CONVERGED):
                 break
-        return self._fit_of(causes, state)
+        return state
 
-    def _starting_mean(self, causes: Causes, near: Sequence[CauseFit]) -> Array:
-        """Coordinates of a set's causes from fits of its subsets; else as the mission expects."""
+    def _starting_mean(self, causes: Causes, near: Sequence[TransitState]) -> Array:
+        """Coordinates of a set's causes from fits that have them under slabs; else as the mission expects."""
         mean = self.expected.copy()
-        for fit in reversed(near):
-            own = [i for i, c in enumerate(self.coordinates) if c.effect in fit.causes and c.effect in causes]
-            mean[own] = fit.state.mean[own]
+        for state in reversed(near):
+            own = [i for name in causes for i in state.linear.slabs.get(name, ())]
+            mean[own] = state.mean[own]
         return mean
 
     def _posterior(
         self,
-        causes: Causes,
         hyperparameters: tuple[Hyperparameter, ...],
         starts: list[Array],
         covariance: Array,
@@ -113,77 +147,93 @@ class TransitFitting(TransitCovariance):
         *,
         integrate: bool,
     ) -> Laplace:
+        grams: Grams = {}
+
         def log_posterior(logarithms: Array) -> float:
-            likelihood = self.marginal(causes, logarithms, linear, rows).log_density
-            return _log_prior(hyperparameters, logarithms) + likelihood
+            likelihood = self.marginal(hyperparameters, logarithms, linear, rows, grams).log_density
+            return log_prior(hyperparameters, logarithms) + likelihood
 
         return laplace(log_posterior, starts, covariance, integrate=integrate)
 
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
-        """Evidence of a fit by importance sampling of the hyperparameters; the coefficients exactly, as in the fit."""
+        """Evidence of a fit by importance sampling of the hyperparameters; the coefficients exactly, as in the fit.
+
+        Oscillations are steady or modulated as in the fit; what the other case adds is as in the fit.
+        """
         state, linear = fit.state, fit.state.linear
 
         def log_joint(logarithms: Array) -> float:
             try:
-                likelihood = self.marginal(fit.causes, logarithms, linear).log_density
+                likelihood = self.marginal(state.hyperparameters, logarithms, linear).log_density
             except np.linalg.LinAlgError:
                 return -math.inf
-            return _log_prior(state.hyperparameters, logarithms) + likelihood
+            return log_prior(state.hyperparameters, logarithms) + likelihood
 
         def log_joint_of_all(draws: Array) -> Array:
             return np.array([log_joint(logarithms) for logarithms in draws])
 
-        return sampled_evidence(log_joint_of_all, state.posterior.mode, state.posterior.covariance)
+        found = sampled_evidence(log_joint_of_all, state.posterior.mode, state.posterior.covariance)
+        others = fit.log_evidence - state.posterior.log_evidence
+        return replace(found, log_evidence=found.log_evidence + others)
 
-    def _fit_of(self, causes: Causes, state: TransitState) -> CauseFit:
+    def _fit_of(self, causes: Causes, state: TransitState, evidence: float) -> CauseFit:
         chosen = [i for i, coordinate in enumerate(self.coordinates) if coordinate.effect in causes]
         own = [self.coordinates[i] for i in chosen]
         # a cause adds to what varies from record to record in any case
         from_record_to_record = np.diag([coordinate.spike**2 for coordinate in own])
-        covariance = state.covariance[np.ix_(chosen, chosen)] + from_record_to_record
+        covariance = (state.covariance + self._from_modulation(state))[np.ix_(chosen, chosen)] + from_record_to_record
         found = estimates(own, state.mean[chosen], covariance) + _hyperparameter_estimates(state, causes)
         calibration = {
             f"{h.name}_{'m' if h.name == 'fix_sd' else 'm_s'}": math.exp(value)
             for h, value in zip(state.hyperparameters, state.posterior.mode, strict=True)
             if not h.effect
         }
-        evidence, possible = state.posterior.log_evidence, is_possible(found)
-        return CauseFit(causes, evidence, found, calibration, possible, state, self._given_estimates(causes, state))
+        return CauseFit(
+            causes, evidence, found, calibration, is_possible(found), state, self._given_estimates(causes, state)
+        )
+
+    def _from_modulation(self, state: TransitState) -> Array:
+        """Covariance of the usual amplitudes about those of this record, of oscillations that are modulated, (k, k)."""
+        variance = np.zeros(len(state.mean))
+        for modulation in state.linear.modulations:
+            of_mean = variance_of_mean(self.data.middle, *(state.values[key] for key in modulation.keys))
+            own = self.by_effect[modulation.effect]
+            squared = state.mean[own[::2]] ** 2 + state.mean[own[1::2]] ** 2
+            variance[own] = of_mean * np.repeat(squared, 2)
+        return np.diag(variance)
 
     def _given_estimates(self, causes: Causes, state: TransitState) -> tuple[ParameterEstimate, ...]:
         """What is known of the mission's own effects after this record, those that changed left out."""
         found: list[ParameterEstimate] = []
+        spread = state.covariance + self._from_modulation(state)
         for each in held(self.given_in_mean, causes):
             own = self.places(each)
-            found += each.posterior(state.mean[own], state.covariance[np.ix_(own, own)])
+            found += each.posterior(state.mean[own], spread[np.ix_(own, own)])
         for each in held(self.given_in_covariance, causes):
             found += _hyperparameter_estimates(state, (each.effect,))
         return tuple(found)
 
 
-def _log_prior(hyperparameters: tuple[Hyperparameter, ...], logarithms: Array) -> float:
-    """Log prior density of the hyperparameters' logarithms."""
-    spread = np.array([hyperparameter.spread for hyperparameter in hyperparameters])
-    scaled = (logarithms - np.array([hyperparameter.centre for hyperparameter in hyperparameters])) / spread
-    return -0.5 * float(scaled @ scaled) - float(np.log(spread).sum()) - 0.5 * len(logarithms) * LOG_2PI
+def _modulates(given: GivenEffect) -> bool:
+    return CATALOGUE[given.effect].is_modulated
 
 
-def _starts(hyperparameters: tuple[Hyperparameter, ...], near: Sequence[CauseFit]) -> tuple[list[Array], Array]:
+def _starts(hyperparameters: tuple[Hyperparameter, ...], near: Sequence[TransitState]) -> tuple[list[Array], Array]:
     """Starting points of the search for the mode, and a guess of the posterior covariance.
 
-    From the fits given where there are any, else the priors' centres; a new hyperparameter of a cause also starts one
+    From the fits given where there are any, else the priors' centres; a new size or time of a cause also starts one
     prior standard deviation lower and higher.
     """
     known: dict[tuple[str, str], tuple[float, float]] = {}
-    for fit in near:
-        modes, variances = fit.state.posterior.mode, np.diag(fit.state.posterior.covariance)
-        for hyperparameter, mode, variance in zip(fit.state.hyperparameters, modes, variances, strict=True):
-            known.setdefault((hyperparameter.effect, hyperparameter.name), (float(mode), float(variance)))
-    guesses = [known.get((h.effect, h.name), (h.centre, min(0.1, h.spread**2))) for h in hyperparameters]
+    for state in near:
+        modes, variances = state.posterior.mode, np.diag(state.posterior.covariance)
+        for hyperparameter, mode, variance in zip(state.hyperparameters, modes, variances, strict=True):
+            known.setdefault(hyperparameter.key, (float(mode), float(variance)))
+    guesses = [known.get(h.key, (h.centre, min(0.1, h.spread**2))) for h in hyperparameters]
     first = np.array([guess[0] for guess in guesses])
     starts = [first]
     for index, hyperparameter in enumerate(hyperparameters):
-        if hyperparameter.effect and (hyperparameter.effect, hyperparameter.name) not in known:
+        if hyperparameter.law == "student" and hyperparameter.key not in known:
             for shift in (-1.0, 1.0):
                 moved = first.copy()
                 moved[index] += shift * hyperparameter.spread
@@ -193,7 +243,8 @@ def _starts(hyperparameters: tuple[Hyperparameter, ...], near: Sequence[CauseFit
 
 def _hyperparameter_estimates(state: TransitState, effects: Causes) -> tuple[ParameterEstimate, ...]:
     """Estimates of the hyperparameters that are parameters of some effects."""
-    chosen = [i for i, hyperparameter in enumerate(state.hyperparameters) if hyperparameter.effect in effects]
+    of_effects = enumerate(state.hyperparameters)
+    chosen = [i for i, h in of_effects if h.effect in effects and h.name in CATALOGUE[h.effect].parameters]
     own = [state.hyperparameters[i] for i in chosen]
     shapes = [Coordinate(h.effect, h.name, "shape", h.centre, h.spread, 0.0) for h in own]
     return estimates(shapes, state.posterior.mode[chosen], state.posterior.covariance[np.ix_(chosen, chosen)])

@@ -14,9 +14,11 @@ from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parame
 from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
-from missionplan.diagnosis.legs.modulation import modulation
+from missionplan.diagnosis.legs.hyperparameters import SLAB_SCALE, HyperparameterValues
+from missionplan.diagnosis.legs.modulation import Modulation, modulated_columns, smooth_functions
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.effects.info import LegRecord
+from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.phases.hooks import Leg, TransitEffect
 from missionplan.results.evidence import Causes
 
@@ -38,12 +40,26 @@ class LinearisedLegs:
         Velocity errors less those at the prior means, on the principal axes [m/s].
     columns : array, shape (2, n, k + m)
         Of the coefficients: k for the coordinates, then m of the functions that modulate oscillations.
+    slabs : mapping
+        By cause, the coefficients whose prior standard deviation its slab scale multiplies.
+    modulations : tuple of Modulation
+        Whose functions follow the coordinates, in their order.
     """
 
     about: Array
     prior: "CoordinatePrior"
     y: Array
     columns: Array
+    slabs: Mapping[str, list[int]]
+    modulations: tuple[Modulation, ...]
+
+    def prior_sd(self, values: HyperparameterValues) -> Array:
+        """Prior standard deviations of the coefficients, 1 but for slabs and modulations, shape (k + m,)."""
+        sd = np.ones(len(self.about))
+        for effect, places in self.slabs.items():
+            sd[places] = values.get((effect, SLAB_SCALE), 1.0)
+        of_functions = [each.sd(*(values[key] for key in each.keys)) for each in self.modulations]
+        return np.concatenate([sd, *of_functions])
 
     @cached_property
     def joined(self) -> Array:
@@ -137,8 +153,13 @@ class TransitMean:
 
     @cached_property
     def given_in_mean(self) -> tuple[GivenEffect, ...]:
-        """The mission's own effects on the mean of the errors."""
-        return tuple(each for each in self.given if CATALOGUE[each.effect].part == "mean")
+        """The mission's own effects on the mean of the errors, without their modulation."""
+        known = ((each, CATALOGUE[each.effect]) for each in self.given)
+        return tuple(
+            each.only(info.parameters.keys() - MODULATION_PARAMETERS.keys()) if info.is_modulated else each
+            for each, info in known
+            if info.part == "mean"
+        )
 
     def places(self, given: GivenEffect) -> list[int]:
         """Indices of a given effect's coordinates among all."""
@@ -195,11 +216,11 @@ class TransitMean:
     def mean_error(self, values: Array) -> Array:
         """Velocity errors caused by the effects in the mean, on the principal axes, shape (2, n) [m/s]."""
         return self.axes.T @ sum(
-            (self._error(own, values) for own in self._by_effect.values()), np.zeros((2, self.data.n))
+            (self._error(own, values) for own in self.by_effect.values()), np.zeros((2, self.data.n))
         )
 
     @cached_property
-    def _by_effect(self) -> dict[str, list[int]]:
+    def by_effect(self) -> dict[str, list[int]]:
         """Indices of each effect's coordinates."""
         found: dict[str, list[int]] = {}
         for index, coordinate in enumerate(self.coordinates):
@@ -218,7 +239,7 @@ class TransitMean:
         """Columns of the coordinates, by central differences of the effects' hooks, shape (2, n, k)."""
         columns = []
         for index, coordinate in enumerate(self.coordinates):
-            own, step = self._by_effect[coordinate.effect], np.zeros(len(about))
+            own, step = self.by_effect[coordinate.effect], np.zeros(len(about))
             step[index] = DIFFERENCE_STEP * coordinate.slab
             ahead, behind = (self._error(own, about + sign * step) for sign in (1.0, -1.0))
             columns.append(self.axes.T @ (ahead - behind) / (2.0 * step[index]))
@@ -246,7 +267,7 @@ class TransitMean:
             factor[np.ix_(own, own)] = _square_root(each.here)
         return CoordinatePrior(mean, factor)
 
-    def linearised(self, causes: Causes, about: Array | None = None) -> LinearisedLegs:
+    def linearised(self, causes: Causes, about: Array | None = None, modulated: Causes = ()) -> LinearisedLegs:
         """Linearise the model of a set about given coordinates, with columns that modulate its oscillations.
 
         Parameters
@@ -255,6 +276,8 @@ class TransitMean:
             The set.
         about : array, shape (k,), optional
             Default as the mission expects.
+        modulated : tuple of str
+            Oscillations whose amplitude and phase change slowly.
         """
         about = self.expected if about is None else about
         prior = self.prior(causes)
@@ -262,27 +285,20 @@ class TransitMean:
         columns = self.columns_as_expected if linear else self.columns(about)
         moved = self.mean_error(about) - self._error_as_expected
         y = self.y - moved + columns @ (about - prior.mean)
-        modulated = [self._modulation_columns(name, about) for name in self._modulated(causes, about)]
-        standardised = np.concatenate([columns @ prior.factor, *modulated], axis=2)
-        return LinearisedLegs(about, prior, y, standardised)
+        of_modulations = [self._modulation_columns(name, about) for name in modulated]
+        standardised = np.concatenate([columns @ prior.factor, *(found for _, found in of_modulations)], axis=2)
+        slabs = {name: own for name, own in self.by_effect.items() if name in causes}
+        return LinearisedLegs(about, prior, y, standardised, slabs, tuple(each for each, _ in of_modulations))
 
-    def _modulated(self, causes: Causes, about: Array) -> tuple[str, ...]:
-        """Oscillations whose amplitude and phase change slowly, in the catalogue's order; see `modulation`."""
-        present = {*causes, *(each.effect for each in held(self.given_in_mean, causes))}
-        oscillations = [info.id for info in effects_of("transit") if info.modulation and info.id in present]
-        return tuple(name for name in oscillations if np.any(about[self._by_effect[name]]))
-
-    def _modulation_columns(self, name: str, about: Array) -> Array:
-        """Columns of the slow modulation of an oscillating cause, shape (2, n, m)."""
-        own = self._by_effect[name]
+    def _modulation_columns(self, name: str, about: Array) -> tuple[Modulation, Array]:
+        """Slow modulation of an oscillation, and its columns, shape (2, n, m)."""
+        own = self.by_effect[name]
         quadrature = about.copy()
         quadrature[own[::2]], quadrature[own[1::2]] = -about[own[1::2]], about[own[::2]]
-        steady = [self._error(own, values) for values in (about, quadrature)]
-        components = np.ones((1, 2)) if CATALOGUE[name].modulation == "together" else np.eye(2)
-        columns = [
-            modulation(self.data.middle, *(component[:, None] * each for each in steady)) for component in components
-        ]
-        return np.asarray(np.einsum("ij,jnm->inm", self.axes.T, np.concatenate(columns, axis=2)))
+        in_phase, in_quadrature = (self._error(own, values) for values in (about, quadrature))
+        modulation, functions = smooth_functions(name, self.data.middle)
+        columns = modulated_columns(functions, in_phase, in_quadrature)
+        return modulation, np.asarray(np.einsum("ij,jnm->inm", self.axes.T, columns))
 
 
 def _square_root(covariance: Array) -> Array:

@@ -14,6 +14,7 @@ from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, exp
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
 from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.diagnosis.legs.axes import transit_axes
+from missionplan.diagnosis.legs.covariance import ALL_LEGS
 from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_further_legs
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.mean import LinearisedLegs
@@ -50,10 +51,14 @@ class TransitModel(TransitFitting):
     def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         """Gain in log density of causes over a parent's, its hyperparameters held; inf if it cannot be estimated."""
         further = [CATALOGUE[name] for name in causes if name not in parent.causes]
-        if any(info.part == "covariance" or info.modulation for info in further):
+        if any(info.part == "covariance" or info.is_modulated for info in further):
             return math.inf
-        mode = parent.state.posterior.mode
-        with_causes, without = (self.marginal(names, mode, self.linearised(names)) for names in (causes, parent.causes))
+        state, known = parent.state, dict(zip(parent.state.hyperparameters, parent.state.posterior.mode, strict=True))
+        hyperparameters = self.hyperparameters(causes, state.modulated)
+        at = np.array([known.get(each, each.centre) for each in hyperparameters])
+        with_causes = self.marginal(hyperparameters, at, self.linearised(causes, modulated=state.modulated))
+        plain = self.linearised(parent.causes, modulated=state.modulated)
+        without = self.marginal(state.hyperparameters, state.posterior.mode, plain)
         return with_causes.log_density - without.log_density
 
     def may_be_multimodal(self, causes: Causes) -> bool:
@@ -76,9 +81,10 @@ class TransitModel(TransitFitting):
 
     def _total_covariance(self, fit: CauseFit, linear: LinearisedLegs) -> Array:
         """Covariance of all errors under a fit's noise and the coefficients' priors, first axis then second."""
-        noise = self.noise(self.values(fit.causes, fit.state.posterior.mode))
+        values = fit.state.values
+        noise = self.noise(values)
         n = self.data.n
-        columns = linear.columns.reshape(2 * n, -1)
+        columns = (linear.columns * linear.prior_sd(values)).reshape(2 * n, -1)
         total = columns @ columns.T
         total[:n, :n] += noise[0]
         total[n:, n:] += noise[1]
@@ -133,13 +139,13 @@ class TransitModel(TransitFitting):
 
     def _block_score(self, fit: CauseFit, block: NDArray[np.int_]) -> HeldOutScore:
         others = np.setdiff1d(np.arange(self.data.n), block)
-        trained = self.fit(fit.causes, (fit,), others, integrate=False)
-        linear = trained.state.linear
-        mode = trained.state.posterior.mode
-        log_score = (
-            self.marginal(fit.causes, mode, linear).log_density
-            - self.marginal(fit.causes, mode, linear, others).log_density
+        trained = self.refitted(fit, others)
+        state = trained.state
+        whole, seen = (
+            self.marginal(state.hyperparameters, state.posterior.mode, state.linear, rows)
+            for rows in (ALL_LEGS, others)
         )
+        log_score = whole.log_density - seen.log_density
         mean, covariance = self.predictor(trained)(others, block)
         error = (self.y[:, block] - mean).ravel()
         half_width = QUANTILE_95 * np.sqrt(np.diag(covariance))
@@ -166,7 +172,7 @@ class TransitModel(TransitFitting):
         own = np.array([coordinate.effect in first.causes for coordinate in self.coordinates])
         columns = model.columns_as_expected.reshape(2 * model.data.n, -1)
         truth = columns @ np.where(own, first.state.mean - self.expected, 0.0)
-        models = [model.linearised(fit.causes, fit.state.linear.about) for fit in (first, second)]
+        models = [model.linearised(fit.causes, fit.state.linear.about, fit.state.modulated) for fit in (first, second)]
         predictive = [
             (columns @ (linear.prior.mean - self.expected), model._total_covariance(fit, linear))
             for fit, linear in zip((first, second), models, strict=True)

@@ -2,51 +2,103 @@
 
 Unresolved neighbours of a tidal constituent (springs and neaps, N2 beside M2), a frequency a little above the inertial
 one (Kunze 1985: the vorticity of the flow about it shifts it by some per cent), gusts and decay: all of them multiply
-the oscillation by 1 + ε(t), with ε complex and slow (as in complex demodulation, Emery & Thomson 2001). ε has
-a squared-exponential covariance and is part of the effect's uncertainty, as a smooth factor is in dives.
+the oscillation by 1 + ε(t), with ε complex and slow (as in complex demodulation, Emery & Thomson 2001). Here ε has a
+squared-exponential covariance; its mean over the record belongs to the amplitude and phase, so that a steady
+oscillation is not shared with its modulation.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.effects.oscillation import COHERENCE_TIME, MODULATION
 
-RELATIVE_SD = 0.3
-"""Standard deviation of the real and of the imaginary part of ε."""
-COHERENCE_TIME = 3.0 * 86400.0
-"""Correlation length ℓ of ε: the passage of weather, a fifth of the spring–neap cycle [s]."""
-MARGIN = 1.5
-"""How far beyond the record the functions' domain reaches, in ℓ, at either end."""
+DAY = 86400.0
+MARGIN = 5.0 * DAY
+"""How far beyond the record the functions' domain reaches at either end [s]."""
+SHORTEST = 1.5 * DAY
+"""Least correlation length that the functions resolve [s]."""
 MAX_RADIANS = 3.0
-"""Functions of more than this many radians in ℓ have no weight (e^−4.5 of the spectral density at zero)."""
+"""Functions of more than this many radians in that length have no weight (e^−4.5 of the spectral density at zero)."""
+MAX_FUNCTIONS = 48
+"""Most functions; a longer record is resolved more coarsely."""
+LENGTH_OF_TIME = math.sqrt(2.0 / math.pi)
+"""Length of a squared-exponential covariance over the e-folding time of an exponential one of the same integral."""
 
 
-def smooth_functions(t: Array) -> Array:
-    """Columns B with B Bᵀ ≈ exp(−½(Δt/ℓ)²), shape (n, m): cosines on a wider domain (Solin & Särkkä 2020, Eq. 20).
+@dataclass(frozen=True)
+class Modulation:
+    """Functions of time that modulate an oscillation.
 
-    Parameters
+    Attributes
     ----------
-    t : array, shape (n,)
-        Times [s].
+    effect : str
+        The oscillation.
+    frequencies : array, shape (m,)
+        Of the cosines [rad/s].
+    span : float
+        Of their domain [s].
     """
-    start, span = t.min() - MARGIN * COHERENCE_TIME, float(np.ptp(t)) + 2.0 * MARGIN * COHERENCE_TIME
-    count = int(MAX_RADIANS * span / (math.pi * COHERENCE_TIME)) + 1
-    frequency = math.pi * np.arange(count) / span
-    density = math.sqrt(2.0 * math.pi) * COHERENCE_TIME * np.exp(-0.5 * (frequency * COHERENCE_TIME) ** 2)
-    weight = np.where(np.arange(count) == 0, 1.0, 2.0) / span
-    return np.asarray(np.sqrt(density * weight) * np.cos(frequency * (t - start)[:, None]))
+
+    effect: str
+    frequencies: Array
+    span: float
+
+    def sd(self, relative: float, coherence_time: float) -> Array:
+        """Prior standard deviations of the coefficients, real parts then imaginary ones, shape (2m,).
+
+        With them ε has the squared-exponential covariance (Solin & Särkkä 2020, Eq. 20).
+
+        Parameters
+        ----------
+        relative : float
+            Standard deviation of the real and of the imaginary part of ε.
+        coherence_time : float
+            e-folding time of ε [s].
+        """
+        length = LENGTH_OF_TIME * coherence_time
+        density = math.sqrt(2.0 * math.pi) * length * np.exp(-0.5 * (self.frequencies * length) ** 2)
+        return np.tile(relative * np.sqrt(2.0 * density / self.span), 2)
+
+    @property
+    def keys(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Hyperparameters: relative size and coherence time."""
+        return (self.effect, MODULATION), (self.effect, COHERENCE_TIME)
 
 
-def modulation(t: Array, in_phase: Array, in_quadrature: Array) -> Array:
-    """Columns of Re(ε·w) for an oscillation Re(w), each of prior standard deviation 1, shape (2, n, 2m) [m/s].
+def smooth_functions(effect: str, t: Array) -> tuple[Modulation, Array]:
+    """Return cosines on a domain wider than the record, less their means over it, shape (n, m).
 
     Parameters
     ----------
+    effect : str
+        The oscillation.
     t : array, shape (n,)
         Middles of the legs [s].
+    """
+    start, span = t.min() - MARGIN, float(np.ptp(t)) + 2.0 * MARGIN
+    count = min(int(MAX_RADIANS * span / (math.pi * SHORTEST)), MAX_FUNCTIONS)
+    frequency = math.pi * np.arange(1, count + 1) / span
+    functions = np.cos(frequency * (t - start)[:, None])
+    return Modulation(effect, np.asarray(frequency, dtype=float), span), functions - functions.mean(axis=0)
+
+
+def modulated_columns(functions: Array, in_phase: Array, in_quadrature: Array) -> Array:
+    """Columns of Re(ε·w) for an oscillation Re(w), shape (2, n, 2m) [m/s].
+
+    Parameters
+    ----------
+    functions : array, shape (n, m)
+        Of ε.
     in_phase, in_quadrature : array, shape (2, n)
         The oscillation, and the same a quarter of a period later [m/s].
     """
-    functions = RELATIVE_SD * smooth_functions(t)
     return np.concatenate([part[:, :, None] * functions for part in (in_phase, in_quadrature)], axis=2)
+
+
+def variance_of_mean(t: Array, relative: float, coherence_time: float) -> float:
+    """Variance of the mean of ε's real part over the legs: how far a record's amplitude may be from the usual one."""
+    length = LENGTH_OF_TIME * coherence_time
+    return float(relative**2 * np.mean(np.exp(-0.5 * ((t[:, None] - t) / length) ** 2)))

@@ -54,7 +54,7 @@ def one_step(model: TransitModel, fit: CauseFit) -> OneStep | None:
     current = fit
     for k in predicted.tolist():
         if (k - FIRST_PREDICTED) % legs_per_refit == 0:
-            current = model.fit(fit.causes, (current,), np.arange(k), integrate=False)
+            current = model.refitted(current, np.arange(k))
             predictor = model.predictor(current)
         mean, _ = predictor(np.arange(max(0, k - MAX_PAST_LEGS), k), np.array([k]))
         errors.append(model.y[:, k] - mean[:, 0])

@@ -56,7 +56,7 @@ class GroundVelocity:
             source = self._normals.effects[index] if effect.is_random else None
             own = source.leg(number)[:, : t.size] if source is not None else np.zeros((2, t.size))
             velocity = velocity * effect.error_scale(own)
-            self._memory[index], carried = effect.step(self._memory[index], elapsed, own)
+            self._memory[index], carried = effect.step(self._memory[index], elapsed, own, leg)
             persistent = persistent + carried + effect.velocity(leg)
         self._mid_leg = mid_leg
         velocity = velocity + plan.velocity_error.mean + persistent

@@ -48,6 +48,8 @@ class DriftModel:
         Correlation time of the persistent velocity [s].
     walk : float
         Growth of the steady velocity's deviation [m/s^1.5].
+    growth : array, shape (k,)
+        Growth of the variance of the coefficients of waves that are modulated [m²/s³].
     covariance : array, shape (2, 2)
         Σ_v, of the velocity error drawn anew for each leg [m²/s²].
     fix_error : float
@@ -60,6 +62,7 @@ class DriftModel:
     turning: float
     persistence: float
     walk: float
+    growth: Array
     covariance: Array
     fix_error: float
 
@@ -188,6 +191,8 @@ class DriftFilter(Compensation):
         """Covariance of the process noise between the middles of two legs, shape (k, k, n)."""
         added = np.zeros((*self.model.prior.shape, now.size))
         elapsed = np.where(last >= 0.0, now - last, 0.0)
+        places = np.arange(WAVES, len(added))
+        added[places, places] = self.model.growth[WAVES:, None] * elapsed
         gone = -np.expm1(-2.0 * elapsed / self.model.persistence)
         for axis in (0, 1):
             added[STEADY + axis, STEADY + axis] = self.model.walk**2 * elapsed

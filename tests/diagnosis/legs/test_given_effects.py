@@ -8,6 +8,7 @@ from scipy import stats
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.given_effects import BARE_SHAPE_LOG_SD, given_priors
+from missionplan.diagnosis.legs.hyperparameters import values_of
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.effects import CATALOGUE, effects_of
 from missionplan.errors import InputError
@@ -82,13 +83,13 @@ def test_the_base_model_is_the_density_of_the_mission_as_it_stands(carrying, fol
     bound = transit_model(data, mission, seed=1)
     linear = bound.linearised(())
     logarithms = np.log([0.03, 3.0])
-    found = bound.marginal((), logarithms, linear)
+    found = bound.marginal(bound.hyperparameters(()), logarithms, linear)
     columns = bound.columns(bound.expected).reshape(2 * data.n, -1)
     variances = []
     for coordinate in bound.coordinates:
         known = {"compass-bias": np.radians(0.3) ** 2 + SPIKE**2}
         variances.append(known.get(coordinate.effect, coordinate.spike**2))
-    noise = bound.noise(bound.values((), logarithms))
+    noise = bound.noise(values_of(bound.hyperparameters(()), logarithms))
     total = columns @ np.diag(variances) @ columns.T
     total[: data.n, : data.n] += noise[0]
     total[data.n :, data.n :] += noise[1]

@@ -63,7 +63,7 @@ def test_marginal_is_the_density_of_the_total_covariance(folder, transit_mission
     linear = fit.state.linear
     total = bound._total_covariance(fit, linear)[np.ix_(order, order)]
     expected = multivariate_normal(np.zeros(len(order)), total).logpdf(linear.y.ravel()[order])
-    found = bound.marginal(causes, fit.state.posterior.mode, linear, rows)
+    found = bound.marginal(fit.state.hyperparameters, fit.state.posterior.mode, linear, rows)
     assert found.log_density == pytest.approx(expected, abs=1e-6)
 
 

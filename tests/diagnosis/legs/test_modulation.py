@@ -1,26 +1,134 @@
-"""Slow modulation of an oscillating current."""
+"""Slow modulation of an oscillating current: its functions, its inference, and its draws."""
+
+from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from missionplan.diagnosis.legs.modulation import COHERENCE_TIME, RELATIVE_SD, modulation, smooth_functions
+from missionplan import diagnose
+from missionplan.diagnosis.legs.modulation import LENGTH_OF_TIME, modulated_columns, smooth_functions, variance_of_mean
+from missionplan.effects import CATALOGUE
+from missionplan.phases.hooks import Leg
 
-T = np.linspace(0.0, 20.0 * 86400.0, 90)
+DAY = 86400.0
+T = np.linspace(0.0, 20.0 * DAY, 90)
+M2 = 2.0 * np.pi / (12.4206012 * 3600.0)
+KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 
 
-def test_functions_have_the_squared_exponential_covariance():
-    functions = smooth_functions(T)
-    expected = np.exp(-0.5 * ((T[:, None] - T) / COHERENCE_TIME) ** 2)
-    np.testing.assert_allclose(functions @ functions.T, expected, atol=0.02)
+def test_functions_have_the_squared_exponential_covariance_less_the_mean_over_the_record():
+    modulation, functions = smooth_functions("tidal-current", T)
+    time = 6.0 * DAY
+    sd = modulation.sd(0.4, time)[: functions.shape[1]]
+    kernel = 0.16 * np.exp(-0.5 * ((T[:, None] - T) / (LENGTH_OF_TIME * time)) ** 2)
+    centred = np.eye(len(T)) - 1.0 / len(T)
+    np.testing.assert_allclose((functions * sd) @ (functions * sd).T, centred @ kernel @ centred, atol=0.016)
+    np.testing.assert_allclose(functions.mean(axis=0), 0.0, atol=1e-12)
 
 
 def test_a_short_record_needs_few_functions():
-    assert smooth_functions(T[:5]).shape[1] < smooth_functions(T).shape[1]
+    assert smooth_functions("", T[:5])[1].shape[1] < smooth_functions("", T)[1].shape[1]
 
 
-def test_modulation_is_as_large_in_phase_as_in_quadrature():
-    """Variance of Re(ε·w): `RELATIVE_SD`² of the squared amplitude, at any moment of the oscillation."""
+def test_columns_are_the_real_part_of_the_product():
+    """Re(ε·w) with w the complex oscillation whose real part is in phase."""
     phase = 2.0 * np.pi * T / 45000.0
-    swirl = 0.1 * np.stack([np.cos(phase), -np.sin(phase)])
-    later = 0.1 * np.stack([np.sin(phase), np.cos(phase)])
-    variance = np.sum(modulation(T, swirl, later) ** 2, axis=2)
-    np.testing.assert_allclose(variance, (RELATIVE_SD * 0.1) ** 2, rtol=0.05)
+    w = 0.1 * np.exp(1j * phase) * np.array([[1.0], [1j]])
+    later = w * np.exp(-0.5j * np.pi)
+    functions = smooth_functions("", T)[1]
+    rng = np.random.default_rng(4)
+    real, imaginary = rng.normal(size=(2, functions.shape[1]))
+    epsilon = functions @ real - 1j * (functions @ imaginary)
+    found = modulated_columns(functions, w.real, later.real) @ np.concatenate([real, imaginary])
+    np.testing.assert_allclose(found, (epsilon * w).real, atol=1e-12)
+
+
+def test_variance_of_the_mean_over_the_record():
+    assert variance_of_mean(T, 0.3, 1e6 * DAY) == pytest.approx(0.09)
+    assert variance_of_mean(T, 0.3, 0.001 * DAY) == pytest.approx(0.09 / len(T))
+
+
+def leg_at(t, trials):
+    ones = np.ones(trials)
+    return Leg(t * ones, 600.0 * ones, np.zeros((2, trials)), np.array([[0.0], [1.0]]) * ones, 1.0, np.radians(40.0))
+
+
+@pytest.mark.parametrize("name", ["tidal-current", "inertial-current"])
+def test_draws_have_the_stated_size_and_time(name):
+    """Over many trials: variance of what is added, and its correlation after a coherence time in the same phase."""
+    trials, time = 40_000, 3.0 * DAY
+    sizes = (
+        {"m2_east": 0.5, "m2_north": 0.5, "m2_north_phase": 0.5 * np.pi}
+        if name == "tidal-current"
+        else {"amplitude": 0.5}
+    )
+    effect = CATALOGUE[name].make({**sizes, "modulation": 0.4, "coherence_time": time})
+    assert effect.is_random
+    rng = np.random.default_rng(1)
+    elapsed = np.full(trials, time)
+    memory, first = effect.step(None, 0.0 * elapsed, rng.normal(size=(2, trials)), leg_at(0.0, trials))
+    _, second = effect.step(memory, elapsed, rng.normal(size=(2, trials)), leg_at(0.0, trials))
+    size = np.hypot(*effect.velocity(leg_at(0.0, 1))[:, 0])
+    expected = 0.16 * (size**2 + np.hypot(*effect.later().velocity(leg_at(0.0, 1))[:, 0]) ** 2)
+    assert np.mean(np.sum(first**2, axis=0)) == pytest.approx(expected, rel=0.02)
+    assert np.mean(np.sum(second**2, axis=0)) == pytest.approx(expected, rel=0.02)
+    assert np.mean(np.sum(first * second, axis=0)) / expected == pytest.approx(np.exp(-1.0), abs=0.02)
+
+
+def test_a_steady_oscillation_draws_nothing():
+    effect = CATALOGUE["tidal-current"].make({"m2_east": 0.5})
+    assert not effect.is_random
+    assert effect.step(None, np.zeros(1), np.zeros((2, 1)), leg_at(0.0, 1)) == (None, 0.0)
+
+
+def test_later_is_a_quarter_of_a_period_later():
+    for name, sizes, omega in (
+        ("tidal-current", {"m2_east": 0.3, "m2_east_phase": 0.4}, M2),
+        ("inertial-current", {"amplitude": 0.3, "phase": 0.4}, 2.0 * 7.2921159e-5 * np.sin(np.radians(40.0))),
+    ):
+        effect = CATALOGUE[name].make(sizes)
+        quarter = 0.5 * np.pi / omega
+        np.testing.assert_allclose(
+            effect.later().velocity(leg_at(quarter, 1)), effect.velocity(leg_at(0.0, 1)), atol=1e-12
+        )
+
+
+def tide(amplitude, change=None):
+    def error(t, heading):
+        factor = 1.0 if change is None else change(t)
+        return np.stack([amplitude * np.cos(M2 * t - 0.7), 0.5 * amplitude * np.cos(M2 * t - 2.0)]) * factor
+
+    return error
+
+
+@pytest.mark.parametrize("amplitude", [0.04, 0.2, 1.0])
+def test_a_steady_tide_comes_out_steady(amplitude, folder, transit_mission, legs):
+    """From a third of the usual size to eight times: to within its interval and 5 %, and without modulation."""
+    table = legs(240, error=tide(amplitude), lasting=3.0)
+    found = diagnose(transit_mission, folder(KIND, table), plan=False)
+    assert found.causes == ("tidal-current",)
+    estimates = {p.name: p for p in found.best.parameters}
+    assert "modulation" not in estimates
+    for name, truth in (("m2_east", amplitude), ("m2_north", 0.5 * amplitude)):
+        assert abs(estimates[name].value - truth) < max(0.05 * truth, 2.5 * estimates[name].sd)
+        assert estimates[name].sd < 0.01
+
+
+def test_a_tide_that_changes_over_days_is_modulated(folder, transit_mission, legs):
+    """Springs and neaps unresolved: the extended mission carries the modulation, and simulates it."""
+
+    def change(t):
+        return 1.0 + 0.5 * np.cos(2.0 * np.pi * t / (9.0 * DAY))
+
+    table = legs(300, error=tide(0.4, change), lasting=3.0)
+    found = diagnose(transit_mission, folder(KIND, table), plan=False)
+    assert found.causes == ("tidal-current",)
+    (entry,) = found.extended["effects"]
+    assert {"modulation", "coherence_time"} <= set(entry["tidal-current"])
+    size = entry["tidal-current"]["modulation"]["median"]
+    assert 0.15 < float(size) < 0.8
+
+
+def test_modulation_of_zero_is_neutral():
+    still, moving = (CATALOGUE["tidal-current"].make({"m2_east": 0.5, "modulation": m}) for m in (0.0, 0.3))
+    assert still == replace(moving, modulation=0.0)

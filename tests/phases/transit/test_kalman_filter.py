@@ -41,6 +41,7 @@ def model(**changes):
         "turning": 0.0,
         "persistence": 1000.0,
         "walk": 0.0,
+        "growth": np.zeros(size),
         "covariance": 4e-4 * np.eye(2),
         "fix_error": 3.0,
     }

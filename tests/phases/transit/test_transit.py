@@ -235,7 +235,7 @@ class Everything(TransitEffect):
     def error_scale(self, normals):
         return 2.0
 
-    def step(self, memory, elapsed, normals):
+    def step(self, memory, elapsed, normals, leg):
         self.elapsed = elapsed
         return 1.0, np.array([[0.0], [0.001 if memory is None else 0.002]])
 
