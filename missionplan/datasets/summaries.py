@@ -22,6 +22,8 @@ SUMMARY = DatasetFormat(
 MEASURED = ("terminal_velocity_m_s", "descent_time_s")
 SIMULATED = "simulated_"
 KNOWN = tuple(sorted((*MEASURED, *(SIMULATED + quantity for quantity in MEASURED))))
+SLOWEST, FASTEST = 0.01, 20.0
+"""Mean speeds of a descent [m/s]: torpedo anchors, of tonnes, fall at 15 to 25."""
 RELATIVE_SD = 0.05
 """Standard deviation of a number that states none, as a share of it."""
 
@@ -82,7 +84,7 @@ def read_summary(folder: Path, mission: Mission) -> SummaryData:
     raw = read_dataset(folder, SUMMARY)
     runs = {str(name): run for name, run in raw.table.groupby("run", sort=False)}
     conditions, incomplete = conditions_of_runs(runs, raw, mission)
-    raw.checked([*_check_quantities(raw), *incomplete])
+    raw.checked([*_check_quantities(raw), *incomplete, *_check_speeds(raw, conditions)])
     notices = list(raw.notices)
     tests = [_test(name, _numbers(run), conditions[name], notices) for name, run in runs.items()]
     return SummaryData(raw.name, raw.source, tuple(test for test in tests if test.quantities), tuple(notices))
@@ -106,6 +108,23 @@ def _check_quantities(raw: RawDataset[DivesSettings]) -> list[Problem]:
     problems += at(raw.table.index[twice], "this run has this quantity already", "quantity")
     if not quantities.isin(MEASURED).any() and not raw.table.empty:
         problems.append(Problem(f"holds none of {', '.join(MEASURED)}", raw.file))
+    return problems
+
+
+def _check_speeds(raw: RawDataset[DivesSettings], conditions: Mapping[str, DiveConditions]) -> list[Problem]:
+    """Return a problem for each speed and time of a descent that no dive has."""
+    problems = []
+    for line, (run, quantity, value) in zip(
+        raw.table.index, raw.table[["run", "quantity", "value"]].to_numpy(), strict=True
+    ):
+        if run not in conditions or not value > 0.0:
+            continue
+        is_time = str(quantity).endswith("_time_s")
+        speed = conditions[run].site_depth / value if is_time else value
+        if not SLOWEST <= speed <= FASTEST:
+            words = f"{value:g} s down to {conditions[run].site_depth:g} m" if is_time else "a descent"
+            message = f"{words} at {speed:.3g} m/s; expected from {SLOWEST:g} to {FASTEST:g} m/s"
+            problems.append(Problem(message, raw.file, int(line), "value"))
     return problems
 
 

@@ -18,10 +18,15 @@ from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.phases.mooring.descent import descend
+from missionplan.phases.mooring.forces import DescentHooks
 from missionplan.scenario.scenario import STILL_WATER
 
 LOGGED_SD = 0.05
 """Noise of the depth sensor that is assumed for a proposed log [m]."""
+UNIFORM_BELOW = 100.0
+"""Depth [m] below which a dive goes on at its terminal velocity, reached after some 10 m: no steps are needed."""
+FINE_DOWN_TO = 30.0
+"""Depth [m] down to which the steps are those of dive logs; beyond it they are up to twice as long."""
 
 
 def as_log(test: TestSummary) -> DiveLog:
@@ -67,16 +72,22 @@ class SummaryForward(DescentForward):
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
         trials = count * settings
         depths = np.tile([test.site_depth for test in self.tests], settings)
-        record = descend(
-            replace(self._tiled(settings, factor), site_depth=depths),
-            effects=effects,
-            release_time=np.zeros(trials),
-            current=STILL_WATER,
-            position=np.zeros((2, trials)),
-            t_start=np.zeros(trials),
-            step=self.step,
-        )
-        by_name = {"terminal_velocity_m_s": record.terminal_velocity, "descent_time_s": record.descent_time}
+        integrated = np.minimum(depths, UNIFORM_BELOW)
+        step = self.step * float(np.clip(np.max(integrated) / FINE_DOWN_TO, 1.0, 2.0))
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a start that diverges is abandoned
+            record = descend(
+                replace(self._tiled(settings, factor), site_depth=integrated),
+                effects=effects,
+                release_time=np.zeros(trials),
+                current=STILL_WATER,
+                position=np.zeros((2, trials)),
+                t_start=np.zeros(trials),
+                step=step,
+            )
+            over_ground = record.terminal_velocity + DescentHooks(effects).water_velocity
+            rest = np.where(depths > integrated, (depths - integrated) / over_ground, 0.0)
+            time = record.descent_time + rest
+        by_name = {"terminal_velocity_m_s": record.terminal_velocity, "descent_time_s": time}
         rows = [
             by_name[quantity].reshape(settings, count)[:, index]
             for index, test in enumerate(self.tests)
