@@ -71,8 +71,10 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
         elif not output.quiet:
             _print_result(result)
     if not output.as_json and not output.quiet:
+        from missionplan.report.typesetting import typeset
+
         for notice in result.provenance.notices:
-            note(f"Note: {notice}")
+            note(f"Note: {typeset(notice)}")
         note(f"Report: {folder / 'report.html'}")
 
 
@@ -93,6 +95,7 @@ def _print_result(result: "Result") -> None:
     from rich.table import Table
 
     from missionplan.report.render import terminal_view
+    from missionplan.report.typesetting import wrapped
 
     class Output(Console):
         def on_broken_pipe(self) -> NoReturn:
@@ -101,7 +104,7 @@ def _print_result(result: "Result") -> None:
     shown = terminal_view(result)
     console = Output(highlight=False)
     style = f"bold {_COLOURS.get(shown.verdict, '')}".strip()
-    console.print(f"[{style}]{escape(shown.sentence)}[/]")
+    console.print(f"[{style}]{escape(wrapped(shown.sentence, console.width))}[/]", soft_wrap=True)
     table = Table(box=None, pad_edge=False, header_style="dim")
     for index, column in enumerate(shown.columns):
         table.add_column(escape(column), justify="left" if index == 0 else "right", no_wrap=index > 0)

@@ -158,8 +158,8 @@ def inline(figure: Figure) -> Markup:
     return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"{limit}', 1))
 
 
-def render_page(page: Page, provenance: Provenance) -> Rendered:
-    """Render a page, with its provenance at the end."""
+def render_page(page: Page, provenance: Provenance, notices: Sequence[str]) -> Rendered:
+    """Render a page, with notices on the input before its sections and its provenance at the end."""
     environment = Environment(
         loader=PackageLoader("missionplan.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True
     )
@@ -170,6 +170,7 @@ def render_page(page: Page, provenance: Provenance) -> Rendered:
     html = environment.get_template("page.html").render(
         page=page,
         provenance=provenance,
+        notices=notices,
         summary=provenance.summary(),
         mission_yaml=to_yaml(provenance.data),
         rerun=page.rerun or rerun_command(provenance),

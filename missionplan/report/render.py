@@ -5,6 +5,7 @@ from typing import Protocol, cast
 
 from missionplan.rendering import Rendered
 from missionplan.report.page import Page, Terminal, render_page, style
+from missionplan.report.typesetting import typeset, typeset_page, typeset_terminal
 from missionplan.results.base import Result
 
 
@@ -21,13 +22,13 @@ class ReportModule(Protocol):
 def render_report(result: Result) -> Rendered:
     """Render a result as one self-contained page, its figures, and files for other programs."""
     with style():
-        page = _module(result).page(result)
-    return render_page(page, result.provenance)
+        page = typeset_page(_module(result).page(result))
+    return render_page(page, result.provenance, [typeset(notice) for notice in result.provenance.notices])
 
 
 def terminal_view(result: Result) -> Terminal:
     """Present a result for a terminal."""
-    return _module(result).terminal(result)
+    return typeset_terminal(_module(result).terminal(result))
 
 
 def _module(result: Result) -> ReportModule:

@@ -83,4 +83,4 @@ def test_missions_that_are_not_alike_are_said_so_in_one_line(comparison):
 def test_requirements_of_one_run_are_named_as_that_run_has_them(comparison):
     assert "moor offset at most 75 ft (requirement)" in rows(comparison)
     assert "The requirement on total success, which was met, has been dropped." in answer(comparison)
-    assert "The new requirement on egress arrived is not met." in answer(comparison)
+    assert "The new requirement on arrival (egress) is not met." in answer(comparison)

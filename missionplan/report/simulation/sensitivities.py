@@ -6,7 +6,8 @@ from itertools import groupby
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.report.numbers import number
+from missionplan.report.display_units import Unit
+from missionplan.report.numbers import number, with_error
 from missionplan.report.page import BLUE, INK, ORANGE, Figure, PageSection, Table, to_figure
 from missionplan.report.simulation.figures import WIDTH
 from missionplan.report.wording import capitalised, in_words
@@ -75,7 +76,7 @@ def _row(influence: Sensitivity) -> tuple[str, str, str, str]:
     return (
         in_words(influence.output),
         in_words(influence.source),
-        f"{number(share, error)} ± {number(error, error)}",
+        with_error(share, error, Unit("", 1.0)),
         correlation,
     )
 

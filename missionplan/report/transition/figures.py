@@ -22,10 +22,10 @@ def unassisted_figure(result: TransitionSweep) -> Figure:
     angles, depth = figure.subplots(2, 1, sharex=True)
     angles.plot(track.time[shown], np.degrees(track.pitch[shown]), color=BLUE, label="pitch")
     angles.plot(track.time[shown], np.degrees(track.sternplane[shown]), color=ORANGE, label="sternplane")
-    angles.set_ylabel("angle [deg]")
+    angles.set_ylabel("angle (°)")
     depth.plot(track.time[shown], -track.depth[shown], color=BLUE)
-    depth.set_ylabel("rise above target [m]")
-    depth.set_xlabel("time since the deceleration began [s]")
+    depth.set_ylabel("rise above target (m)")
+    depth.set_xlabel("time since the deceleration began (s)")
     crossing = track.time[np.argmax(track.speed < result.saturation_speed)]
     for axes in (angles, depth):
         axes.axvline(crossing, color=GREY, linewidth=1.0, linestyle=":")
@@ -51,7 +51,7 @@ def _histories(
     for track, colour in zip(tracks, colours, strict=True):
         shown = (track.time >= 0.0) & (track.time <= _SHOWN_UNTIL)
         axes.plot(track.time[shown], y(track)[shown], color=colour, label=track.label, linewidth=1.3)
-    axes.set_xlabel("time since the deceleration began [s]")
+    axes.set_xlabel("time since the deceleration began (s)")
     axes.set_ylabel(label)
     axes.legend(title="m/s", ncols=2)
     return to_figure(figure, name, alt, caption)
@@ -69,28 +69,28 @@ def depth_by_mid_speed(result: TransitionSweep) -> Figure:
     """Draw rise against time for each mid-transition speed (Fig. 6)."""
     alt = "Rise above the target depth against time: the lower the mid-transition speed, the larger."
     caption = "By mid-transition speed u* (the paper's Fig. 6)."
-    return _histories(result.by_mid_speed, "fig-6-depth", alt, caption, _rise, "rise above target [m]")
+    return _histories(result.by_mid_speed, "fig-6-depth", alt, caption, _rise, "rise above target (m)")
 
 
 def depth_by_steepness(result: TransitionSweep) -> Figure:
     """Draw rise against time for each steepness (Fig. 7)."""
     alt = "Rise above the target depth against time for each steepness of the interchange."
     caption = "By steepness of the interchange (the paper's Fig. 7)."
-    return _histories(result.by_steepness, "fig-7-depth", alt, caption, _rise, "rise above target [m]")
+    return _histories(result.by_steepness, "fig-7-depth", alt, caption, _rise, "rise above target (m)")
 
 
 def pitch_by_mid_speed(result: TransitionSweep) -> Figure:
     """Draw pitch against time for each mid-transition speed (Fig. 8)."""
     alt = "Pitch against time: lower mid-transition speeds pitch further and swing more at hover."
     caption = "By mid-transition speed u* (the paper's Fig. 8)."
-    return _histories(result.by_mid_speed, "fig-8-pitch", alt, caption, _pitch, "pitch [deg]")
+    return _histories(result.by_mid_speed, "fig-8-pitch", alt, caption, _pitch, "pitch (°)")
 
 
 def pitch_by_steepness(result: TransitionSweep) -> Figure:
     """Draw pitch against time for each steepness (Fig. 9)."""
     alt = "Pitch against time for each steepness of the interchange."
     caption = "By steepness of the interchange (the paper's Fig. 9)."
-    return _histories(result.by_steepness, "fig-9-pitch", alt, caption, _pitch, "pitch [deg]")
+    return _histories(result.by_steepness, "fig-9-pitch", alt, caption, _pitch, "pitch (°)")
 
 
 def energy_figure(result: TransitionSweep, option: str) -> Figure:
@@ -101,10 +101,10 @@ def energy_figure(result: TransitionSweep, option: str) -> Figure:
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(table.columns)))
     for steepness, colour in zip(table.columns, colours, strict=True):
         axes.plot(table.index, table[steepness], "o-", color=colour, markersize=3, label=f"{steepness:g}")
-    axes.set_xlabel("mid-transition speed [m/s]")
-    axes.set_ylabel("energy [Wh]")
+    axes.set_xlabel("mid-transition speed (m/s)")
+    axes.set_ylabel("energy (W\u202fh)")
     axes.set_ylim(bottom=0.0)
-    axes.legend(title="steepness [m/s]", ncols=2)
+    axes.legend(title="steepness (m/s)", ncols=2)
     until = "until the slowest run of the set hovers" if option == "a" else "until each run hovers"
     number = "10" if option == "a" else "11"
     alt = f"Thruster energy {until} against mid-transition speed, one line a steepness."
@@ -120,8 +120,8 @@ def pitch_by_variant(result: TransitionSweep) -> Figure:
     for track, colour, dash in zip(result.by_variant, (BLUE, ORANGE, GREEN), ("-", "--", "-"), strict=True):
         shown = track.time >= 0.0
         axes.plot(track.time[shown], _pitch(track)[shown], dash, color=colour, label=track.label)
-    axes.set_xlabel("time since the deceleration began [s]")
-    axes.set_ylabel("pitch [deg]")
+    axes.set_xlabel("time since the deceleration began (s)")
+    axes.set_ylabel("pitch (°)")
     axes.legend()
     alt = "Pitch against time of the three variants: the pair's oscillation dies out, the others' goes on."
     return to_figure(figure, "fig-14-pitch", alt, "The three variants (the paper's Fig. 14).")

@@ -37,7 +37,13 @@ def terminal(result: TransitionSweep) -> Terminal:
     cells = cells[cells["steepness_m_s"] == cells["steepness_m_s"].median()]
     names = ("mid_speed_m_s", "depth_excursion_m", "pitch_excursion_rad", "energy_common_wh", "energy_to_hover_wh")
     rows = [
-        (f"{speed:g} m/s", f"{depth:.2f} m", f"{np.degrees(pitch):.1f}°", f"{common:.1f} Wh", f"{own:.1f} Wh")
+        (
+            f"{speed:g} m/s",
+            f"{depth:.2f} m",
+            f"{np.degrees(pitch):.1f}°",
+            f"{common:.1f} W h",
+            f"{own:.1f} W h",
+        )
         for speed, depth, pitch, common, own in cells[list(names)].to_numpy(dtype=float)
     ]
     columns = ("mid-transition speed", "depth excursion", "pitch excursion", "energy (a)", "energy (b)")
@@ -49,7 +55,7 @@ def answer(result: TransitionSweep) -> str:
     best = result.best
     return (
         f"Without thrusters the vehicle cannot hold depth below {result.saturation_speed:.2f} m/s. One tunnel thruster "
-        f"takes it to hover with least energy, {best['energy_common_wh']:.1f} Wh, at a mid-transition speed of "
+        f"takes it to hover with least energy, {best['energy_common_wh']:.1f} W h, at a mid-transition speed of "
         f"{best['mid_speed_m_s']:g} m/s."
     )
 
@@ -72,7 +78,7 @@ def _sections(result: TransitionSweep) -> list[PageSection]:
             [pitch_by_mid_speed(result), pitch_by_steepness(result)],
         ),
         PageSection(
-            f"Slowing down takes {energy.min():.1f} to {energy.max():.1f} Wh",
+            f"Slowing down takes {energy.min():.1f} to {energy.max():.1f} W h",
             [energy_figure(result, "a"), energy_figure(result, "b"), energy_table(result)],
         ),
         PageSection("A pair of thrusters damps the pitch", [pitch_by_variant(result), variant_table(result)]),
@@ -99,7 +105,7 @@ def energy_table(result: TransitionSweep) -> Table:
     return Table(
         ("u*", *(f"{s:g}" for s in table.columns)),
         rows,
-        "Energy until the slowest run of the set hovers [Wh], by steepness [m/s].",
+        "Energy until the slowest run of the set hovers (W\u202fh), by steepness (m/s).",
     )
 
 
@@ -114,7 +120,7 @@ def variant_table(result: TransitionSweep) -> Table:
                 f"{cells['depth_excursion_m'].mean():.2f} m",
                 f"{np.degrees(cells['pitch_excursion_rad']).mean():.1f}°",
                 f"{np.degrees(cells['hover_pitch_rad']).mean():.3f}°",
-                f"{cells['energy_common_wh'].mean():.2f} Wh",
+                f"{cells['energy_common_wh'].mean():.2f} W h",
             )
         )
     columns = ("variant", "depth excursion", "pitch excursion", "pitch swing at hover", "energy (a)")

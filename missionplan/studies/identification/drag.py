@@ -179,7 +179,7 @@ def _force_sd(data: TankData, points: int) -> Array | None:
 def _remarks(towing: _Towing, simple: FittedModel, richer: FittedModel, compared: _Compared | None) -> tuple[str, ...]:
     coefficients, above = towing.coefficients, towing.coefficients[towing.reynolds > BLUFF_REYNOLDS]
     means = f"The plain mean of the {len(coefficients)} coefficients is {coefficients.mean():.3f}"
-    means += f", of those above Re 1e5 {above.mean():.3f}." if 0 < len(above) < len(coefficients) else "."
+    means += f", of those above Re = 10⁵ {above.mean():.3f}." if 0 < len(above) < len(coefficients) else "."
     remarks = [means]
     if not np.isnan(simple.chi_squared):
         per_degree = simple.chi_squared / simple.degrees_of_freedom

@@ -1,0 +1,88 @@
+"""How text that people read is set: one minus sign, one spelling of units, nothing torn at a line's end.
+
+Numbers are rounded where they are written (`numbers`); here their signs, groups and units get the same form everywhere.
+"""
+
+import re
+import textwrap
+from collections.abc import Sequence
+from dataclasses import replace
+
+from missionplan.report.page import Block, Figure, Listing, Page, PageSection, Table, Terminal
+
+_NARROW_SPACE, _NO_BREAK_SPACE, _MINUS = "\u202f", "\u00a0", "\u2212"
+_UNITS = (
+    r"%|°|°C|m|km|mm|cm|ft|nmi|m²|m³|s|ms|min|h|days?|m/s|cm/s|km/h|kn|N|mN|kN|g|kg|W|kW|J|kJ|V|A|Hz|Pa|L|rad|deg|"
+    r"W\u202fh|kW\u202fh|rev/s|rpm|nats?|m/s²|kg/m³|N\u202fm|N\u202fs"
+)
+_RULES: tuple[tuple[re.Pattern[str], str], ...] = (
+    (re.compile(r"\b(k?)W(?:h|[*·]h| h)\b"), rf"\1W{_NARROW_SPACE}h"),
+    (re.compile(r"\^2\b"), "²"),
+    (re.compile(r"\^3\b"), "³"),
+    (re.compile(r"\bdegC\b"), "°C"),
+    (re.compile(rf"\[((?:{_UNITS})(?:/(?:m|s|N|V))?)\]"), r"(\1)"),
+    (re.compile(r"(?<![\w.)\]\u2013\u202f\u00a0/:=−-])-(?=\d|\.\d)"), _MINUS),
+    (re.compile(r"(?<=\de)-(?=\d)"), _MINUS),
+    (re.compile(r"[−-](?=0(?:\.0+)?(?![\d.]))(?<![\w)].)"), ""),
+    (re.compile(r"(?<=\d)\u00a0(?=\d{3}(?!\d))"), _NARROW_SPACE),
+    (re.compile(rf"(?<=\d) (?=(?:{_UNITS})(?![\w²³]))"), _NO_BREAK_SPACE),
+    (re.compile(r"(?<=\d) (?=±)|(?<=±) (?=[\d−])"), _NO_BREAK_SPACE),
+)
+_LONG_WHOLE = re.compile(r"(?<![\w.,:/=\u202f#-])[1-9]\d{4,}(?![\w:/-]|\.\d{5})")
+
+_GROUPS = re.compile(r"(?<=\d)(?=(?:\d{3})+$)")
+
+
+def typeset(text: str) -> str:
+    """Set a sentence, a heading or the cell of a table."""
+    for pattern, replacement in _RULES:
+        text = pattern.sub(replacement, text)
+    return _LONG_WHOLE.sub(lambda found: _GROUPS.sub(_NARROW_SPACE, found[0]), text)
+
+
+def typeset_page(page: Page) -> Page:
+    """Set the texts of a page; listings stay as a program takes them."""
+    return replace(
+        page,
+        title=typeset(page.title),
+        answer=typeset(page.answer),
+        figure=_figure(page.figure) if page.figure else None,
+        numbers=[(typeset(label), typeset(value)) for label, value in page.numbers],
+        sections=[
+            PageSection(typeset(each.heading), [_block(block) for block in each.blocks]) for each in page.sections
+        ],
+    )
+
+
+def typeset_terminal(shown: Terminal) -> Terminal:
+    """Set the texts of a terminal's view."""
+    return replace(shown, sentence=typeset(shown.sentence), columns=_cells(shown.columns), rows=_rows(shown.rows))
+
+
+def wrapped(sentence: str, width: int) -> str:
+    """Break a sentence into lines, at ordinary spaces alone."""
+    return textwrap.fill(sentence, max(width, 20), break_long_words=False, break_on_hyphens=False)
+
+
+def _block(block: Block) -> Block:
+    if isinstance(block, Listing):
+        return block
+    if isinstance(block, Figure):
+        return _figure(block)
+    if isinstance(block, Table):
+        columns, rows = _cells(block.columns), _rows(block.rows)
+        return replace(block, columns=columns, rows=rows, caption=typeset(block.caption))
+    return typeset(block)
+
+
+def _figure(figure: Figure) -> Figure:
+    svg = re.sub(r"(?<=>)([^<>]*\S[^<>]*)(?=</t(?:ext|span)>)", lambda found: typeset(found[1]), figure.svg)
+    return replace(figure, svg=svg, alt=typeset(figure.alt), caption=typeset(figure.caption))
+
+
+def _cells(cells: Sequence[str]) -> list[str]:
+    return [typeset(cell) for cell in cells]
+
+
+def _rows(rows: Sequence[Sequence[str]]) -> list[list[str]]:
+    return [_cells(row) for row in rows]
