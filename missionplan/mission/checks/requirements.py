@@ -80,15 +80,23 @@ def misspelt_requirements(data: Mapping[str, object]) -> list[LocalProblem]:
     phases = [name for entry in entries if (name := _phase_name(entry)) is not None]
     if len(phases) < len(entries):
         return []
-    problems: list[LocalProblem] = []
-    for index, requirement in enumerate(requirements):
-        quantity = requirement.get("quantity") if isinstance(requirement, dict) else None
-        if isinstance(quantity, str):
-            try:
-                quantity_unit(quantity, phases)
-            except QuantityError as error:
-                problems += [problem.within(("requirements", index)) for problem in error.problems]
-    return problems
+    return [
+        problem.within(("requirements", index))
+        for index, requirement in enumerate(requirements)
+        for problem in _misspelt(requirement, phases)
+    ]
+
+
+def _misspelt(requirement: object, phases: Sequence[PhaseName]) -> Sequence[LocalProblem]:
+    """Return the problem of a requirement whose quantity no phase has, where it has a quantity to read."""
+    quantity = requirement.get("quantity") if isinstance(requirement, dict) else None
+    if not isinstance(quantity, str):
+        return ()
+    try:
+        quantity_unit(quantity, phases)
+    except QuantityError as error:
+        return error.problems
+    return ()
 
 
 def _phase_name(entry: object) -> PhaseName | None:

@@ -130,18 +130,36 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
         Whether to keep inputs and key figures trial by trial.
     """
     columns = trials.columns()
-    quantities = {f"total.{name}": values for name, values in trials.total.items()}
-    counts = {"total.success": Count.of(trials.success)}
-    for phase in trials.phases:
-        quantities |= {f"{phase.name}.{name}": values for name, values in phase.quantities.items()}
-        counts |= {f"{phase.name}.{name}": Count.of(happened) for name, happened in phase.events.items()}
-    counts |= _limits(trials)
-    quantities |= {f"{phase.name}.end": phase.end for phase in trials.phases[:-1]}
-    counts |= {step: Count.of(lost) for step, lost in _failures_by_step(trials).items()}
+    happened = {
+        "total.success": trials.success,
+        **_events(trials),
+        **_limits(trials),
+        **_failures_by_step(trials),
+        **_requirements(mission, columns),
+    }
+    counts = {name: Count.of(trial) for name, trial in happened.items()}
+    sample = _sample(trials, columns) if sampled else {}
+    return BlockStatistics(RunningStatistics.of(_quantities(trials)), counts, sample)
+
+
+def _quantities(trials: MissionTrials) -> dict[str, Array]:
+    """Quantities of the mission and of its phases, and when each phase but the last ends."""
+    total = {f"total.{name}": values for name, values in trials.total.items()}
+    phases = {f"{phase.name}.{name}": values for phase in trials.phases for name, values in phase.quantities.items()}
+    return {**total, **phases, **{f"{phase.name}.end": phase.end for phase in trials.phases[:-1]}}
+
+
+def _events(trials: MissionTrials) -> dict[str, Flags]:
+    return {f"{phase.name}.{name}": trial for phase in trials.phases for name, trial in phase.events.items()}
+
+
+def _requirements(mission: Mission, columns: Mapping[str, Array | Flags]) -> dict[str, Flags]:
+    """Trials that meet each requirement."""
+    found = {}
     for index, requirement in enumerate(mission.requirements):
         key, unit = requirement_key(mission, requirement.quantity)
-        counts[f"requirement {index}"] = Count.of(_meets(columns[key], bound_of(requirement), unit))
-    return BlockStatistics(RunningStatistics.of(quantities), counts, _sample(trials, columns) if sampled else {})
+        found[f"requirement {index}"] = _meets(columns[key], bound_of(requirement), unit)
+    return found
 
 
 def requirement_key(mission: Mission, quantity: str) -> tuple[str, str | None]:
@@ -170,13 +188,13 @@ def _meets(values: Array | Flags, bound: tuple[Side, float] | None, unit: str | 
     return np.asarray(values <= scaled if side == "at_most" else values >= scaled)
 
 
-def _limits(trials: MissionTrials) -> dict[str, Count]:
-    """Count the trials that met each limit of the world in any phase."""
-    counts = {}
+def _limits(trials: MissionTrials) -> dict[str, Flags]:
+    """Trials that met each limit of the world in any phase."""
+    found = {}
     for limit in sorted({limit for phase in trials.phases for limit in phase.limits}):
         met = [phase.limits[limit] for phase in trials.phases if limit in phase.limits]
-        counts[f"{LIMIT}{limit}"] = Count.of(np.any(met, axis=0))
-    return counts
+        found[f"{LIMIT}{limit}"] = np.any(met, axis=0)
+    return found
 
 
 def _failures_by_step(trials: MissionTrials) -> dict[str, Flags]:

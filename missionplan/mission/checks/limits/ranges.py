@@ -129,4 +129,8 @@ def _range(ends_of: tuple[float, float], unit: str) -> str:
 
 
 def _number(value: float) -> str:
-    return f"{value:.4g}"
+    """Write four digits, large numbers in groups of three."""
+    text = f"{value:.4g}"
+    if "e+" not in text:
+        return text
+    return f"{float(text):,.0f}".replace(",", "\u202f")
