@@ -7,14 +7,16 @@ spike, its uncertainty from record to record. A number without a distribution is
 import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from scipy.special import ndtri
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, estimates
-from missionplan.effects import CATALOGUE, Effect, EffectInfo
+from missionplan.effects import CATALOGUE, Effect, EffectInfo, exclusive_groups
 from missionplan.effects.oscillation import MODULATION, MODULATION_PARAMETERS
+from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of, sd_of
 from missionplan.results.evidence import Causes, ParameterEstimate
@@ -102,6 +104,24 @@ def given_priors(mission: Mission, wanted: Iterable[EffectInfo]) -> tuple[GivenE
     known = {info.id: info for info in wanted}
     found = [_given(known[entry.effect], entry.parameters) for entry in mission.effects if entry.effect in known]
     return tuple(given for given in found if given is not None)
+
+
+def check_together(given: Iterable[GivenEffect], mission: Mission, phase: Literal["transit", "descent"]) -> None:
+    """Refuse missions whose effects a diagnosis cannot hold together.
+
+    Raises
+    ------
+    InputError
+        With each pair.
+    """
+    names = [each.effect for each in given]
+    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+    problems = [f"{name} is given {names.count(name)} times; a diagnosis holds one of each" for name in twice]
+    for group in exclusive_groups(phase):
+        if len(both := sorted(group & set(names))) > 1:
+            problems.append(f"a diagnosis holds one of {', '.join(both)}: they describe the same errors")
+    if problems:
+        raise InputError([Problem(problem, mission.file, key="effects") for problem in problems])
 
 
 def held(given: Iterable[GivenEffect], causes: Causes) -> tuple[GivenEffect, ...]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
@@ -15,6 +16,7 @@ from missionplan.diagnosis.dives.likelihood import DescentLikelihood, NoiseGridL
 from missionplan.diagnosis.dives.linearised import DIFFERENCE, DiveLinearisation
 from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, noise_grid
 from missionplan.diagnosis.dives.starts import SHAPE_SHIFTS, starting_points
+from missionplan.diagnosis.given_effects import held
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal, normal_log_pdf
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
@@ -60,7 +62,14 @@ class DescentFitting(DescentLikelihood):
     @cached_property
     def _nominal_covariance(self) -> Array:
         """Covariance for the search, the same for all sets so that their objectives compare, shape (N, N) [m²]."""
-        return self.total_covariance(self.base, NOMINAL_NOISE, self.prior_sd(()))
+        return self.total_covariance(self.base, NOMINAL_NOISE, self.nuisance_sd(()))
+
+    def start(self, causes: Causes, at: Array, group: int = 0, rows: NDArray[np.int_] | None = None) -> Start:
+        """Start of a search for the best coordinates of a set; those that are not searched are at their prior means."""
+        prior, searched = self.prior(causes), self.searched(causes)
+        point = prior.centre.copy()
+        point[searched] = at[searched]
+        return Start(point, searched, group, rows, prior)
 
     def best_coordinates(self, starts: Sequence[Start], iterations: int = SEARCH.iterations) -> list[Array]:
         """Most likely coordinates at nominal noise for each group of starts, by the phase in coarse steps.
@@ -83,14 +92,15 @@ class DescentFitting(DescentLikelihood):
 
     def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets at once: search from all their starting points together, linearise, integrate."""
+        own = [each.effect for each in self.given]
         starts = [
-            Start(at, self.free(causes), group)
+            self.start(causes, at, group)
             for group, (causes, near) in enumerate(wanted)
-            if causes
-            for at in starting_points(self.coordinates, causes, near)
+            if causes or own
+            for at in starting_points(self.coordinates, self.expected, own, causes, near)
         ]
         found = iter(self.best_coordinates(starts)) if starts else iter(())
-        points = [(causes, next(found) if causes else self.centre) for causes, _ in wanted]
+        points = [(causes, next(found) if causes or own else self.expected) for causes, _ in wanted]
         linears = self.linearise(points) if starts else [self.base] * len(points)
         return [self.integrated(causes, linear) for (causes, _), linear in zip(points, linears, strict=True)]
 
@@ -109,11 +119,26 @@ class DescentFitting(DescentLikelihood):
         logs = log_joint_with_noise(marginals)
         best = int(np.argmax(logs))
         free, marginal = self.free(causes), marginals[best]
-        covariance = marginal.covariance[np.ix_(free, free)]
-        found = estimates([self.coordinates[i] for i in free], self.centre[free] + marginal.mean[free], covariance)
-        possible = is_possible(found) and all(map(_excludes_zero, found)) and self._is_inside(causes, linear.at)
+        covariance, mean = marginal.covariance, linear.centre + marginal.mean
+        found = estimates([self.coordinates[i] for i in free], mean[free], covariance[np.ix_(free, free)])
+        possible = is_possible(found) and all(map(self._has_changed, found)) and self._is_inside(causes, linear.at)
         state = DescentState(linear, likelihood, best, marginal)
-        return CauseFit(causes, float(logsumexp(logs)), found, _calibration(best), possible, state)
+        given: list[ParameterEstimate] = []
+        for each in held(self.given, causes):
+            own = self.places(each)
+            given += each.posterior(mean[own], covariance[np.ix_(own, own)])
+        return CauseFit(causes, float(logsumexp(logs)), found, _calibration(best), possible, state, tuple(given))
+
+    def _has_changed(self, estimate: ParameterEstimate) -> bool:
+        """Whether a strength's 90 % interval excludes what the mission has; else its evidence is a linearisation's."""
+        is_shape = CATALOGUE[estimate.effect].parameters[estimate.name].is_shape
+        before = self._strengths.get((estimate.effect, estimate.name), 0.0)
+        return is_shape or not estimate.low <= before <= estimate.high
+
+    @cached_property
+    def _strengths(self) -> dict[tuple[str, str], float]:
+        """Values of the parameters of the mission's own effects."""
+        return {(known.effect, known.name): known.value for each in self.given for known in each.prior}
 
     def _is_inside(self, causes: Causes, at: Array) -> bool:
         """Whether coordinates lie inside the ranges of the phase: at a limit a linearisation means nothing."""
@@ -157,9 +182,9 @@ class DescentFitting(DescentLikelihood):
 
     def _towards_mean(self, fit: CauseFit, length: float) -> Array | None:
         """Coordinates a share of the way to a fit's posterior mean; None if that is near enough or out of range."""
-        free, state = self.free(fit.causes), fit.state
+        free, state = self.searched(fit.causes), fit.state
         move = np.zeros(len(self.coordinates))
-        move[free] = state.marginal.mean[free] + self.centre[free] - state.linear.at[free]
+        move[free] = (state.marginal.mean + state.linear.centre - state.linear.at)[free]
         sd = np.sqrt(np.diag(state.marginal.covariance)[free])
         at = np.asarray(state.linear.at + length * move)
         is_off = np.any(np.abs(move[free]) > RELINEARISE_BEYOND * sd)
@@ -169,31 +194,35 @@ class DescentFitting(DescentLikelihood):
         """Ln p(readings, causes' coordinates) where a fit is linearised, at its noise; -inf of a failed one."""
         if isinstance(fit, FailedFit):
             return -np.inf
-        free, linear = self.free(fit.causes), fit.state.linear
-        away = linear.at[free] - self.centre[free]
+        free, linear = self.searched(fit.causes), fit.state.linear
+        away = (linear.at - linear.centre)[free]
         noise = noise_grid()[fit.state.best_noise]
         factor = cholesky(self.total_covariance(linear, noise, self.nuisance_sd(fit.causes)))
-        prior = normal_log_pdf(away, 0.0, self.slab[free])
+        prior = normal_log_pdf(away, 0.0, self.prior_sd(fit.causes)[free])
         residuals = linear.y - linear.columns[:, free] @ away
         return float(log_normal_density(residuals[:, None], factor)[0] + prior.sum())
 
     def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         """Gain in log density of further causes in a parent's linearisation, at the best of a few shapes."""
-        wider, narrow = self.prior_sd(causes), self.prior_sd(parent.causes)
+        wider, narrow = self.prior(causes), self.prior(parent.causes)
         likelihoods = [parent.state.likelihood] if parent.causes else self._base_likelihoods
-        best = parent.state.best_noise
+        best, shift = parent.state.best_noise, wider.centre - narrow.centre
         return float(
-            max(e.marginal(best, wider).log_density - e.marginal(best, narrow).log_density for e in likelihoods)
+            max(
+                e.marginal(best, wider.sd, shift=shift).log_density - e.marginal(best, narrow.sd).log_density
+                for e in likelihoods
+            )
         )
 
     @cached_property
     def _base_likelihoods(self) -> list[NoiseGridLikelihood]:
         """Likelihoods of the base model with each effect's first shape parameter as where fits start from it."""
         first = np.zeros(len(self.coordinates))
-        for name in self.candidates:
+        for name in set(self.candidates) - {each.effect for each in self.given}:
             shapes = [i for i in self.free((name,)) if self.coordinates[i].kind == "shape"]
             first[shapes[:1]] = 1.0
-        points = [((), self.centre + shift * first * self.slab) for shift in SHAPE_SHIFTS]
+        (at,) = self.best_coordinates([self.start((), self.expected)]) if self.given else [self.expected]
+        points = [((), at + shift * first * self.slab) for shift in SHAPE_SHIFTS]
         return [self.likelihood(linear) for linear in self.linearise(points)]
 
 
@@ -201,12 +230,6 @@ def _calibration(best: int) -> dict[str, float]:
     """Noise of the grid in the keys of a diagnosis."""
     noise = noise_grid()[best]
     return {"dive_scatter": noise.scatter, "depth_walk_m2_s": noise.diffusion, "eddy_time_s": noise.eddy_time}
-
-
-def _excludes_zero(estimate: ParameterEstimate) -> bool:
-    """Whether a strength's 90 % interval excludes zero; otherwise its evidence is an error of the linearisation."""
-    is_shape = CATALOGUE[estimate.effect].parameters[estimate.name].is_shape
-    return is_shape or not estimate.low <= 0.0 <= estimate.high
 
 
 def log_joint_with_noise(marginals: Sequence[Marginal]) -> Array:

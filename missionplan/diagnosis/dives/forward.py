@@ -48,7 +48,7 @@ class DescentForward:
     logs : tuple of DiveLog
         The d dives, at whose times readings are wanted.
     given : tuple of DescentEffect
-        Effects that the mission has already.
+        Effects that act under every setting.
     step : float
         Of the integration [s].
     """

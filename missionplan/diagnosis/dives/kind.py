@@ -18,6 +18,7 @@ from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.results.diagnosis import PlanGain
+from missionplan.results.evidence import ParameterEstimate
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,11 @@ class DescentKind(DataKind):
         """Read the dives and bind the mission's first mooring to them."""
         data = prepare_dives(read_descent(folder, mission))
         return cls(kind, mission, data, descent_model(data, mission))
+
+    @property
+    def known(self) -> tuple[ParameterEstimate, ...]:
+        """What the mission knows of its own effects on a descent."""
+        return tuple(estimate for each in self.model.given for estimate in each.prior)
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a reading."""

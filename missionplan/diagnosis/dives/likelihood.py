@@ -58,9 +58,27 @@ class NoiseGridLikelihood:
         """
         return [self.marginal(index, prior_sd, dives) for index in range(len(self.grams))]
 
-    def marginal(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> Marginal:
-        """Marginalise all coordinates, and what the dives share, at one noise of the grid."""
+    def marginal(
+        self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES, shift: Array | None = None
+    ) -> Marginal:
+        """Marginalise all coordinates, and what the dives share, at one noise of the grid.
+
+        Parameters
+        ----------
+        index : int
+            Of the noise.
+        prior_sd : array, shape (k,)
+            Of the coordinates.
+        dives : array of int or slice
+            Dives to use; default all.
+        shift : array, shape (k,), optional
+            Of the prior means from those of the linearisation.
+        """
         gram, log_determinant = self.grams[index, dives].sum(axis=0), float(self.log_determinants[index, dives].sum())
+        if shift is not None:
+            moved = np.eye(len(gram))
+            moved[: len(shift), -1] = -shift
+            gram = moved.T @ gram @ moved
         prior = _with_shared(prior_sd, noise_grid()[index])
         found = gaussian_marginal(gram, prior, log_determinant, int(self.counts[dives].sum()))
         return Marginal(found.log_density, found.mean[:-2], found.covariance[:-2, :-2])

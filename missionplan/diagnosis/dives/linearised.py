@@ -28,6 +28,7 @@ from missionplan.diagnosis.dives.noise import (
     sensor_and_turbulence_covariance,
 )
 from missionplan.diagnosis.dives.priors import DescentPriors
+from missionplan.diagnosis.given_effects import held
 from missionplan.diagnosis.inference.gauss_newton import perturbed
 from missionplan.results.evidence import Causes
 
@@ -53,6 +54,8 @@ class DiveLinearisation:
     ----------
     at : array, shape (k,)
         Coordinates.
+    centre : array, shape (k,)
+        Prior means of the coordinates.
     release_delays : array, shape (d,)
         Most likely delay of each dive's release (the separation of vehicle and anchor) on its log's clock, about which
         the readings are linearised [s].
@@ -60,7 +63,8 @@ class DiveLinearisation:
         Data less the model there, plus columns times the distance of `at` from the prior means, plus sensitivities
         times `release_delays` [m].
     columns : array, shape (N, k)
-        Sensitivities to all coordinates; zero for shape parameters of effects that are no causes.
+        Sensitivities to all coordinates; zero for shape parameters of effects that are neither causes nor the
+        mission's own.
     sensitivities : array, shape (N, 4)
         To what differs from dive to dive, in the order of `DIVE_SD`.
     readings : array, shape (N,)
@@ -75,6 +79,7 @@ class DiveLinearisation:
     """
 
     at: Array
+    centre: Array
     release_delays: Array
     y: Array
     columns: Array
@@ -100,13 +105,14 @@ class LinearisedDescent(DescentPriors):
 
     @cached_property
     def base(self) -> DiveLinearisation:
-        """The base model, linearised."""
-        return self.linearise([((), self.centre)])[0]
+        """The base model, linearised as the mission expects it."""
+        return self.linearise([((), self.expected)])[0]
 
     def linearise(self, wanted: Sequence[tuple[Causes, Array]]) -> list[DiveLinearisation]:
         """Linearise about several points, each a set of causes with coordinates, in one call of the phase.
 
-        Along all strengths, the causes' shape parameters and what differs from dive to dive.
+        Along all strengths, the shape parameters of the causes and of the mission's own effects, and what differs from
+        dive to dive.
         """
         varied = [self._varied(causes) for causes, _ in wanted]
         blocks = [self._settings(at, own) for (_, at), own in zip(wanted, varied, strict=True)]
@@ -123,8 +129,9 @@ class LinearisedDescent(DescentPriors):
         ]
 
     def _varied(self, causes: Causes) -> NDArray[np.int_]:
-        """Coordinates with a column: all strengths, and the shape parameters of the causes."""
-        return np.flatnonzero([c.kind != "shape" or c.effect in causes for c in self.coordinates])
+        """Coordinates with a column: all strengths, and the shapes of the causes and of the mission's own effects."""
+        present = {*causes, *(each.effect for each in held(self.given, causes))}
+        return np.flatnonzero([c.kind != "shape" or c.effect in present for c in self.coordinates])
 
     def _settings(self, at: Array, varied: NDArray[np.int_]) -> Array:
         """Settings of one linearisation.
@@ -153,12 +160,13 @@ class LinearisedDescent(DescentPriors):
         here, heavier, lighter, later, earlier, shapeless, higher_order = readings[:, :FIXED_SETTINGS].T
         columns = np.zeros((len(self.y), len(self.coordinates)))
         columns[:, varied] = (readings[:, FIXED_SETTINGS:] - here[:, None]) / (DIFFERENCE * self.slab[varied])
-        free = self.free(causes)
+        centre = self.prior(causes).centre
         weight = (heavier - lighter) / (2.0 * WEIGHT_STEP)
         release, drag = columns[:, self.index(RELEASE_EFFECT)], columns[:, self.index(DRAG_EFFECT)]
-        y = self.y - here + columns[:, free] @ (at - self.centre)[free]
+        y = self.y - here + columns @ (at - centre)
         return DiveLinearisation(
             at=at,
+            centre=centre,
             release_delays=delays,
             y=y + release * np.repeat(delays, [len(rows) for rows in self.parts]),
             columns=columns,
@@ -197,7 +205,7 @@ class LinearisedDescent(DescentPriors):
     @cached_property
     def _covariances_at_known_delay(self) -> list[Array]:
         """Covariance of each dive's readings at nominal noise, its delay known; sensitivities of the base model."""
-        settings = np.repeat(self.centre[:, None], 3, axis=1)
+        settings = np.repeat(self.expected[:, None], 3, axis=1)
         settings[self.index(DRAG_EFFECT), 1] += DRAG_STEP
         factors = np.array([1.0, 1.0, 1.0 + WEIGHT_STEP])
         readings = self.forward.histories(self.coordinates, settings, factors).readings()

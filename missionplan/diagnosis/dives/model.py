@@ -12,11 +12,9 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.dives import designs as dive_designs
 from missionplan.diagnosis.dives.discrepancy_axes import descent_axes
 from missionplan.diagnosis.dives.fitting import DescentFitting, cholesky, log_joint_with_noise, log_normal_density
-from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.axes import Axis
-from missionplan.diagnosis.inference.gauss_newton import Start
 from missionplan.diagnosis.inference.importance_sampling import DRAWS, SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, normal_log_pdf
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
@@ -40,14 +38,14 @@ class DescentModel(DescentFitting):
 
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Evidence by importance sampling of the causes with the phase itself; the rest as in the linearised fit."""
-        free, state, linear = self.free(fit.causes), fit.state, fit.state.linear
+        free, state, linear = self.searched(fit.causes), fit.state, fit.state.linear
         if not len(free):
             return SampledEvidence(fit.log_evidence, float(DRAWS))
-        narrow = self.nuisance_sd(fit.causes)
+        prior, narrow = self.prior(fit.causes), self.nuisance_sd(fit.causes)
         factors = [cholesky(self.total_covariance(linear, noise, narrow)) for noise in noise_grid()]
 
         def log_joint(at: Array) -> Array:
-            settings = np.repeat(self.centre[:, None], len(at), axis=1)
+            settings = np.repeat(prior.centre[:, None], len(at), axis=1)
             settings[free] = at.T
             readings = self.forward.readings(self.coordinates, settings, delays=linear.release_delays)
             residuals = self.y[:, None] - readings + self.release_delay_shift(linear)[:, None]
@@ -55,11 +53,11 @@ class DescentModel(DescentFitting):
                 noise.log_prior + log_normal_density(residuals, factor)
                 for noise, factor in zip(noise_grid(), factors, strict=True)
             ]
-            prior = normal_log_pdf(at, self.centre[free], self.slab[free])
-            return np.asarray(logsumexp(logs, axis=0) + prior.sum(axis=1))
+            log_prior = normal_log_pdf(at, prior.centre[free], prior.sd[free])
+            return np.asarray(logsumexp(logs, axis=0) + log_prior.sum(axis=1))
 
         return sampled_evidence(
-            log_joint, self.centre[free] + state.marginal.mean[free], state.marginal.covariance[np.ix_(free, free)]
+            log_joint, prior.centre[free] + state.marginal.mean[free], state.marginal.covariance[np.ix_(free, free)]
         )
 
     def residuals(self, fit: CauseFit) -> Residuals:
@@ -94,8 +92,7 @@ class DescentModel(DescentFitting):
         others = [np.setdiff1d(np.arange(len(self.y)), rows) for rows in self.parts]
         folds = [(fit, dive) for fit in fits for dive in range(len(self.parts))]
         starts = [
-            Start(fit.state.linear.at, self.free(fit.causes), fold, others[dive])
-            for fold, (fit, dive) in enumerate(folds)
+            self.start(fit.causes, fit.state.linear.at, fold, others[dive]) for fold, (fit, dive) in enumerate(folds)
         ]
         points = self.best_coordinates(starts, REFIT_ITERATIONS)
         linears = self.linearise([(fit.causes, at) for (fit, _), at in zip(folds, points, strict=True)])
@@ -135,11 +132,12 @@ class DescentModel(DescentFitting):
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Expected ln Bayes factor of the first set over the second, with the dives of a design or without."""
         further = dive_designs.design_dives(self.forward, entry) if entry is not None else ()
-        return noise_free_discrimination(replace(self.forward.coarse, logs=self.forward.logs + further), first, second)
+        forward = replace(self.forward.coarse, logs=self.forward.logs + further)
+        return noise_free_discrimination(DescentModel(forward, self.given), first, second)
 
     def expected_log_bayes_factor(self, first: CauseFit, second: CauseFit) -> float:
         """Ln Bayes factor of the first set, whose noise-free readings these are, over the second, fitted anew."""
-        (at,) = self.best_coordinates([Start(second.state.linear.at, self.free(second.causes), 0)])
+        (at,) = self.best_coordinates([self.start(second.causes, second.state.linear.at)])
         points = [(first.causes, first.state.linear.at), (second.causes, at)]
         linears = self.linearise(points)
         fitted = [self.integrated(causes, linear) for (causes, _), linear in zip(points, linears, strict=True)]
@@ -147,16 +145,17 @@ class DescentModel(DescentFitting):
         return float(max(evidence[0] - evidence[1], 0.0))
 
 
-def noise_free_discrimination(forward: DescentForward, first: CauseFit, second: CauseFit) -> float:
+def noise_free_discrimination(model: DescentModel, first: CauseFit, second: CauseFit) -> float:
     """Ln Bayes factor of the first set over the second by noise-free readings of the first.
 
     Parameters
     ----------
-    forward : DescentForward
-        The dives; their depths are not used.
+    model : DescentModel
+        Of the dives; their depths are not used.
     first, second : CauseFit
         Fits of the sets.
     """
-    readings = forward.readings(DescentModel(forward).coordinates, first.state.linear.at[:, None])[:, 0]
-    logs = dive_designs.with_depths(forward.logs, readings)
-    return DescentModel(replace(forward, logs=logs)).expected_log_bayes_factor(first, second)
+    forward = model.forward
+    readings = forward.readings(model.coordinates, first.state.linear.at[:, None])[:, 0]
+    forward = replace(forward, logs=dive_designs.with_depths(forward.logs, readings))
+    return replace(model, forward=forward).expected_log_bayes_factor(first, second)

@@ -6,10 +6,10 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.preparation import PreparedDives
-from missionplan.diagnosis.given_effects import given_effects
+from missionplan.diagnosis.given_effects import GivenEffect, check_together, given_priors
+from missionplan.effects import effects_of
 from missionplan.mission import Mission
 from missionplan.mission.views import MooringMission
-from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import Dive
 from missionplan.scenario.mooring import dive_of
 from missionplan.scenario.scenario import Scenario
@@ -23,12 +23,24 @@ def descent_model(data: PreparedDives, mission: Mission) -> DescentModel:
     InputError
         When the mission lacks what a descent needs.
     """
-    build, given = descent_builder(mission)
-    return DescentModel(DescentForward(build, data.dives, given))
+    return DescentModel(DescentForward(descent_builder(mission), data.dives), given_on_descent(mission))
 
 
-def descent_builder(mission: Mission) -> tuple[Callable[[Array, Array], Dive], tuple[DescentEffect, ...]]:
-    """Return the mission's descent as a function of wet weights [N] and line lengths [m], and the effects it carries.
+def given_on_descent(mission: Mission) -> tuple[GivenEffect, ...]:
+    """Return a mission's own effects on a descent, as its dives are diagnosed.
+
+    Raises
+    ------
+    InputError
+        When a diagnosis cannot hold them together.
+    """
+    given = given_priors(mission, effects_of("descent"))
+    check_together(given, mission, "descent")
+    return given
+
+
+def descent_builder(mission: Mission) -> Callable[[Array, Array], Dive]:
+    """Return the mission's descent, without effects, as a function of wet weights [N] and line lengths [m].
 
     Raises
     ------
@@ -43,4 +55,4 @@ def descent_builder(mission: Mission) -> tuple[Callable[[Array, Array], Dive], t
         here = Scenario(mission, {**scenario.draws, "site.depth": 0.0, **own})
         return dive_of(here, moor.model_copy(update={"anchor_wet_weight": float(weights[0])}))
 
-    return build, tuple(effect for effect in given_effects(mission) if isinstance(effect, DescentEffect))
+    return build

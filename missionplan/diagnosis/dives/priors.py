@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, has_shape
 from missionplan.diagnosis.dives.forward import DescentForward
+from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
+from missionplan.diagnosis.inference.prior import NormalPrior
 from missionplan.effects import effects_of
 from missionplan.results.evidence import Causes
 
@@ -26,9 +28,12 @@ class DescentPriors:
     ----------
     forward : DescentForward
         The descent phase, bound to the dives.
+    given : tuple of GivenEffect
+        The mission's own effects, whose parameters are fitted under what the mission knows of them.
     """
 
     forward: DescentForward
+    given: tuple[GivenEffect, ...] = ()
 
     @cached_property
     def candidates(self) -> Causes:
@@ -66,7 +71,7 @@ class DescentPriors:
 
     @cached_property
     def centre(self) -> Array:
-        """Prior means of the coordinates, shape (k,)."""
+        """Prior means of the coordinates of effects that the mission does not have, shape (k,)."""
         return np.array([coordinate.centre for coordinate in self.coordinates])
 
     @cached_property
@@ -74,17 +79,46 @@ class DescentPriors:
         """Prior standard deviations of the coordinates as causes, shape (k,)."""
         return np.array([coordinate.slab for coordinate in self.coordinates])
 
+    @cached_property
+    def expected(self) -> Array:
+        """Coordinates that the mission expects: those of its own effects, the centres of the others, shape (k,)."""
+        return self.prior(()).centre
+
+    def prior(self, causes: Causes) -> NormalPrior:
+        """Prior of the coordinates.
+
+        A slab for a cause, what the mission knows of its own effects, else a spike (0 for a shape parameter).
+        """
+        centre = self.centre.copy()
+        sd = np.array([c.slab if c.effect in causes else c.spike for c in self.coordinates])
+        for each in held(self.given, causes):
+            own = self.places(each)
+            centre[own], sd[own] = each.mean, np.sqrt(np.diag(each.here))
+        return NormalPrior(centre, sd)
+
     def prior_sd(self, causes: Causes) -> Array:
-        """Prior standard deviations, shape (k,): slab for a cause, else spike (0 for a shape parameter)."""
-        return np.array([c.slab if c.effect in causes else c.spike for c in self.coordinates])
+        """Prior standard deviations, shape (k,)."""
+        return self.prior(causes).sd
 
     def nuisance_sd(self, causes: Causes) -> Array:
-        """Prior standard deviations of all coordinates but those of the causes, which have 0, shape (k,)."""
-        return np.where([c.effect in causes for c in self.coordinates], 0.0, self.prior_sd(()))
+        """Prior standard deviations of all coordinates but those that are searched, which have 0, shape (k,)."""
+        sd = self.prior_sd(causes)
+        sd[self.searched(causes)] = 0.0
+        return sd
 
     def free(self, causes: Causes) -> NDArray[np.int_]:
         """Coordinates of the causes."""
         return np.flatnonzero([coordinate.effect in causes for coordinate in self.coordinates])
+
+    def searched(self, causes: Causes) -> NDArray[np.int_]:
+        """Coordinates of the causes and of the mission's own effects, about whose best values a fit is linearised."""
+        own = [i for each in held(self.given, causes) for i in self.places(each)]
+        return np.union1d(self.free(causes), np.array(own, dtype=int))
+
+    def places(self, given: GivenEffect) -> list[int]:
+        """Indices of a given effect's coordinates among all."""
+        index = {(c.effect, c.name, c.kind): i for i, c in enumerate(self.coordinates)}
+        return [index[c.effect, c.name, c.kind] for c in given.coordinates]
 
     def index(self, effect: str) -> int:
         """First coordinate of an effect."""

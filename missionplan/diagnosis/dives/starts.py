@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.inference.model import CauseFit
@@ -15,16 +13,23 @@ SHAPE_SHIFTS = (-1.2, 0.0, 1.2)
 """Its first shape parameter there, in prior standard deviations about its prior mean."""
 
 
-def starting_points(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[CauseFit]) -> list[Array]:
+def starting_points(
+    coordinates: Sequence[Coordinate], expected: Array, given: Sequence[str], causes: Causes, near: Sequence[CauseFit]
+) -> list[Array]:
     """Points from which to search for the best coordinates of a set.
 
     Causes start where fits of other sets have them. A cause that was fitted only alone also starts afresh: beside
-    other causes its best coordinates may be far from there.
+    other causes its best coordinates may be far from there. So does an effect of the mission that may have changed,
+    besides the start where the mission has it.
 
     Parameters
     ----------
     coordinates : sequence of Coordinate, length k
         Of all causes.
+    expected : array, shape (k,)
+        Coordinates that the mission expects.
+    given : sequence of str
+        The mission's own effects.
     causes : tuple of str
         The set.
     near : sequence of CauseFit
@@ -34,23 +39,35 @@ def starting_points(coordinates: Sequence[Coordinate], causes: Causes, near: Seq
     -------
     list of array, shape (k,)
     """
-    start, fitted = _from_fits(coordinates, causes, near)
+    start, fitted = _from_fits(coordinates, expected, given, causes, near)
     found = _spread_over_shapes(coordinates, [name for name in causes if name not in fitted], start)
-    start, extended = _from_fits(coordinates, causes, near[:1])
+    if {*given} & {*causes} - fitted and len(found) > 1:
+        found.append(start)
+    start, extended = _from_fits(coordinates, expected, given, causes, near[:1])
     if extended != fitted:
         found += _spread_over_shapes(coordinates, [name for name in causes if name not in extended], start)
     return found
 
 
-def _from_fits(coordinates: Sequence[Coordinate], causes: Causes, near: Sequence[CauseFit]) -> tuple[Array, set[str]]:
+def _from_fits(
+    coordinates: Sequence[Coordinate], expected: Array, given: Sequence[str], causes: Causes, near: Sequence[CauseFit]
+) -> tuple[Array, set[str]]:
     """Coordinates of causes from fits, the first that has a cause first; and the causes that were found so."""
-    start = np.array([coordinate.centre for coordinate in coordinates])
+    start = expected.copy()
     fitted: set[str] = set()
-    for fit in (fit for fit in near if fit.possible):  # skip infeasible fits as starting points
+    possible = [fit for fit in near if fit.possible]  # skip infeasible fits as starting points
+    for fit in possible:
         for i, coordinate in enumerate(coordinates):
             if coordinate.effect in fit.causes and coordinate.effect in causes and coordinate.effect not in fitted:
                 start[i] = fit.state.linear.at[i]
         fitted |= set(fit.causes)
+    if possible:
+        own = [
+            i
+            for i, coordinate in enumerate(coordinates)
+            if coordinate.effect in given and coordinate.effect not in fitted
+        ]
+        start[own] = possible[0].state.linear.at[own]
     return start, fitted
 
 

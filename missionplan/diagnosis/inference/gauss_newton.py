@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
+from missionplan.diagnosis.inference.prior import NormalPrior
 
 COMPARED_AFTER, ABANDONED_BEYOND = 3, 3.0
 """Iterations after which starts of a group are compared, and excess of the objective that ends the worse [nats]."""
@@ -34,7 +35,7 @@ class LeastSquares:
     noise : array, shape (N,) or (N, N)
         Standard deviations of independent noise, or the covariance of the noise.
     centre, prior_sd : array, shape (k,)
-        Prior means μ and standard deviations s.
+        Prior means μ and standard deviations s. Steps and differences are measured in these standard deviations.
     noise_factors : tuple of float
         Range of φ. At each θ it takes its likeliest value, the root mean square of the whitened residuals
         (concentrated likelihood; Seber & Wild 1989, *Nonlinear Regression*, chapter 2).
@@ -90,12 +91,15 @@ class Start:
         Starts of the same fit share a number; those that fall behind are abandoned.
     rows : array of int, optional
         Data to fit; default all.
+    prior : NormalPrior, optional
+        Of all coordinates; default the problem's.
     """
 
     at: Array
     free: NDArray[np.int_]
     group: int
     rows: NDArray[np.int_] | None = None
+    prior: NormalPrior | None = None
 
 
 @dataclass(frozen=True)
@@ -210,10 +214,16 @@ class _Evaluator:
         white = self._whitened(start, np.concatenate([(problem.y - prediction)[:, None], columns], axis=1))
         factor = _likeliest_factor(white[:, 0], problem.noise_factors)
         white = white / factor
-        away = (at[free] - problem.centre[free]) / problem.prior_sd[free]
+        centre, sd = self._prior(start)
+        away = (at[free] - centre) / sd
         objective = 0.5 * float(white[:, 0] @ white[:, 0]) + 0.5 * float(away @ away) + len(white) * np.log(factor)
         objective = float(objective) if np.all(np.isfinite(white)) else np.inf
         return _Point(at, objective, prediction, columns / problem.prior_sd[free], white[:, 0], white[:, 1:])
+
+    def _prior(self, start: Start) -> tuple[Array, Array]:
+        """Prior means and standard deviations of a start's free coordinates."""
+        prior = start.prior or NormalPrior(self._problem.centre, self._problem.prior_sd)
+        return prior.centre[start.free], prior.sd[start.free]
 
     def _differences(self, predictions: Array, count: int) -> Array:
         """Derivatives along the free coordinates in prior standard deviations, shape (N, a)."""
@@ -231,12 +241,14 @@ class _Evaluator:
 
     def step(self, start: Start, point: _Point) -> Array:
         """Gauss–Newton step, shape (k,): the solution of the normal equations in scaled coordinates, bounded."""
-        free, prior_sd = start.free, self._problem.prior_sd
-        move = np.zeros(len(prior_sd))
-        away = (self._problem.centre[free] - point.at[free]) / prior_sd[free]
-        normal = point.white_jacobian.T @ point.white_jacobian + np.eye(len(free))
-        scaled = np.linalg.solve(normal, point.white_jacobian.T @ point.white_residual + away)
-        move[free] = prior_sd[free] * np.clip(scaled, -self._options.longest_step, self._options.longest_step)
+        free, unit = start.free, self._problem.prior_sd[start.free]
+        centre, sd = self._prior(start)
+        move = np.zeros(len(point.at))
+        precision = np.square(unit / sd)
+        normal = point.white_jacobian.T @ point.white_jacobian + np.diag(precision)
+        right = point.white_jacobian.T @ point.white_residual + precision * (centre - point.at[free]) / unit
+        scaled = np.linalg.solve(normal, right)
+        move[free] = unit * np.clip(scaled, -self._options.longest_step, self._options.longest_step)
         return move
 
 

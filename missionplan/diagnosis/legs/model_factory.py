@@ -1,16 +1,14 @@
 """From a mission and a navigation log to a model: the mission's first transit at its means, bound to the legs."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.datasets.legs import TransitData
-from missionplan.diagnosis.given_effects import GivenEffect, given_effects, given_priors
+from missionplan.diagnosis.given_effects import check_together, given_effects, given_priors
 from missionplan.diagnosis.legs.model import TransitModel
-from missionplan.effects import effects_of, exclusive_groups
-from missionplan.errors import InputError, Problem
+from missionplan.effects import effects_of
 from missionplan.mission import Mission
 from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import mean_of
@@ -48,28 +46,10 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     spread = np.hypot(spread, [np.std(np.asarray(drawn[f"navigation.velocity_error.mean[{k}]"])) for k in (0, 1)])
     fix_error = float(np.sqrt(max(mean_of(transits.navigation.fix_error) ** 2, 0.0)))
     given = given_priors(mission, effects_of("transit"))
-    _check_together(given, mission)
+    check_together(given, mission, "transit")
     current_sd = (float(spread[0]), float(spread[1]))
     model = TransitModel(data, base, error.covariance, fix_error, current_sd, given)
     return replace(model, base=_with_given_effects(model, mission))
-
-
-def _check_together(given: Sequence[GivenEffect], mission: Mission) -> None:
-    """Refuse missions whose effects the covariance of a log cannot hold together.
-
-    Raises
-    ------
-    InputError
-        With each pair.
-    """
-    names = [each.effect for each in given]
-    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
-    problems = [f"{name} is given {names.count(name)} times; a diagnosis holds one of each" for name in twice]
-    for group in exclusive_groups("transit"):
-        if len(both := sorted(group & set(names))) > 1:
-            problems.append(f"a diagnosis holds one of {', '.join(both)}: they describe the same errors")
-    if problems:
-        raise InputError([Problem(problem, mission.file, key="effects") for problem in problems])
 
 
 def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario, name: str) -> tuple[Array, Array]:

@@ -18,7 +18,7 @@ from missionplan.diagnosis.summaries.model_factory import summary_model
 from missionplan.diagnosis.summaries.tables import summary_misfit, summary_residuals
 from missionplan.mission import Mission
 from missionplan.results.diagnosis import PlanGain
-from missionplan.results.evidence import Verdict
+from missionplan.results.evidence import ParameterEstimate, Verdict
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,11 @@ class SummaryKind(DataKind):
         """Read the tests and bind the mission's first mooring to them."""
         data = read_summary(folder, mission)
         return cls(kind, mission, data, summary_model(data, mission))
+
+    @property
+    def known(self) -> tuple[ParameterEstimate, ...]:
+        """What the mission knows of its own effects on a descent."""
+        return tuple(estimate for each in self.model.given for estimate in each.prior)
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a number."""

@@ -56,14 +56,14 @@ class SummaryForward(DescentForward):
     def histories(
         self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars = 1.0
     ) -> "SummaryQuantities":
-        """Return quantities of all tests, less the base model's where data are measured less simulated values."""
+        """Return quantities of all tests, less those without effects where data are measured less simulated values."""
         relative = np.concatenate([test.relative for test in self.tests])
         found = self._quantities(coordinates, values, weight_factor)
         return SummaryQuantities(found - np.where(relative[:, None], self._plain, 0.0))
 
     @cached_property
     def _plain(self) -> Array:
-        """Quantities of the base model, shape (N, 1)."""
+        """Quantities without effects, of which the mission may carry some by what such data showed; shape (N, 1)."""
         return self._quantities((), np.zeros((0, 1)), 1.0)
 
     def _quantities(self, coordinates: Sequence[Coordinate], values: Array, weight_factor: Scalars) -> Array:
@@ -145,7 +145,7 @@ class SummaryModel(DescentModel):
         """Fit both sets to noise-free readings of the first on a design's dives, or to the numbers in hand."""
         if entry is None:
             return super().discrimination(first, second, None)
-        plain = DescentForward(self.forward.build, self.forward.logs, self.forward.given)
+        plain = DescentForward(self.forward.build, self.forward.logs)
         logs = dive_designs.design_dives(plain, None if entry == 0 else entry - 1)
         logs = tuple(replace(log, sd=np.full(len(log.t), LOGGED_SD)) for log in logs)
-        return noise_free_discrimination(replace(plain, logs=logs), first, second)
+        return noise_free_discrimination(DescentModel(replace(plain, logs=logs), self.given), first, second)

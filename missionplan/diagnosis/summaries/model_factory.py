@@ -1,7 +1,7 @@
 """From a mission and summaries of dives to a model: the mission's first mooring at its means, bound to the tests."""
 
 from missionplan.datasets.summaries import SummaryData
-from missionplan.diagnosis.dives.model_factory import descent_builder
+from missionplan.diagnosis.dives.model_factory import descent_builder, given_on_descent
 from missionplan.diagnosis.summaries.model import SummaryForward, SummaryModel, as_log
 from missionplan.mission import Mission
 
@@ -14,6 +14,5 @@ def summary_model(data: SummaryData, mission: Mission) -> SummaryModel:
     InputError
         When the mission lacks what a descent needs.
     """
-    build, given = descent_builder(mission)
     logs = tuple(as_log(test) for test in data.tests)
-    return SummaryModel(SummaryForward(build, logs, given, tests=data.tests))
+    return SummaryModel(SummaryForward(descent_builder(mission), logs, tests=data.tests), given_on_descent(mission))
