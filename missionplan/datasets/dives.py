@@ -9,7 +9,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.datasets.reading import DatasetFormat, RawDataset, read_dataset
-from missionplan.datasets.runs import DEEPEST, DivesSettings, conditions_of_runs
+from missionplan.datasets.runs import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs
 from missionplan.datasets.table import Columns, problems_at
 from missionplan.errors import Problem, did_you_mean
 from missionplan.mission import Mission
@@ -31,6 +31,8 @@ class DescentSettings(DivesSettings):
 
 HIGHEST = -2.0
 """Readings above it are no depths [m]: waves and the offset of a sensor stay within."""
+TOUCHDOWN_MARGIN = 0.12
+"""Share of the vehicle's depth at touchdown that is cut off above it."""
 IGNORED = ("pitch_deg", "density_kg_m3")
 DESCENT = DatasetFormat(
     "descent",
@@ -47,6 +49,8 @@ class MeasuredDive:
     ----------
     name : str
         Of the run.
+    line : int
+        Of its first reading in the file.
     t, depth : array, shape (m,)
         Time since the separation by the log's clock [s], and reading [m].
     wet_weight, line_length, site_depth : float
@@ -54,11 +58,17 @@ class MeasuredDive:
     """
 
     name: str
+    line: int
     t: Array
     depth: Array
     wet_weight: float
     line_length: float
     site_depth: float
+
+    @property
+    def deepest_fitted(self) -> float:
+        """Depth above which readings are taken to be of the descent, free of the touchdown [m]."""
+        return (1.0 - TOUCHDOWN_MARGIN) * (self.site_depth - self.line_length)
 
 
 @dataclass(frozen=True)
@@ -104,15 +114,29 @@ def read_descent(folder: Path, mission: Mission) -> DescentData:
     runs = {str(name): run for name, run in raw.table.groupby("run", sort=False)}
     problems = [problem for name, run in runs.items() for problem in _check_run(name, run, raw)]
     conditions, incomplete = conditions_of_runs(_described(raw), raw, mission)
-    settings = raw.checked([*problems, *incomplete])
-    dives = []
-    for name, run in runs.items():
-        own = conditions[name]
-        t, depth = run["t_s"].to_numpy(), run["depth_m"].to_numpy()
-        dives.append(MeasuredDive(name, t, depth, own.wet_weight, own.line_length, own.site_depth))
+    known = [_measured(name, run, conditions[name]) for name, run in runs.items() if name in conditions]
+    over = [problem for dive in known for problem in _check_still_diving(dive, raw.file)]
+    settings = raw.checked([*problems, *incomplete, *over])
     unused = [f"{column} is not used by the diagnosis of depths" for column in IGNORED if column in raw.table]
     notices = (*raw.notices, *unused)
-    return DescentData(raw.name, raw.source, raw.file, tuple(dives), settings.noise.depth, notices)
+    return DescentData(raw.name, raw.source, raw.file, tuple(known), settings.noise.depth, notices)
+
+
+def _measured(name: str, run: pd.DataFrame, own: DiveConditions) -> MeasuredDive:
+    t, depth = run["t_s"].to_numpy(), run["depth_m"].to_numpy()
+    return MeasuredDive(name, int(run.index[0]), t, depth, own.wet_weight, own.line_length, own.site_depth)
+
+
+def _check_still_diving(dive: MeasuredDive, file: str) -> list[Problem]:
+    """Refuse a log that holds nothing of the descent."""
+    shallowest, moored = float(dive.depth.min()), dive.site_depth - dive.line_length
+    if not shallowest > max(dive.deepest_fitted, 0.0) or np.ptp(dive.depth) == 0.0:
+        return []
+    over = (
+        f"the log begins when the dive is over: its depths are {shallowest:.4g} m and more, and the vehicle is moored"
+    )
+    at = f"at {moored:.4g} m (a site of {dive.site_depth:.4g} m less a line of {dive.line_length:.4g} m)"
+    return [Problem(f"{dive.name}: {over} {at}", file, dive.line, "depth_m")]
 
 
 def _reading_problem(message: str, file: str, line: int) -> Problem:
@@ -144,4 +168,15 @@ def _check_run(name: str, run: pd.DataFrame, raw: RawDataset[DescentSettings]) -
         (run["depth_m"] > DEEPEST, f"lies deeper than the deepest sea, {DEEPEST:g} m"),
     ):
         problems += problems_at(run.index[wrong], partial(_reading_problem, message, raw.file))
-    return problems
+    return problems or _check_measured(name, run["depth_m"].to_numpy(), raw.file, first)
+
+
+def _check_measured(name: str, depth: Array, file: str, line: int) -> list[Problem]:
+    """Refuse a run whose depths are no measurements of a dive."""
+    if np.ptp(depth) == 0.0:
+        message = f"all {len(depth)} depths are {depth[0]:.4g} m: the sensor did not measure, or did not move"
+    elif depth.max() <= 0.0:
+        message = f"no depth is below the water, the lowest is {depth.min():.4g} m: expected depths positive down"
+    else:
+        return []
+    return [Problem(f"{name}: {message}", file, line, "depth_m")]

@@ -52,3 +52,24 @@ def test_runs_not_described_times_repeated_and_too_few(folder, descent_mission):
 def test_bad_runs(folder, descent_mission, runs, words):
     with pytest.raises(InputError, match=words):
         read_descent(folder({**KIND, "runs": runs}, dives()), descent_mission)
+
+
+@pytest.mark.parametrize(
+    ("depth", "words"),
+    [
+        (lambda t: 0.0 * t, "all 200 depths are 0 m: the sensor did not measure, or did not move"),
+        (lambda t: 0.0 * t + 7.5, "all 200 depths are 7.5 m"),
+        (lambda t: -1.99 * t / t.max(), "no depth is below the water, the lowest is -1.99 m: expected depths positive"),
+        (lambda t: 18.9 + 0.1 * np.sin(t), r"the log begins when the dive is over: .* moored at 19 m \(a site of 24 m"),
+    ],
+)
+def test_impossible_dives_are_refused_each_at_its_first_line(folder, descent_mission, depth, words):
+    """The second and the third dive are impossible; the first is as it should be."""
+    table = dives().reset_index(drop=True)
+    wrong = table["run"] != "dive-1"
+    table.loc[wrong, "depth_m"] = np.round(depth(table.loc[wrong, "t_s"].to_numpy()), 6)
+    with pytest.raises(InputError, match=words) as excinfo:
+        read_descent(folder(KIND, table), descent_mission)
+    places = [(problem.line, str(problem)) for problem in excinfo.value.problems]
+    assert [line for line, _ in places] == [202, 402]
+    assert [name in text for name, (_, text) in zip(("dive-2", "dive-3"), places, strict=True)] == [True, True]

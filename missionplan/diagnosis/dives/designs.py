@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.datasets.dives import TOUCHDOWN_MARGIN
 from missionplan.diagnosis.dives.forward import DescentForward
-from missionplan.diagnosis.dives.preparation import MAX_SAMPLES, TOUCHDOWN_MARGIN, DiveLog
+from missionplan.diagnosis.dives.preparation import MAX_SAMPLES, DiveLog
 
 DESIGNS = (
     ("two dives with 0.4 times the anchor's weight", 0.4, 1.0, 1.0),

@@ -10,7 +10,7 @@ import pandas as pd
 from missionplan.datasets.dives import read_descent
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.model import DescentModel
-from missionplan.diagnosis.dives.model_factory import descent_model
+from missionplan.diagnosis.dives.model_factory import check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
 from missionplan.diagnosis.dives.tables import descent_misfit, descent_residuals, descent_shares
 from missionplan.diagnosis.extended_mission import extended_mission
@@ -35,7 +35,9 @@ class DescentKind(DataKind):
     @classmethod
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the dives and bind the mission's first mooring to them."""
-        data = prepare_dives(read_descent(folder, mission))
+        measured = read_descent(folder, mission)
+        check_leaves_surface(measured, mission)
+        data = prepare_dives(measured)
         return cls(kind, mission, data, descent_model(data, mission))
 
     @property

@@ -17,8 +17,6 @@ NEEDED = (
     f"{MIN_DIVES} dives are needed to hold one out, 3 to find an outlying one, and two different anchor weights or "
     "line lengths to tell most causes apart"
 )
-TOUCHDOWN_MARGIN = 0.12
-"""Share of the vehicle's depth at touchdown that is cut off above it."""
 TIMES_PER_BIN = 6
 """Times kept in a bin, at most."""
 MOVING_DEPTH = 0.15
@@ -105,8 +103,7 @@ def prepare_dives(data: DescentData) -> PreparedDives:
 def _prepare(dive: MeasuredDive, stated: float | None, notices: list[str]) -> DiveLog | None:
     """Trim start and bottom contact, estimate the noise, average in bins; None when too little is left."""
     t, depth = dive.t, dive.depth
-    deepest = (1.0 - TOUCHDOWN_MARGIN) * (dive.site_depth - dive.line_length)
-    beyond = np.flatnonzero(depth > deepest)
+    beyond = np.flatnonzero(depth > dive.deepest_fitted)
     end = int(beyond[0]) if len(beyond) else len(t)
     moving = np.flatnonzero(depth > MOVING_DEPTH)
     first = t[moving[0]] if len(moving) else 0.0
