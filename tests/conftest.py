@@ -91,12 +91,13 @@ def legs():
     return make_legs
 
 
-def make_legs(n=48, seed=1, sigma=0.03, error=None, lasting=1.0):
-    """Legs with random headings, independent velocity errors and an additional `error(t, heading)` [m/s]."""
+def make_legs(n=48, seed=1, sigma=0.03, error=None, lasting=1.0, about=(np.pi, np.pi)):
+    """Legs with random headings, within a spread of a middle, with independent velocity errors and an additional `error(t, heading)` [m/s]."""
     rng = np.random.default_rng(seed)
     duration = lasting * rng.uniform(500.0, 1100.0, n)
     t = np.concatenate([[0.0], np.cumsum(duration + 120.0)[:-1]])
-    heading = rng.uniform(0.0, 2.0 * np.pi, n)
+    middle, spread = about
+    heading = middle + spread * (rng.uniform(0.0, 2.0, n) - 1.0)
     through = 1.2 * duration * np.stack([np.sin(heading), np.cos(heading)])
     wrong = rng.normal(0.0, sigma, (2, n))
     if error is not None:

@@ -12,7 +12,7 @@ from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.effects import instruments
 from missionplan.mission import Mission
 from missionplan.results.diagnosis import PlanGain
-from missionplan.results.evidence import ParameterEstimate, Verdict
+from missionplan.results.evidence import Causes, ParameterEstimate, Verdict
 
 
 class Dataset(Protocol):
@@ -115,6 +115,14 @@ class DataKind(ABC):
     def calibration(self, best: CauseFit) -> dict[str, float]:
         """Return the base model's nuisance parameters as fitted, and what else the reader may set beside them."""
         return dict(best.calibration)
+
+    def not_constant(self, best: CauseFit) -> Causes:
+        """Return the causes of a fit that do not hold still over the record."""
+        return ()
+
+    def inseparable(self, causes: Causes) -> tuple[Causes, ...]:
+        """Return the sets that these data cannot separate from a set, however the evidence falls."""
+        return ()
 
     def limited_verdict(self, verdict: Verdict) -> Verdict:
         """Return the verdict, or a weaker one where data of this kind cannot support it."""

@@ -8,6 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
+from missionplan.diagnosis.judgement import Judgement, judge
 from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.result_builder import group_scores, ranked_sets
@@ -71,7 +72,8 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: bo
     found = run_pipeline(bound.model, lambda what, done, of: stage(), jobs)
     extended = bound.extended_mission(found.best)
     stage()
-    separated = _separated(bound, found, jobs)
+    judgement = judge(bound, found)
+    separated = _separated(bound, found, judgement, jobs)
     stage()
     decision = bound.plan_gain(extended, seed=seed, jobs=jobs) if plan else PlanGain()
     provenance = Provenance(
@@ -85,12 +87,13 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: bo
         data=mission.raw,
         notices=(*mission.notices(), *bound.data.notices),
     )
-    return _result(provenance, bound, found, separated, decision, extended)
+    return _result(provenance, bound, found, judgement, separated, decision, extended)
 
 
-def _separated(bound: DataKind, found: PipelineResult, jobs: int) -> tuple[Discrimination, ...]:
+def _separated(bound: DataKind, found: PipelineResult, judgement: Judgement, jobs: int) -> tuple[Discrimination, ...]:
     """Next measurements that separate the first rivals from the claimed set."""
-    rivals = [rival.fit for rival in found.claimed.rivals[:SEPARATED]] if found.claimed else []
+    fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking}
+    rivals = [fits[causes] for causes in judgement.rivals if causes in fits][:SEPARATED]
     return discriminations(bound.model, found.best, rivals, bound.direct_measurements, jobs)
 
 
@@ -98,6 +101,7 @@ def _result(
     provenance: Provenance,
     bound: DataKind,
     found: PipelineResult,
+    judgement: Judgement,
     separated: tuple[Discrimination, ...],
     decision: PlanGain,
     extended: dict[str, object],
@@ -108,14 +112,16 @@ def _result(
         kind=bound.kind,
         data=bound.data.name,
         source=bound.data.source,
-        verdict=bound.limited_verdict(found.verdict),
+        verdict=judgement.verdict,
         causes=found.best.causes,
         known=bound.known,
         confirmed=found.best.given,
         misfit=bound.misfit(residuals),
-        credible_set=found.credible_set,
+        credible_set=judgement.credible_set,
         ranking=ranked_sets(bound, found, residuals),
-        rivals=tuple(rival.causes for rival in found.claimed.rivals) if found.claimed else (),
+        rivals=judgement.rivals,
+        not_constant=judgement.not_constant,
+        none_of_these=judgement.none_of_these,
         discrepancy=found.discrepancy,
         base_discrepancy=found.base_discrepancy,
         scores=group_scores(found),

@@ -36,6 +36,13 @@ def claim(selection: Selection, held_out: HeldOutComparison | None) -> Claim | N
     return Claim(best, tuple(rivals(selection, best)))
 
 
+def limited(verdict: Verdict, *, is_constant: bool, is_separable: bool) -> Verdict:
+    """Return a verdict as far as a claimed cause that changes, or that looks like another, allows it."""
+    if verdict in ("explained", "ambiguous") and not is_constant:
+        return "partly-explained"
+    return "ambiguous" if verdict == "explained" and not is_separable else verdict
+
+
 def verdict(claimed: Claim | None, discrepancy: Discrepancy) -> Verdict:
     """Return the first verdict that fits."""
     if claimed is None:

@@ -73,7 +73,11 @@ class Diagnosis(Result):
     ranking : tuple of RankedSet
         Best first.
     rivals : tuple
-        Sets within 3 nats of the claimed one.
+        Sets within 3 nats of the claimed one, and those that the data cannot separate from it.
+    not_constant : tuple of str
+        Claimed causes that do not hold still over the record.
+    none_of_these : float
+        Probability that something is left which no cause of the catalogue explains.
     discrepancy, base_discrepancy : Discrepancy
         What the claimed model leaves, and the base model.
     scores : tuple of GroupScore
@@ -109,6 +113,8 @@ class Diagnosis(Result):
     credible_set: tuple[Causes, ...]
     ranking: tuple[RankedSet, ...]
     rivals: tuple[Causes, ...]
+    not_constant: Causes
+    none_of_these: float
     discrepancy: Discrepancy
     base_discrepancy: Discrepancy
     scores: tuple[GroupScore, ...]
@@ -164,6 +170,8 @@ class Diagnosis(Result):
             "extended_mission": "mission.yaml",
             "confirmed": self._confirmed_summary(),
             "changed": bool(self.changed),
+            "not_constant": list(self.not_constant),
+            "none_of_these": self.none_of_these,
         }
 
     def summary(self) -> dict[str, object]:

@@ -10,7 +10,9 @@ import pandas as pd
 from missionplan.datasets.legs import TransitData, read_transit
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.legs.constancy import not_constant
 from missionplan.diagnosis.legs.extended_mission import extended_transit_mission
+from missionplan.diagnosis.legs.headings import inseparable
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.diagnosis.legs.one_step import one_step
@@ -18,7 +20,7 @@ from missionplan.diagnosis.legs.tables import transit_misfit, transit_residuals,
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.results.diagnosis import PlanGain
-from missionplan.results.evidence import ParameterEstimate
+from missionplan.results.evidence import Causes, ParameterEstimate
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,14 @@ class TransitKind(DataKind):
     def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the maximum leg lengths chosen."""
         return plan_gain(leg_length_choice, self.mission, extended, seed=seed, jobs=jobs)
+
+    def not_constant(self, best: CauseFit) -> Causes:
+        """Return the physical causes whose parameters differ between the halves of the log."""
+        return not_constant(self.model, best)
+
+    def inseparable(self, causes: Causes) -> tuple[Causes, ...]:
+        """Return the sets that the headings flown cannot separate from a set."""
+        return inseparable(self.model, causes)
 
     def calibration(self, best: CauseFit) -> dict[str, float]:
         """Return the nuisance parameters as fitted, and how well the next leg's position error is predicted [m]."""

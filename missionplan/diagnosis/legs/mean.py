@@ -16,12 +16,14 @@ from missionplan.diagnosis.inference.marginal_likelihood import Marginal
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.legs.hyperparameters import SLAB_SCALE, HyperparameterValues
 from missionplan.diagnosis.legs.modulation import Modulation, modulated_columns, smooth_functions
-from missionplan.effects import CATALOGUE, effects_of
+from missionplan.effects import CATALOGUE, EffectInfo, effects_of
 from missionplan.effects.info import LegRecord
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.phases.hooks import Leg, TransitEffect
 from missionplan.results.evidence import Causes
 
+LEGS_OF_A_DESCRIPTION = 20
+"""Legs below which the errors are not described statistically: so few look persistent by chance."""
 DIFFERENCE_STEP = 1e-3
 """Step of the central differences, in slabs (prior standard deviations of a cause)."""
 
@@ -118,8 +120,13 @@ class TransitMean:
     @cached_property
     def untestable(self) -> Mapping[str, str]:
         """Effects that this record cannot show, and why."""
-        reasons = {info.id: info.lacking(self._record) for info in effects_of("transit")}
+        reasons = {info.id: self._lacking(info) or info.lacking(self._record) for info in effects_of("transit")}
         return {effect: reason for effect, reason in reasons.items() if reason}
+
+    def _lacking(self, info: EffectInfo) -> str:
+        if info.tier == "physical" or self.data.n >= LEGS_OF_A_DESCRIPTION:
+            return ""
+        return f"a statistical description needs {LEGS_OF_A_DESCRIPTION} legs; these are {self.data.n}"
 
     @cached_property
     def _record(self) -> LegRecord:

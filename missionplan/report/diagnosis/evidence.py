@@ -10,6 +10,9 @@ from missionplan.report.page import Block, PageSection, Table
 from missionplan.results.diagnosis import Diagnosis
 from missionplan.results.evidence import ParameterEstimate, RankedSet
 
+MOST_CERTAIN = 0.999
+"""Probability beyond which it is not told more exactly: the models are approximate."""
+
 
 def ranking_section(diagnosis: Diagnosis) -> PageSection:
     """Show the sets of causes, best first, with the parameters of the first."""
@@ -23,7 +26,8 @@ def ranking_section(diagnosis: Diagnosis) -> PageSection:
         "more probable with it. It is computed with the model linearised at its best fit, and checked for the first "
         "few sets by importance sampling, which does not linearise. The score takes off 3 for each cause beyond the "
         "first. The posterior is the probability among the sets tried, when each cause was equally likely before; "
-        "supersets of the best set have none."
+        "supersets of the best set have none. The probabilities are conditional on the catalogue: that something is "
+        f"left which none of these explains has a probability of {_percent(diagnosis.none_of_these)}."
     )
     table = Table(columns, rows, "Sets of causes, best first.")
     return PageSection(heading, [ranking_figure(diagnosis), table, meaning, _parameters(best)])
@@ -38,7 +42,7 @@ def ranking_rows(ranking: Sequence[RankedSet]) -> tuple[list[str], list[list[str
             f"{entry.log_bayes_factor:.1f}",
             "" if entry.importance is None else f"{entry.importance:.1f}",
             f"{entry.score:.1f}",
-            "" if entry.posterior is None else f"{100.0 * entry.posterior:.1f} %",
+            "" if entry.posterior is None else _percent(entry.posterior),
             "" if entry.held_out is None else f"{entry.held_out.log_score_gain:.1f} ± {entry.held_out.paired_se:.1f}",
             f"{100.0 * entry.share_explained:.0f} %",
         ]
@@ -54,6 +58,15 @@ def _parameters(best: RankedSet) -> Table:
     ]
     caption = "Parameters of the first set, with 90 % intervals."
     return Table(["Parameter", "Value", "90 % interval", "Unit"], rows, caption)
+
+
+def _percent(probability: float) -> str:
+    """Write a probability, which is never certain."""
+    if probability > MOST_CERTAIN:
+        return f"> {100.0 * MOST_CERTAIN:.1f} %"
+    if probability < 1.0 - MOST_CERTAIN:
+        return f"< {100.0 * (1.0 - MOST_CERTAIN):.1f} %"
+    return f"{100.0 * probability:.1f} %"
 
 
 def known_section(diagnosis: Diagnosis) -> list[PageSection]:

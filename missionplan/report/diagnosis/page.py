@@ -89,6 +89,8 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
     else:
         words = f"The misfit is explained by {named}."
     words += _changed(diagnosis)
+    if diagnosis.not_constant:
+        words += f" {_sentence(names(diagnosis.not_constant))} is not constant over the record: its halves disagree."
     if any(CATALOGUE[cause].tier == "statistical" for cause in diagnosis.causes):
         words += " Part of this describes the errors statistically; its physical cause is not identified."
     return words

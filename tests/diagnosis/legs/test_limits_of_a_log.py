@@ -1,0 +1,100 @@
+"""What a log cannot show, however well it fits: few legs, one heading, a cause that changes."""
+
+import math
+
+import numpy as np
+import pytest
+
+from missionplan import diagnose
+from missionplan.diagnosis.judgement import none_of_these
+from missionplan.effects import CATALOGUE
+from missionplan.report.render import render_report
+from missionplan.results.evidence import Discrepancy, ResidualTest
+
+KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
+
+
+def drifting(sigma, time):
+    def error(t, heading):
+        rng = np.random.default_rng(3)
+        covariance = sigma**2 * np.exp(-np.abs(t[:, None] - t[None, :]) / time)
+        return (np.linalg.cholesky(covariance + 1e-12 * np.eye(len(t))) @ rng.normal(size=(len(t), 2))).T
+
+    return error
+
+
+def slow(fraction):
+    return lambda t, heading: 1.2 * fraction * np.stack([np.sin(heading), np.cos(heading)])
+
+
+def turned(angle):
+    def error(t, heading):
+        actual = heading + angle(t)
+        return 1.2 * np.stack([np.sin(actual) - np.sin(heading), np.cos(actual) - np.cos(heading)])
+
+    return error
+
+
+@pytest.mark.parametrize("count", [8, 14, 19])
+def test_few_legs_are_not_described_statistically(count, folder, transit_mission, legs):
+    found = diagnose(transit_mission, folder(KIND, legs(count, error=drifting(0.2, 9000.0))), plan=False)
+    assert all(CATALOGUE[cause].tier == "physical" for entry in found.ranking for cause in entry.causes)
+    assert found.untestable["persistent-error"] == f"a statistical description needs 20 legs; these are {count}"
+
+
+def test_eight_legs_of_a_compass_swing_are_enough(folder, transit_mission, legs):
+    found = diagnose(
+        transit_mission, folder(KIND, legs(8, sigma=0.01, error=turned(lambda t: np.radians(8.0)))), plan=False
+    )
+    assert found.causes == ("compass-bias",)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_headings_that_separate_nothing_leave_both_in_the_set(seed, folder, transit_mission, legs):
+    """A vehicle that is 6 % slow, or meets a current, with headings within ±10°."""
+    table = legs(48, seed=seed, error=slow(-0.06), about=(1.0, np.radians(10.0)))
+    found = diagnose(transit_mission, folder(KIND, table), plan=False)
+    assert {("speed-scale",), ("mean-current",)} <= set(found.credible_set)
+    assert found.verdict != "explained"
+    page = render_report(found).html
+    assert "100.0 %" not in page
+    assert found.next_measurements
+
+
+def test_headings_all_round_separate_them(folder, transit_mission, legs):
+    found = diagnose(transit_mission, folder(KIND, legs(48, error=slow(-0.06))), plan=False)
+    assert (found.verdict, found.causes) == ("explained", ("speed-scale",))
+    assert found.credible_set == (("speed-scale",),)
+    assert "100.0 %" not in render_report(found).html
+
+
+def test_a_cause_that_changes_within_the_record_is_not_constant(folder, transit_mission, legs):
+    """A compass that is 3° off in the first half and 8° in the second."""
+    table = legs(80, error=turned(lambda t: np.radians(np.where(t < 32000.0, 3.0, 8.0))))
+    found = diagnose(transit_mission, folder(KIND, table), plan=False)
+    assert "compass-bias" in found.not_constant
+    assert found.verdict == "partly-explained"
+    assert found.diagnosis()["not_constant"] == list(found.not_constant)
+    assert "is not constant over the record" in render_report(found).html
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_constant_cause_is_constant(seed, folder, transit_mission, legs):
+    table = legs(60, seed=seed, error=turned(lambda t: np.radians(4.0)))
+    found = diagnose(transit_mission, folder(KIND, table), plan=False)
+    assert found.causes == ("compass-bias",)
+    assert found.not_constant == ()
+
+
+@pytest.mark.parametrize(
+    ("log_bayes_factor", "p_values", "expected"),
+    [
+        (-2.0, (0.4, 0.9), math.exp(0.0) / 13.0),  # of two tests at 0.4 nothing is left
+        (5.0, (0.9,), math.exp(5.0) / 13.0),
+        (0.0, (1e-6,), -1.0 / (math.e * 1e-6 * math.log(1e-6)) / 13.0),
+        (400.0, (1e-300,), 1e150),
+    ],
+)
+def test_probability_of_something_outside_the_catalogue(log_bayes_factor, p_values, expected):
+    left = Discrepancy(log_bayes_factor, None, (), tuple(ResidualTest("", p) for p in p_values))
+    assert none_of_these(left, 12) == pytest.approx(expected / (1.0 + expected))
