@@ -67,7 +67,8 @@ def long_rows(path: Path, width: int) -> list[int]:
     with open_table(path) as lines:
         for number, line in enumerate(lines, start=1):
             if line.count(b",") >= width and number > 1:
-                cells = next(csv.reader([line.decode(errors="replace")], skipinitialspace=True))
+                words = line.decode(errors="replace").replace("\r", " ")  # a bare one is no end of a row
+                cells = next(csv.reader([words], skipinitialspace=True))
                 if any(cell.strip() for cell in cells[width:]):
                     found.append(number)
     return found

@@ -9,7 +9,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.datasets.reading import DatasetFormat, RawDataset, read_dataset
-from missionplan.datasets.runs import DiveConditions, DivesSettings, conditions_of_runs
+from missionplan.datasets.runs import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs
 from missionplan.datasets.table import Columns, problems_at
 from missionplan.errors import Problem, did_you_mean
 from missionplan.mission import Mission
@@ -120,6 +120,8 @@ def _check_speeds(raw: RawDataset[DivesSettings], conditions: Mapping[str, DiveC
         if run not in conditions or not value > 0.0:
             continue
         is_time = str(quantity).endswith("_time_s")
+        if is_time and conditions[run].site_depth >= DEEPEST:  # not known yet
+            continue
         speed = conditions[run].site_depth / value if is_time else value
         if not SLOWEST <= speed <= FASTEST:
             words = f"{value:g} s down to {conditions[run].site_depth:g} m" if is_time else "a descent"

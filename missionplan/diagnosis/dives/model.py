@@ -111,7 +111,7 @@ class DescentModel(DescentFitting):
         seen = log_joint_with_noise(likelihood.marginals(prior, others))
         log_score = float(logsumexp(log_joint_with_noise(likelihood.marginals(prior))) - logsumexp(seen))
         total = self.total_covariance(linear, noise_grid()[int(np.argmax(seen))], prior)
-        own, rest = self.parts[dive], np.concatenate([self.parts[k] for k in others])
+        own, rest = self.parts[dive], np.setdiff1d(np.arange(len(self.y)), self.parts[dive])  # none: from the prior
         weights = np.linalg.solve(total[np.ix_(rest, rest)], total[np.ix_(rest, own)]).T
         error = linear.y[own] - weights @ linear.y[rest]
         scaled = error / self.units[own]

@@ -7,6 +7,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.datasets.tank import DragSettings, TankData
+from missionplan.errors import RunError
 from missionplan.physics.drag import drag_force, reynolds_number
 from missionplan.physics.tank import drag_coefficient, reynolds_drag_coefficient
 from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
@@ -99,6 +100,8 @@ class _Towing:
     @classmethod
     def of(cls, data: TankData, settings: DragSettings) -> "_Towing":
         speed, force = data.columns["speed_m_s"], data.columns["force_n"]
+        if np.any(speed <= 0.0):
+            raise RunError("drag coefficient: each row needs a speed above 0")
         reynolds = np.asarray(reynolds_number(speed, settings.reference_length, data.viscosity))
         return cls(
             speed=speed,
@@ -130,7 +133,7 @@ class _Towing:
 
     def coefficient_panel(self, fits: tuple[FittedModel, FittedModel], compared: _Compared | None) -> FitPanel:
         """Drag coefficients against Reynolds number, with both fits and the table to compare with."""
-        per_force = self.coefficients / self.force
+        per_force = np.asarray(drag_coefficient(1.0, self.speed, self.area, self.density))
         line = np.geomspace(self.reynolds.min(), self.reynolds.max(), 80)
 
         def along(fitted: FittedModel) -> Array:

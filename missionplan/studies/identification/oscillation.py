@@ -22,6 +22,8 @@ from missionplan.studies.identification.least_squares import (
 
 _FEWEST = 4
 """Samples of a record that have a frequency at all."""
+_MOST_GAPS = 10.0
+"""Duration of a record over that of one without gaps: more is no record."""
 
 
 def identify_oscillation(data: TankData, settings: OscillationSettings) -> TankAnalysis:
@@ -159,6 +161,8 @@ def starting_values(time: Array, record: Array) -> list[FitParameter]:
         message = f"a record of an oscillation needs {_FEWEST} samples in the order of time, not all the same"
         raise RunError(message)
     step = float(np.median(np.diff(time)))
+    if np.ptp(time) > _MOST_GAPS * len(time) * step:
+        raise RunError("the record of the oscillation has gaps far longer than its samples are apart")
     even = np.arange(time[0], time[-1], step)
     spectrum = np.abs(
         np.fft.rfft((np.interp(even, time, record) - record.mean()) * np.hanning(len(even)), 8 * len(even))
@@ -168,7 +172,7 @@ def starting_values(time: Array, record: Array) -> list[FitParameter]:
     half = len(record) // 2
     decay = math.log(max(float(np.std(record[:half]) / np.std(record[half:])), 1.0)) / (float(time[-1] - time[0]) / 2.0)
     return [
-        FitParameter("frequency", "f", "Hz", frequency, low=0.0),
+        FitParameter("frequency", "f", "Hz", frequency, low=0.0, high=max(0.5 / step, 2.0 * frequency)),
         FitParameter("start", "x₀", "m", float(record[0] - record.mean())),
         FitParameter("start_velocity", "v₀", "m/s", velocity),
         FitParameter("offset", "x̄", "m", float(record.mean())),
