@@ -120,9 +120,10 @@ class AnchorSizing(Result):
 
     @property
     def succeeds(self) -> bool:
-        """Whether the anchor to build can be built, reaches the probability given, and meets the requirement."""
+        """Whether the anchor to build can be built, is ever good, reaches the probability and meets the requirement."""
         reached = self.probable is None or self.probable.anchor is not None
-        return reached and not self.to_build.problems and self.meets_requirement
+        some_succeed = self.to_build.probabilities.good.value > 0.0
+        return reached and some_succeed and not self.to_build.problems and self.meets_requirement
 
     def summary(self) -> dict[str, object]:
         """Return the contents of ``summary.json``."""

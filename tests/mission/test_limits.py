@@ -66,6 +66,7 @@ UNUSUAL = [
     ({"navigation.fix_error": "300 m"}, "arriving is a matter of chance"),
     ({"navigation.surfacing_time": "90 min"}, "5400 s is unusual"),
     ({MOOR + "hold": "120 day"}, "is unusual"),
+    ({MOOR + "line_length": "10.9 m"}, "leaves 0.17 m of water above the moored vehicle"),
     ({MOOR + "radius": "0.5 m"}, "0.5 m is unusual"),
     ({"site.current.0.speed": {"mean": "4 kn", "sd": "2 kn"}}, "is unusual: .*Gulf Stream"),
     ({"vehicle.energy.capacity": "60 J"}, "0.01667 W.h is unusual"),

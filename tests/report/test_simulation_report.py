@@ -67,6 +67,18 @@ def test_a_mission_that_never_succeeds_fails(outcome):
     assert terminal_view(lost).verdict == "bad"
 
 
+def test_a_mission_that_seldom_succeeds_is_not_said_to_work(outcome):
+    steps = [Attrition("ingress: not arrived", wilson(960, 1000), wilson(40, 1000))]
+    seldom = replace(with_success(outcome, 40, 1000, steps), requirements=())
+    assert terminal_view(seldom).sentence.startswith("This mission fails more often than not: it succeeds 4.0")
+    assert terminal_view(seldom).verdict == "bad"
+
+
+def test_a_few_trials_do_not_show_that_a_mission_works(outcome):
+    few = replace(with_success(outcome, 10, 10), requirements=(), provenance=replace(outcome.provenance, trials=10))
+    assert terminal_view(few).sentence.startswith("None of 10 trials failed, too few to say that the mission works: ")
+
+
 def test_an_anchor_that_is_sized_is_told_with_what_it_achieves(outcome):
     free = replace(outcome, requirements=())
     sized = replace(free, anchors=(MooringAnchor("moor", 11.7, True),))

@@ -71,6 +71,8 @@ def answer(outcome: Outcome) -> str:
     return " ".join(part for part in parts if part)
 
 
+_SURE = 0.9
+"""Least P(success), by its interval, of a mission that is said to work because no trial failed: 35 trials show it."""
 _LIMITS = {
     "current_faster": "the current is faster than the vehicle",
     "left_record": "the mission leaves the record of the current",
@@ -110,12 +112,17 @@ def _success_in_words(outcome: Outcome) -> str:
     success, worst = outcome.total.events["success"], worst_step(outcome)
     works, trials = verdict(outcome) in ("", "good"), number(outcome.provenance.trials)
     if worst is None:
+        if works and success.low < _SURE:
+            few = f"None of {trials} trials failed, too few to say that the mission works"
+            return f"{few}: P(success) is {percent(success)}."
         certain = f"none of {trials} trials failed, so that P(success) is {percent(success)}"
         return f"This mission works: {certain}." if works else f"{_judged(outcome)}, though {certain}."
     most = "most" if worst.lost.value > 0.5 * (1.0 - success.value) else "the commonest"
     failures = f"{most} failures are {failure_in_words(worst.step)}"
     if success.value == 0.0:
         return f"This mission fails: none of {trials} trials succeeded; {failures}."
+    if success.high < 0.5:
+        return f"This mission fails more often than not: it succeeds {percent(success)} of the time; {failures}."
     if works:
         return f"This mission works {percent(success)} of the time; {failures}."
     return f"{_judged(outcome)}; it succeeds {percent(success)} of the time, and {failures}."

@@ -54,9 +54,9 @@ def _rounded_up(trials: int) -> str:
 def verdict(outcome: Outcome) -> str:
     """Choose how the headline is marked: bad once a requirement is certainly missed, undecided before good.
 
-    Bad, too, is a mission that never succeeds or whose anchor cannot be built.
+    Bad, too, is a mission that fails more often than not, or whose anchor cannot be built.
     """
-    if not outcome.can_be_built or outcome.total.events["success"].value == 0.0:
+    if not outcome.can_be_built or outcome.total.events["success"].high < 0.5:
         return "bad"
     if not outcome.requirements:
         return ""

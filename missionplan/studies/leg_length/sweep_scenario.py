@@ -15,6 +15,7 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.scenario.scenario import Scenario, leg_table
 from missionplan.scenario.site_current import recorded_current
 from missionplan.scenario.transit_streams import deployed, transit_normals
@@ -82,6 +83,7 @@ class SweepScenario:
         if drift >= speed:
             message = f"the mean drift, {drift:.3g} m/s, is as fast as the vehicle, {speed:.3g} m/s: it cannot arrive"
             raise InputError([Problem(message, mission.file, key=f"{phase.name}.speed")])
+        _check_energy(means, phase, distance, speed + drift)
         grid = np.asarray(mission.sweep.d_max_values(distance), dtype=float)
         sigmas = tuple(mission.sweep.sigma) if mission.sweep.sigma else (None,)
         return cls(means, phase, checked.navigation, start, distance, np.append(grid, distance), sigmas)
@@ -164,6 +166,16 @@ def _start(checked: TransitMission, phase: TransitPhase) -> tuple[Position, str]
         raise InputError([problem])
     before = checked.transits[number - 1]
     return before.to, f"{before.name}.to"
+
+
+def _check_energy(means: Scenario, phase: TransitPhase, distance: float, fastest: float) -> None:
+    """Refuse a transit whose straight course, with all of the current, takes more energy than there is."""
+    needed = float(np.mean(means.transit_plan(phase).power_under_way)) * distance / fastest
+    needed, capacity = needed / JOULES_PER_WATT_HOUR, float(np.max(means.capacity)) / JOULES_PER_WATT_HOUR
+    if needed > capacity:  # never where energy is not computed: nan
+        course = f"the straight course alone takes {needed:.3g} W h"
+        message = f"{course}, the battery holds {capacity:.3g} W h: it cannot arrive"
+        raise InputError([Problem(message, means.mission.file, key=phase.name)])
 
 
 def _mean_drift(means: Scenario, phase: TransitPhase, start: Array) -> Array:

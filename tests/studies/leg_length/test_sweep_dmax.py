@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from missionplan.errors import InputError
-from missionplan.mission import load
+from missionplan.mission import Mission, load
+from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_cells import MAX_PAIRED, CellTotals, _totals
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
@@ -243,3 +244,12 @@ def test_as_good_is_within_two_standard_errors(errors, as_good):
     dearer = errors * np.std(noise.reshape(32, 16).mean(axis=1), ddof=1) / math.sqrt(32)
     costs = np.stack([np.full(512, 0.5), 0.5 + dearer + noise])
     assert _totals(costs, costs, np.zeros(2)).as_good_as(0)[1] == as_good
+
+
+@pytest.mark.parametrize("study", [sweep_dmax, plan_legs])
+def test_a_transit_that_the_battery_cannot_pay_is_refused(study):
+    """Drag power and hotel over 1600 m at 1.5 m/s and the current."""
+    data = dict(load(FIG8.with_name("chesapeake.yaml")).raw)
+    vehicle = {**data["vehicle"], "energy": {**data["vehicle"]["energy"], "capacity": "1 W*h"}}
+    with pytest.raises(InputError, match=r"the straight course alone takes [5-9]\.\d+ W h, the battery holds 1 W h"):
+        study(Mission.from_data({**data, "vehicle": vehicle, "requirements": []}), trials=10)

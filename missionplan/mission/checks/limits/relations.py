@@ -23,6 +23,8 @@ _BUOYANT = (0.5, 0.1)
 """Net buoyancy over weight that is impossible, and that is unusual: AUVs are trimmed to 0.1 to 2 %."""
 _FILLED = ((0.1, 3.0), (0.4, 1.3))
 """Displaced mass over the hull's volume of water that is possible, and that is usual: free flooding, appendages."""
+_SHALLOWEST = 1.0
+"""Water above a moored vehicle that is unusual: tide and waves are seldom less [m]."""
 
 _Place = tuple[float, float]
 
@@ -40,6 +42,7 @@ def check_relations(
             found += _transit(phase, depth, navigation)
         elif isinstance(phase, MoorPhase):
             found += _mooring(phase, depth, vehicle)
+            notices += [notice.within(phase_path(index, phase)) for notice in _cover(phase, depth, vehicle)]
         problems += [problem.within(phase_path(index, phase)) for problem in found]
     problems += _way(phases, site, navigation)
     problems += _layers(site, depth)
@@ -76,6 +79,14 @@ def _mooring(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterato
     if weight <= buoyancy:
         message = f"{weight:.4g} N cannot sink a vehicle of {buoyancy:.4g} N net buoyancy"
         yield LocalProblem(("anchor_wet_weight",), message)
+
+
+def _cover(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterator[LocalProblem]:
+    """Ask about a vehicle that is moored close to the surface."""
+    cover = depth - mean_of(phase.line_length) - (mean_of(vehicle.hull.length) if vehicle else 0.0)
+    if 0.0 < cover < _SHALLOWEST:
+        message = f"leaves {cover:.2g} m of water above the moored vehicle: are tide and waves allowed for?"
+        yield LocalProblem(("line_length",), message)
 
 
 def _way(phases: Sequence[Phase], site: Site | None, navigation: Navigation | None) -> Iterator[LocalProblem]:
