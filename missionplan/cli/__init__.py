@@ -5,6 +5,7 @@ done around a study.
 """
 
 import atexit
+import errno
 import gc
 import signal
 import sys
@@ -97,6 +98,9 @@ def _usage_error(error: Exception) -> int:
     """
     if type(error).__name__ == "Abort":
         return INTERRUPTED
+    if isinstance(error, OSError) and error.errno in (errno.EMFILE, errno.ENFILE):
+        note("Error:\nthe system lets this process open no more files: raise the limit (ulimit -n)")
+        return 1
     if hasattr(error, "show") and hasattr(error, "exit_code"):
         error.show()
         return int(error.exit_code)

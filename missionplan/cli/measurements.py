@@ -38,7 +38,7 @@ def diagnose(
         with preloaded_pool(others, "missionplan.diagnosis.diagnose"):  # they import while this process does
             from missionplan.diagnosis.diagnose import diagnose
 
-            return diagnose(loaded, dataset, seed=seed, jobs=processes, progress=progress)
+            return diagnose(loaded, dataset, seed=seed, jobs=processes, allow_outside=allow_outside, progress=progress)
 
     from missionplan.datasets.reading import dataset_files
 
@@ -46,10 +46,10 @@ def diagnose(
     run_study(mission, "diagnose", study, output, allow_outside=allow_outside, inputs=inputs)
 
 
-def identify(dataset: o.DatasetFolder, *, output: o.OutputOptions) -> None:
+def identify(dataset: o.DatasetFolder, *, output: o.OutputOptions, allow_outside: o.AllowOutside = False) -> None:
     """Identify hydrodynamic or thruster parameters from tank data, with errors, for a vehicle file."""
     from missionplan.datasets.reading import dataset_files
     from missionplan.studies.identification.identify import identify
 
     folder = checked_folder(output, dataset.resolve().name, "identify", dataset_files(dataset))
-    deliver(identify(dataset), folder, output)
+    deliver(identify(dataset, allow_outside=allow_outside), folder, output)

@@ -25,7 +25,7 @@ DatasetFolder = Annotated[
     Path, typer.Argument(metavar="DATASET", help="Data set: a folder with dataset.yaml.", show_default=False)
 ]
 AllowOutside = Annotated[
-    bool, typer.Option("--allow-outside", help="Allow included files outside the mission's folder.")
+    bool, typer.Option("--allow-outside", help="Allow files outside the folder of the mission or data set.")
 ]
 Seed = Annotated[int | None, typer.Option(min=0, help="Random seed; default: the mission's.", show_default=False)]
 Jobs = Annotated[int, typer.Option("--jobs", "-j", help="Number of processes; 0: one per core.", min=0)]

@@ -1,6 +1,8 @@
 """Data set folders: `dataset.yaml`, checked against a schema, and its CSV, with every problem of both at once."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -195,6 +197,19 @@ def _settings(document: Document, model: type[S_co], problems: list[Problem]) ->
         return None
 
 
+_outside_allowed: ContextVar[bool] = ContextVar("outside_allowed", default=False)
+
+
+@contextmanager
+def files_outside(*, allowed: bool) -> Iterator[None]:
+    """Let tables lie outside of their data set's folder, by their name or by a link, while the context lasts."""
+    before = _outside_allowed.set(allowed)
+    try:
+        yield
+    finally:
+        _outside_allowed.reset(before)
+
+
 def read_named_table(
     folder: Path, document: Document, key: tuple[str, ...], columns: Columns, problems: list[Problem]
 ) -> CsvTable | None:
@@ -208,8 +223,9 @@ def read_named_table(
         problems.append(document.problem(key, f"given {shown(name)}, expected the name of a CSV file in this folder"))
         return None
     path = folder / name.strip()
-    if not path.resolve().is_relative_to(folder.resolve()):
-        problems.append(document.problem(key, f"given {shown(name)}, which lies outside the data set's folder"))
+    if not _outside_allowed.get() and not path.resolve().is_relative_to(folder.resolve()):
+        message = f"given {shown(name)}, which lies outside the data set's folder"
+        problems.append(document.problem(key, message, "allow_outside=True permits it"))
         return None
     try:
         table = read_table(path, columns)

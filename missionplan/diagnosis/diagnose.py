@@ -6,6 +6,7 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
+from missionplan.datasets.reading import files_outside
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.judgement import Judgement, judge
@@ -33,6 +34,7 @@ def diagnose(
     seed: int | None = None,
     jobs: int = 1,
     plan: bool = True,
+    allow_outside: bool = False,
     progress: Progress | None = None,
 ) -> Diagnosis:
     """Find out what a mission's simulation gets wrong about measured data, and why.
@@ -49,6 +51,8 @@ def diagnose(
         Processes for fits, predictions and plans; the numbers are the same with any.
     plan : bool
         Whether to plan with both models.
+    allow_outside : bool
+        Whether the data set's table may lie outside its folder.
     progress : callable, optional
         Called with stages done, of how many.
 
@@ -61,7 +65,10 @@ def diagnose(
     """
     check_arguments(mission, seed=seed, jobs=jobs)
     seed = mission.monte_carlo.seed if seed is None else seed
-    with threadpool_limits(limits=1):  # matrices of some hundred rows: more threads only wait for each other
+    with (
+        threadpool_limits(limits=1),
+        files_outside(allowed=allow_outside),
+    ):  # matrices of some hundred rows: more threads only wait for each other
         return _diagnose(mission, as_path(dataset, "dataset"), seed, jobs, plan=plan, stage=_Stages(progress))
 
 

@@ -4,7 +4,7 @@ import itertools
 import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import Future, wait
+from concurrent.futures import Executor, Future, wait
 from contextlib import closing
 from typing import Generic, Literal, TypeVar, cast
 
@@ -12,7 +12,7 @@ from loky import cpu_count
 
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.dask_cluster import run_on_cluster
-from missionplan.montecarlo.pool import process_pool, shut_down_on_failure
+from missionplan.montecarlo.pool import borrowed_pool
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -85,8 +85,8 @@ def _results(
 
 def _by_pool(task: Callable[[Item], Result], items: Sequence[Item], workers: int) -> Generator[Result, None, None]:
     """Run a part of the items here and the others in the pool, and those too until its workers have started."""
-    with shut_down_on_failure():
-        run = _PoolRun(task, items, workers)
+    with borrowed_pool(workers) as executor:
+        run = _PoolRun(executor, task, items, workers)
         try:
             while run.unfinished:
                 run.advance()
@@ -98,12 +98,12 @@ def _by_pool(task: Callable[[Item], Result], items: Sequence[Item], workers: int
 class _PoolRun(Generic[Item, Result]):
     """Items to be done, and those begun with the futures of their results, here or in the pool."""
 
-    def __init__(self, task: Callable[[Item], Result], items: Sequence[Item], workers: int) -> None:
+    def __init__(self, executor: Executor, task: Callable[[Item], Result], items: Sequence[Item], workers: int) -> None:
         self._task, self._workers = task, workers
         self._todo = deque(items)
         self._begun: deque[tuple[Item, Future[Result]]] = deque()  # in the order of the items
         self._in_pool: list[Future[Result]] = []
-        self._executor = process_pool(workers)
+        self._executor = executor
         self._started = self._executor.submit(_do_nothing, task)
 
     @property

@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 from loky.backend.reduction import dumps
 
-from missionplan.montecarlo.pool import process_pool, shut_down_on_failure
+from missionplan.montecarlo.pool import borrowed_pool
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -41,9 +41,8 @@ def parallel_map(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int
     """
     if jobs < 2 or len(items) < 2:
         return task(items)
-    executor = process_pool(min(jobs, MAX_PROCESSES) - 1)
     parts = min(jobs, MAX_PROCESSES, len(items))
-    with shut_down_on_failure():
+    with borrowed_pool(min(jobs, MAX_PROCESSES) - 1) as executor:
         # pickled here, not by the executor's thread: this process may change the task's caches while it runs its part
         futures = [executor.submit(_PickledPart.of(task, items[part::parts]).run) for part in range(1, parts)]
         results = [task(items[::parts]), *(future.result() for future in futures)]

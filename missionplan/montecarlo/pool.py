@@ -6,6 +6,7 @@ import signal
 import sys
 import threading
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
@@ -23,6 +24,8 @@ _WATCH_INTERVAL = 0.5
 """Time between a worker's looks at its parent [s]."""
 
 _kept: dict[int, ProcessPoolExecutor] = {}  # one at most, by its number of processes
+_users: Counter[int] = Counter()  # runs that use a pool, by its identity
+_lock = threading.RLock()  # runs in threads of one process share the pool
 
 
 def process_pool(count: int) -> ProcessPoolExecutor:
@@ -30,16 +33,18 @@ def process_pool(count: int) -> ProcessPoolExecutor:
 
     The BLAS of each process uses one thread.
     """
-    if count > max(_kept, default=0):
-        for executor in _kept.values():
-            executor.shutdown(wait=False)
-        _kept.clear()
-        with interrupts_blocked():
-            _kept[count] = ProcessPoolExecutor(
-                max_workers=count, env=_ONE_THREAD, initializer=_end_with, initargs=(os.getpid(),)
-            )
-            _kept[count].submit(int)  # starts them
-    return next(iter(_kept.values()))
+    with _lock:
+        if count > max(_kept, default=0):
+            for executor in _kept.values():
+                if not _users[id(executor)]:  # else whoever uses it last shuts it down
+                    executor.shutdown(wait=False)
+            _kept.clear()
+            with interrupts_blocked():
+                _kept[count] = ProcessPoolExecutor(
+                    max_workers=count, env=_ONE_THREAD, initializer=_end_with, initargs=(os.getpid(),)
+                )
+                _kept[count].submit(int)  # starts them
+        return next(iter(_kept.values()))
 
 
 def _end_with(parent: int) -> None:
@@ -108,19 +113,27 @@ def preloaded_pool(count: int, module: str) -> Iterator[None]:
 
 
 @contextmanager
-def shut_down_on_failure() -> Iterator[None]:
-    """Shut the pool down on Ctrl-C, or when one of its processes has died.
+def borrowed_pool(count: int) -> Iterator[ProcessPoolExecutor]:
+    """Use a pool of at least `count` processes; shut it down on Ctrl-C, or when one of its processes has died.
 
     Raises
     ------
     RunError
         When a process has died.
     """
+    with _lock:
+        executor = process_pool(count)
+        _users[id(executor)] += 1
     try:
-        yield
+        yield executor
     except KeyboardInterrupt:
         shut_down_pool()
         raise
     except BrokenProcessPool as error:
         shut_down_pool()
         raise RunError(WORKER_DIED) from error
+    finally:
+        with _lock:
+            _users[id(executor)] -= 1
+            if not _users[id(executor)] and executor not in _kept.values():
+                executor.shutdown(wait=False)

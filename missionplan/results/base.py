@@ -3,6 +3,7 @@
 import json
 import math
 import platform
+import threading
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,6 +19,8 @@ from missionplan.rendering import render
 from missionplan.store.folder import check_holds_no_input, new_folder, write_atomically
 from missionplan.store.paths import as_path
 
+_rendering = threading.Lock()
+"""Figures are drawn one at a time: Matplotlib is not made for threads."""
 _LIBRARIES = ("numpy", "scipy", "pandas", "matplotlib", "joblib", "pydantic", "pint")
 
 
@@ -114,7 +117,8 @@ class Result(ABC):
         """
         folder = as_path(folder, "folder")
         check_holds_no_input(folder, [Path(self.provenance.file)] if self.provenance.file else ())
-        rendered = render(self)
+        with _rendering:
+            rendered = render(self)
         contents: dict[str, str | bytes] = {
             "report.html": rendered.html,
             "summary.json": to_json(self.summary()),
@@ -140,8 +144,22 @@ def to_yaml(data: Mapping[str, object]) -> str:
 
 
 def to_csv(frame: pd.DataFrame) -> str:
-    """Write a table as CSV, without an index."""
-    return str(frame.to_csv(index=False, lineterminator="\n"))
+    """Write a table as CSV, without an index; text that a spreadsheet would compute gets a quote in front."""
+    safe = frame.rename(columns=_no_formula)
+    for name in (each for each, cells in safe.items() if not pd.api.types.is_numeric_dtype(cells)):
+        cells = safe[name]
+        safe[name] = pd.Series([_no_formula(cell) for cell in cells], cells.index, cells.dtype)
+    return str(safe.to_csv(index=False, lineterminator="\n"))
+
+
+def _no_formula(cell: object) -> object:
+    if not isinstance(cell, str) or not cell.startswith(("=", "+", "-", "@", "\t", "\r")):
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f"'{cell}"
+    return cell
 
 
 def _plain(value: object) -> object:

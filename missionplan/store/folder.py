@@ -1,13 +1,28 @@
 """Report folders: written under a temporary name and renamed, never over existing files unless forced."""
 
+import glob
 import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
 from missionplan.errors import InputError, Problem, RunError
+from missionplan.store.paths import check_name
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
+_FILES = ("report.html", "summary.json", "mission.yaml")
+"""Files of every report."""
+_OWNER = ".owner"
+"""Locked in a folder while it is written."""
+_LONGEST_NAME = 240
+"""Bytes of a name that leave room for that of the temporary folder; file systems take 255."""
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
@@ -34,22 +49,41 @@ def write_atomically(path: Path, content: str | bytes) -> None:
 
 
 def check_new_folder(folder: Path, *, force: bool = False) -> None:
-    """Refuse a folder that is not empty, before any work is done.
+    """Refuse a folder that is not empty or that no report can be written to, before any work is done.
 
     Raises
     ------
     InputError
-        When it is a file, or not empty without `force`, or its name is invalid.
+        When it is a file, a link to nothing, or not empty without `force`, when its name is invalid, or when it holds
+        folders with names of a report's files.
     """
+    check_name(str(folder))
     try:
         exists, holds = folder.exists(), folder.is_dir() and any(folder.iterdir())
+        dangling = folder.is_symlink() and not exists
+        parents = (folder, *folder.parents)
+        in_a_file = next((parent for parent in parents if parent.exists() and not parent.is_dir()), None)
+        long = max(len(os.fsencode(part)) for part in (folder.name, *(parent.name for parent in folder.parents)))
     except (OSError, ValueError) as error:
         words = getattr(error, "strerror", None) or str(error)
         raise InputError([Problem(f"cannot be a folder: {words}", file=str(folder))]) from error
-    if exists and not folder.is_dir():
-        raise InputError([Problem("is a file; a folder was expected", file=str(folder))])
+    if long > _LONGEST_NAME:
+        raise InputError([Problem("cannot be a folder: File name too long", file=str(folder))])
+    if dangling:
+        raise InputError([Problem(f"is a link to {folder.readlink()}, which does not exist", file=str(folder))])
+    if in_a_file is not None:
+        raise InputError([Problem("is a file; a folder was expected", file=str(in_a_file))])
     if holds and not force:
         raise InputError([Problem("is not empty", file=str(folder), hint="force=True writes over it")])
+    for name in _FILES if holds else ():
+        if (folder / name).is_dir():
+            raise InputError(
+                [Problem("is a folder; a report's file of that name could not be written", str(folder / name))]
+            )
+    if (folder / "figures").exists() and not (folder / "figures").is_dir():
+        raise InputError(
+            [Problem("is a file; a report's folder of that name could not be written", str(folder / "figures"))]
+        )
 
 
 def check_holds_no_input(folder: Path, inputs: Iterable[Path]) -> None:
@@ -75,24 +109,54 @@ def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
     With `force`, files of the same name in an existing folder are replaced and others are kept.
     """
     check_new_folder(folder, force=force)
+    target = folder.resolve() if folder.is_symlink() else folder  # a link stays one
     try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
+        target.parent.mkdir(parents=True, exist_ok=True)
+        _remove_strays(target)
+        temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}."))
     except OSError as error:
-        raise RunError(f"cannot write in {folder.parent}: {error.strerror or error}") from error
+        raise RunError(f"cannot write in {target.parent}: {error.strerror or error}") from error
     try:
         temporary.chmod(0o755)
-        yield temporary
-        if folder.is_dir() and any(folder.iterdir()):
-            _move_files(temporary, folder)
+        with (temporary / _OWNER).open("w") as lock, _locked(lock):
+            yield temporary
+        (temporary / _OWNER).unlink()
+        if target.is_dir() and any(target.iterdir()):
+            _move_files(temporary, target)
         else:
-            if folder.is_dir():
-                folder.rmdir()
-            temporary.rename(folder)
+            if target.is_dir():
+                target.rmdir()
+            temporary.rename(target)
     except OSError as error:
         raise RunError(f"cannot write {folder}: {error.strerror or error}") from error
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+@contextmanager
+def _locked(file: TextIO) -> Iterator[None]:
+    """Hold a file's lock, which ends with the process whatever ends it."""
+    if fcntl is not None:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    yield
+
+
+def _remove_strays(folder: Path) -> None:
+    """Remove what killed reports have left beside a folder; what is still written to is locked."""
+    for stray in folder.parent.glob(f".{glob.escape(folder.name)}.*"):
+        if stray.is_dir() and not stray.is_symlink() and _is_abandoned(stray / _OWNER):
+            shutil.rmtree(stray, ignore_errors=True)
+
+
+def _is_abandoned(owner: Path) -> bool:
+    if fcntl is None:  # where there are no such locks nothing is known
+        return False
+    try:
+        with owner.open() as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
 
 
 def _move_files(source: Path, target: Path) -> None:

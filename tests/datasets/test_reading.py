@@ -3,6 +3,7 @@
 import pytest
 import yaml
 
+import missionplan
 from missionplan.datasets.reading import dataset_kind, read_dataset
 from missionplan.datasets.summaries import SUMMARY, read_summary
 from missionplan.datasets.tank import TANK_FORMATS, read_tank_data
@@ -112,3 +113,14 @@ def test_a_mission_without_moorings_must_be_told_all(folder, transit_mission):
 def test_unknown_quantities(folder, descent_mission):
     with pytest.raises(InputError, match=r"rows\.csv:2: quantity: given 'speed', expected one of descent_time_s"):
         read_summary(folder({"kind": SUMMARY.kind}, "run,quantity,value\na,speed,1\n"), descent_mission)
+
+
+def test_a_link_out_of_the_folder_is_followed_on_request_alone(tmp_path, folder):
+    place = folder({"kind": "drag", "reference_area": "1 m^2", "reference_length": "1 m"}, "")
+    outside = tmp_path / "outside.csv"
+    outside.write_text("speed_m_s,force_n\n" + "".join(f"{v},{v * v}\n" for v in (0.5, 1.0, 1.5, 2.0)))
+    (place / "rows.csv").unlink()
+    (place / "rows.csv").symlink_to(outside)
+    with pytest.raises(InputError, match=r"lies outside the data set's folder \(allow_outside=True permits it\)"):
+        missionplan.identify(place)
+    assert missionplan.identify(place, allow_outside=True).summary()["command"] == "identify"

@@ -3,6 +3,7 @@
 import time
 from pathlib import Path
 
+from missionplan.datasets.reading import files_outside
 from missionplan.datasets.tank import (
     DragSettings,
     OscillationSettings,
@@ -19,13 +20,15 @@ from missionplan.studies.identification.propeller import identify_propeller
 from missionplan.studies.identification.thruster import identify_thruster
 
 
-def identify(dataset: str | Path) -> Identification:
+def identify(dataset: str | Path, *, allow_outside: bool = False) -> Identification:
     """Find the parameters that a data set from a tank determines.
 
     Parameters
     ----------
     dataset : str or Path
         Folder with `dataset.yaml`, of kind drag, free-oscillation, thruster or propeller-transient.
+    allow_outside : bool
+        Whether its tables may lie outside the folder.
 
     Returns
     -------
@@ -40,7 +43,8 @@ def identify(dataset: str | Path) -> Identification:
         When the data do not determine the parameters.
     """
     started = time.perf_counter()
-    data = read_tank_data(dataset)
+    with files_outside(allowed=allow_outside):
+        data = read_tank_data(dataset)
     analysis = _analysis(data)
     provenance = Provenance(
         command="identify",

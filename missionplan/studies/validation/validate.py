@@ -18,7 +18,7 @@ def validate(paths: Iterable[Path], *, allow_outside: bool = False) -> tuple[Val
     paths : iterable of Path
         Mission files, data sets, and folders: of these all missions and data sets, and what is below.
     allow_outside : bool
-        Whether included files may lie outside a mission file's folder.
+        Whether included files may lie outside a mission file's folder, and tables outside their data set's.
 
     Returns
     -------
@@ -39,9 +39,11 @@ def validate(paths: Iterable[Path], *, allow_outside: bool = False) -> tuple[Val
         else:
             valid.append(mission)
     if datasets:
+        from missionplan.datasets.reading import files_outside
         from missionplan.studies.validation.datasets import validated_dataset
 
-        done += [validated_dataset(path, valid) for path in datasets]
+        with files_outside(allowed=allow_outside):
+            done += [validated_dataset(path, valid) for path in datasets]
     return tuple(done)
 
 
