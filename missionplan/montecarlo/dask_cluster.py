@@ -104,6 +104,12 @@ def _check_workers(client: "Client", place: str) -> None:
             raise InputError([Problem(message, key="scheduler")])
         time.sleep(0.1)
     expected, wrong = fingerprint(), []
+    try:
+        client.run_on_scheduler(fingerprint)  # type: ignore[no-untyped-call]
+    except Exception as error:  # it reads the tasks that it passes on
+        words = str(error).splitlines()[0] if str(error) else ""
+        message = f"the Dask scheduler at {place} cannot run missionplan: {type(error).__name__}: {words}"
+        raise InputError([Problem(message, key="scheduler")]) from error
     for worker, found in client.run(fingerprint, on_error="return").items():
         if isinstance(found, BaseException):
             message = f"the worker {worker} cannot run missionplan: {type(found).__name__}: {found}"

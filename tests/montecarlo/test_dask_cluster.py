@@ -87,6 +87,20 @@ def test_a_worker_without_the_package_is_named(start: Start, scheduler: str, tmp
         list(run_blocks(abs, range(2), backend="dask", scheduler=scheduler))
 
 
+def test_a_scheduler_without_the_package_is_said(start: Start, tmp_path: Path) -> None:
+    (tmp_path / "without").mkdir()
+    (tmp_path / "without" / "missionplan.py").write_text("raise ModuleNotFoundError('no module named missionplan')")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    words = ("scheduler", "--host", "127.0.0.1", "--port", address.rsplit(":")[-1], "--no-dashboard")
+    start(*words, path=tmp_path / "without")
+    start_worker(start, address)
+    with pytest.raises(InputError, match=r"the Dask scheduler at .* cannot run missionplan: .*") as caught:
+        list(run_blocks(abs, range(2), backend="dask", scheduler=address))
+    assert len(caught.value.problems) == 1
+
+
 def test_a_scheduler_without_workers_is_said(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("missionplan.montecarlo.dask_cluster.ANSWER_TIME", 1)
     with pytest.raises(InputError, match="has no workers"):
