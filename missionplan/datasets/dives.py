@@ -31,6 +31,8 @@ class DescentSettings(DivesSettings):
 
 HIGHEST = -2.0
 """Readings above it are no depths [m]: waves and the offset of a sensor stay within."""
+BELOW_SEAFLOOR = 1.2
+"""Readings deeper than this many depths of the site are not of this dive: a sensor's scale errs less."""
 TOUCHDOWN_MARGIN = 0.12
 """Share of the vehicle's depth at touchdown that is cut off above it."""
 IGNORED = ("pitch_deg", "density_kg_m3")
@@ -115,7 +117,7 @@ def read_descent(folder: Path, mission: Mission) -> DescentData:
     problems = [problem for name, run in runs.items() for problem in _check_run(name, run, raw)]
     conditions, incomplete = conditions_of_runs(_described(raw), raw, mission)
     known = [_measured(name, run, conditions[name]) for name, run in runs.items() if name in conditions]
-    over = [problem for dive in known for problem in _check_still_diving(dive, raw.file)]
+    over = [problem for dive in known for check in _CHECKS for problem in check(dive, raw.file)]
     settings = raw.checked([*problems, *incomplete, *over])
     unused = [f"{column} is not used by the diagnosis of depths" for column in IGNORED if column in raw.table]
     notices = (*raw.notices, *unused)
@@ -137,6 +139,19 @@ def _check_still_diving(dive: MeasuredDive, file: str) -> list[Problem]:
     )
     at = f"at {moored:.4g} m (a site of {dive.site_depth:.4g} m less a line of {dive.line_length:.4g} m)"
     return [Problem(f"{dive.name}: {over} {at}", file, dive.line, "depth_m")]
+
+
+def _check_above_seafloor(dive: MeasuredDive, file: str) -> list[Problem]:
+    """Refuse a log of a dive that goes on far below the seafloor."""
+    deepest = float(dive.depth.max())
+    if deepest <= BELOW_SEAFLOOR * dive.site_depth - HIGHEST:
+        return []
+    message = f"{dive.name}: reaches {deepest:.4g} m, below the seafloor at {dive.site_depth:.4g} m"
+    return [Problem(message, file, dive.line, "depth_m", "is the depth of the site right?")]
+
+
+_CHECKS = (_check_still_diving, _check_above_seafloor)
+"""Of a dive whose site and line are known."""
 
 
 def _reading_problem(message: str, file: str, line: int) -> Problem:

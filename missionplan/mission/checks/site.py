@@ -27,7 +27,7 @@ def _layers(site: Site, layers: Sequence[CurrentLayer]) -> Iterator[LocalProblem
                 yield LocalProblem(("site", "current", index, "down_to"), message)
             above = layer.down_to
     if isinstance(site.depth, float) and 0.0 < above < site.depth - _TOLERANCE:
-        message = f"the deepest layer ends at {above:.4g} m, the seafloor is at {site.depth:.4g} m"
+        message = f"the deepest layer ends at {above:.4g} m, the seafloor is at {site.depth:.6g} m"
         yield LocalProblem(("site", "current"), message)
 
 

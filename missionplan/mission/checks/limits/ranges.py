@@ -94,7 +94,9 @@ def _compared(path: KeyPath, quantity: Quantity, limit: Limit) -> Findings:
     low, high = (scale * end for end in ends(quantity))
     if limit.signed:
         low, high = (0.0 if low < 0.0 < high else min(abs(low), abs(high))), max(abs(low), abs(high))
-    given = f"{_number(low)} {limit.unit}" if low == high else f"{_number(low)} to {_number(high)} {limit.unit}"
+    given = (
+        f"{four_digits(low)} {limit.unit}" if low == high else f"{four_digits(low)} to {four_digits(high)} {limit.unit}"
+    )
     if low < limit.possible[0] or high > limit.possible[1]:
         message = f"{given.strip()} is impossible: expected {_range(limit.possible, limit.unit)} ({limit.source})"
         return Findings(problems=(LocalProblem(path, message),))
@@ -113,22 +115,19 @@ def check_effects(effects: Sequence[EffectEntry]) -> Findings:
             low, high = ends(quantity)
             size, most = max(abs(low), abs(high)), EFFECT_SCALES * known.scale
             if known.scale > 0.0 and size > most:
-                message = (
-                    f"{_number(size)} {known.unit}".strip()
-                    + f" is unusual: the catalogue's plausible sizes are within {_number(most)} {known.unit}".rstrip()
-                    + ". Is the unit right?"
-                )
+                given, within = (f"{four_digits(number)} {known.unit}".rstrip() for number in (size, most))
+                message = f"{given} is unusual: the catalogue's plausible sizes are within {within}. Is the unit right?"
                 notices.append(LocalProblem(("effects", index, entry.effect, name), message))
     return Findings(notices=tuple(notices))
 
 
 def _range(ends_of: tuple[float, float], unit: str) -> str:
     low, high = ends_of
-    words = f"at most {_number(high)} {unit}".strip() if np.isfinite(high) else ""
-    return f"at least {_number(low)} {unit}".strip() + (f" and {words}" if words else "") if low > 0.0 else words
+    words = f"at most {four_digits(high)} {unit}".strip() if np.isfinite(high) else ""
+    return f"at least {four_digits(low)} {unit}".strip() + (f" and {words}" if words else "") if low > 0.0 else words
 
 
-def _number(value: float) -> str:
+def four_digits(value: float) -> str:
     """Write four digits, large numbers in groups of three."""
     text = f"{value:.4g}"
     if "e+" not in text:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from missionplan.errors import KeyPath, LocalProblem
-from missionplan.mission.checks.limits.ranges import Findings
+from missionplan.mission.checks.limits.ranges import Findings, four_digits
 from missionplan.mission.checks.limits.table import FARTHEST
 from missionplan.mission.checks.phases import phase_path
 from missionplan.mission.geodesy import to_plane
@@ -123,7 +123,7 @@ def _leg_count(phase: TransitPhase, distance: float, navigation: Navigation | No
     fewest = 0.5 * (distance - radius) / mean_of(phase.d_max)  # a current may carry it as far as it goes
     if fewest > navigation.max_legs:
         legs = f"{math.ceil(fewest)} legs, even with the current"
-        message = f"{distance:.4g} m take at least {legs}; navigation.max_legs is {navigation.max_legs}"
+        message = f"{four_digits(distance)} m take at least {legs}; navigation.max_legs is {navigation.max_legs}"
         yield LocalProblem(("d_max",), message)
 
 
