@@ -31,8 +31,8 @@ class DescentSettings(DivesSettings):
 
 HIGHEST = -2.0
 """Readings above it are no depths [m]: waves and the offset of a sensor stay within."""
-BELOW_SEAFLOOR = 1.2
-"""Readings deeper than this many depths of the site are not of this dive: a sensor's scale errs less."""
+BELOW_SEAFLOOR = 4.0
+"""Readings deeper than this many depths of the site are not of this dive, even in feet (3.28)."""
 TOUCHDOWN_MARGIN = 0.12
 """Share of the vehicle's depth at touchdown that is cut off above it."""
 IGNORED = ("pitch_deg", "density_kg_m3")

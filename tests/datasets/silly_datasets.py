@@ -28,7 +28,7 @@ SILLY = {
     "a negative noise": (DIVES.replace("0.05 m", "-0.05 m"), ROWS),
     "a weight without a unit": (DIVES.replace("12 N", "12"), ROWS),
     "a column misspelt": (DIVES, ROWS.replace("depth_m", "depht_m")),
-    "a dive below the seafloor": (DIVES.replace("depth: 24 m", "depth: 12 m"), ROWS),
+    "a dive below the seafloor": (DIVES, ROWS.replace("19.0", "190")),
     "a dive 12 m above the water": (DIVES, ROWS.replace("dive-1,11,12.7", "dive-1,11,-12.7")),
     "a depth in words": (DIVES, ROWS.replace("12.7", "deep")),
     "a time twice": (DIVES, ROWS.replace("dive-1,9,", "dive-1,8,")),
