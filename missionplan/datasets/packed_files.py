@@ -13,7 +13,7 @@ from zipfile import BadZipFile, ZipFile
 
 from missionplan.errors import InputError, Problem
 
-MAX_UNPACKED = 50_000_000
+MAX_UNPACKED = 30_000_000
 """Bytes that a compressed file may unpack to."""
 _CHUNK = 1_000_000
 

@@ -1,5 +1,6 @@
 """Parts of the answer of a diagnosis: sets of causes with their evidence and estimates, held-out gain, discrepancy."""
 
+import math
 from dataclasses import asdict, dataclass
 from typing import Literal
 
@@ -73,6 +74,11 @@ class HeldOutGain:
     rmse_extended: float
     coverage_90_base: float
     coverage_90_extended: float
+
+    def __str__(self) -> str:
+        """Gain and its standard error, which a single group does not have."""
+        spread = f" ± {self.paired_se:.1f}" if math.isfinite(self.paired_se) else ""
+        return f"{self.log_score_gain:.1f}{spread}"
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,7 @@ def ranking_rows(ranking: Sequence[RankedSet]) -> tuple[list[str], list[list[str
             "" if entry.importance is None else f"{entry.importance:.1f}",
             f"{entry.score:.1f}",
             "" if entry.posterior is None else _percent(entry.posterior),
-            "" if entry.held_out is None else f"{entry.held_out.log_score_gain:.1f} ± {entry.held_out.paired_se:.1f}",
+            "" if entry.held_out is None else str(entry.held_out),
             f"{100.0 * entry.share_explained:.0f} %",
         ]
         for entry in ranking

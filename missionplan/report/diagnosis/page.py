@@ -137,7 +137,7 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
         errors = f"{gain.rmse_base:#.2g} → {gain.rmse_extended:#.2g} {kind.unit}"
         numbers.append(("Error on data held out, before and after", errors))
         better = f"{gain.groups_improved} of {gain.groups} parts better"
-        log = f"{gain.log_score_gain:.1f} ± {gain.paired_se:.1f} nats, {better}"
+        log = f"{gain} nats, {better}"
         numbers.append(("Gain in log score on data held out", log))
     return numbers + kind.numbers(diagnosis)
 
