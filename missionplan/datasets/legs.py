@@ -12,7 +12,7 @@ from missionplan.arrays import Array
 from missionplan.datasets.leg_checks import MIN_LEGS, NEEDED, check_legs
 from missionplan.datasets.reading import DatasetFormat, DatasetSettings, read_dataset
 from missionplan.datasets.table import Columns
-from missionplan.errors import InputError
+from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema import quantities as q
@@ -45,6 +45,8 @@ TRANSIT = DatasetFormat(
     ),
 )
 
+FARTHEST = 500_000.0
+"""Greatest distance of a log from the mission's origin, as of anything in a mission [m]."""
 EPOCH_SCALE = 1e8
 """Times above this are seconds since 1970, not since the mission's start [s]."""
 IMPOSSIBLE_SPEED = 3.0
@@ -156,7 +158,7 @@ def read_transit(folder: Path, mission: Mission) -> TransitData:
     settings = raw.checked(check_legs(raw.table, raw.file))
     notices = list(raw.notices)
     legs = _in_order(raw.table, notices)
-    start, reckoned, end, origin = _positions(legs, mission, notices)
+    start, reckoned, end, origin = _positions(legs, mission, notices, raw.file)
     surface = legs["surface_s"].fillna(0.0).to_numpy() if "surface_s" in legs else np.zeros(len(legs))
     t_start = legs["t_start_s"].to_numpy()
     under_way = legs["t_end_s"].to_numpy() - t_start - surface
@@ -190,7 +192,7 @@ def _in_order(legs: pd.DataFrame, notices: list[str]) -> pd.DataFrame:
 
 
 def _positions(
-    legs: pd.DataFrame, mission: Mission, notices: list[str]
+    legs: pd.DataFrame, mission: Mission, notices: list[str], file: str
 ) -> tuple[Array, Array, Array, tuple[float, float] | None]:
     """Fix on diving, dead-reckoned position and fix on surfacing, shape (2, n) each [m], and their origin [rad]."""
     site = mission.site
@@ -202,6 +204,10 @@ def _positions(
         origin = (float(np.radians(legs["lat_start"].iloc[0])), float(np.radians(legs["lon_start"].iloc[0])))
         notices.append("the mission has no site.origin; coordinates are metres from the first fix of the log")
     start, reckoned, end = (_plane(legs, GEOGRAPHIC[k : k + 2], origin) for k in (0, 2, 4))
+    away, most = (distance / 1000.0 for distance in (float(np.hypot(*start).max()), FARTHEST))
+    if away > most:
+        problem = f"{away:.0f} km from the mission's site.origin, expected at most {most:.0f} km"
+        raise InputError([Problem(problem, file, key=GEOGRAPHIC[0], hint="is this the mission's log?")])
     return start, reckoned, end, origin
 
 

@@ -9,9 +9,11 @@ from missionplan.datasets.legs import TransitData
 from missionplan.diagnosis.given_effects import check_together, given_effects, given_priors
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.effects import effects_of
+from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import mean_of
+from missionplan.phases.currents import Current, Span
 from missionplan.phases.hooks import TransitEffect
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
@@ -40,6 +42,8 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     recorded = recorded_current(mission)
     means = Scenario.at_means(mission, recorded)
     drawn = Scenario.drawn(mission, recorded, seed=seed, block=0, size=DRAWS)
+    if means.current is not None:
+        _check_cover(data, means.current, float(np.mean(means[f"{transits.transit().name}.depth"])), mission)
     base, spread = _expected_velocity(data, means, drawn, transits.transit().name)
     error = transits.navigation.velocity_error
     base = base + np.array([[mean_of(part)] for part in error.mean])
@@ -50,6 +54,28 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     current_sd = (float(spread[0]), float(spread[1]))
     model = TransitModel(data, base, error.covariance, fix_error, current_sd, given)
     return replace(model, base=_with_given_effects(model, mission))
+
+
+def _check_cover(data: TransitData, current: Current, depth: float, mission: Mission) -> None:
+    """Refuse a log that leaves the record of the current: its misfit would be that of a current made up.
+
+    Raises
+    ------
+    InputError
+        With the number of such legs, and the times of the log.
+    """
+    if not current.is_binding:
+        return
+    ends = data.t_start + data.under_way
+    covered = np.broadcast_to(current.covers(Span(data.t_start, ends, depth, (data.start, data.end))), ends.shape)
+    if covered.all():
+        return
+    hours = (float(data.t_start.min()) / 3600.0, float(ends.max()) / 3600.0)
+    legs = f"{np.count_nonzero(~covered)} of the {data.n} legs of {data.name}"
+    when = f"the log runs from {hours[0]:.1f} to {hours[1]:.1f} h after the mission's start, {depth:.0f} m down"
+    hint = "is start: right? `outside: hold` in site.current keeps the record's last value"
+    problem = f"{legs} lie beyond this record of the current: {when}"
+    raise InputError([Problem(problem, mission.file, key="site.current", hint=hint)])
 
 
 def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario, name: str) -> tuple[Array, Array]:

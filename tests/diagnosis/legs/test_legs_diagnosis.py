@@ -9,6 +9,7 @@ from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.effects import CATALOGUE
+from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.report.render import render_report
 
@@ -222,3 +223,36 @@ def test_diagnosis_json_has_the_contracts_keys(quick, legs):
     assert {"data", "ranking", "residuals", "places", "autocorrelation", "held-out"} <= set(
         render_report(found).figures
     )
+
+
+def record(path, hours):
+    """A record of a current of 5 cm/s to the east at 1, 5 and 20 m, so many hours long."""
+    rows = ["t_s,depth_m,east_m_s,north_m_s"]
+    rows += [f"{3600 * hour},{depth},0.05,0.0" for hour in (0, hours) for depth in (1, 5, 20)]
+    path.write_text("\n".join(rows) + "\n")
+    return str(path)
+
+
+def test_a_log_beyond_the_record_of_the_current_is_an_error(folder, mission, transit_mission, legs, tmp_path):
+    raw = transit_mission.raw
+    data, site = folder(KIND, legs()), raw["site"]
+    for hours, outside, refused in ((1000, "error", False), (2, "error", True), (2, "hold", False)):
+        current = {"file": record(tmp_path / "current.csv", hours), "outside": outside}
+        made = mission({**raw, "site": {**site, "current": current}})
+        if refused:
+            with pytest.raises(InputError, match=r"site\.current: \d+ of the 48 legs .* from 0\.0 to .* h after"):
+                diagnose(made, data, plan=False)
+        else:
+            found = diagnose(made, data, plan=False)
+            assert found.residuals["expected_east_m_s"].to_numpy() == pytest.approx(0.05 * np.ones(48), rel=0.3)
+
+
+def test_a_log_from_elsewhere_is_an_error(folder, transit_mission, legs):
+    table = legs()
+    names = {"start": "start", "dr": "dr_end", "end": "end"}
+    for key, name in names.items():
+        table[f"lat_{name}"] = 47.0 + table[f"y_{key}_m"] / 111_000.0
+        table[f"lon_{name}"] = -76.0 + table[f"x_{key}_m"] / 76_000.0
+    planar = [f"{axis}_{key}_m" for axis in "xy" for key in names]
+    with pytest.raises(InputError, match=r"lat_start: 11\d\d km from the mission's site.origin"):
+        diagnose(transit_mission, folder(KIND, table.drop(columns=planar)), plan=False)
