@@ -116,6 +116,10 @@ class DataKind(ABC):
         """Return the base model's nuisance parameters as fitted, and what else the reader may set beside them."""
         return dict(best.calibration)
 
+    def widened(self, best: CauseFit, scale: float) -> CauseFit:
+        """Return a fit with its random errors scaled, where the mission carries them; else as it is."""
+        return best
+
     def not_constant(self, best: CauseFit) -> Causes:
         """Return the causes of a fit that do not hold still over the record."""
         return ()

@@ -77,9 +77,10 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: bo
     bound = bind_dataset(dataset, mission, seed)
     stage()
     found = run_pipeline(bound.model, lambda what, done, of: stage(), jobs)
-    extended = bound.extended_mission(found.best)
-    stage()
     judgement = judge(bound, found)
+    scale = judgement.coverage.scale if judgement.coverage is not None else 1.0
+    extended = bound.extended_mission(bound.widened(found.best, scale))
+    stage()
     separated = _separated(bound, found, judgement, jobs)
     stage()
     decision = bound.plan_gain(extended, seed=seed, jobs=jobs) if plan else PlanGain()
@@ -129,6 +130,7 @@ def _result(
         rivals=judgement.rivals,
         not_constant=judgement.not_constant,
         none_of_these=judgement.none_of_these,
+        coverage=judgement.coverage,
         discrepancy=found.discrepancy,
         base_discrepancy=found.base_discrepancy,
         scores=group_scores(found),

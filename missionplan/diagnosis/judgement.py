@@ -4,9 +4,11 @@ import math
 from dataclasses import dataclass
 
 from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.inference.interval_coverage import interval_coverage
+from missionplan.diagnosis.inference.model import HeldOutScore
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.diagnosis.verdict import limited
-from missionplan.results.evidence import Causes, Discrepancy, Verdict
+from missionplan.results.evidence import Causes, Coverage, Discrepancy, Verdict
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,8 @@ class Judgement:
         Claimed causes that do not hold still.
     none_of_these : float
         Probability that something outside the catalogue is left.
+    coverage : Coverage or None
+        Of the 90 % intervals of the model claimed, else of the base model's, on data held out; None where unknown.
     """
 
     verdict: Verdict
@@ -31,6 +35,7 @@ class Judgement:
     rivals: tuple[Causes, ...]
     not_constant: Causes
     none_of_these: float
+    coverage: Coverage | None
 
 
 def judge(bound: DataKind, found: PipelineResult) -> Judgement:
@@ -46,7 +51,16 @@ def judge(bound: DataKind, found: PipelineResult) -> Judgement:
         tuple(dict.fromkeys((*rivals, *inseparable))),
         not_constant,
         none_of_these(found.discrepancy, found.selection.catalogue),
+        interval_coverage(_held_out(found)),
     )
+
+
+def _held_out(found: PipelineResult) -> tuple[HeldOutScore, ...]:
+    """Held-out scores of the model that is believed; none where none were made."""
+    own = found.held_out.get(found.best.causes)
+    if own is not None:
+        return own.extended
+    return next((comparison.base for comparison in found.held_out.values()), ()) if found.claimed is None else ()
 
 
 def none_of_these(left: Discrepancy, catalogue: int) -> float:

@@ -137,6 +137,8 @@ class Parameter:
         Value when the mission file leaves it out [unit].
     field : str
         Field of the data class where a hook has the parameter's name; by default the same as the name.
+    is_random_size : bool
+        Whether it is the size of a velocity error that is random from leg to leg.
     extent_scale, extent_spike : float
         For a gradient: `scale` and `spike` are at most these over the extent of the record [unit·m].
     tank_spike : float
@@ -153,6 +155,7 @@ class Parameter:
     factor: float = 1.0
     default: float = 0.0
     field: str = ""
+    is_random_size: bool = False
     extent_scale: float = inf
     extent_spike: float = inf
     tank_spike: float = 0.0

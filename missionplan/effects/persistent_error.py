@@ -55,7 +55,9 @@ INFO = EffectInfo(
     tier="statistical",
     effect=PersistentError,
     parameters={
-        "sigma": Parameter("m/s", "standard deviation on each axis", 0.0, 3.0, median=0.06, factor=2.5),
+        "sigma": Parameter(
+            "m/s", "standard deviation on each axis", 0.0, 3.0, median=0.06, factor=2.5, is_random_size=True
+        ),
         "time": Parameter("s", "correlation time", 60.0, 1e7, median=30000.0, factor=6.0, default=7200.0),
     },
     what="The error of one leg resembles that of the leg before: eddies, slow currents, a compass that drifts.",

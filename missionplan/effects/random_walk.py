@@ -50,7 +50,15 @@ INFO = EffectInfo(
     tier="statistical",
     effect=RandomWalk,
     parameters={
-        "rate": Parameter("m/s**1.5", "growth: standard deviation after one second", 0.0, 1.0, median=5e-4, factor=3.0)
+        "rate": Parameter(
+            "m/s**1.5",
+            "growth: standard deviation after one second",
+            0.0,
+            1.0,
+            median=5e-4,
+            factor=3.0,
+            is_random_size=True,
+        )
     },
     what="The error drifts without bound: an ageing gyro or calibration, water that changes along the way.",
     sizes="0.01 to 0.1 m/s after an hour: 2e-4 to 2e-3 m/s per root second.",

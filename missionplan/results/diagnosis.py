@@ -9,6 +9,7 @@ import pandas as pd
 from missionplan.results.base import Provenance, Result, to_csv, to_json, to_yaml
 from missionplan.results.evidence import (
     Causes,
+    Coverage,
     Discrepancy,
     GroupScore,
     NextMeasurement,
@@ -78,6 +79,8 @@ class Diagnosis(Result):
         Claimed causes that do not hold still over the record.
     none_of_these : float
         Probability that something is left which no cause of the catalogue explains.
+    coverage : Coverage or None
+        Of the 90 % intervals on data held out, where it is known.
     discrepancy, base_discrepancy : Discrepancy
         What the claimed model leaves, and the base model.
     scores : tuple of GroupScore
@@ -115,6 +118,7 @@ class Diagnosis(Result):
     rivals: tuple[Causes, ...]
     not_constant: Causes
     none_of_these: float
+    coverage: Coverage | None
     discrepancy: Discrepancy
     base_discrepancy: Discrepancy
     scores: tuple[GroupScore, ...]
@@ -172,6 +176,7 @@ class Diagnosis(Result):
             "changed": bool(self.changed),
             "not_constant": list(self.not_constant),
             "none_of_these": self.none_of_these,
+            "coverage_scale": self.coverage.scale if self.coverage is not None else 1.0,
         }
 
     def summary(self) -> dict[str, object]:

@@ -82,6 +82,31 @@ class HeldOutGain:
 
 
 @dataclass(frozen=True)
+class Coverage:
+    """How many held-out values lie inside their 90 % prediction intervals.
+
+    Attributes
+    ----------
+    inside, count : int
+        Values inside, of how many.
+    scale : float
+        Factor on the random errors with which 90 % would have been inside; 1 where chance allows the difference.
+    inside_scaled : int
+        Values inside when the errors of each group are scaled by the factor fitted to the others.
+    """
+
+    inside: int
+    count: int
+    scale: float
+    inside_scaled: int
+
+    @property
+    def is_off(self) -> bool:
+        """Whether the binomial interval of the coverage excludes 90 %."""
+        return self.scale != 1.0
+
+
+@dataclass(frozen=True)
 class RankedSet:
     """A set of causes in the ranking.
 

@@ -75,6 +75,8 @@ class HeldOutScore:
         Values inside their 90 % predictive interval.
     count : int
         Values.
+    standardised : tuple of float
+        Errors over their predictive standard deviations, where the model gives them.
     """
 
     group: str
@@ -82,6 +84,7 @@ class HeldOutScore:
     squared_error: float
     inside: int
     count: int
+    standardised: tuple[float, ...] = ()
 
 
 class Model(Protocol):

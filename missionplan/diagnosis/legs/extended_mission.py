@@ -2,11 +2,35 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from datetime import UTC, datetime
 
 from missionplan.datasets.legs import TransitData
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.effects import CATALOGUE
+from missionplan.results.evidence import ParameterEstimate
+
+
+def widened(best: CauseFit, scale: float) -> CauseFit:
+    """Return a fit with σ_v and the sizes of its random causes scaled: its intervals were too narrow, or too wide.
+
+    Parameters
+    ----------
+    best : CauseFit
+    scale : float
+        1 leaves it as it is.
+    """
+    calibration = {name: value * (scale if name == "sigma_v_m_s" else 1.0) for name, value in best.calibration.items()}
+    estimates, given = (tuple(_widened(each, scale) for each in found) for found in (best.estimates, best.given))
+    return replace(best, calibration=calibration, estimates=estimates, given=given)
+
+
+def _widened(estimate: ParameterEstimate, scale: float) -> ParameterEstimate:
+    if not CATALOGUE[estimate.effect].parameters[estimate.name].is_random_size:
+        return estimate
+    value, sd, low, high = (scale * number for number in (estimate.value, estimate.sd, estimate.low, estimate.high))
+    return replace(estimate, value=value, sd=sd, low=low, high=high)
 
 
 def extended_transit_mission(raw: Mapping[str, object], best: CauseFit, data: TransitData) -> dict[str, object]:

@@ -11,7 +11,7 @@ from missionplan.datasets.legs import TransitData, read_transit
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.constancy import not_constant
-from missionplan.diagnosis.legs.extended_mission import extended_transit_mission
+from missionplan.diagnosis.legs.extended_mission import extended_transit_mission, widened
 from missionplan.diagnosis.legs.headings import inseparable
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.legs.model_factory import transit_model
@@ -64,6 +64,10 @@ class TransitKind(DataKind):
     def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the maximum leg lengths chosen."""
         return plan_gain(leg_length_choice, self.mission, extended, seed=seed, jobs=jobs)
+
+    def widened(self, best: CauseFit, scale: float) -> CauseFit:
+        """Return a fit with the velocity error and the random causes scaled."""
+        return widened(best, scale)
 
     def not_constant(self, best: CauseFit) -> Causes:
         """Return the physical causes whose parameters differ between the halves of the log."""

@@ -148,10 +148,10 @@ class TransitModel(TransitFitting):
         log_score = whole.log_density - seen.log_density
         mean, covariance = self.predictor(trained)(others, block)
         error = (self.y[:, block] - mean).ravel()
-        half_width = QUANTILE_95 * np.sqrt(np.diag(covariance))
+        standardised = error / np.sqrt(np.diag(covariance))
         name = f"legs {self.data.labels[block[0]]} to {self.data.labels[block[-1]]}"
-        inside = int((np.abs(error) <= half_width).sum())
-        return HeldOutScore(name, log_score, float(error @ error), inside, error.size)
+        inside = int((np.abs(standardised) <= QUANTILE_95).sum())
+        return HeldOutScore(name, log_score, float(error @ error), inside, error.size, tuple(standardised.tolist()))
 
     @property
     def designs(self) -> Sequence[str]:

@@ -19,7 +19,7 @@ from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
 from missionplan.results.diagnosis import Diagnosis
-from missionplan.results.evidence import NextMeasurement, ParameterEstimate
+from missionplan.results.evidence import Coverage, NextMeasurement, ParameterEstimate
 
 _INDISTINGUISHABLE = 1.0
 """Expected nats below which a measurement separates nothing."""
@@ -69,7 +69,19 @@ def terminal(diagnosis: Diagnosis) -> Terminal:
 
 def answer(diagnosis: Diagnosis) -> str:
     """State the verdict in a sentence or two, with the size of the misfit."""
-    return f"{_verdict_words(diagnosis)} {diagnosis.misfit}"
+    return f"{_verdict_words(diagnosis)} {diagnosis.misfit}{_coverage_words(diagnosis.coverage)}"
+
+
+def _coverage_words(coverage: Coverage | None) -> str:
+    """Say that 90 % intervals do not hold 90 %, where chance does not explain it."""
+    if coverage is None or not coverage.is_off:
+        return ""
+    wide = "narrow" if coverage.scale > 1.0 else "wide"
+    return (
+        f" Its 90 % intervals are too {wide}: they hold {100.0 * coverage.inside / coverage.count:.0f} % of what was "
+        f"held out. With random errors {coverage.scale:.2f} times as large, as in the extended mission, they hold "
+        f"{100.0 * coverage.inside_scaled / coverage.count:.0f} %."
+    )
 
 
 def _verdict_words(diagnosis: Diagnosis) -> str:

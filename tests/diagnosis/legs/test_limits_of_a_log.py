@@ -1,15 +1,19 @@
 """What a log cannot show, however well it fits: few legs, one heading, a cause that changes."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from missionplan import diagnose
+from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.judgement import none_of_these
+from missionplan.diagnosis.legs.extended_mission import widened
+from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.effects import CATALOGUE
 from missionplan.report.render import render_report
-from missionplan.results.evidence import Discrepancy, ResidualTest
+from missionplan.results.evidence import Coverage, Discrepancy, ResidualTest
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
 
@@ -98,3 +102,30 @@ def test_a_constant_cause_is_constant(seed, folder, transit_mission, legs):
 def test_probability_of_something_outside_the_catalogue(log_bayes_factor, p_values, expected):
     left = Discrepancy(log_bayes_factor, None, (), tuple(ResidualTest("", p) for p in p_values))
     assert none_of_these(left, 12) == pytest.approx(expected / (1.0 + expected))
+
+
+def test_intervals_that_are_too_narrow_are_said(folder, transit_mission, legs):
+    found = diagnose(transit_mission, folder(KIND, legs(60, error=slow(-0.06))), plan=False)
+    assert not found.coverage.is_off
+    assert found.diagnosis()["coverage_scale"] == 1.0
+    assert "intervals are too" not in render_report(found).html
+    narrow = replace(found, coverage=Coverage(85, 120, 1.6, 107))
+    assert "90\u00a0% intervals are too narrow: they hold 71\u00a0%" in render_report(narrow).html
+    assert narrow.diagnosis()["coverage_scale"] == 1.6
+
+
+def test_random_errors_are_scaled_and_nothing_else(folder, transit_mission, legs):
+    def error(t, heading):
+        return drifting(0.15, 7200.0)(t, heading) + slow(-0.08)(t, heading)
+
+    data = folder(KIND, legs(80, error=error))
+    model = transit_model(read_transit(data, transit_mission), transit_mission, seed=1)
+    fit = model.fit(("speed-scale", "persistent-error"))
+    wide = widened(fit, 1.5)
+    before, after = ({(e.effect, e.name): e for e in each.estimates} for each in (fit, wide))
+    assert wide.calibration["sigma_v_m_s"] == pytest.approx(1.5 * fit.calibration["sigma_v_m_s"])
+    assert wide.calibration["fix_sd_m"] == fit.calibration["fix_sd_m"]
+    sigma = ("persistent-error", "sigma")
+    assert after[sigma].value == pytest.approx(1.5 * before[sigma].value)
+    for key in (("speed-scale", "fraction"), ("persistent-error", "time")):
+        assert after[key] == before[key]
