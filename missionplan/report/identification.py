@@ -71,9 +71,7 @@ def _name_in_words(estimate: IdentifiedParameter) -> str:
 
 def terminal(result: Identification) -> Terminal:
     """Build the terminal's view of an identification."""
-    rows = [
-        (e.name, significant(e.value, e.sd), significant(e.sd, e.sd), _interval(e), e.unit) for e in result.estimates
-    ]
+    rows = [(e.name, significant(e.value, e.sd), _standard_error(e), _interval(e), e.unit) for e in result.estimates]
     return Terminal(result.analysis.answer, ("parameter", "value", "standard error", "90 % interval", "unit"), rows)
 
 
@@ -136,7 +134,7 @@ def parameter_table(result: Identification) -> Table:
             f"{e.symbol} ({_name_in_words(e)})",
             group,
             significant(e.value, e.sd),
-            significant(e.sd, e.sd),
+            _standard_error(e),
             _interval(e),
             e.unit,
         )
@@ -148,22 +146,28 @@ def parameter_table(result: Identification) -> Table:
 
 
 def _fits_heading(fits: Sequence[FittedModel]) -> str:
-    if len(fits) == 1:
+    if len(fits) == 1 and not fits[0].does_not_fit:
         return f"The data give {fits[0].name}"
+    if fits[0].does_not_fit:
+        return f"Best, but not good: {fits[0].name}"
     return f"The data support {fits[0].name}, not {fits[1].name}"
 
 
 def estimate_in_words(estimate: IdentifiedParameter) -> str:
     """Write a parameter with its error and unit, to two figures of the error."""
     unit = f" {estimate.unit}" if estimate.unit else ""
-    if not math.isfinite(estimate.sd):
+    if not estimate.has_interval:
         return f"{estimate.value:.4g}{unit}"
     return f"{significant(estimate.value, estimate.sd)} ± {significant(estimate.sd, estimate.sd)}{unit}"
 
 
+def _standard_error(estimate: IdentifiedParameter) -> str:
+    return significant(estimate.sd, estimate.sd) if estimate.has_interval else "not known"
+
+
 def _interval(estimate: IdentifiedParameter) -> str:
-    if not math.isfinite(estimate.sd):
-        return "not known"
+    if not estimate.has_interval:
+        return "none"
     return f"{significant(estimate.low, estimate.sd)} to {significant(estimate.high, estimate.sd)}"
 
 

@@ -1,5 +1,6 @@
 """Result of `identify`: parameters from tank data with their errors, fitted models, a fragment of a vehicle file."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
@@ -12,7 +13,10 @@ from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 
 @dataclass(frozen=True)
 class IdentifiedParameter:
-    """An estimated parameter: `value` and standard deviation `sd` in `unit`, 90 % interval from `low` to `high`."""
+    """An estimated parameter: `value` and standard deviation `sd` in `unit`, 90 % interval from `low` to `high`.
+
+    The ends are nan where there is no interval: the standard deviation is not known, or the model does not fit.
+    """
 
     name: str
     symbol: str
@@ -21,6 +25,16 @@ class IdentifiedParameter:
     low: float
     high: float
     unit: str
+
+    @property
+    def has_interval(self) -> bool:
+        """Whether there is an interval."""
+        return math.isfinite(self.low) and math.isfinite(self.high)
+
+    def interval_in_words(self, digits: str) -> str:
+        """Write `` (90 % interval 1.2 to 1.4 kg)`` in a format such as ``.3g``; empty where there is none."""
+        unit = f" {self.unit}" if self.unit else ""
+        return f" (90 % interval {self.low:{digits}} to {self.high:{digits}}{unit})" if self.has_interval else ""
 
     def summary(self) -> dict[str, object]:
         """Return the entry of `summary.json`, which is also a row of the table."""
@@ -42,6 +56,8 @@ class FittedModel:
         Weighted sum of squared residuals, with the stated errors; nan where none were stated.
     degrees_of_freedom : int
         Data less parameters.
+    does_not_fit : bool
+        Whether the residuals are so much larger than the stated errors that the model is wrong.
     widened : float
         Factor by which the standard errors were widened for scatter beyond the stated errors, or for
         autocorrelated residuals; 1 for none.
@@ -57,6 +73,7 @@ class FittedModel:
     estimates: tuple[IdentifiedParameter, ...]
     chi_squared: float
     degrees_of_freedom: int
+    does_not_fit: bool
     widened: float
     fitted: Array
     residual_sd: float
@@ -76,6 +93,7 @@ class FittedModel:
             "model": self.name,
             "chi_squared": self.chi_squared,
             "degrees_of_freedom": self.degrees_of_freedom,
+            "does_not_fit": self.does_not_fit,
             "widened": self.widened,
             "parameters": [estimate.summary() for estimate in self.estimates],
         }
@@ -179,6 +197,7 @@ class Identification(Result):
             "kind": self.kind,
             "dataset": self.name,
             "preferred": self.fits[0].name,
+            "does_not_fit": self.fits[0].does_not_fit,
             "parameters": [estimate.summary() for estimate in self.estimates],
             "fits": [fit.summary() for fit in self.fits],
             "remarks": list(self.analysis.remarks),

@@ -38,10 +38,9 @@ def identify_drag(data: TankData, settings: DragSettings) -> TankAnalysis:
     fits = (richer, simple) if prefers_richer else (simple, richer)
     best = fits[0]["drag_coefficient"]
     at = f" at Re {towing.middle:.2g}" if prefers_richer else ""
-    interval = f"{best.low:.3f} to {best.high:.3f}"
     compared = _compared(data, settings)
     return TankAnalysis(
-        answer=f"The drag coefficient{at} is {best.value:.3f} (90 % interval {interval}).",
+        answer=f"The drag coefficient{at} is {best.value:.3f}{best.interval_in_words('.3f')}.",
         fits=fits,
         panels=(towing.coefficient_panel(fits, compared), towing.force_panel(fits[0])),
         remarks=_remarks(towing, simple, richer, compared),
@@ -184,7 +183,7 @@ def _remarks(towing: _Towing, simple: FittedModel, richer: FittedModel, compared
     means = f"The plain mean of the {len(coefficients)} coefficients is {coefficients.mean():.3f}"
     means += f", of those above Re = 10⁵ {above.mean():.3f}." if 0 < len(above) < len(coefficients) else "."
     remarks = [means]
-    if not np.isnan(simple.chi_squared):
+    if not np.isnan(simple.chi_squared) and not simple.does_not_fit:
         per_degree = simple.chi_squared / simple.degrees_of_freedom
         if per_degree > 1.0:
             sd = simple["drag_coefficient"].sd
@@ -193,7 +192,8 @@ def _remarks(towing: _Towing, simple: FittedModel, richer: FittedModel, compared
                 f"{per_degree:.1f}): the standard error {sd / simple.widened:.3f} was widened to {sd:.3f}."
             )
     exponent = richer["reynolds_exponent"]
-    remarks.append(f"Against the Reynolds number the exponent is {exponent.value:.3f} ± {exponent.sd:.3f}.")
+    error = f" ± {exponent.sd:.3f}" if exponent.has_interval else ""
+    remarks.append(f"Against the Reynolds number the exponent is {exponent.value:.3f}{error}.")
     if compared is not None:
         remarks.append(_comparison(towing, compared))
     return tuple(remarks)

@@ -1,6 +1,8 @@
 """`identify`: hydrodynamic and thruster parameters, with their errors, from tank data."""
 
+import math
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from missionplan.datasets.reading import files_outside
@@ -57,7 +59,27 @@ def identify(dataset: str | Path, *, allow_outside: bool = False) -> Identificat
         data=data.raw,
         notices=data.notices,
     )
-    return Identification(provenance, data.settings.kind, data.name, data.source, analysis)
+    return Identification(provenance, data.settings.kind, data.name, data.source, _headed(analysis))
+
+
+def _headed(analysis: TankAnalysis) -> TankAnalysis:
+    """Lead with it where the preferred model does not fit, and say what its numbers are then."""
+    best = analysis.fits[0]
+    if not best.does_not_fit:
+        return analysis
+    larger = math.sqrt(best.chi_squared / best.degrees_of_freedom)
+    headline = (
+        f"The model does not fit ({best.name}): chi-squared is {best.chi_squared:.0f} on {best.degrees_of_freedom} "
+        f"degrees of freedom, the residuals are {larger:.1f} times the stated errors. These are the numbers of the "
+        "best fit, without an interval. "
+    )
+    remark = (
+        "What a model leaves out can shift its parameters by more than any standard error says, so no interval is "
+        "given. Look at the residuals for what is missing. If the stated errors are too small, correct them or leave "
+        "them out: the interval then follows from the scatter. Errors in the vehicle's fragment take the misfit for "
+        f"scatter: they are {best.widened:.1f} times those that follow from the stated errors."
+    )
+    return replace(analysis, answer=headline + analysis.answer, remarks=(remark, *analysis.remarks))
 
 
 def _analysis(data: TankData) -> TankAnalysis:

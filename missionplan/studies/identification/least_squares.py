@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.special import fdtrc, stdtrit
+from scipy.special import chdtrc, fdtrc, stdtrit
 
 from missionplan.arrays import Array
 from missionplan.errors import RunError
@@ -15,6 +15,11 @@ INTERVAL = 0.90
 """Probability of the intervals."""
 RANK_TOLERANCE = 1e-9
 """Least singular value over the largest, of the scaled Jacobian, below which a parameter is not identifiable."""
+
+IMPROBABLE = 1e-3
+"""Probability of a chi-squared as large below which it is no chance."""
+STATED_WITHIN = 1.5
+"""Factor by which stated errors may be too small: what is larger still is the model's."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +68,7 @@ def fit(
     Returns
     -------
     FittedModel
-        With 90 % intervals of Student's t.
+        With 90 % intervals of Student's t; none where the model does not fit (`_does_not_fit`).
 
     Raises
     ------
@@ -96,7 +101,8 @@ def fit(
     widened = _widening(chi_squared / dof, data_sd is not None, data - fitted if in_sequence else None)
     spread = covariance * widened**2 * (1.0 if data_sd is not None else chi_squared / dof)
     deviations = np.sqrt(np.diag(spread))
-    quantile = float(stdtrit(dof, 0.5 + INTERVAL / 2.0))
+    wrong = data_sd is not None and _does_not_fit(chi_squared, dof)
+    quantile = np.nan if wrong else float(stdtrit(dof, 0.5 + INTERVAL / 2.0))
     estimates = tuple(
         _estimate(p, float(v), float(sd), quantile) for p, v, sd in zip(parameters, solution.x, deviations, strict=True)
     )
@@ -104,12 +110,22 @@ def fit(
         raise RunError(f"{name}: the data do not determine the parameters")
     residual_sd = float(np.sqrt(np.sum((data - fitted) ** 2) / dof))
     stated = chi_squared if data_sd is not None else float("nan")
-    return FittedModel(name, estimates, stated, dof, widened, fitted, residual_sd, spread)
+    return FittedModel(name, estimates, stated, dof, wrong, widened, fitted, residual_sd, spread)
 
 
 def _estimate(parameter: FitParameter, value: float, sd: float, quantile: float) -> IdentifiedParameter:
     low, high = value - quantile * sd, value + quantile * sd
     return IdentifiedParameter(parameter.name, parameter.symbol, value, sd, low, high, parameter.unit)
+
+
+def _does_not_fit(chi_squared: float, dof: int) -> bool:
+    """Whether a model is wrong: chi-squared is too large by chance even if the errors are `STATED_WITHIN` times larger.
+
+    Its parameters then have no interval. What the model leaves out shifts them by an amount that residuals do not
+    tell: at the least squares they are orthogonal to every parameter. Factors on the errors take the misfit for scatter
+    (Birge 1932) and hold where it is.
+    """
+    return bool(chdtrc(dof, chi_squared / STATED_WITHIN**2) < IMPROBABLE)
 
 
 def _widening(chi_squared_per_dof: float, stated: bool, residuals: Array | None) -> float:

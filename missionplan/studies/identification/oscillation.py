@@ -77,6 +77,7 @@ def _added_masses(data: TankData, settings: OscillationSettings) -> FittedModel:
         estimates=estimates,
         chi_squared=math.nan,
         degrees_of_freedom=0,
+        does_not_fit=False,
         widened=1.0,
         fitted=added,
         residual_sd=math.nan,
@@ -123,10 +124,10 @@ def _from_record(data: TankData, settings: OscillationSettings) -> TankAnalysis:
         "that follow one another."
     )
     return TankAnalysis(
-        answer=f"The added mass is {added.value:.3g} kg (90 % interval {added.low:.3g} to {added.high:.3g} kg).",
+        answer=f"The added mass is {added.value:.3g} kg{added.interval_in_words('.3g')}.",
         fits=fits,
         panels=(_record_panel(time, record, record_sd, fits),),
-        remarks=(remark,) if widened > 1.05 else (),
+        remarks=(remark,) if widened > 1.05 and not fits[0].does_not_fit else (),
         fragment=_fragment(["surge"], (added,), settings.scale),
         derived=physical,
     )

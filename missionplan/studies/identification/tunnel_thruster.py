@@ -6,6 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.datasets.tank import TankData, ThrusterGeometry, ThrusterSettings
+from missionplan.datasets.tank.settings import NoiseLevels
 from missionplan.physics import tunnel_thruster as tt
 from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import FitParameter, fit
@@ -33,11 +34,11 @@ def identify_tunnel_thruster(
     fits: tuple[FittedModel, ...] = (_force_fit(run, force, settings.noise.thrust),)
     measured = None if moments is None or np.all(np.isnan(moments)) else moments[turning]
     if measured is not None:
-        fits = _moment_fits(run, fits[0], force, measured, settings.noise.moment)
+        fits = _moment_fits(run, fits[0], force, measured, settings.noise)
     best = fits[0]
     return TankAnalysis(
         answer=f"The static constant is {best['thrust_constant'].value:.4g} N s², and speed takes thrust away with c = "
-        f"{best['decay'].value:.2f} (90 % interval {best['decay'].low:.2f} to {best['decay'].high:.2f}).",
+        f"{best['decay'].value:.2f}{best['decay'].interval_in_words('.2f')}.",
         fits=fits,
         panels=_panels(run, best, force, measured),
         remarks=_remarks(run, best),
@@ -101,14 +102,14 @@ def _force_fit(run: TunnelThrusterRun, force: Array, noise: float | None) -> Fit
 
 
 def _moment_fits(
-    run: TunnelThrusterRun, forces: FittedModel, force: Array, moments: Array, moment_sd: float | None
+    run: TunnelThrusterRun, forces: FittedModel, force: Array, moments: Array, noise: NoiseLevels
 ) -> tuple[FittedModel, ...]:
     """Fit forces and moments together, with both laws of the centre of suction; the better one first."""
     moving = FitParameter("suction_gradient", "k", "", 1.0)
     constant = FitParameter("suction_offset", "x_T - x_S", "m", 0.1)
 
     def joint(name: str, law: FitParameter) -> FittedModel:
-        return _joint_fit(name, run, law, forces, force, moments, moment_sd)
+        return _joint_fit(name, run, law, forces, force, moments, noise)
 
     fits = [joint("centre of suction moves aft with speed", moving), joint("centre of suction stays", constant)]
     return tuple(sorted(fits, key=lambda fitted: fitted.chi_squared))
@@ -121,7 +122,7 @@ def _joint_fit(
     forces: FittedModel,
     force: Array,
     moments: Array,
-    moment_sd: float | None,
+    noise: NoiseLevels,
 ) -> FittedModel:
     """Fit K_3, c and the parameter of a law of the centre of suction; errors from separate fits where not stated."""
     constants = np.array([estimate.value for estimate in forces.estimates])
@@ -135,8 +136,9 @@ def _joint_fit(
     def together(values: Array) -> Array:
         return np.concatenate([run.force(values[:2]), moment(values[:2], values[2])])
 
-    scatter = fit(name, moment_alone, [law], moments).residual_sd if moment_sd is None else moment_sd
-    sd = [np.full_like(force, max(forces.residual_sd, 1e-12)), np.full_like(moments, max(scatter, 1e-12))]
+    force_sd = noise.thrust or max(forces.residual_sd, 1e-12)
+    moment_sd = noise.moment or max(fit(name, moment_alone, [law], moments).residual_sd, 1e-12)
+    sd = [np.full_like(force, force_sd), np.full_like(moments, moment_sd)]
     parameters, measured = [*run.parameters(force), law], np.concatenate([force, moments])
     return fit(name, together, parameters, measured, np.concatenate(sd))
 

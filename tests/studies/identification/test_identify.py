@@ -233,3 +233,60 @@ def test_report_is_one_page_with_its_files(tmp_path):
         "figures/drag-coefficient.svg",
     ):
         assert (folder / name).is_file(), name
+
+
+def towing_with_a_crisis(rng, drop, sd=0.02):
+    """Drag whose coefficient falls by a share beyond 0.8 m/s, as neither a constant nor a power of Re does."""
+    data = towing(rng, points=40)
+    speed = data["speed_m_s"]
+    force = 0.5 * 1000 * 0.1 * speed**2 * 1.8 * (1.0 - drop / (1.0 + np.exp(-(speed - 0.8) / 0.02)))
+    return {**data, "force_n": force * (1.0 + sd * rng.standard_normal(40)), "force_sd_n": 0.02 * force}
+
+
+def test_a_model_that_does_not_fit_is_said_first_and_has_no_interval(tmp_path):
+    result = identify(write(tmp_path / "drag", DRAG, towing_with_a_crisis(np.random.default_rng(7), 0.4)))
+    best = result.fits[0]
+    assert best.does_not_fit
+    assert result.summary()["does_not_fit"] is True
+    residuals = result.residuals().query("panel == 'drag-force'")["residual"].to_numpy()
+    stated = 0.02 * towing_with_a_crisis(np.random.default_rng(7), 0.4)["force_sd_n"] / 0.02
+    assert best.chi_squared == pytest.approx(np.sum((residuals / stated) ** 2), rel=1e-6)
+    assert result.analysis.answer.startswith(
+        f"The model does not fit ({best.name}): chi-squared is {best.chi_squared:.0f} on "
+    )
+    assert "90 % interval" not in result.analysis.answer
+    for estimate in best.estimates:
+        assert np.isnan([estimate.low, estimate.high]).all()
+        assert estimate.sd > 0.0  # widened: what the fragment carries
+    rows = terminal_view(result).rows
+    assert {row[2] for row in rows} == {"not known"}
+    assert {row[3] for row in rows} == {"none"}
+    assert "±" not in render_report(result).html.split("<h2")[0]
+
+
+@pytest.mark.parametrize("stated_over_true", [1.0, 0.75])
+def test_scatter_that_stated_errors_may_have_is_no_misfit(tmp_path, stated_over_true):
+    """Of forty right models, with errors as stated or a third larger, none is called wrong; intervals are widened."""
+    for seed in range(40):
+        data = towing_with_a_crisis(np.random.default_rng(seed), 0.0, sd=0.02 / stated_over_true)
+        best = identify(write(tmp_path / "drag", DRAG, data)).fits[0]
+        assert not best.does_not_fit
+        assert np.isfinite(best["drag_coefficient"].low)
+
+
+def test_a_misfit_without_stated_errors_is_scatter(tmp_path):
+    data = towing_with_a_crisis(np.random.default_rng(7), 0.4)
+    del data["force_sd_n"]
+    result = identify(write(tmp_path / "drag", DRAG, data))
+    assert not result.fits[0].does_not_fit
+    assert result["drag_coefficient"].low < result["drag_coefficient"].high
+
+
+def test_a_force_that_does_not_fit_is_said_though_moments_are_fitted_with_it(tmp_path):
+    data = tunnel(np.random.default_rng(5), 7.0, 0.8, lambda ratio: 0.8 - 9.0 * 0.07 * ratio)
+    data["thrust_n"] = data["thrust_n"] + 5.0 * np.sin(9.0 * data["speed_m_s"])
+    settings = {"kind": "thruster", "geometry": {"diameter": "70 mm", "position": "0.8 m"}}
+    settings["noise"] = {"thrust": "0.1 N", "moment": "0.1 N*m"}
+    result = identify(write(tmp_path / "tunnel", settings, data))
+    assert result.fits[0].does_not_fit
+    assert result.analysis.answer.startswith("The model does not fit")
