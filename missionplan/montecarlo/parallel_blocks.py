@@ -85,14 +85,13 @@ def _results(
 
 def _by_pool(task: Callable[[Item], Result], items: Sequence[Item], workers: int) -> Generator[Result, None, None]:
     """Run a part of the items here and the others in the pool, and those too until its workers have started."""
+    # What was submitted is never cancelled when the caller stops early or a block fails. A pool that is shut down with
+    # a cancelled future in it loses the thread that kills its workers, and the command hangs (loky before 3.7).
     with borrowed_pool(workers) as executor:
         run = _PoolRun(executor, task, items, workers)
-        try:
-            while run.unfinished:
-                run.advance()
-                yield from run.ready()
-        finally:  # the caller may stop early, or a block fail
-            run.cancel()
+        while run.unfinished:
+            run.advance()
+            yield from run.ready()
 
 
 class _PoolRun(Generic[Item, Result]):
@@ -130,11 +129,6 @@ class _PoolRun(Generic[Item, Result]):
         """Yield the results up to the first that is not available yet."""
         while self._begun and self._begun[0][1].done():
             yield self._begun.popleft()[1].result()
-
-    def cancel(self) -> None:
-        """Cancel what the pool has not begun."""
-        for _, future in self._begun:
-            future.cancel()
 
     def _submit(self) -> None:
         """Submit items to the pool: one per worker, and once the workers have started another that waits."""

@@ -4,6 +4,8 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import Future
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 
@@ -50,6 +52,41 @@ def test_bits_do_not_depend_on_the_order_of_blocks():
     order = [4, 0, 5, 2, 1, 3]
     for block, found in zip(order, run_blocks(block_of_trials, order), strict=True):
         assert np.array_equal(found, reference()[block])
+
+
+class IdlePool:
+    """A pool whose workers have started and never come to what is submitted."""
+
+    def __init__(self):
+        self.futures = []
+
+    def submit(self, task, *arguments):
+        self.futures.append(Future())
+        if not self.futures[1:]:
+            self.futures[0].set_result(None)
+        return self.futures[-1]
+
+
+def interrupted_after_the_first(item):
+    if item > 0:
+        raise KeyboardInterrupt
+    return item
+
+
+@pytest.mark.parametrize("interrupted", [True, False])
+def test_what_was_submitted_is_not_cancelled(monkeypatch, interrupted):
+    """A cancelled future ends the thread of loky that would kill the workers at shutdown, and the command then hangs."""
+    pool = IdlePool()
+    monkeypatch.setattr("missionplan.montecarlo.parallel_blocks.borrowed_pool", lambda count: nullcontext(pool))
+    results = run_blocks(interrupted_after_the_first, range(9), jobs=2)
+    assert next(results) == 0
+    if interrupted:
+        with pytest.raises(KeyboardInterrupt):
+            next(results)
+    else:
+        results.close()
+    assert len(pool.futures) > 1
+    assert not any(future.cancelled() for future in pool.futures)
 
 
 @pytest.mark.parametrize("jobs", [1, 3])
