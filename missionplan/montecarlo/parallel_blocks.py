@@ -12,7 +12,7 @@ from loky import cpu_count
 
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.dask_cluster import run_on_cluster
-from missionplan.montecarlo.pool import borrowed_pool
+from missionplan.montecarlo.pool import PATIENCE, borrowed_pool, interrupts_deferred
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -103,7 +103,8 @@ class _PoolRun(Generic[Item, Result]):
         self._begun: deque[tuple[Item, Future[Result]]] = deque()  # in the order of the items
         self._in_pool: list[Future[Result]] = []
         self._executor = executor
-        self._started = self._executor.submit(_do_nothing, task)
+        with interrupts_deferred():
+            self._started = self._executor.submit(_do_nothing, task)
 
     @property
     def unfinished(self) -> bool:
@@ -111,24 +112,34 @@ class _PoolRun(Generic[Item, Result]):
         return bool(self._todo or self._begun)
 
     def advance(self) -> None:
-        """Run one item here, after submitting others to idle workers; wait for the pool when nothing is left to do."""
-        future: Future[Result]
+        """Run one item here, after submitting others to idle workers; where none is left, wait for the pool a while."""
+        with interrupts_deferred():
+            here = self._next()
+            if here is None:
+                wait([self._begun[0][1]], PATIENCE)
+        if here is not None:
+            self._run(*here)
+
+    def _next(self) -> "tuple[Item, Future[Result]] | None":
+        """Begin the next item, or the first again that the pool was given before it started."""
         if self._todo and len(self._begun) < _MAX_PENDING:
-            item, future = self._todo.popleft(), Future()
-            self._begun.append((item, future))
+            self._begun.append((self._todo.popleft(), Future()))
+            own = self._begun[-1]
             self._submit()
-            self._run(item, future)
-        elif not self._started.done():
-            item, future = self._begun[0][0], Future()
-            self._begun[0] = item, future
-            self._run(item, future)
-        else:
-            wait([self._begun[0][1]])
+            return own
+        if self._started.done():
+            return None
+        self._begun[0] = self._begun[0][0], Future()
+        return self._begun[0]
 
     def ready(self) -> Iterator[Result]:
         """Yield the results up to the first that is not available yet."""
-        while self._begun and self._begun[0][1].done():
-            yield self._begun.popleft()[1].result()
+        while self._begun:
+            with interrupts_deferred():
+                if not self._begun[0][1].done():
+                    return
+                result = self._begun.popleft()[1].result()
+            yield result
 
     def _submit(self) -> None:
         """Submit items to the pool: one per worker, and once the workers have started another that waits."""

@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 from loky.backend.reduction import dumps
 
-from missionplan.montecarlo.pool import borrowed_pool
+from missionplan.montecarlo.pool import borrowed_pool, interrupts_deferred, result_of
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -44,8 +44,10 @@ def parallel_map(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int
     parts = min(jobs, MAX_PROCESSES, len(items))
     with borrowed_pool(min(jobs, MAX_PROCESSES) - 1) as executor:
         # pickled here, not by the executor's thread: this process may change the task's caches while it runs its part
-        futures = [executor.submit(_PickledPart.of(task, items[part::parts]).run) for part in range(1, parts)]
-        results = [task(items[::parts]), *(future.result() for future in futures)]
+        pickled = [_PickledPart.of(task, items[part::parts]) for part in range(1, parts)]
+        with interrupts_deferred():
+            futures = [executor.submit(part.run) for part in pickled]
+        results = [task(items[::parts]), *(result_of(future) for future in futures)]
     return [results[index % parts][index // parts] for index in range(len(items))]
 
 

@@ -8,8 +8,10 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Iterator
+from concurrent.futures import Future, wait
 from contextlib import contextmanager
 from importlib import import_module
+from typing import TypeVar
 
 from loky import ProcessPoolExecutor
 from loky.backend import resource_tracker
@@ -17,9 +19,13 @@ from loky.process_executor import BrokenProcessPool
 
 from missionplan.errors import RunError
 
+Result = TypeVar("Result")
+
 WORKER_DIED = "a worker process died (out of memory, or killed)"
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1")
 
+PATIENCE = 0.1
+"""Time for which a wait for the pool is deaf to Ctrl-C [s]."""
 _WATCH_INTERVAL = 0.5
 """Time between a worker's looks at its parent [s]."""
 
@@ -94,6 +100,39 @@ def interrupts_blocked(*, terminable: bool = False) -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
+@contextmanager
+def interrupts_deferred() -> Iterator[None]:
+    """Hold back Ctrl-C (SIGTERM and SIGHUP too, where they act like it) until the end of the context.
+
+    While this process asks the pool for something it holds locks that the pool's thread needs to end the workers. An
+    exception between such a lock and its release would leave it locked for ever, and the command would hang.
+    """
+    if threading.current_thread() is not threading.main_thread():  # signals are handled in the main thread alone
+        yield
+        return
+    caught: list[int] = []
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {number: handler for number in numbers if callable(handler := signal.getsignal(number))}
+    for number in before:
+        signal.signal(number, lambda number, _: caught.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for number in caught:
+            signal.raise_signal(number)
+
+
+def result_of(future: "Future[Result]") -> Result:
+    """Wait for a result; Ctrl-C ends the wait."""
+    done = False
+    while not done:
+        with interrupts_deferred():
+            done = bool(wait([future], PATIENCE).done)
+    return future.result()
+
+
 def shut_down_pool() -> None:
     """Kill the pool's processes at once; the next call starts new ones."""
     for executor in _kept.values():
@@ -104,8 +143,9 @@ def shut_down_pool() -> None:
 @contextmanager
 def preloaded_pool(count: int, module: str) -> Iterator[None]:
     """Pool of processes that import a module in the background; shut down at the end of the context."""
-    for _ in range(count):
-        process_pool(count).submit(import_module, module)
+    with interrupts_deferred():
+        for _ in range(count):
+            process_pool(count).submit(import_module, module)
     try:
         yield
     finally:
@@ -121,7 +161,7 @@ def borrowed_pool(count: int) -> Iterator[ProcessPoolExecutor]:
     RunError
         When a process has died.
     """
-    with _lock:
+    with interrupts_deferred(), _lock:
         executor = process_pool(count)
         _users[id(executor)] += 1
     try:

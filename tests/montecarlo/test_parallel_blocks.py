@@ -4,7 +4,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
@@ -16,7 +16,7 @@ from missionplan.errors import InputError, RunError
 from missionplan.montecarlo.distributions import LogNormal, Normal
 from missionplan.montecarlo.draws import Correlation, JointDistribution
 from missionplan.montecarlo.parallel_blocks import run_blocks
-from missionplan.montecarlo.pool import process_pool, shut_down_pool
+from missionplan.montecarlo.pool import interrupts_deferred, process_pool, shut_down_pool
 from missionplan.montecarlo.statistics import RunningStatistic
 from missionplan.montecarlo.streams import LegNormals
 
@@ -87,6 +87,46 @@ def test_what_was_submitted_is_not_cancelled(monkeypatch, interrupted):
         results.close()
     assert len(pool.futures) > 1
     assert not any(future.cancelled() for future in pool.futures)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_waits_until_the_pool_has_answered(sent):
+    before = signal.signal(sent, signal.default_int_handler)
+    steps = []
+
+    def interrupted():
+        with interrupts_deferred():
+            signal.raise_signal(sent)
+            steps.append("went on")
+
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            interrupted()
+        assert steps == ["went on"]
+        assert signal.getsignal(sent) is signal.default_int_handler
+    finally:
+        signal.signal(sent, before)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_signal_that_is_ignored_stays_ignored():
+    before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    try:
+        with interrupts_deferred():
+            assert signal.getsignal(signal.SIGTERM) is signal.SIG_IGN
+            signal.raise_signal(signal.SIGTERM)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_other_threads_defer_nothing():
+    def use():
+        with interrupts_deferred():
+            return signal.getsignal(signal.SIGINT)
+
+    with ThreadPoolExecutor(1) as thread:
+        assert thread.submit(use).result() is signal.getsignal(signal.SIGINT)
 
 
 @pytest.mark.parametrize("jobs", [1, 3])
