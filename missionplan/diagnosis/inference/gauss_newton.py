@@ -244,10 +244,14 @@ class _Evaluator:
         free, unit = start.free, self._problem.prior_sd[start.free]
         centre, sd = self._prior(start)
         move = np.zeros(len(point.at))
+        jacobian, pull = point.white_jacobian, (centre - point.at[free]) / sd
         precision = np.square(unit / sd)
-        normal = point.white_jacobian.T @ point.white_jacobian + np.diag(precision)
-        right = point.white_jacobian.T @ point.white_residual + precision * (centre - point.at[free]) / unit
-        scaled = np.linalg.solve(normal, right)
+        right = jacobian.T @ point.white_residual + precision * (centre - point.at[free]) / unit
+        try:
+            scaled = np.linalg.solve(jacobian.T @ jacobian + np.diag(precision), right)
+        except np.linalg.LinAlgError:  # columns so much alike, and so far above the prior, that rounding hides it
+            stacked = np.concatenate([jacobian, np.diag(unit / sd)])
+            scaled = np.linalg.lstsq(stacked, np.concatenate([point.white_residual, pull]), rcond=None)[0]
         move[free] = unit * np.clip(scaled, -self._options.longest_step, self._options.longest_step)
         return move
 

@@ -18,6 +18,9 @@ DOF, WIDENED = 5, 1.2
 """Degrees of freedom of the Student-t proposal, and factor on the posterior's standard deviations: tails heavier than
 the posterior's keep the weights bounded (Geweke 1989)."""
 
+RAISED = (0.0, 1e-14, 1e-12, 1e-10)
+"""Shares by which variances are raised in turn until their matrix has a factor."""
+
 
 @dataclass(frozen=True)
 class SampledEvidence:
@@ -55,8 +58,7 @@ def sampled_evidence(log_joint: Callable[[Array], Array], mean: Array, covarianc
     numpy.linalg.LinAlgError
         When the covariance is not positive definite.
     """
-    shape: Array = WIDENED**2 * covariance
-    factor: Array = np.asarray(np.linalg.cholesky(shape), dtype=float)
+    shape, factor = _with_factor(WIDENED**2 * covariance)
     generator = stream(0, "diagnose.importance", 0)
     scale = generator.chisquare(DOF, DRAWS) / DOF
     normals = generator.multivariate_normal(np.zeros(len(mean)), shape, DRAWS)
@@ -68,6 +70,20 @@ def sampled_evidence(log_joint: Callable[[Array], Array], mean: Array, covarianc
     weights = np.exp(logs - logs.max())
     evidence = float(logs.max() + np.log(weights.mean()))
     return SampledEvidence(evidence, float(weights.sum() ** 2 / np.sum(weights**2)))
+
+
+def _with_factor(shape: Array) -> tuple[Array, Array]:
+    """A matrix with its lower Cholesky factor; where rounding has left none, its diagonal is raised until there is one.
+
+    The draws are then wider than the posterior across the direction in which the data fix the parameters best.
+    """
+    for share in RAISED:
+        try:
+            raised = shape + share * np.diag(np.diag(shape)) if share else shape
+            return raised, np.asarray(np.linalg.cholesky(raised), dtype=float)
+        except np.linalg.LinAlgError:
+            continue
+    raise np.linalg.LinAlgError("the covariance is not positive definite")
 
 
 def log_student_density(at: Array, mean: Array, factor: Array) -> Array:

@@ -13,6 +13,8 @@ TEST_LEVEL = 0.001
 """Level of the residual tests, for all of them together."""
 SHORTEST = 16
 """Values that a series needs to be tested."""
+UNSEEN = 0.01
+"""Innovations that are all smaller are no errors: rounding follows a pattern, but far below the noise."""
 
 
 def residual_tests(residuals: Residuals, innovations: Array) -> tuple[ResidualTest, ...]:
@@ -34,7 +36,7 @@ def residual_tests(residuals: Residuals, innovations: Array) -> tuple[ResidualTe
         z = innovations[residuals.series == number]
         if residuals.quantised:
             z = z[: len(z) // 2 * 2].reshape(-1, 2).sum(axis=1)
-        if len(z) < SHORTEST:
+        if len(z) < SHORTEST or float(np.max(np.abs(z))) < UNSEEN:
             continue
         ranks = np.argsort(np.argsort(z))
         scores = ndtri((ranks + 0.5) / len(z))

@@ -147,10 +147,7 @@ class TankFitting:
         best = min(self._search(causes, starts), key=lambda result: result.objective)
         if not np.isfinite(best.objective):
             return FailedFit(causes, "the model has no value at any of its starts")
-        try:
-            logs, marginals = self._marginals(causes, active, best)
-        except np.linalg.LinAlgError as error:
-            return FailedFit(causes, str(error))
+        logs, marginals = self._marginals(causes, active, best)
         likely = int(np.argmax(logs))
         residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[likely])
         state = TankState(best.at, residuals, best.jacobian, active, factor, marginals[likely])

@@ -19,6 +19,9 @@ Predict = Callable[[Array, Sequence[Effect]], Array]
 UNSTATED_NOISE = 0.03
 """Initial noise of a sensor that states none, of the root mean square of the data."""
 
+ROUNDING = 1e-8
+"""Least noise of a sensor, of the root mean square of the data."""
+
 
 @dataclass(frozen=True)
 class Nuisance:
@@ -110,7 +113,11 @@ def product(factors: Sequence[Array | float]) -> Array | float:
 
 
 def noise_sd(y: Array, stated: float | None) -> tuple[Array, bool]:
-    """Standard deviation of each datum, and whether it was stated: else a guess from the size of the data."""
+    """Standard deviation of each datum, and whether it was stated: else a guess from the size of the data.
+
+    A stated one is at least `ROUNDING`: no model is computed better.
+    """
+    size = max(float(np.sqrt(np.mean(y**2))), 1e-12)
     if stated is not None:
-        return np.full_like(y, stated), True
-    return np.full_like(y, UNSTATED_NOISE * max(float(np.sqrt(np.mean(y**2))), 1e-12)), False
+        return np.full_like(y, max(stated, ROUNDING * size)), True
+    return np.full_like(y, UNSTATED_NOISE * size), False

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, QUANTILE_95, Marginal
@@ -14,6 +15,9 @@ from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, QUANTIL
 
 def marginal(y: Array, columns: Array, prior: Array, sd: Array) -> Marginal:
     """Marginalise the coordinates of y = columns·z + noise with z ~ N(0, prior²) and independent noise.
+
+    By a QR decomposition of the columns with the prior's rows below them. Normal equations would square the condition
+    number: with data much better than the prior and coordinates nearly alike they have no Cholesky factor.
 
     Parameters
     ----------
@@ -25,20 +29,60 @@ def marginal(y: Array, columns: Array, prior: Array, sd: Array) -> Marginal:
         Standard deviations of the coordinates.
     sd : array, shape (N,)
         Standard deviations of the noise.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        When the posterior has no covariance.
     """
-    white, data = columns * prior / sd[:, None], y / sd
-    precision = np.eye(len(prior)) + white.T @ white
-    factor = np.linalg.cholesky(precision)
-    inverse = np.linalg.inv(precision)
-    mean = inverse @ (white.T @ data)
-    log_density = -0.5 * (float(data @ data) - float(mean @ (white.T @ data)))
-    log_density -= float(np.log(np.diag(factor)).sum()) + float(np.log(sd).sum()) + 0.5 * len(y) * LOG_2PI
-    return Marginal(log_density, prior * mean, prior[:, None] * inverse * prior)
+    log_density, mean, root = _posterior(y / sd, columns * prior / sd[:, None])
+    root = prior[:, None] * root
+    return Marginal(log_density - float(np.log(sd).sum()), prior * mean, root @ root.T)
+
+
+def _posterior(y: Array, columns: Array) -> tuple[float, Array, Array]:
+    """Log density of y = columns·z + e, all standard normals; mean of z given y, and a root of its covariance."""
+    count = columns.shape[1]
+    orthogonal, triangle = np.linalg.qr(np.concatenate([columns, np.eye(count)]))
+    mean = solve_triangular(triangle, orthogonal[: len(y)].T @ y)
+    left = y - columns @ mean
+    squared = float(left @ left) + float(mean @ mean)
+    log_determinant = float(np.log(np.abs(np.diag(triangle))).sum())
+    log_density = -0.5 * squared - log_determinant - 0.5 * len(y) * LOG_2PI
+    return log_density, mean, solve_triangular(triangle, np.eye(count))
+
+
+def fitted_root(columns: Array, prior: Array, sd: Array) -> Array:
+    """Return a root of the covariance of what is fitted, columns·C·columnsᵀ with C as by `marginal`, shape (N, m).
+
+    By singular values: between coordinates that are nearly alike C itself loses its digits.
+    """
+    directions, values, _ = np.linalg.svd(columns * prior / sd[:, None], full_matrices=False)
+    return np.asarray(sd[:, None] * directions * (values / np.hypot(1.0, values)))
+
+
+@dataclass(frozen=True)
+class _Whitening:
+    """Inverse root of I + effects·effectsᵀ, by the singular values of the effects.
+
+    Attributes
+    ----------
+    directions : array, shape (N, m)
+    values : array, shape (m,)
+    """
+
+    directions: Array
+    values: Array
+
+    @classmethod
+    def of(cls, effects: Array) -> "_Whitening":
+        directions, values, _ = np.linalg.svd(effects, full_matrices=False)
+        return cls(directions, values)
+
+    def __call__(self, data: Array) -> Array:
+        """Whiten vectors, shape (N,) or (N, k)."""
+        shrunk = 1.0 - 1.0 / np.hypot(1.0, self.values)
+        return np.asarray(data - (self.directions * shrunk) @ (self.directions.T @ data))
+
+    @property
+    def log_root(self) -> float:
+        """Log determinant of the root."""
+        return float(np.log(np.hypot(1.0, self.values)).sum())
 
 
 @dataclass(frozen=True)
@@ -97,23 +141,24 @@ class LinearData:
         alike, and no set would gain, however far it lies outside its spike.
         """
         rows = [self.groups == name for name in dict.fromkeys(self.groups.tolist())]
-        shared, random = self.columns[:, self.shared], self.columns[:, ~self.shared] * self.prior[~self.shared]
-        noises = [np.diag(self.sd[own] ** 2) + random[own] @ random[own].T for own in rows]
-        both = np.concatenate([shared, self.y[:, None]], axis=1)
-        whites = [np.linalg.solve(np.linalg.cholesky(n), both[own]) for n, own in zip(noises, rows, strict=True)]
+        scaled = self.columns * self.prior / self.sd[:, None]
+        whitenings = [_Whitening.of(scaled[own][:, ~self.shared]) for own in rows]
+        columns = [white(scaled[own][:, self.shared]) for own, white in zip(rows, whitenings, strict=True)]
+        values = [white((self.y / self.sd)[own]) for own, white in zip(rows, whitenings, strict=True)]
         found = []
         for k, own in enumerate(rows):
-            seen = np.concatenate(whites[:k] + whites[k + 1 :])
-            others = marginal(seen[:, -1], seen[:, :-1], self.prior[self.shared], np.ones(len(seen)))
-            covariance = shared[own] @ others.covariance @ shared[own].T + noises[k]
-            error = self.y[own] - shared[own] @ others.mean
-            inside = np.abs(error) <= QUANTILE_95 * np.sqrt(np.diag(covariance))
-            found.append(GroupPrediction(own, others.mean, _log_density(error, covariance), int(inside.sum())))
+            seen_columns, seen = (np.concatenate(each[:k] + each[k + 1 :]) for each in (columns, values))
+            _, mean, root = _posterior(seen, seen_columns)
+            expected = _Whitening.of(columns[k] @ root)
+            left = expected(values[k] - columns[k] @ mean)
+            log_score = -0.5 * float(left @ left) - 0.5 * LOG_2PI * len(left) - float(np.log(self.sd[own]).sum())
+            log_score -= expected.log_root + whitenings[k].log_root
+            inside = self._inside(own, mean, root)
+            found.append(GroupPrediction(own, self.prior[self.shared] * mean, log_score, inside))
         return found
 
-
-def _log_density(error: Array, covariance: Array) -> float:
-    """Ln N(error; 0, covariance)."""
-    factor = np.linalg.cholesky(covariance)
-    white = np.linalg.solve(factor, error)
-    return -0.5 * float(white @ white) - float(np.log(np.diag(factor)).sum()) - 0.5 * LOG_2PI * len(error)
+    def _inside(self, own: NDArray[np.bool_], mean: Array, root: Array) -> int:
+        """Number of a group's data inside their 90 % predictive interval."""
+        shared, random = (self.columns[own][:, part] * self.prior[part] for part in (self.shared, ~self.shared))
+        variance = np.sum((shared @ root) ** 2, axis=1) + np.sum(random**2, axis=1) + self.sd[own] ** 2
+        return int(np.sum(np.abs(self.y[own] - shared @ mean) <= QUANTILE_95 * np.sqrt(variance)))

@@ -14,7 +14,7 @@ from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, normal_
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, FailedFit, HeldOutScore
 from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.diagnosis.tank.fitting import TankFitting
-from missionplan.diagnosis.tank.linearised import LinearData
+from missionplan.diagnosis.tank.linearised import LinearData, fitted_root
 from missionplan.results.evidence import Causes
 
 COVARIANCE_INFLATION = 9.0
@@ -74,8 +74,9 @@ class TankModel(TankFitting):
     def residuals(self, fit: CauseFit) -> Residuals:
         """Residuals of a fit; its coordinates enter their covariance as good as unknown."""
         state, count = fit.state, len(fit.state.residuals)
-        noise = np.diag((state.factor * self.forward.sd) ** 2)
-        covariance = noise + COVARIANCE_INFLATION * state.columns @ state.marginal.covariance @ state.columns.T
+        sd = state.factor * self.forward.sd
+        known = fitted_root(state.columns, self.prior_sd(fit.causes)[state.active], sd)
+        covariance = np.diag(sd**2) + COVARIANCE_INFLATION * known @ known.T
         axes = [
             pointwise(name, f"an error that changes with {name}", scaled(values))
             for name, values in self.forward.axes.items()

@@ -14,6 +14,9 @@ from missionplan.effects.info import TankRecord
 from missionplan.physics.drag import disc_area
 from missionplan.studies.identification.propeller import TURN, TransientRun
 
+MASS_FACTORS = (1e-4, 1e4)
+"""Least and largest mass of the flow over ρ A_p D at which the model is evaluated: no effect's parameter is beyond."""
+
 
 @dataclass(frozen=True)
 class PropellerModel:
@@ -35,7 +38,7 @@ class PropellerModel:
         factors = [np.asarray(effect.flow_mass_factor()) for effect in tank_effects(effects)]
         if not factors:
             return np.stack([self.run.quasi_steady(pair) for pair in values.T], axis=1)
-        masses = np.broadcast_to(self.water_mass * sum(factors), values.shape[1:])
+        masses = np.broadcast_to(self.water_mass * np.clip(sum(factors), *MASS_FACTORS), values.shape[1:])
         constants = (np.array([*pair, mass]) for pair, mass in zip(values.T, masses, strict=True))
         return np.stack([self.run.axial_flow(each) for each in constants], axis=1)
 
