@@ -61,6 +61,7 @@ DATASETS = {
     "drag": ("chesapeake", {"reference_area": "0.01 m^2", "reference_length": "1 m"}),
     "free-oscillation": ("chesapeake", {"stiffness": "100 N/m", "mass": "10 kg"}),
     "thruster": ("chesapeake", {}),
+    "propeller-transient": ("chesapeake", {"geometry": {"diameter": "0.3 m"}}),
 }
 """By kind: the mission that they are diagnosed with, and keys of dataset.yaml."""
 
@@ -86,6 +87,13 @@ def table(kind: str) -> str:
     if kind == "free-oscillation":
         wave = 0.1 * np.exp(-0.1 * t) * np.cos(2.7 * t) + rng.normal(0, 1e-3, t.size)
         return "t_s,displacement_m\n" + "".join(f"{a},{x:.5f}\n" for a, x in zip(t, wave, strict=True))
+    if kind == "propeller-transient":
+        rate = 600.0 * (1.0 - np.exp(-t))
+        rows = zip(t, rate, 3e-5 * rate**2, 0.5 * (1.0 - np.exp(-t)), strict=True)
+        return "t_s,rpm,thrust_n,speed_m_s\n" + "".join(f"{a},{n:.3f},{f:.4f},{v:.4f}\n" for a, n, f, v in rows)
+    if kind == "current":
+        rows = [f"{a},{z},0.1,{0.05 * np.sin(a / 3000):.4f}" for a in range(0, 90_000, 3000) for z in (0, 5, 12)]
+        return "\n".join(["t_s,depth_m,east_m_s,north_m_s", *rows]) + "\n"
     volts = np.arange(-12.0, 13.0, 3.0)
     return "run,voltage_v,thrust_n\n" + "".join(f"a,{v},{0.05 * v * abs(v):.3f}\n" for v in volts)
 

@@ -67,8 +67,17 @@ def _draw_dataset(folder: Path, random: Random, kinds: tuple[str, ...] = tuple(e
     (folder / "mission.yaml").write_text(yaml.safe_dump(examples.mission(name), sort_keys=False))
 
 
+def _draw_current(folder: Path, random: Random) -> None:
+    data, text = examples.mission("chesapeake"), examples.table("current")
+    data["site"]["current"] = {"file": "current.csv", "outside": random.choice(("error", "hold", "zero"))}
+    as_table = random.random() < 0.7
+    content = mutations.changed_table(text, random) if as_table else mutations.changed_bytes(text.encode(), random)
+    (folder / "mission.yaml").write_text(yaml.safe_dump(data, sort_keys=False))
+    (folder / "current.csv").write_bytes(content)
+
+
 def _draw_tank(folder: Path, random: Random) -> None:
-    _draw_dataset(folder, random, ("drag", "free-oscillation", "thruster"))
+    _draw_dataset(folder, random, ("drag", "free-oscillation", "thruster", "propeller-transient"))
 
 
 def _checked(path: Path) -> None:
@@ -178,6 +187,7 @@ def _run_options(folder: Path) -> None:
 TARGETS = {
     "validate": Target(_draw_mission, _validate, 10.0),
     "simulate": Target(_draw_mission, _simulate, 20.0),
+    "current": Target(_draw_current, _simulate, 20.0),
     "read": Target(_draw_dataset, _read, 5.0),
     "diagnose": Target(_draw_dataset, _diagnose, 120.0),
     "identify": Target(_draw_tank, _identify, 10.0),
