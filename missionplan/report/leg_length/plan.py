@@ -89,17 +89,16 @@ def answer(plan: LegPlan) -> str:
 
 def _why_fixed(plan: LegPlan) -> str:
     """Write why the table is not worth taking: the first of the conditions that it fails."""
-    saved = with_error(*plan.cases[0].saving_for(plan.aim), saving_unit(plan)[1])
-    what = saving_in_words(plan)
+    would_save = f"a table of legs would {saving_in_words(plan)}"
     if not plan.adapts or not plan.saves_for_certain:
         return "no table of legs does better for certain (three standard errors) in the trials"
     if not plan.saves_enough:
-        return f"a table of legs would bring {saved} {what}, no more than 1\u00a0% of the whole"
+        return f"{would_save}, no more than 1\u00a0% of the whole"
     if not plan.keeps_arrivals:
         own = plan.cases[0]
         return f"a table of legs would arrive less often, {share(own.adaptive.arrived)} of the time"
     doubts = " or with ".join(case.name for case in plan.losing)
-    return f"a table of legs would bring {saved} {what} in the mission as planned, and nothing or a loss with {doubts}"
+    return f"{would_save} in the mission as planned, but save nothing or lose with {doubts}"
 
 
 def _slow_transits_in_words(plan: LegPlan, fixed: str) -> str:

@@ -66,10 +66,11 @@ def _draw_aims(axes: Axes, plan: LegPlan) -> None:
         "arrival radius", (left[-1], radius), xytext=(0, 3), textcoords="offset points", ha="right", color=ORANGE
     )
     axes.set(xlabel="Distance left (m)", ylabel="Leg stops short of\nthe target by (m)", xscale="log")
+    axes.set_xlim(left[0], left[-1])
     if some_stop_short:
         axes.set(yscale="log")
     else:  # every leg aims at the target itself: a logarithmic axis would have nothing to show
-        axes.set(xlim=(left[0], left[-1]), ylim=(0.0, 2.0 * radius))
+        axes.set(ylim=(0.0, 2.0 * radius))
     for axis in (axes.xaxis, axes.yaxis) if some_stop_short else (axes.xaxis,):
         low, high = axis.get_view_interval()
         axis.set_major_formatter(lambda value, _: f"{value:g}")
