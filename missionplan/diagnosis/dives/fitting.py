@@ -18,8 +18,9 @@ from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, noise_grid
 from missionplan.diagnosis.dives.starts import SHAPE_SHIFTS, starting_points
 from missionplan.diagnosis.given_effects import held
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal, normal_log_pdf
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
+from missionplan.diagnosis.inference.prior import likeliest_scales
 from missionplan.effects import CATALOGUE
 from missionplan.results.evidence import Causes, ParameterEstimate
 
@@ -45,6 +46,8 @@ class DescentState:
         Its likelihood.
     best_noise : int
         Most likely noise of the grid.
+    prior_sd : array, shape (k,)
+        Prior standard deviations of the coordinates, the slabs at their likeliest scales.
     marginal : Marginal
         Posterior of the coordinates at that noise.
     """
@@ -52,6 +55,7 @@ class DescentState:
     linear: DiveLinearisation
     likelihood: NoiseGridLikelihood
     best_noise: int
+    prior_sd: Array
     marginal: Marginal
 
 
@@ -107,22 +111,26 @@ class DescentFitting(DescentLikelihood):
     def integrated(self, causes: Causes, linear: DiveLinearisation) -> CauseFit | FailedFit:
         """Evidence of a set in a linearisation, and the posterior of its parameters.
 
-        Coordinates are integrated out exactly, the noise by a sum over its grid.
+        Coordinates are integrated out exactly, the noise by a sum over its grid, the slabs' scales by Laplace's method
+        at the likeliest noise.
         """
         if not np.all(np.isfinite(linear.y)) or not np.all(np.isfinite(linear.columns)):
             return FailedFit(causes, "the descent does not go down with these parameters")
         try:
             likelihood = self.likelihood(linear)
-            marginals = likelihood.marginals(self.prior_sd(causes))
+            prior = self.prior(causes)
+            best = int(np.argmax(log_joint_with_noise(likelihood.marginals(prior.sd))))
+            scales = likeliest_scales(partial(likelihood.marginal, best), prior)
+            marginals = likelihood.marginals(scales.sd)
         except np.linalg.LinAlgError as error:
             return FailedFit(causes, str(error))
-        logs = log_joint_with_noise(marginals)
+        logs = log_joint_with_noise(marginals) + scales.log_factor
         best = int(np.argmax(logs))
         free, marginal = self.free(causes), marginals[best]
         covariance, mean = marginal.covariance, linear.centre + marginal.mean
         found = estimates([self.coordinates[i] for i in free], mean[free], covariance[np.ix_(free, free)])
         possible = is_possible(found) and all(map(self._has_changed, found)) and self._is_inside(causes, linear.at)
-        state = DescentState(linear, likelihood, best, marginal)
+        state = DescentState(linear, likelihood, best, scales.sd, marginal)
         given: list[ParameterEstimate] = []
         for each in held(self.given, causes):
             own = self.places(each)
@@ -198,9 +206,9 @@ class DescentFitting(DescentLikelihood):
         away = (linear.at - linear.centre)[free]
         noise = noise_grid()[fit.state.best_noise]
         factor = cholesky(self.total_covariance(linear, noise, self.nuisance_sd(fit.causes)))
-        prior = normal_log_pdf(away, 0.0, self.prior_sd(fit.causes)[free])
+        prior = self.prior(fit.causes).of(free).log_density(linear.at[free])
         residuals = linear.y - linear.columns[:, free] @ away
-        return float(log_normal_density(residuals[:, None], factor)[0] + prior.sum())
+        return float(log_normal_density(residuals[:, None], factor)[0] + prior)
 
     def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         """Gain in log density of further causes in a parent's linearisation, at the best of a few shapes."""

@@ -16,7 +16,7 @@ from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.inference.axes import Axis
 from missionplan.diagnosis.inference.importance_sampling import DRAWS, SampledEvidence, sampled_evidence
-from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, normal_log_pdf
+from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.residuals import Residuals
 
@@ -53,8 +53,7 @@ class DescentModel(DescentFitting):
                 noise.log_prior + log_normal_density(residuals, factor)
                 for noise, factor in zip(noise_grid(), factors, strict=True)
             ]
-            log_prior = normal_log_pdf(at, prior.centre[free], prior.sd[free])
-            return np.asarray(logsumexp(logs, axis=0) + log_prior.sum(axis=1))
+            return np.asarray(logsumexp(logs, axis=0) + prior.of(free).log_density(at))
 
         return sampled_evidence(
             log_joint, prior.centre[free] + state.marginal.mean[free], state.marginal.covariance[np.ix_(free, free)]
@@ -62,7 +61,7 @@ class DescentModel(DescentFitting):
 
     def residuals(self, fit: CauseFit) -> Residuals:
         """Readings less the linearised model at the prior means, and their covariance."""
-        linear, logs, prior_sd = fit.state.linear, self.forward.logs, self.prior_sd(fit.causes)
+        linear, logs, prior_sd = fit.state.linear, self.forward.logs, fit.state.prior_sd
         return Residuals(
             linear.y,
             self._covariance(fit),
@@ -76,7 +75,7 @@ class DescentModel(DescentFitting):
     def _covariance(self, fit: CauseFit) -> Array:
         """Covariance of all readings under a fit, at its most likely noise, shape (N, N) [m²]."""
         noise = noise_grid()[fit.state.best_noise]
-        return self.total_covariance(fit.state.linear, noise, self.prior_sd(fit.causes))
+        return self.total_covariance(fit.state.linear, noise, fit.state.prior_sd)
 
     def axes(self, linear: DiveLinearisation) -> Sequence[Axis]:
         """Axes along which a discrepancy is sought."""
@@ -106,7 +105,7 @@ class DescentModel(DescentFitting):
         Its errors are those of the conditional mean of a joint normal (Rasmussen & Williams 2006, Eq. A.6) at their
         most likely noise.
         """
-        prior, likelihood = self.prior_sd(fit.causes), self.likelihood(linear)
+        prior, likelihood = fit.state.prior_sd, self.likelihood(linear)
         others = np.delete(np.arange(len(self.parts)), dive)
         seen = log_joint_with_noise(likelihood.marginals(prior, others))
         log_score = float(logsumexp(log_joint_with_noise(likelihood.marginals(prior))) - logsumexp(seen))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.datasets.dives import DescentData, MeasuredDive
+from missionplan.datasets.dives import TOUCHDOWN_MARGIN, DescentData, MeasuredDive
 from missionplan.errors import InputError, Problem
 
 MAX_SAMPLES = 70
@@ -17,6 +17,10 @@ NEEDED = (
     f"{MIN_DIVES} dives are needed to hold one out, 3 to find an outlying one, and two different anchor weights or "
     "line lengths to tell most causes apart"
 )
+LEVEL_QUANTILE, LEVEL_SHARES = 0.98, (0.8, 0.95)
+"""Quantile of the readings that is a log's level, and shares of it between which the descent's speed is taken."""
+LEVEL_TIMES = 4.0
+"""Times as long as at that speed the last of the way takes, where a log ends level."""
 TIMES_PER_BIN = 6
 """Times kept in a bin, at most."""
 MOVING_DEPTH = 0.15
@@ -103,7 +107,11 @@ def prepare_dives(data: DescentData) -> PreparedDives:
 def _prepare(dive: MeasuredDive, stated: float | None, notices: list[str]) -> DiveLog | None:
     """Trim start and bottom contact, estimate the noise, average in bins; None when too little is left."""
     t, depth = dive.t, dive.depth
-    beyond = np.flatnonzero(depth > dive.deepest_fitted)
+    level = levels_off_at(t, depth)
+    if level < dive.deepest_fitted:
+        moored = dive.site_depth - dive.line_length
+        notices.append(f"{dive.name} levels off at {level:.4g} m, not at {moored:.4g} m: taken for its touchdown")
+    beyond = np.flatnonzero(depth > min(dive.deepest_fitted, (1.0 - TOUCHDOWN_MARGIN) * level))
     end = int(beyond[0]) if len(beyond) else len(t)
     moving = np.flatnonzero(depth > MOVING_DEPTH)
     first = t[moving[0]] if len(moving) else 0.0
@@ -118,6 +126,20 @@ def _prepare(dive: MeasuredDive, stated: float | None, notices: list[str]) -> Di
         notices.append(f"{dive.name}: a gap of {gap:.1f} s in the log")
     noise = max(stated or 0.0, estimate_noise(t, depth))
     return binned(dive.name, t, depth, noise, dive.wet_weight, dive.line_length, dive.site_depth)
+
+
+def levels_off_at(t: Array, depth: Array) -> float:
+    """Return the depth at which a log ends level, as after touchdown; infinite where it ends in the descent [m].
+
+    Parameters
+    ----------
+    t, depth : array, shape (m,)
+        Times [s] and readings [m].
+    """
+    level = float(np.quantile(depth, LEVEL_QUANTILE))
+    near, nearer = (int(np.argmax(depth >= share * level)) for share in LEVEL_SHARES)
+    steady = (1.0 - LEVEL_SHARES[1]) / (LEVEL_SHARES[1] - LEVEL_SHARES[0]) * (t[nearer] - t[near])
+    return level if level > MOVING_DEPTH and t[-1] - t[nearer] > LEVEL_TIMES * steady else np.inf
 
 
 def estimate_noise(t: Array, depth: Array) -> float:

@@ -12,7 +12,7 @@ from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, has_sh
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
-from missionplan.diagnosis.inference.prior import NormalPrior
+from missionplan.diagnosis.inference.prior import Prior
 from missionplan.effects import effects_of
 from missionplan.results.evidence import Causes
 
@@ -84,20 +84,21 @@ class DescentPriors:
         """Coordinates that the mission expects: those of its own effects, the centres of the others, shape (k,)."""
         return self.prior(()).centre
 
-    def prior(self, causes: Causes) -> NormalPrior:
+    def prior(self, causes: Causes) -> Prior:
         """Prior of the coordinates.
 
-        A slab for a cause, what the mission knows of its own effects, else a spike (0 for a shape parameter).
+        A slab with heavy tails for a cause, what the mission knows of its own effects, else a spike (0 for a shape
+        parameter).
         """
         centre = self.centre.copy()
         sd = np.array([c.slab if c.effect in causes else c.spike for c in self.coordinates])
         for each in held(self.given, causes):
             own = self.places(each)
             centre[own], sd[own] = each.mean, np.sqrt(np.diag(each.here))
-        return NormalPrior(centre, sd)
+        return Prior(centre, sd, np.array([c.effect in causes for c in self.coordinates]))
 
     def prior_sd(self, causes: Causes) -> Array:
-        """Prior standard deviations, shape (k,)."""
+        """Prior standard deviations, those of the slabs at their usual scale, shape (k,)."""
         return self.prior(causes).sd
 
     def nuisance_sd(self, causes: Causes) -> Array:

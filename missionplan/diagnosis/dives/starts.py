@@ -1,16 +1,21 @@
 """Starting points for the fit of a set of causes: where fits of its parts ended, and afresh at several shapes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.effects import CATALOGUE
+from missionplan.phases.hooks import DescentEffect
 from missionplan.results.evidence import Causes
 
 INITIAL_STRENGTH = 0.5
 """Strength at a fresh start of an effect with shape parameters, in prior standard deviations."""
 SHAPE_SHIFTS = (-1.2, 0.0, 1.2)
 """Its first shape parameter there, in prior standard deviations about its prior mean."""
+LATE_STARTS = (-8.0, -4.0, 4.0, 8.0)
+"""Further starts of an effect that delays the dive, in prior standard deviations: to a search from no delay a vehicle
+that starts seconds late looks like one that sinks slowly."""
 
 
 def starting_points(
@@ -40,13 +45,30 @@ def starting_points(
     list of array, shape (k,)
     """
     start, fitted = _from_fits(coordinates, expected, given, causes, near)
-    found = _spread_over_shapes(coordinates, [name for name in causes if name not in fitted], start)
+    fresh = [name for name in causes if name not in fitted]
+    found = _spread_over_shapes(coordinates, fresh, start)
+    found += [moved for name in fresh for moved in _late(coordinates, name, start)]
     if {*given} & {*causes} - fitted and len(found) > 1:
         found.append(start)
     start, extended = _from_fits(coordinates, expected, given, causes, near[:1])
     if extended != fitted:
         found += _spread_over_shapes(coordinates, [name for name in causes if name not in extended], start)
     return found
+
+
+def _late(coordinates: Sequence[Coordinate], name: str, start: Array) -> Iterator[Array]:
+    """Points about one at which an effect that delays the dive is strong, inside its physical range."""
+    info = CATALOGUE[name]
+    if getattr(info.effect, "delay", DescentEffect.delay) is DescentEffect.delay:
+        return
+    for i, coordinate in enumerate(coordinates):
+        if coordinate.effect == name and coordinate.kind == "strength":
+            parameter = info.parameters[coordinate.name]
+            for shift in LATE_STARTS:
+                if parameter.low < shift * coordinate.slab < parameter.high:
+                    moved = start.copy()
+                    moved[i] = shift * coordinate.slab
+                    yield moved
 
 
 def _from_fits(

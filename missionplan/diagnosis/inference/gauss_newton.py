@@ -5,7 +5,8 @@ Maximum a posteriori estimates for a model with Gaussian noise. The method is th
 and Björck (1996), *Numerical Methods for Least Squares Problems*, chapter 9. Priors are further rows of the least
 squares problem (Tarantola 2005, *Inverse Problem Theory*, chapter 3): in coordinates scaled by their prior standard
 deviations they add the identity to the normal equations. That has the form of Levenberg's (1944) and Marquardt's
-(1963) damping, but it is part of the model and stays the same.
+(1963) damping, but it is part of the model and stays the same. For a Student-t prior the normal prior that touches it
+is used (iteratively reweighted least squares).
 """
 
 from collections.abc import Callable, Sequence
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.prior import NormalPrior
+from missionplan.diagnosis.inference.prior import Prior
 
 COMPARED_AFTER, ABANDONED_BEYOND = 3, 3.0
 """Iterations after which starts of a group are compared, and excess of the objective that ends the worse [nats]."""
@@ -91,7 +92,7 @@ class Start:
         Starts of the same fit share a number; those that fall behind are abandoned.
     rows : array of int, optional
         Data to fit; default all.
-    prior : NormalPrior, optional
+    prior : Prior, optional
         Of all coordinates; default the problem's.
     """
 
@@ -99,7 +100,7 @@ class Start:
     free: NDArray[np.int_]
     group: int
     rows: NDArray[np.int_] | None = None
-    prior: NormalPrior | None = None
+    prior: Prior | None = None
 
 
 @dataclass(frozen=True)
@@ -214,16 +215,14 @@ class _Evaluator:
         white = self._whitened(start, np.concatenate([(problem.y - prediction)[:, None], columns], axis=1))
         factor = _likeliest_factor(white[:, 0], problem.noise_factors)
         white = white / factor
-        centre, sd = self._prior(start)
-        away = (at[free] - centre) / sd
-        objective = 0.5 * float(white[:, 0] @ white[:, 0]) + 0.5 * float(away @ away) + len(white) * np.log(factor)
+        misfit = self._prior(start).misfit(at[free])
+        objective = 0.5 * float(white[:, 0] @ white[:, 0]) + misfit + len(white) * np.log(factor)
         objective = float(objective) if np.all(np.isfinite(white)) else np.inf
         return _Point(at, objective, prediction, columns / problem.prior_sd[free], white[:, 0], white[:, 1:])
 
-    def _prior(self, start: Start) -> tuple[Array, Array]:
-        """Prior means and standard deviations of a start's free coordinates."""
-        prior = start.prior or NormalPrior(self._problem.centre, self._problem.prior_sd)
-        return prior.centre[start.free], prior.sd[start.free]
+    def _prior(self, start: Start) -> Prior:
+        """Prior of a start's free coordinates."""
+        return (start.prior or Prior(self._problem.centre, self._problem.prior_sd)).of(start.free)
 
     def _differences(self, predictions: Array, count: int) -> Array:
         """Derivatives along the free coordinates in prior standard deviations, shape (N, a)."""
@@ -242,8 +241,9 @@ class _Evaluator:
     def step(self, start: Start, point: _Point) -> Array:
         """Gauss–Newton step, shape (k,): the solution of the normal equations in scaled coordinates, bounded."""
         free, unit = start.free, self._problem.prior_sd[start.free]
-        centre, sd = self._prior(start)
+        prior = self._prior(start)
         move = np.zeros(len(point.at))
+        centre, sd = prior.centre, np.sqrt(prior.variance(point.at[free]))
         jacobian, pull = point.white_jacobian, (centre - point.at[free]) / sd
         precision = np.square(unit / sd)
         right = jacobian.T @ point.white_residual + precision * (centre - point.at[free]) / unit

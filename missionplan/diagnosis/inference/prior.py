@@ -1,19 +1,133 @@
-"""Prior of the coordinates of a model: independent normal distributions."""
+"""Prior of the coordinates of a model: normal distributions, and slabs with heavy tails.
 
+A slab is a Student-t distribution, so that a strong effect is measured as it is while a weak one still pays for its
+parameters. As a scale mixture it is normal with variance sd²·λ, λ inverse-gamma (½ν, ½ν) (Gelman et al. 2013, *Bayesian
+Data Analysis*, section 17.2): given the λ a linear model stays linear and Gaussian.
+"""
+
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import gammaln
+
 from missionplan.arrays import Array
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal, normal_log_pdf
+
+DOF = 3.0
+"""Degrees of freedom ν of a slab."""
+SCALE_STEPS, SCALE_CONVERGED = 12, 0.02
+"""Steps towards the likeliest λ, and change of ln λ below which it is found."""
+LEAST_CURVATURE = 0.3
+"""Least negative curvature along ln λ: less than without any data, where it is ½ν."""
+LAPLACE_ERROR = 0.048
+"""What Laplace's method leaves out of each ln λ [nats]: ln Γ(a) − a ln a + a − ½ ln(2π/a), 0.041 at a = 2, where the
+coordinate is known, and 0.055 at a = 3/2, where nothing is."""
 
 
 @dataclass(frozen=True)
-class NormalPrior:
-    """Independent normal distributions of k coordinates.
+class Prior:
+    """Independent distributions of k coordinates.
 
     Attributes
     ----------
     centre, sd : array, shape (k,)
-        Means and standard deviations.
+        Means and standard deviations; of a Student-t distribution its scale.
+    heavy : array of bool, shape (k,), optional
+        Whether a coordinate's is a Student-t distribution; default none.
     """
 
     centre: Array
     sd: Array
+    heavy: NDArray[np.bool_] | None = None
+
+    def of(self, chosen: NDArray[np.int_]) -> "Prior":
+        """Return the prior of some of the coordinates."""
+        return Prior(self.centre[chosen], self.sd[chosen], None if self.heavy is None else self.heavy[chosen])
+
+    def log_density(self, at: Array) -> Array:
+        """Log density at points, shape (..., k) → (...)."""
+        logs = normal_log_pdf(at, self.centre, self.sd)
+        if self.heavy is not None and self.heavy.any():
+            squared = np.square((at - self.centre) / self.sd)
+            constant = gammaln(0.5 * (DOF + 1.0)) - gammaln(0.5 * DOF) - 0.5 * math.log(DOF * math.pi)
+            student = constant - np.log(self.sd) - 0.5 * (DOF + 1.0) * np.log1p(squared / DOF)
+            logs = np.where(self.heavy, student, logs)
+        return np.asarray(logs.sum(axis=-1))
+
+    def misfit(self, at: Array) -> float:
+        """Minus the log density at a point, less its least value."""
+        return float(self.log_density(self.centre) - self.log_density(at))
+
+    def variance(self, at: Array) -> Array:
+        """Variances of the normal distributions that touch the prior at a point, shape (k,): sd²·λ, λ its mean there.
+
+        With them, a Gauss–Newton step is one of iteratively reweighted least squares (Lange, Little & Taylor 1989).
+        """
+        if self.heavy is None:
+            return np.square(self.sd)
+        squared = np.square((at - self.centre) / self.sd)
+        return np.square(self.sd) * np.where(self.heavy, (DOF + squared) / (DOF + 1.0), 1.0)
+
+
+@dataclass(frozen=True)
+class SlabScales:
+    """Likeliest scales λ of the slabs.
+
+    Attributes
+    ----------
+    sd : array, shape (k,)
+        Standard deviations of the coordinates given these scales.
+    log_factor : float
+        What the evidence given these scales lacks: their prior density, and the integral over them by Laplace's method.
+    """
+
+    sd: Array
+    log_factor: float
+
+
+def likeliest_scales(marginal_of: Callable[[Array], Marginal], prior: Prior) -> SlabScales:
+    """Find the scales of a prior's slabs, each by its logarithm, and integrate over them.
+
+    The likeliest λ is (ν + E z²)/(ν + 1), E z² the posterior mean of the squared coordinate over sd²: a fixed point
+    that expectation–maximisation reaches (Dempster, Laird & Rubin 1977).
+
+    Parameters
+    ----------
+    marginal_of : callable
+        Of standard deviations, shape (k,): the linear model with its coordinates integrated out.
+    prior : Prior
+        Of the coordinates; those of `Marginal` are counted from its centre.
+    """
+    own = np.flatnonzero(prior.heavy) if prior.heavy is not None else np.zeros(0, dtype=int)
+    if not len(own):
+        return SlabScales(prior.sd, 0.0)
+    scale, sd = np.ones(len(own)), prior.sd.copy()
+    for _ in range(SCALE_STEPS):
+        sd[own] = prior.sd[own] * np.sqrt(scale)
+        found = marginal_of(sd)
+        before = scale
+        squared = (np.square(found.mean[own]) + np.diag(found.covariance)[own]) / np.square(prior.sd[own])
+        scale = (DOF + squared) / (DOF + 1.0)
+        if np.max(np.abs(np.log(scale / before))) < SCALE_CONVERGED:
+            break
+    curvature = _curvature(found.mean[own] / sd[own], found.covariance[np.ix_(own, own)] / np.outer(sd[own], sd[own]))
+    log_determinant = float(np.log(np.maximum(np.linalg.eigvalsh(curvature), LEAST_CURVATURE)).sum())
+    log_prior = 0.5 * DOF * (math.log(0.5 * DOF) - np.log(before) - 1.0 / before) - gammaln(0.5 * DOF)
+    each = 0.5 * LOG_2PI + LAPLACE_ERROR
+    return SlabScales(sd, float(log_prior.sum()) + len(own) * each - 0.5 * log_determinant)
+
+
+def _curvature(mean: Array, covariance: Array) -> Array:
+    """Negative curvature of the log posterior along the ln λ at its mode, shape (h, h).
+
+    Parameters
+    ----------
+    mean, covariance : array, shape (h,) and (h, h)
+        Posterior of the coordinates over their standard deviations sd·√λ.
+    """
+    return np.asarray(
+        0.5 * (DOF + 1.0) * np.eye(len(mean)) - 0.5 * (2.0 * np.outer(mean, mean) * covariance + np.square(covariance))
+    )

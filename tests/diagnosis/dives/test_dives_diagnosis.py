@@ -146,3 +146,24 @@ def test_a_mislabelled_dive_is_named(measured):
     wrong = replace(logs[1], wet_weight=2.0 * logs[1].wet_weight)
     shuffled = replace(model, forward=replace(model.forward, logs=(logs[0], wrong, *logs[2:])))
     assert "dive-1" in [name for name, _ in run_pipeline(shuffled).outlying_groups]
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("clock-offset", {"time": 4.0}),
+        ("clock-offset", {"time": -4.0}),
+        ("sensor-lag", {"time": 4.0}),
+        ("drag-bias", {"fraction": 1.0}),
+        ("vertical-current", {"speed": 0.5}),
+        ("line-payout", {"delay_per_length": 1.0}),
+        ("added-mass", {"fraction": 1.5}),
+    ],
+)
+def test_a_strong_effect_is_measured_as_it_is(measured, name, parameters):
+    """Up to ten times its usual size: a normal slab would pull it back."""
+    model = measured(name, **parameters)
+    (fit,) = model.relinearised(model.fit_all([((name,), ())]), 0.0)
+    (estimate,) = fit.estimates
+    (value,) = parameters.values()
+    assert abs(estimate.value - value) < max(0.05 * abs(value), 2.5 * estimate.sd)

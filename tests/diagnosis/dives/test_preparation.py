@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from missionplan.datasets.dives import read_descent
-from missionplan.diagnosis.dives.preparation import MAX_SAMPLES, binned, estimate_noise, prepare_dives
+from missionplan.diagnosis.dives.preparation import MAX_SAMPLES, binned, estimate_noise, levels_off_at, prepare_dives
 from missionplan.errors import InputError
 
 RUNS = {f"dive-{k}": {"anchor_wet_weight": f"{8 + 4 * k} N", "line_length": "5 m", "depth": "24 m"} for k in (1, 2, 3)}
@@ -65,3 +65,22 @@ def test_feet_are_suspected_aloud_and_never_converted(folder, descent_mission, f
 def test_many_rows_are_thinned(folder, descent_mission):
     data = prepare_dives(read_descent(folder(KIND, dives(rate=5000.0)), descent_mission))
     assert all(len(dive.t) <= MAX_SAMPLES for dive in data.dives)
+
+
+def test_a_sensor_that_reads_too_little_has_its_touchdown_where_it_levels_off(folder, descent_mission):
+    """At 19 m; read a quarter too little the mooring is shallower than where readings are cut otherwise."""
+    table = dives()
+    table["depth_m"] *= 0.75
+    data = prepare_dives(read_descent(folder(KIND, table), descent_mission))
+    assert all(0.8 * 0.75 * 19.0 < dive.depth.max() <= 0.88 * 0.75 * 19.0 for dive in data.dives)
+    assert "dive-1 levels off at 14.25 m, not at 19 m: taken for its touchdown" in data.notices
+
+
+@pytest.mark.parametrize("end", [12.0, 16.0])
+def test_a_log_that_ends_in_the_descent_does_not_level_off(end):
+    t = np.arange(0.0, end, 0.1)
+    noise = np.random.default_rng(2).normal(0.0, 0.05, t.size)
+    slowing = 1.3 * np.maximum(t - 2.0, 0.0) * (1.0 - 0.02 * t)  # down to half the speed
+    assert levels_off_at(t, 1.3 * np.maximum(t - 2.0, 0.0) + noise) == np.inf
+    assert levels_off_at(t, slowing + noise) == np.inf
+    assert levels_off_at(t, np.minimum(1.3 * np.maximum(t - 2.0, 0.0), 8.0) + noise) == pytest.approx(8.0, abs=0.2)

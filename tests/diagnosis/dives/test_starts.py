@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from missionplan.diagnosis.coordinates import coordinates_of
-from missionplan.diagnosis.dives.starts import INITIAL_STRENGTH, SHAPE_SHIFTS, starting_points
+from missionplan.diagnosis.dives.starts import INITIAL_STRENGTH, LATE_STARTS, SHAPE_SHIFTS, starting_points
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import effects_of
 from missionplan.results.evidence import Causes
@@ -71,3 +71,14 @@ def test_an_effect_of_the_mission_that_may_have_changed_starts_afresh_and_where_
     found = starting_points(COORDINATES, expected, ("slow-flooding",), ("slow-flooding",), (parent,))
     assert len(found) == 1 + len(SHAPE_SHIFTS)
     assert any(own(start, "slow-flooding") == before.tolist() for start in found)
+
+
+def test_an_effect_that_delays_the_dive_also_starts_late() -> None:
+    clock = [
+        own(start, "clock-offset")[0] for start in starting_points(COORDINATES, EXPECTED, (), ("clock-offset",), ())
+    ]
+    assert clock == [0.0, *(0.5 * shift for shift in LATE_STARTS)]
+    payout = [
+        own(start, "line-payout")[0] for start in starting_points(COORDINATES, EXPECTED, (), ("line-payout",), ())
+    ]
+    assert min(payout) == 0.0 < max(payout)
