@@ -106,7 +106,9 @@ def given_priors(mission: Mission, wanted: Iterable[EffectInfo]) -> tuple[GivenE
     return tuple(given for given in found if given is not None)
 
 
-def check_together(given: Iterable[GivenEffect], mission: Mission, phase: Literal["transit", "descent"]) -> None:
+def check_together(
+    given: Iterable[GivenEffect], mission: Mission, phase: Literal["transit", "descent", "tank"]
+) -> None:
     """Refuse missions whose effects a diagnosis cannot hold together.
 
     Raises

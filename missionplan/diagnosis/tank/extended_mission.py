@@ -21,22 +21,24 @@ def extended_tank_mission(
     """Write the causes into a mission's data.
 
     What a key of the vehicle file states goes there, at full size: as an effect it would act on a descent's anchor too.
-    The rest goes into ``effects``. A mission without a vehicle carries nothing of the first kind.
+    Effects that the mission carries, and the rest, go into ``effects``. A mission without a vehicle carries nothing of
+    the first kind.
 
     Parameters
     ----------
     mission : Mission
         The base model.
     found : sequence of ParameterEstimate
-        Parameters of the causes.
+        Parameters of the causes, and of what the mission knew already as it is known now.
     calibration : mapping
         Constants of the base model as fitted.
     data : TankData
         What was diagnosed.
     """
-    keys = {estimate.effect: CATALOGUE[estimate.effect].vehicle_key for estimate in found}
-    own = {keys[estimate.effect]: estimate for estimate in found if keys[estimate.effect]}
-    extended = extended_mission(mission.raw, [estimate for estimate in found if not keys[estimate.effect]], {})
+    carried = {entry.effect for entry in mission.effects}
+    keys = {e.effect: CATALOGUE[e.effect].vehicle_key for e in found if e.effect not in carried}
+    own = {keys[estimate.effect]: estimate for estimate in found if keys.get(estimate.effect)}
+    extended = extended_mission(mission.raw, [estimate for estimate in found if not keys.get(estimate.effect)], {})
     given = extended.get("vehicle")
     if not own or mission.vehicle is None or not isinstance(given, dict):
         return extended

@@ -17,6 +17,7 @@ from missionplan.diagnosis.coordinates import (
     is_possible,
     parameters_from,
 )
+from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.gauss_newton import (
     GaussNewtonOptions,
     GaussNewtonResult,
@@ -30,6 +31,7 @@ from missionplan.diagnosis.inference.model import (
     FailedFit,
     FitRequest,
 )
+from missionplan.diagnosis.inference.prior import Prior
 from missionplan.diagnosis.tank.forward import TankForward, build_effects
 from missionplan.diagnosis.tank.linearised import marginal
 from missionplan.effects import CATALOGUE
@@ -89,10 +91,13 @@ class TankFitting:
         Data and base model.
     noise_known : bool
         Whether the noise is exactly as stated.
+    given : tuple of GivenEffect
+        What the mission knows of the candidates.
     """
 
     forward: TankForward
     noise_known: bool = False
+    given: tuple[GivenEffect, ...] = ()
 
     @property
     def candidates(self) -> Causes:
@@ -110,15 +115,23 @@ class TankFitting:
         """Number of nuisance parameters."""
         return len(self.forward.nuisances)
 
-    @cached_property
-    def centre(self) -> Array:
-        """Prior means, shape (k,)."""
-        return np.array([n.centre for n in self.forward.nuisances] + [c.centre for c in self.coordinates])
+    def prior(self, causes: Causes) -> Prior:
+        """Prior of the coordinates.
 
-    def prior_sd(self, causes: Causes) -> Array:
-        """Prior standard deviations, shape (k,): slab for a cause, else spike (0 for a shape parameter)."""
-        own = [c.slab if c.effect in causes else c.spike for c in self.coordinates]
-        return np.array([n.sd for n in self.forward.nuisances] + own)
+        A slab for a cause, what the mission knows of its own effects, else a spike (0 for a shape parameter).
+        """
+        nuisances, slabs = self.forward.nuisances, [c.slab if c.effect in causes else c.spike for c in self.coordinates]
+        centre = np.array([n.centre for n in nuisances] + [c.centre for c in self.coordinates])
+        sd = np.array([n.sd for n in nuisances] + slabs)
+        for each in held(self.given, causes):
+            own = self.places(each)
+            centre[own], sd[own] = each.mean, np.sqrt(np.diag(each.here))
+        return Prior(centre, sd)
+
+    def places(self, given: GivenEffect) -> list[int]:
+        """Indices of a given effect's coordinates among all."""
+        index = {(c.effect, c.name, c.kind): i for i, c in enumerate(self.coordinates, self.fixed)}
+        return [index[c.effect, c.name, c.kind] for c in given.coordinates]
 
     def is_of(self, causes: Causes, index: int) -> bool:
         """Whether a coordinate is one of the causes'."""
@@ -127,13 +140,14 @@ class TankFitting:
     def predict(self, causes: Causes, settings: Array) -> Array:
         """Predict the data under m settings of the coordinates, (k, m) → (N, m).
 
-        An effect without a strength is present as a cause only.
+        An effect without a strength is present as a cause, or as the mission's own, only.
         """
+        shown = {*causes, *(each.effect for each in held(self.given, causes))}
         parameters = parameters_from(self.coordinates, list(settings[self.fixed :]))
         present = {
             name: values
             for name, values in parameters.items()
-            if name in causes or any(c.kind != "shape" for c in self.coordinates if c.effect == name)
+            if name in shown or any(c.kind != "shape" for c in self.coordinates if c.effect == name)
         }
         return self.forward.predict(settings[: self.fixed], build_effects(present))
 
@@ -142,7 +156,7 @@ class TankFitting:
         return [self._fit(causes, near) for causes, near in wanted]
 
     def _fit(self, causes: Causes, near: Sequence[CauseFit]) -> CauseFit | FailedFit:
-        active = np.flatnonzero(self.prior_sd(causes) > 0.0)
+        active = np.flatnonzero(self.prior(causes).sd > 0.0)
         starts = [Start(at, active, group) for group, at in enumerate(self._starting_points(causes, near))]
         best = min(self._search(causes, starts), key=lambda result: result.objective)
         if not np.isfinite(best.objective):
@@ -152,23 +166,25 @@ class TankFitting:
         residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[likely])
         state = TankState(best.at, residuals, best.jacobian, active, factor, marginals[likely])
         found = self._estimates(causes, state)
-        return CauseFit(causes, float(logsumexp(logs)), found, self._calibration(state), is_possible(found), state)
+        evidence, possible, given = float(logsumexp(logs)), is_possible(found), self._given_estimates(causes, state)
+        return CauseFit(causes, evidence, found, self._calibration(state), possible, state, given)
 
     def _search(self, causes: Causes, starts: Sequence[Start]) -> list[GaussNewtonResult]:
         """Search from every start; each is a group of its own, so that none is abandoned."""
         forward, factors = self.forward, (float(self.noise_factors[0]), float(self.noise_factors[-1]))
         model = partial(self.predict, causes)
-        problem = LeastSquares(model, forward.y, forward.sd, self.centre, self.prior_sd(causes), factors)
+        prior = self.prior(causes)
+        problem = LeastSquares(model, forward.y, forward.sd, prior.centre, prior.sd, factors)
         return gauss_newton(problem, starts, SEARCH)
 
     def plain_residuals(self) -> Array:
-        """Residuals of the base model, its nuisance parameters fitted and all effects absent, shape (N,) [SI]."""
-        (found,) = self._search((), [Start(self.centre, np.arange(self.fixed), 0)])
+        """Residuals of the base model, its nuisance parameters fitted, shape (N,) [SI]."""
+        (found,) = self._search((), [Start(self.prior(()).centre, np.arange(self.fixed), 0)])
         return np.asarray(self.forward.y - found.prediction)
 
     def _starting_points(self, causes: Causes, near: Sequence[CauseFit]) -> list[Array]:
         """Points to search from: where fits of the set's parts ended, and every start of the causes' parameters."""
-        begin = self.centre.copy()
+        begin = self.prior(causes).centre
         for fit in reversed(near):
             begin[fit.state.active] = fit.state.at[fit.state.active]
         choices = []
@@ -205,17 +221,26 @@ class TankFitting:
         self, causes: Causes, active: NDArray[np.int_], best: GaussNewtonResult
     ) -> tuple[Array, list[Marginal]]:
         """Log evidence at each noise factor, its prior included, and the posterior of the active coordinates there."""
-        prior, sd = self.prior_sd(causes)[active], self.forward.sd
-        y = self.forward.y - best.prediction + best.jacobian @ (best.at - self.centre)[active]
-        found = [marginal(y, best.jacobian, prior, sd * factor) for factor in self.noise_factors]
+        prior, sd = self.prior(causes).of(active), self.forward.sd
+        y = self.forward.y - best.prediction + best.jacobian @ (best.at[active] - prior.centre)
+        found = [marginal(y, best.jacobian, prior.sd, sd * factor) for factor in self.noise_factors]
         logs = self.noise_log_prior + np.array([each.log_density for each in found])
-        return logs, [replace(each, mean=self.centre[active] + each.mean) for each in found]
+        return logs, [replace(each, mean=prior.centre + each.mean) for each in found]
 
     def _estimates(self, causes: Causes, state: TankState) -> tuple[ParameterEstimate, ...]:
         """Parameters of the causes."""
         rows = [k for k, index in enumerate(state.active) if self.is_of(causes, int(index))]
         chosen = [self.coordinates[int(state.active[k]) - self.fixed] for k in rows]
         return estimates(chosen, state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)])
+
+    def _given_estimates(self, causes: Causes, state: TankState) -> tuple[ParameterEstimate, ...]:
+        """What is known after these data of the effects that the mission knew, those that changed left out."""
+        row = {int(index): k for k, index in enumerate(state.active)}
+        found: list[ParameterEstimate] = []
+        for each in held(self.given, causes):
+            rows = [row[index] for index in self.places(each)]
+            found += each.posterior(state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)])
+        return tuple(found)
 
     def _calibration(self, state: TankState) -> dict[str, float]:
         """Constants of the base model, and the noise, as fitted."""

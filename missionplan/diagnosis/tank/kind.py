@@ -13,12 +13,14 @@ from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.diagnosis.tank.data import read_tank
 from missionplan.diagnosis.tank.extended_mission import extended_tank_mission
+from missionplan.diagnosis.tank.given import given_in_tank
 from missionplan.diagnosis.tank.model import TankModel
 from missionplan.diagnosis.tank.model_factory import tank_forward
 from missionplan.diagnosis.tank.tables import tank_misfit, tank_residuals, tank_share
 from missionplan.effects import exclusive_groups
 from missionplan.mission import Mission
 from missionplan.results.diagnosis import PlanGain
+from missionplan.results.evidence import ParameterEstimate
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,14 @@ class TankKind(DataKind):
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the data and bind the base model of their kind to them."""
         data = read_tank(folder)
-        return cls(kind, mission, data, TankModel(tank_forward(data, mission), alternatives=exclusive_groups("tank")))
+        forward = tank_forward(data, mission)
+        given = given_in_tank(data, mission, forward.candidates)
+        return cls(kind, mission, data, TankModel(forward, given=given, alternatives=exclusive_groups("tank")))
+
+    @property
+    def known(self) -> tuple[ParameterEstimate, ...]:
+        """What the mission knows of the effects that these data could show."""
+        return tuple(estimate for each in self.model.given for estimate in each.prior)
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a datum."""
@@ -52,7 +61,7 @@ class TankKind(DataKind):
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
         """Write the causes into the vehicle where it has keys for them, else as effects."""
-        return extended_tank_mission(self.mission, best.estimates, best.calibration, self.data)
+        return extended_tank_mission(self.mission, (*best.given, *best.estimates), best.calibration, self.data)
 
     def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen, where the mission has a mooring and an anchor."""

@@ -10,7 +10,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import has_shape
 from missionplan.diagnosis.inference.axes import pointwise, scaled
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, normal_log_pdf
+from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, FailedFit, HeldOutScore
 from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.diagnosis.tank.fitting import TankFitting
@@ -57,17 +57,16 @@ class TankModel(TankFitting):
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Evidence by importance sampling of nuisance parameters and causes with the model itself, not linearised."""
         state, sd = fit.state, self.forward.sd
-        prior, centre = self.prior_sd(fit.causes)[state.active], self.centre[state.active]
+        centre, prior = self.prior(fit.causes).centre, self.prior(fit.causes).of(state.active)
         log_weights = self.noise_log_prior - len(sd) * np.log(self.noise_factors)
         constant = -float(np.log(sd).sum()) - 0.5 * len(sd) * LOG_2PI
 
         def log_joint(at: Array) -> Array:
-            settings = np.repeat(self.centre[:, None], len(at), axis=1)
+            settings = np.repeat(centre[:, None], len(at), axis=1)
             settings[state.active] = at.T
             residuals = (self.forward.y[:, None] - self.predict(fit.causes, settings)) / sd[:, None]
             quadratic = -0.5 * np.sum(residuals**2, axis=0)[:, None] / self.noise_factors**2
-            log_prior = normal_log_pdf(at, centre, prior).sum(axis=1)
-            return np.asarray(logsumexp(quadratic + log_weights, axis=1) + constant + log_prior)
+            return np.asarray(logsumexp(quadratic + log_weights, axis=1) + constant + prior.log_density(at))
 
         return sampled_evidence(log_joint, state.marginal.mean, state.marginal.covariance)
 
@@ -96,10 +95,11 @@ class TankModel(TankFitting):
     def _scores(self, fit: CauseFit) -> list[HeldOutScore]:
         state, forward, active = fit.state, self.forward, fit.state.active
         shared = np.array([index < self.fixed or self.is_of(fit.causes, int(index)) for index in active], dtype=bool)
-        y = state.residuals + state.columns @ (state.at - self.centre)[active]
-        prior = self.prior_sd(fit.causes)[active]
-        predicted = LinearData(y, state.factor * forward.sd, state.columns, prior, shared, forward.groups).predicted()
-        settings = np.repeat(self.centre[:, None], len(predicted), axis=1)
+        prior = self.prior(fit.causes)
+        y = state.residuals + state.columns @ (state.at - prior.centre)[active]
+        noise = state.factor * forward.sd
+        predicted = LinearData(y, noise, state.columns, prior.sd[active], shared, forward.groups).predicted()
+        settings = np.repeat(prior.centre[:, None], len(predicted), axis=1)
         settings[active[shared]] += np.stack([group.estimated for group in predicted], axis=1)
         errors = forward.y[:, None] - self.predict(fit.causes, settings)
         return [

@@ -7,6 +7,7 @@ import yaml
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
+from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.report.render import render_report
 
 PHASE = {"from": ["0 m", "0 m"], "to": ["1 km", "0 m"], "speed": "1 m/s", "d_max": "1 km", "arrival_radius": "50 m"}
@@ -56,6 +57,49 @@ def test_reynolds_number_goes_with_it(tmp_path):
     assert drag.length == pytest.approx(0.6)
     rendered = render_report(found)
     assert {"data", "residuals", "ranking"} <= {figure.removesuffix(".svg") for figure in rendered.figures}
+
+
+@pytest.mark.parametrize(("bias", "exponent"), [(0.4, 0.0), (0.0, -0.2)])
+def test_tank_data_diagnosed_again_are_adequate_and_nothing_grows(tmp_path, bias, exponent):
+    """The key of the vehicle that the first diagnosis wrote is the prior of the second, and sharpened by it."""
+    data = towed(tmp_path / "data", bias, exponent)
+    first = diagnose(mission(tmp_path, drag={"coefficient": 0.8, "area": "0.4 m^2"}), data, plan=False)
+    second = diagnose(Mission.from_data(first.extended), data, plan=False)
+    assert second.verdict == "adequate"
+    assert second.causes == ()
+    assert [estimate.effect for estimate in second.confirmed] == list(first.causes)
+    before, after = (Mission.from_data(each.extended).vehicle.drag for each in (first, second))
+    for key in ("coefficient", "exponent"):
+        old, new = getattr(before, key), getattr(after, key)
+        assert mean_of(new) == pytest.approx(mean_of(old), abs=sd_of(old) + 1e-3)
+        assert sd_of(new) <= sd_of(old)
+
+
+def test_a_drag_that_is_not_as_the_vehicle_has_it_has_changed(tmp_path):
+    base = mission(tmp_path, drag={"coefficient": {"mean": 0.8, "sd": 0.016}, "area": "0.4 m^2"})
+    found = diagnose(base, towed(tmp_path / "data", 0.4, 0.0), plan=False)
+    assert found.causes == ("drag-bias",)
+    assert found.changed == ("drag-bias",)
+    assert Mission.from_data(found.extended).vehicle.drag.coefficient.mean == pytest.approx(0.8 * 1.4, rel=0.01)
+
+
+def test_an_effect_that_the_mission_carries_is_confirmed_where_it_stands(tmp_path):
+    """Dives have shown two fifths more drag, as an effect: the tank's data sharpen it there, not in the vehicle too."""
+    dives = {"site": {"depth": "24 m"}, "phases": [{"moor": {"radius": "20 m", "anchor_wet_weight": "12 N"}}]}
+    base = mission(tmp_path, drag={"coefficient": 0.8, "area": "0.4 m^2"})
+    carrying = {**base.raw, **dives, "effects": [{"drag-bias": {"fraction": {"mean": 0.4, "sd": 0.05}}}]}
+    carrying["phases"][0]["moor"]["line_length"] = "5 m"
+    carrying["vehicle"] = {
+        **carrying["vehicle"],
+        "mass": "120 kg",
+        "anchor": {"diameter": "0.1 m", "flooded_mass": "3 kg"},
+    }
+    found = diagnose(Mission.from_data(carrying), towed(tmp_path / "data", 0.4, 0.0), plan=False)
+    assert found.verdict == "adequate"
+    assert found.extended["vehicle"]["drag"] == carrying["vehicle"]["drag"]
+    (entry,) = found.extended["effects"]
+    assert float(entry["drag-bias"]["fraction"]["mean"]) == pytest.approx(0.4, abs=0.02)
+    assert float(entry["drag-bias"]["fraction"]["sd"]) < 0.03
 
 
 def test_a_drag_within_its_spike_is_no_bias(tmp_path):
