@@ -2,5 +2,5 @@
 
 Read `data`, `forward` (what all kinds have in common) and one kind (`towed_drag`, `free_oscillation`, `thruster`,
 `propeller`), then `fitting`, `linearised` and `model`. `kind` is what `diagnose` calls: `model_factory` binds a
-mission, `tables` lists residuals, `extended_mission` writes the causes.
+mission, `given` says what it knows already, `tables` lists residuals, `extended_mission` writes the causes.
 """
