@@ -33,6 +33,8 @@ HIGHEST = -2.0
 """Readings above it are no depths [m]: waves and the offset of a sensor stay within."""
 BELOW_SEAFLOOR = 4.0
 """Readings deeper than this many depths of the site are not of this dive, even in feet (3.28)."""
+AWASH = -0.5
+"""Readings down to it may be those of a vehicle at the surface [m]; such a log is refused when it meets the mission."""
 TOUCHDOWN_MARGIN = 0.12
 """Share of the vehicle's depth at touchdown that is cut off above it."""
 IGNORED = ("pitch_deg", "density_kg_m3")
@@ -190,7 +192,7 @@ def _check_measured(name: str, depth: Array, file: str, line: int) -> list[Probl
     """Refuse a run whose depths are no measurements of a dive."""
     if np.ptp(depth) == 0.0:
         message = f"all {len(depth)} depths are {depth[0]:.4g} m: the sensor did not measure, or did not move"
-    elif depth.max() <= 0.0:
+    elif depth.max() <= 0.0 and depth.min() < AWASH:
         message = f"no depth is below the water, the lowest is {depth.min():.4g} m: expected depths positive down"
     else:
         return []
