@@ -74,7 +74,7 @@ class TankModel(TankFitting):
         """Residuals of a fit; its coordinates enter their covariance as good as unknown."""
         state, count = fit.state, len(fit.state.residuals)
         sd = state.factor * self.forward.sd
-        known = fitted_root(state.columns, self.prior_sd(fit.causes)[state.active], sd)
+        known = fitted_root(state.columns, self.prior(fit.causes).sd[state.active], sd)
         covariance = np.diag(sd**2) + COVARIANCE_INFLATION * known @ known.T
         axes = [
             pointwise(name, f"an error that changes with {name}", scaled(values))
