@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from missionplan.report.diagnosis.causes import names
 from missionplan.report.diagnosis.figures import held_out_figure, ranking_figure
 from missionplan.report.diagnosis.kinds import REPORTS
+from missionplan.report.numbers import number
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.results.diagnosis import Diagnosis
 from missionplan.results.evidence import ParameterEstimate, RankedSet
@@ -89,15 +90,21 @@ def claimed_parameters(diagnosis: Diagnosis) -> tuple[ParameterEstimate, ...]:
 
 
 def _with_sd(parameter: ParameterEstimate) -> str:
-    return f"{_shown(parameter, parameter.value)} ± {_shown(parameter, parameter.sd)}"
+    return " ± ".join(_value_and_sd(parameter))
 
 
 def sized(parameter: ParameterEstimate) -> str:
     """Write a parameter with its standard deviation and unit, as in ``2.9° ± 0.3°``."""
-    value, sd = (_shown(parameter, number) for number in (parameter.value, parameter.sd))
+    value, sd = _value_and_sd(parameter)
     if parameter.unit == "rad":
         return f"{value}° ± {sd}°"
     return f"{value} ± {sd}\N{NO-BREAK SPACE}{parameter.unit}".rstrip()
+
+
+def _value_and_sd(parameter: ParameterEstimate) -> tuple[str, str]:
+    """Write both with the digits that the standard deviation supports, angles in degrees."""
+    value, sd = (math.degrees(x) if parameter.unit == "rad" else x for x in (parameter.value, parameter.sd))
+    return number(value, sd), number(sd, sd)
 
 
 def _shown(parameter: ParameterEstimate, value: float) -> str:

@@ -141,7 +141,7 @@ def test_an_effect_that_changed_is_a_cause_of_its_own(carrying, folder, legs):
     assert estimate.low < np.radians(6.0) < estimate.high
     mean, sd = angle_of(found)
     assert abs(mean - np.radians(6.0)) < 2.0 * sd
-    assert "Compass bias has changed from 3° ± 0.3° to 6" in words_of(found)
+    assert "Compass bias has changed from 3.0° ± 0.3° to 6" in words_of(found)
     second = again(found, data)
     assert second.verdict == "adequate"
     assert not second.changed
