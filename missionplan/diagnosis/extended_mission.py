@@ -38,18 +38,23 @@ def _with_found(given: object, found: Sequence[ParameterEstimate]) -> list[objec
 
     An effect of the same exclusive group as another that was found has been replaced by that.
     """
-    entries: list[object] = list(given) if isinstance(given, list) else []
-    by_effect = {name: [e for e in found if e.effect == name] for name in dict.fromkeys(e.effect for e in found)}
+    by_effect: dict[str, list[ParameterEstimate]] = {}
+    for estimate in found:
+        by_effect.setdefault(estimate.effect, []).append(estimate)
     groups = {CATALOGUE[name].exclusive_group for name in by_effect} - {""}
     effects: list[object] = []
-    for entry in entries:
+    for entry in given if isinstance(given, list) else []:
         name, parameters = next(iter(entry.items())) if isinstance(entry, dict) and entry else ("", None)
         own = by_effect.pop(name, None)
         if own is not None:
-            effects.append({name: {**(parameters or {}), **{e.name: quantity(e) for e in own}}})
+            effects.append({name: (parameters or {}) | _written(own)})
         elif name not in CATALOGUE or CATALOGUE[name].exclusive_group not in groups:
             effects.append(entry)
-    return effects + [{name: {e.name: quantity(e) for e in own}} for name, own in by_effect.items()]
+    return effects + [{name: _written(own)} for name, own in by_effect.items()]
+
+
+def _written(found: Sequence[ParameterEstimate]) -> dict[str, object]:
+    return {estimate.name: quantity(estimate) for estimate in found}
 
 
 def quantity(estimate: ParameterEstimate) -> dict[str, str | float]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.linalg import block_diag
 from scipy.special import ndtri
 
 from missionplan.arrays import Array
@@ -138,35 +139,42 @@ def held(given: Iterable[GivenEffect], causes: Causes) -> tuple[GivenEffect, ...
 
 
 def _given(info: EffectInfo, parameters: Mapping[str, Quantity]) -> GivenEffect | None:
-    values = {name: parameter.default for name, parameter in info.parameters.items() if parameter.is_shape}
-    quantities: dict[str, Quantity] = values | dict(parameters)
-    if info.is_modulated and mean_of(quantities[MODULATION]) == 0.0:
-        quantities = {name: value for name, value in quantities.items() if name not in MODULATION_PARAMETERS}
-    shapes = [name for name in quantities if info.parameters[name].is_shape]
-    if any(not 0.0 < mean_of(quantities[name]) < math.inf for name in shapes):
+    quantities = _stated(info, parameters)
+    if any(info.parameters[name].is_shape and not 0.0 < mean_of(q) < math.inf for name, q in quantities.items()):
         return None
     phases = dict(info.polar)
     names = [name for name in info.parameters if name in quantities or phases.get(name) in quantities]
     coordinates = coordinates_of(info, names)
-    mean, covariance, scatter = (np.zeros((len(coordinates),) * dimensions) for dimensions in (1, 2, 1))
-    for index, coordinate in enumerate(coordinates):
-        quantity = quantities.get(coordinate.name, 0.0)
-        is_bare = sd_of(quantity) == 0.0
-        if coordinate.kind == "shape":
-            mean[index], sd = _log_moments(quantity)
-            covariance[index, index] = (BARE_SHAPE_LOG_SD if is_bare else sd) ** 2
-        elif coordinate.kind == "strength":
-            mean[index] = mean_of(quantity)
-            covariance[index, index] = (coordinate.spike if is_bare else sd_of(quantity)) ** 2
-            scatter[index] = 0.0 if is_bare else coordinate.spike**2
-        elif coordinate.kind == "sine":
-            phase = quantities.get(phases[coordinate.name], 0.0)
-            pair = slice(index - 1, index + 1)
-            mean[pair], covariance[pair, pair] = _polar_moments(quantity, phase)
-            is_bare = is_bare and sd_of(phase) == 0.0
-            covariance[pair, pair] += coordinate.spike**2 * np.eye(2) if is_bare else 0.0
-            scatter[pair] = 0.0 if is_bare else coordinate.spike**2
-    return GivenEffect(info.id, coordinates, mean, covariance, scatter)
+    blocks = [_block(coordinate, quantities, phases) for coordinate in coordinates if coordinate.kind != "sine"]
+    means, covariances, scatters = zip(*blocks, strict=True) if blocks else ((np.zeros(0),),) * 3
+    covariance = block_diag(*covariances) if blocks else np.zeros((0, 0))
+    return GivenEffect(info.id, coordinates, np.concatenate(means), covariance, np.concatenate(scatters))
+
+
+def _stated(info: EffectInfo, parameters: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """Parameters that the mission gives, with the defaults of shapes; without a modulation that is nil."""
+    defaults = {name: parameter.default for name, parameter in info.parameters.items() if parameter.is_shape}
+    quantities: dict[str, Quantity] = defaults | dict(parameters)
+    if info.is_modulated and mean_of(quantities[MODULATION]) == 0.0:
+        return {name: value for name, value in quantities.items() if name not in MODULATION_PARAMETERS}
+    return quantities
+
+
+def _block(
+    coordinate: Coordinate, quantities: Mapping[str, Quantity], phases: Mapping[str, str]
+) -> tuple[Array, Array, Array]:
+    """Mean, covariance and scatter of a parameter's coordinate, or of the pair of an amplitude with its phase."""
+    quantity, spike = quantities.get(coordinate.name, 0.0), coordinate.spike**2
+    if coordinate.kind == "shape":
+        centre, sd = _log_moments(quantity)
+        return np.array([centre]), np.array([[(sd or BARE_SHAPE_LOG_SD) ** 2]]), np.zeros(1)
+    if coordinate.kind == "strength":
+        mean, covariance = np.array([mean_of(quantity)]), np.array([[sd_of(quantity) ** 2]])
+    else:
+        mean, covariance = _polar_moments(quantity, quantities.get(phases[coordinate.name], 0.0))
+    if not np.any(covariance):  # a number, known to within the spike
+        return mean, spike * np.eye(len(mean)), np.zeros(len(mean))
+    return mean, covariance, np.full(len(mean), spike)
 
 
 def _equally_likely(quantity: Quantity) -> Array:

@@ -6,11 +6,11 @@ from functools import partial
 
 import numpy as np
 
+from missionplan.diagnosis.inference.adequacy.discrepancy import discrepancy
+from missionplan.diagnosis.inference.adequacy.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison, compare_held_out
-from missionplan.diagnosis.inference.discrepancy import discrepancy
 from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.diagnosis.inference.posterior import credible_set, posteriors
-from missionplan.diagnosis.inference.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, no_progress, select
 from missionplan.diagnosis.verdict import Claim, claim, verdict
 from missionplan.montecarlo.parallel_map import parallel_map

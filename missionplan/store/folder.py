@@ -59,31 +59,45 @@ def check_new_folder(folder: Path, *, force: bool = False) -> None:
     """
     check_name(str(folder))
     try:
-        exists, holds = folder.exists(), folder.is_dir() and any(folder.iterdir())
-        dangling = folder.is_symlink() and not exists
-        parents = (folder, *folder.parents)
-        in_a_file = next((parent for parent in parents if parent.exists() and not parent.is_dir()), None)
-        long = max(len(os.fsencode(part)) for part in (folder.name, *(parent.name for parent in folder.parents)))
+        problem = _place_problem(folder) or _content_problem(folder, force=force)
     except (OSError, ValueError) as error:
         words = getattr(error, "strerror", None) or str(error)
         raise InputError([Problem(f"cannot be a folder: {words}", file=str(folder))]) from error
-    if long > _LONGEST_NAME:
-        raise InputError([Problem("cannot be a folder: File name too long", file=str(folder))])
-    if dangling:
-        raise InputError([Problem(f"is a link to {folder.readlink()}, which does not exist", file=str(folder))])
+    if problem is not None:
+        raise InputError([problem])
+
+
+def _place_problem(folder: Path) -> Problem | None:
+    """Return why there can be no folder in this place.
+
+    Raises
+    ------
+    OSError, ValueError
+        When the system refuses to look.
+    """
+    places = (folder, *folder.parents)
+    in_a_file = next((place for place in places if place.exists() and not place.is_dir()), None)
+    if max(len(os.fsencode(place.name)) for place in places) > _LONGEST_NAME:
+        return Problem("cannot be a folder: File name too long", file=str(folder))
+    if folder.is_symlink() and not folder.exists():
+        return Problem(f"is a link to {folder.readlink()}, which does not exist", file=str(folder))
     if in_a_file is not None:
-        raise InputError([Problem("is a file; a folder was expected", file=str(in_a_file))])
+        return Problem("is a file; a folder was expected", file=str(in_a_file))
+    return None
+
+
+def _content_problem(folder: Path, *, force: bool) -> Problem | None:
+    """Return what in a folder would keep a report from being written."""
+    holds = folder.is_dir() and any(folder.iterdir())
     if holds and not force:
-        raise InputError([Problem("is not empty", file=str(folder), hint="force=True writes over it")])
+        return Problem("is not empty", file=str(folder), hint="force=True writes over it")
     for name in _FILES if holds else ():
         if (folder / name).is_dir():
-            raise InputError(
-                [Problem("is a folder; a report's file of that name could not be written", str(folder / name))]
-            )
-    if (folder / "figures").exists() and not (folder / "figures").is_dir():
-        raise InputError(
-            [Problem("is a file; a report's folder of that name could not be written", str(folder / "figures"))]
-        )
+            return Problem("is a folder; a report's file of that name could not be written", str(folder / name))
+    figures = folder / "figures"
+    if figures.exists() and not figures.is_dir():
+        return Problem("is a file; a report's folder of that name could not be written", str(figures))
+    return None
 
 
 def check_holds_no_input(folder: Path, inputs: Iterable[Path]) -> None:

@@ -35,24 +35,26 @@ def check_arguments(
     InputError
         With every argument that is wrong.
     """
-    problems = []
-    if not isinstance(mission, Mission):
-        problems.append(_wrong("mission", mission, "a Mission, as missionplan.load returns it"))
-    if trials is not None and not _is_whole(trials, 1):
-        problems.append(_wrong("trials", trials, "a whole number, at least 1"))
-    if seed is not None and not _is_whole(seed, 0):
-        problems.append(_wrong("seed", seed, "a whole number, at least 0"))
-    if jobs != -1 and not _is_whole(jobs, 1, MAX_JOBS):
-        problems.append(_wrong("jobs", jobs, f"a whole number from 1 to {MAX_JOBS}, or -1 for every core"))
-    for name, (value, known) in (one_of or {}).items():
-        if value not in known:
-            words = ", ".join("None" if each is None else str(each) for each in known)
-            problems.append(_wrong(name, value, f"one of {words}"))
-    for name, value in (text or {}).items():
-        if value is not None and not isinstance(value, str):
-            problems.append(_wrong(name, value, "text"))
+    kinds = (
+        ("mission", mission, isinstance(mission, Mission), "a Mission, as missionplan.load returns it"),
+        ("trials", trials, trials is None or _is_whole(trials, 1), "a whole number, at least 1"),
+        ("seed", seed, seed is None or _is_whole(seed, 0), "a whole number, at least 0"),
+        (
+            "jobs",
+            jobs,
+            jobs == -1 or _is_whole(jobs, 1, MAX_JOBS),
+            f"a whole number from 1 to {MAX_JOBS}, or -1 for every core",
+        ),
+        *((name, value, value is None or isinstance(value, str), "text") for name, value in (text or {}).items()),
+        *((name, value, value in known, _choice(known)) for name, (value, known) in (one_of or {}).items()),
+    )
+    problems = [_wrong(name, value, expected) for name, value, is_right, expected in kinds if not is_right]
     if problems:
         raise InputError(problems)
+
+
+def _choice(known: Sequence[object]) -> str:
+    return f"one of {', '.join('None' if each is None else str(each) for each in known)}"
 
 
 def _is_whole(value: object, least: int, most: float = float("inf")) -> bool:

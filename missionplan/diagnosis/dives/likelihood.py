@@ -22,8 +22,8 @@ from missionplan.diagnosis.dives.noise import (
     sensor_and_turbulence_covariance,
     shape_error_covariance,
 )
+from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal
-from missionplan.diagnosis.inference.residuals import InnerProducts
 
 ALL_DIVES = slice(None)
 

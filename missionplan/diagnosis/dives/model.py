@@ -14,11 +14,11 @@ from missionplan.diagnosis.dives.discrepancy_axes import descent_axes
 from missionplan.diagnosis.dives.fitting import DescentFitting, cholesky, log_joint_with_noise, log_normal_density
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.noise import noise_grid
-from missionplan.diagnosis.inference.axes import Axis
+from missionplan.diagnosis.inference.adequacy.axes import Axis
+from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.importance_sampling import DRAWS, SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
-from missionplan.diagnosis.inference.residuals import Residuals
 
 REFIT_ITERATIONS = 2
 """Gauss–Newton steps of a fit without one dive, from the fit with it."""

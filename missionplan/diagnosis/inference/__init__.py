@@ -2,7 +2,7 @@
 
 Read first `model` (the protocol), then `selection` with `fitting` and `posterior`; `gauss_newton` finds the mode of a
 nonlinear model; `marginal_likelihood`, `laplace` and `importance_sampling` compute evidences; `cross_validation` scores
-predictions of held-out data; `discrepancy` (with `axes`), `residuals` and `residual_tests` look at what a fit leaves;
-`experiment_design` at what to measure next.
+predictions of held-out data and `interval_coverage` their intervals; `prior` holds slabs with heavy tails; `adequacy`
+looks at what a fit leaves, `experiment_design` at what to measure next.
 What is reported is in the data classes of `missionplan.results.evidence`.
 """

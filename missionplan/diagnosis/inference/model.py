@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
-from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.results.evidence import Causes, ParameterEstimate
 
 FitRequest = tuple[Causes, Sequence["CauseFit"]]

@@ -4,7 +4,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.datasets.legs import TransitData
-from missionplan.diagnosis.inference.axes import Axis, pointwise, scaled
+from missionplan.diagnosis.inference.adequacy.axes import Axis, pointwise, scaled
 from missionplan.phases.hooks import Leg
 
 

@@ -13,11 +13,11 @@ from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.legs.covariance import ALL_LEGS, Grams, TransitCovariance
-from missionplan.diagnosis.legs.hyperparameters import Hyperparameter, log_prior, values_of
-from missionplan.diagnosis.legs.markov_covariance import LegSelection
-from missionplan.diagnosis.legs.mean import LinearisedLegs
-from missionplan.diagnosis.legs.modulation import variance_of_mean
+from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS, Grams, TransitCovariance
+from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, log_prior, values_of
+from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection
+from missionplan.diagnosis.legs.likelihood.mean import LinearisedLegs
+from missionplan.diagnosis.legs.likelihood.modulation import variance_of_mean
 from missionplan.effects import CATALOGUE
 from missionplan.results.evidence import Causes, ParameterEstimate
 

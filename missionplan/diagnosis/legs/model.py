@@ -10,14 +10,14 @@ from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import has_shape
+from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, expected_log_ratio
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
-from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.diagnosis.legs.axes import transit_axes
-from missionplan.diagnosis.legs.covariance import ALL_LEGS
 from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_further_legs
 from missionplan.diagnosis.legs.fitting import TransitFitting
-from missionplan.diagnosis.legs.mean import LinearisedLegs
+from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS
+from missionplan.diagnosis.legs.likelihood.mean import LinearisedLegs
 from missionplan.effects import CATALOGUE, exclusive_groups
 from missionplan.results.evidence import Causes
 

@@ -15,7 +15,7 @@ from missionplan.diagnosis.dives.forward import DescentForward, Histories
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
 from missionplan.diagnosis.dives.model import DescentModel, noise_free_discrimination
 from missionplan.diagnosis.dives.preparation import DiveLog
-from missionplan.diagnosis.inference.axes import Axis
+from missionplan.diagnosis.inference.adequacy.axes import Axis
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import DescentHooks

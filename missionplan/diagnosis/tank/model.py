@@ -8,11 +8,11 @@ from scipy.special import logsumexp
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import has_shape
-from missionplan.diagnosis.inference.axes import pointwise, scaled
+from missionplan.diagnosis.inference.adequacy.axes import pointwise, scaled
+from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, FailedFit, HeldOutScore
-from missionplan.diagnosis.inference.residuals import Residuals
 from missionplan.diagnosis.tank.fitting import TankFitting
 from missionplan.diagnosis.tank.linearised import LinearData, fitted_root
 from missionplan.results.evidence import Causes

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import chdtrc, fdtrc, stdtrit
 
 from missionplan.arrays import Array
@@ -80,21 +80,7 @@ def fit(
     if dof < 1:
         raise RunError(f"{name}: {len(data)} points do not suffice for {len(parameters)} parameters and an error")
     scale = np.ones_like(data) if data_sd is None else data_sd
-    start = np.array([parameter.start for parameter in parameters])
-    bounds = ([parameter.low for parameter in parameters], [parameter.high for parameter in parameters])
-
-    def misfit(values: Array) -> Array:
-        return (model(values) - data) / scale
-
-    low, high = np.array(bounds)
-    if not (np.all((low <= start) & (start <= high)) and np.all(np.isfinite(misfit(start)))):
-        raise RunError(f"{name}: the data are so large, so small or so uniform that no fit can start")
-    try:
-        solution = least_squares(misfit, start, bounds=bounds, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
-    except (ValueError, np.linalg.LinAlgError) as error:  # residuals that are not finite on the way
-        raise RunError(f"{name}: the fit failed ({error})") from error
-    if not solution.success:
-        raise RunError(f"{name}: the fit did not converge ({solution.message})")
+    solution = _solution(name, lambda values: (model(values) - data) / scale, parameters)
     covariance = _covariance(name, np.asarray(solution.jac), parameters)
     chi_squared = float(2.0 * solution.cost)
     fitted = model(solution.x)
@@ -111,6 +97,26 @@ def fit(
     residual_sd = float(np.sqrt(np.sum((data - fitted) ** 2) / dof))
     stated = chi_squared if data_sd is not None else float("nan")
     return FittedModel(name, estimates, stated, dof, wrong, widened, fitted, residual_sd, spread)
+
+
+def _solution(name: str, misfit: Callable[[Array], Array], parameters: Sequence[FitParameter]) -> OptimizeResult:
+    """Minimise the misfit within the parameters' bounds.
+
+    Raises
+    ------
+    RunError
+        When it cannot start, fails or does not converge.
+    """
+    start, low, high = (np.array([getattr(p, key) for p in parameters]) for key in ("start", "low", "high"))
+    if not (np.all((low <= start) & (start <= high)) and np.all(np.isfinite(misfit(start)))):
+        raise RunError(f"{name}: the data are so large, so small or so uniform that no fit can start")
+    try:
+        found = least_squares(misfit, start, bounds=(low, high), x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    except (ValueError, np.linalg.LinAlgError) as error:  # residuals that are not finite on the way
+        raise RunError(f"{name}: the fit failed ({error})") from error
+    if not found.success:
+        raise RunError(f"{name}: the fit did not converge ({found.message})")
+    return found
 
 
 def _estimate(parameter: FitParameter, value: float, sd: float, quantile: float) -> IdentifiedParameter:

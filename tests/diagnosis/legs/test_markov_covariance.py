@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from missionplan.diagnosis.legs.markov_covariance import MarkovCovariance
+from missionplan.diagnosis.legs.likelihood.markov_covariance import MarkovCovariance
 from missionplan.effects.persistent_error import PersistentError
 from missionplan.effects.random_walk import RandomWalk
 

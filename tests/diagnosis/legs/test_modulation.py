@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from missionplan import diagnose
-from missionplan.diagnosis.legs.modulation import LENGTH_OF_TIME, modulated_columns, smooth_functions, variance_of_mean
+from missionplan.diagnosis.legs.likelihood.modulation import (
+    LENGTH_OF_TIME,
+    modulated_columns,
+    smooth_functions,
+    variance_of_mean,
+)
 from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import Leg
 

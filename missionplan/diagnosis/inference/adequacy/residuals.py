@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.axes import Axis
+from missionplan.diagnosis.inference.adequacy.axes import Axis
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parame
 from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
-from missionplan.diagnosis.legs.hyperparameters import SLAB_SCALE, HyperparameterValues
-from missionplan.diagnosis.legs.modulation import Modulation, modulated_columns, smooth_functions
+from missionplan.diagnosis.legs.likelihood.hyperparameters import SLAB_SCALE, HyperparameterValues
+from missionplan.diagnosis.legs.likelihood.modulation import Modulation, modulated_columns, smooth_functions
 from missionplan.effects import CATALOGUE, EffectInfo, effects_of
 from missionplan.effects.info import LegRecord
 from missionplan.effects.oscillation import MODULATION_PARAMETERS

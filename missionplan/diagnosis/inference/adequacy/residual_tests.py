@@ -4,7 +4,7 @@ import numpy as np
 from scipy.special import chdtrc, ndtri
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.residuals import Residuals
+from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.results.evidence import ResidualTest
 
 OUTLYING = 0.01

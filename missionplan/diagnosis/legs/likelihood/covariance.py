@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal, student_marginal
-from missionplan.diagnosis.legs.hyperparameters import (
+from missionplan.diagnosis.legs.likelihood.hyperparameters import (
     Hyperparameter,
     HyperparameterValues,
     slab_scale,
     values_of,
 )
-from missionplan.diagnosis.legs.markov_covariance import LegSelection, MarkovCovariance
-from missionplan.diagnosis.legs.mean import LinearisedLegs, TransitMean
+from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection, MarkovCovariance
+from missionplan.diagnosis.legs.likelihood.mean import LinearisedLegs, TransitMean
 from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.phases.hooks import MarkovProcess, TransitEffect

@@ -7,6 +7,7 @@ from typing import Literal
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
+from missionplan.diagnosis.inference.prior import DOF
 
 HyperparameterValues = Mapping[tuple[str, str], float]
 """Hyperparameters by effect and name, not their logarithms."""
@@ -14,8 +15,6 @@ Law = Literal["normal", "student", "slab scale"]
 
 SLAB_SCALE = "slab scale"
 """Name of the factor on the slabs of a cause in the mean, which is no parameter of the effect."""
-DOF = 3.0
-"""Degrees of freedom of the Student-t laws: a strong effect is measured, a weak one still pays for its parameters."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +28,8 @@ class Hyperparameter:
     centre, spread : float
         Of the prior.
     law : str
-        ``normal``; ``student``, the same with heavy tails (`DOF` degrees of freedom); or ``slab scale``, that of
-        √λ, λ inverse-gamma (½ν, ½ν): a slab of √λ standard deviations is then a Student-t with ν = `DOF`
-        (Gelman et al. 2013, *Bayesian Data Analysis*, section 17.2).
+        ``normal``; ``student``, a Student-t distribution with `inference.prior.DOF` degrees of freedom; or ``slab
+        scale``, that of √λ in `inference.prior`: a slab of √λ standard deviations is then such a distribution.
     """
 
     effect: str
