@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from . import fleets
+from . import __main__ as fleets
 
 
 @pytest.mark.slow
 def test_what_is_learned_is_kept_and_a_change_is_named():
-    """A few of the fleets of ``python -m tests.hidden_effects.fleets``, whose figures docs/diagnosis.md gives."""
+    """A few of the fleets of ``python -m tests.fleets``, whose figures docs/diagnosis.md gives."""
     found = [fleets.run(seed, changes=changes) for seed in range(3) for changes in (False, True)]
     assert all(fleet.named for fleet in found if fleet.named is not None)
     held = np.array([fleet.held for fleet in found])

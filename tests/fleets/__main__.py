@@ -1,6 +1,6 @@
 """Fleets of missions, one after the other: each mission is diagnosed, its extended mission is the next one's.
 
-``python -m tests.hidden_effects.fleets --fleets 100`` prints the figures. Every vehicle has a compass that is off and
+``python -m tests.fleets --fleets 100`` prints the figures. Every vehicle has a compass that is off and
 a log that runs slow or fast; between missions 3 and 4 the compass of every second vehicle is knocked to another angle.
 The legs are sailed in steps of a minute with errors of their own, and each mission has nuisances of its own: a slight
 current, a compass and a log that differ a little.
@@ -138,7 +138,7 @@ def run(seed: int, *, changes: bool) -> Fleet:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="python -m tests.hidden_effects.fleets", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.fleets", description=__doc__)
     parser.add_argument("--fleets", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1000)
     parser.add_argument("--jobs", type=int, default=2)

@@ -1,0 +1,1 @@
+"""Vehicles that are diagnosed mission after mission: see `__main__`."""
