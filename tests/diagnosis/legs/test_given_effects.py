@@ -122,6 +122,7 @@ def test_an_effect_that_is_as_the_mission_knows_is_confirmed(carrying, folder, l
     mean, sd = angle_of(found)
     assert (mean, sd) == pytest.approx((after["value"], after["sd"]), rel=1e-3)
     assert "compass bias is 3." in words_of(found)
+    assert "Plan on with mission.yaml in this folder" in words_of(found)
     # what was learned adds precision: conjugate normals, the spike being the error from record to record
     fresh = diagnose(carrying(), data, plan=False).best.parameters[0]
     precision = 1.0 / np.radians(0.5) ** 2 + 1.0 / fresh.sd**2
