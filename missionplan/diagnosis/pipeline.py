@@ -9,6 +9,7 @@ import numpy as np
 from missionplan.diagnosis.inference.adequacy.discrepancy import discrepancy
 from missionplan.diagnosis.inference.adequacy.residual_tests import outlying_groups
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison, compare_held_out
+from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
 from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.diagnosis.inference.posterior import credible_set, posteriors
 from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, no_progress, select
@@ -18,6 +19,9 @@ from missionplan.results.evidence import Causes, Discrepancy, Verdict
 
 SCORED = 3
 """Sets whose held-out gain is measured, at most."""
+EFFECTIVE = 10.0
+"""Effective draws from which a Bayes factor by importance sampling replaces that of the linearised model: its logarithm
+is then known to a third of a nat."""
 CONTENDING = 6.0
 """Nats below the best score within which a set's held-out gain is measured."""
 
@@ -80,15 +84,17 @@ def run_pipeline(model: Model, progress: Progress = no_progress, jobs: int = 1) 
     """
     selection = select(model, progress, jobs)
     held_out = _held_out(model, selection, progress, jobs)
-    sampled = _sampled(model, selection, tuple(held_out), jobs)
+    found = _sampled(model, selection, tuple(held_out), jobs)
+    sampled = {causes: each.log_evidence for causes, each in found.items()}
+    checked = {causes: each.log_evidence for causes, each in found.items() if each.effective >= EFFECTIVE}
     first = selection.ranking[0] if selection.ranking else None
-    claimed = claim(selection, held_out.get(first.causes) if first else None)
+    claimed = claim(selection, held_out.get(first.causes) if first else None, checked)
     progress("testing what is left", 0, 1)
     best = claimed.candidate.fit if claimed is not None else selection.base
     fits = [selection.base] if claimed is None else [selection.base, best]
     tested = parallel_map(partial(_tested_residuals, model), fits, jobs=jobs)
     (base_discrepancy, _), (left, outlying) = tested[0], tested[-1]
-    posterior = posteriors(selection, claimed.candidate.causes if claimed else None)
+    posterior = posteriors(selection, claimed.candidate.causes if claimed else None, checked)
     return PipelineResult(
         verdict=verdict(claimed, left),
         claimed=claimed,
@@ -121,18 +127,21 @@ def _contends(candidate: Candidate, selection: Selection) -> bool:
     return candidate.score > max(0.0, selection.ranking[0].score - CONTENDING) and np.isfinite(candidate.score)
 
 
-def _sampled(model: Model, selection: Selection, scored: Sequence[Causes], jobs: int) -> dict[Causes, float]:
-    """Bayes factors (ln) by importance sampling of the sets that were scored."""
+def _sampled(model: Model, selection: Selection, scored: Sequence[Causes], jobs: int) -> dict[Causes, SampledEvidence]:
+    """Bayes factors (ln) by importance sampling of the sets that were scored, with the effective draws."""
     if not scored:
         return {}
     fits = {candidate.causes: candidate.fit for candidate in selection.ranking}
     wanted = [selection.base, *(fits[causes] for causes in scored)]
-    base, *found = parallel_map(partial(_log_evidences, model), wanted, jobs=jobs)
-    return {causes: log_evidence - base for causes, log_evidence in zip(scored, found, strict=True)}
+    base, *found = parallel_map(partial(_sampled_evidences, model), wanted, jobs=jobs)
+    return {
+        causes: SampledEvidence(each.log_evidence - base.log_evidence, min(each.effective, base.effective))
+        for causes, each in zip(scored, found, strict=True)
+    }
 
 
-def _log_evidences(model: Model, fits: Sequence[CauseFit]) -> list[float]:
-    return [model.sampled_evidence(fit).log_evidence for fit in fits]
+def _sampled_evidences(model: Model, fits: Sequence[CauseFit]) -> list[SampledEvidence]:
+    return [model.sampled_evidence(fit) for fit in fits]
 
 
 def _tested_residuals(model: Model, fits: Sequence[CauseFit]) -> list[tuple[Discrepancy, OutlyingGroups]]:

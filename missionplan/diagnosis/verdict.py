@@ -1,9 +1,10 @@
 """Verdict: what may be said of a data set, by fixed rules (`docs/diagnosis.md`)."""
 
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison
-from missionplan.diagnosis.inference.posterior import rivals
+from missionplan.diagnosis.inference.posterior import LogBayesFactors, rivals
 from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection
 from missionplan.results.evidence import Discrepancy, Verdict
 
@@ -16,7 +17,9 @@ class Claim:
     rivals: tuple[Candidate, ...]
 
 
-def claim(selection: Selection, held_out: HeldOutComparison | None) -> Claim | None:
+def claim(
+    selection: Selection, held_out: HeldOutComparison | None, checked: LogBayesFactors = MappingProxyType({})
+) -> Claim | None:
     """Claim the best non-empty set if its score exceeds 3 nats and its held-out gain is positive.
 
     Signs and sizes were judged before: impossible sets are not in the ranking.
@@ -27,13 +30,15 @@ def claim(selection: Selection, held_out: HeldOutComparison | None) -> Claim | N
         Every set that was tried.
     held_out : HeldOutComparison or None
         Of the best set, where it was measured.
+    checked : mapping
+        ln Bayes factors of the sets that were checked by importance sampling, for the rivals.
     """
     if not selection.ranking or held_out is None:
         return None
     best = selection.ranking[0]
     if best.score <= COMPLEXITY_PENALTY or held_out.gain.log_score_gain <= 0.0:
         return None
-    return Claim(best, tuple(rivals(selection, best)))
+    return Claim(best, tuple(rivals(selection, best, checked)))
 
 
 def limited(verdict: Verdict, *, is_constant: bool, is_separable: bool) -> Verdict:

@@ -1,6 +1,7 @@
 """Verdicts, posteriors and credible sets by the rules of the contract."""
 
 import itertools
+import math
 
 import pytest
 
@@ -50,6 +51,17 @@ def test_score_charges_each_further_cause():
 )
 def test_verdict_is_the_first_that_fits(entries, gain, significant, expected):
     assert verdict(claim(selection(*entries), gain), left(significant)) == expected
+
+
+def test_evidence_by_importance_sampling_decides_on_rivals_and_probabilities():
+    """Linearised, the first is 4.2 nats better; by importance sampling 2.1."""
+    found = selection((("a",), 11.2), (("b",), 7.0))
+    checked = {("a",): 9.1, ("b",): 7.0}
+    assert not rivals(found, found.ranking[0])
+    assert [candidate.causes for candidate in rivals(found, found.ranking[0], checked)] == [("b",)]
+    assert verdict(claim(found, GOOD, checked), left(False)) == "ambiguous"
+    probabilities = posteriors(found, ("a",), checked)
+    assert probabilities["a",] / probabilities["b",] == pytest.approx(math.exp(2.1))
 
 
 def test_supersets_of_the_claimed_set_are_no_rivals():

@@ -1,5 +1,8 @@
 """Posterior probabilities of the sets of causes, the credible set, and rivals of a claimed set."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 
 from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection
@@ -7,8 +10,18 @@ from missionplan.results.evidence import Causes
 
 CREDIBLE = 0.95
 
+LogBayesFactors = Mapping[Causes, float]
+"""Of sets whose evidence was checked by importance sampling: they replace those of the linearised models."""
 
-def posteriors(selection: Selection, claimed: Causes | None) -> dict[Causes, float]:
+
+def _score(candidate: Candidate, checked: LogBayesFactors) -> float:
+    own = checked.get(candidate.causes)
+    return candidate.score if own is None else candidate.score + own - candidate.log_bayes_factor
+
+
+def posteriors(
+    selection: Selection, claimed: Causes | None, checked: LogBayesFactors = MappingProxyType({})
+) -> dict[Causes, float]:
     """Return the posterior probability of each set, the empty one included; supersets of a claimed set are left out.
 
     Prior odds times Bayes factor, normalised (Kass & Raftery 1995, *J. Am. Stat. Assoc.* 90). Each non-empty set has
@@ -17,7 +30,7 @@ def posteriors(selection: Selection, claimed: Causes | None) -> dict[Causes, flo
     the first.
     """
     kept = [candidate for candidate in selection.ranking if claimed is None or not set(claimed) < set(candidate.causes)]
-    logs = np.array([0.0] + [candidate.score - np.log(selection.catalogue) for candidate in kept])
+    logs = np.array([0.0] + [_score(candidate, checked) - np.log(selection.catalogue) for candidate in kept])
     weights = np.exp(logs - logs.max())
     weights /= weights.sum()
     return dict(zip([(), *(candidate.causes for candidate in kept)], weights.tolist(), strict=True))
@@ -39,12 +52,14 @@ def credible_set(posterior: dict[Causes, float]) -> list[Causes]:
     return chosen
 
 
-def rivals(selection: Selection, claimed: Candidate) -> list[Candidate]:
+def rivals(
+    selection: Selection, claimed: Candidate, checked: LogBayesFactors = MappingProxyType({})
+) -> list[Candidate]:
     """Return the other sets within 3 nats of the claimed one, its supersets left out."""
     return [
         candidate
         for candidate in selection.ranking
         if candidate.causes != claimed.causes
         and not set(claimed.causes) < set(candidate.causes)
-        and candidate.score > claimed.score - COMPLEXITY_PENALTY
+        and _score(candidate, checked) > _score(claimed, checked) - COMPLEXITY_PENALTY
     ]
