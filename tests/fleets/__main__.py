@@ -132,7 +132,8 @@ def run(seed: int, *, changes: bool) -> Fleet:
             best = found.best.parameters if found.causes and found.best is not None else ()
             estimates = {each.effect: each for each in (*found.confirmed, *best)}
             for effect, truth in ((COMPASS, angle), (LOG, pace)):
-                held.append(effect in estimates and estimates[effect].low <= truth <= estimates[effect].high)
+                if effect in estimates:
+                    held.append(estimates[effect].low <= truth <= estimates[effect].high)
             mission = extended(found)
     return Fleet(named, tuple(held), tuple(gains))
 
@@ -149,11 +150,12 @@ def main() -> int:
         changing = list(pool.map(partial(run, changes=True), seeds[1::2]))
     fleets = steady + changing
     gains = np.array([fleet.gains for fleet in fleets])
-    held = np.array([fleet.held for fleet in fleets])
+    held = np.concatenate([fleet.held for fleet in fleets])
     error = gains.mean(axis=1).std(ddof=1) / np.sqrt(len(fleets))
     print(f"fleets: {len(fleets)}, of which {len(changing)} change between missions {CHANGED} and {CHANGED + 1}")
     print(f"change named in mission {CHANGED + 1}: {sum(bool(fleet.named) for fleet in changing)} of {len(changing)}")
     print(f"90 % intervals that hold the truth: {held.mean():.3f} of {held.size}")
+    print(f"effects without an estimate: {2 * MISSIONS * len(fleets) - held.size} of {2 * MISSIONS * len(fleets)}")
     print(f"log score of unseen legs over starting afresh: {gains.mean():+.2f} ± {error:.2f} nats a mission")
     print("by mission:", ", ".join(f"{gain:+.2f}" for gain in gains.mean(axis=0)))
     return 0

@@ -11,6 +11,6 @@ def test_what_is_learned_is_kept_and_a_change_is_named():
     """A few of the fleets of ``python -m tests.fleets``, whose figures docs/diagnosis.md gives."""
     found = [fleets.run(seed, changes=changes) for seed in range(3) for changes in (False, True)]
     assert all(fleet.named for fleet in found if fleet.named is not None)
-    held = np.array([fleet.held for fleet in found])
+    held = np.concatenate([fleet.held for fleet in found])
     assert held.mean() > 0.8
     assert np.mean([fleet.gains for fleet in found]) > -0.5
