@@ -4,14 +4,14 @@ import numpy as np
 
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.report.display_units import Unit
-from missionplan.report.leg_length.plan_figures import cases_figure, policy_figure, tracks_figure
-from missionplan.report.leg_length.plan_tables import (
+from missionplan.report.leg_length.leg_tables import (
     candidates_table,
     cases_table,
     saving_in_words,
     saving_unit,
     trials_table,
 )
+from missionplan.report.leg_length.plan_figures import cases_figure, policy_figure, tracks_figure
 from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Listing, Page, PageSection, Terminal
 from missionplan.results.legs import LegPlan

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.report.leg_length.plan_tables import saving_unit
+from missionplan.report.leg_length.leg_tables import saving_unit
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.results.legs import LegPlan
 

@@ -18,8 +18,8 @@ from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.base import Provenance
 from missionplan.results.sweep import Sweep, SweepCurve, SweepPoint
 from missionplan.studies.arguments import check_arguments
+from missionplan.studies.leg_length.cells import CellTotals, run_cells
 from missionplan.studies.leg_length.integral_equation import analytic_curve, analytic_obstacle
-from missionplan.studies.leg_length.sweep_cells import CellTotals, run_cells
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 Method = Literal["both", "analytic", "monte-carlo"]

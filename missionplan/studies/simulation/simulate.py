@@ -20,12 +20,12 @@ from missionplan.studies.arguments import check_arguments
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence
 from missionplan.studies.simulation.block_statistics import LIMIT
-from missionplan.studies.simulation.block_task import BlockTask
 from missionplan.studies.simulation.checks import check_complete, input_notices, mooring_anchors, run_notices
 from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.record_cover import check_cover, check_trials
+from missionplan.studies.simulation.task import BlockTask
 
 MAX_TRIALS = 10_000_000
 """Trials after which a run to a given precision ends, unless the number of trials is given."""

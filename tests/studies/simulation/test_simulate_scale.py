@@ -15,8 +15,8 @@ from missionplan.montecarlo.running_statistics import RunningStatistics
 from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.simulation import block_task
 from missionplan.studies.simulation import simulate as module
+from missionplan.studies.simulation import task
 from missionplan.studies.simulation.block_statistics import BlockStatistics
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.simulate import simulate
@@ -130,13 +130,13 @@ def test_finished_blocks_are_not_run_again(mission, reference, tmp_path, monkeyp
     folder = tmp_path / "run"
     simulate(mission, trials=BLOCK, checkpoint=folder)
     ran = []
-    original = block_task.run_block
+    original = task.run_block
 
     def spying(scenario, seed, block, *rest):
         ran.append(block)
         return original(scenario, seed, block, *rest)
 
-    monkeypatch.setattr(block_task, "run_block", spying)
+    monkeypatch.setattr(task, "run_block", spying)
     found = simulate(mission, trials=TRIALS, checkpoint=folder, resume=True)  # the trials have been raised
     assert ran == [1, 2]
     assert bits(found) == reference
@@ -162,7 +162,7 @@ def test_a_damaged_block_is_run_again(mission, tmp_path):
 
 def failing_at(failed):
     """`run_block`, failing at one block."""
-    original = block_task.run_block
+    original = task.run_block
 
     def run(scenario, seed, block, *rest):
         if block == failed:
@@ -173,18 +173,18 @@ def failing_at(failed):
 
 
 def test_a_failed_block_is_tried_again_on_resume(mission, tmp_path, monkeypatch):
-    original = block_task.run_block
-    monkeypatch.setattr(block_task, "run_block", failing_at(1))
+    original = task.run_block
+    monkeypatch.setattr(task, "run_block", failing_at(1))
     assert len(simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path).failed_blocks) == 1
-    monkeypatch.setattr(block_task, "run_block", original)
+    monkeypatch.setattr(task, "run_block", original)
     found = simulate(mission, trials=2 * BLOCK, checkpoint=tmp_path, resume=True)
     assert bits(found) == bits(simulate(mission, trials=2 * BLOCK))
 
 
 def test_the_tracks_are_those_of_the_first_block_that_did_not_fail(mission, monkeypatch):
-    monkeypatch.setattr(block_task, "run_block", failing_at(0))
+    monkeypatch.setattr(task, "run_block", failing_at(0))
     found = simulate(mission, trials=BLOCK + 200)
-    shown = block_task.BlockTask(Scenario.at_means(mission), mission.monte_carlo.seed).tracks(1, 200)
+    shown = task.BlockTask(Scenario.at_means(mission), mission.monte_carlo.seed).tracks(1, 200)
     assert found.tracks.position.shape[2] == 200
     assert np.array_equal(found.tracks.position, shown.position, equal_nan=True)
 
