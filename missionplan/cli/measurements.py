@@ -32,7 +32,9 @@ def diagnose(
     def study(loaded: "Mission", progress: Progress) -> "Result":
         from missionplan.montecarlo.parallel_map import MAX_PROCESSES
         from missionplan.montecarlo.pool import preloaded_pool
+        from missionplan.studies.validation.datasets import check_dataset
 
+        check_dataset(dataset, loaded, allow_outside=allow_outside)  # a refusal needs neither workers nor their imports
         processes = o.worker_count(jobs)
         others = min(processes, MAX_PROCESSES) - 1
         with preloaded_pool(others, "missionplan.diagnosis.diagnose"):  # they import while this process does

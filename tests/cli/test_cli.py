@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from shutil import copytree
 
 import pytest
 
@@ -132,13 +133,13 @@ HEAVY = {
 HEAVY |= {f"scipy.{part}" for part in ("interpolate", "linalg", "ndimage", "optimize", "sparse", "special", "stats")}
 
 
-def imported_by(*arguments: str) -> set[str]:
-    """Modules that a command imports in a process of its own."""
+def imported_by(*arguments: str, expected: int = 0) -> set[str]:
+    """Modules that a command imports in a process of its own, which ends with a status."""
     code = f"import sys; sys.argv = ['missionplan', *{arguments!r}]\nfrom missionplan.cli import main\n"
     code += "try: main()\nexcept SystemExit as end: print(end.code, *sys.modules, file=sys.stderr)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     status, *names = done.stderr.splitlines()[-1].split()
-    assert status == "0"
+    assert status == str(expected)
     return set(names)
 
 
@@ -158,6 +159,15 @@ def test_diagnose_imports_one_kind_of_data(tmp_path: Path) -> None:
     assert not imported & (
         others | {"matplotlib", "xarray", "dask", "joblib", "jinja2", "missionplan.studies.simulation.simulate"}
     )
+
+
+def test_diagnose_refuses_a_data_set_before_it_imports_the_diagnosis(tmp_path: Path) -> None:
+    folder = copytree(MISSIONS / "measured" / "avila-drag", tmp_path / "damaged")
+    (folder / "dataset.yaml").write_text((folder / "dataset.yaml").read_text().replace("file:", "fil:"))
+    imported = imported_by(
+        "diagnose", str(MISSIONS / "chesapeake.yaml"), str(folder), "--out", str(tmp_path / "out"), expected=2
+    )
+    assert not imported & {"missionplan.diagnosis.diagnose", "scipy.linalg", "matplotlib"}
 
 
 def test_validate_imports_only_what_a_mission_needs() -> None:

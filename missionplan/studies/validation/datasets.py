@@ -5,7 +5,7 @@ from pathlib import Path
 
 from missionplan.datasets.dives import DescentData, read_descent
 from missionplan.datasets.legs import TransitData, read_transit
-from missionplan.datasets.reading import dataset_kind
+from missionplan.datasets.reading import dataset_kind, files_outside
 from missionplan.datasets.summaries import SummaryData, read_summary
 from missionplan.datasets.tank.data import TANK_FORMATS, read_tank_data
 from missionplan.errors import InputError, Problem
@@ -19,6 +19,22 @@ _STAND_IN = {
     "phases": [{"moor": {"radius": "1 m", "line_length": "1 m", "anchor_wet_weight": "1 N"}}],
 }
 """Mission of a data set that is checked alone: what its runs leave to the mission is taken to be there."""
+
+
+def check_dataset(path: Path, mission: Mission, *, allow_outside: bool = False) -> None:
+    """Read a data set for what is wrong with it, before a diagnosis is imported for it.
+
+    Raises
+    ------
+    InputError
+        All problems of the data set.
+    """
+    with files_outside(allowed=allow_outside):
+        kind = dataset_kind(path, (*DIAGNOSED, *TANK_FORMATS))
+        if kind in TANK_FORMATS:
+            read_tank_data(path)
+        else:
+            DIAGNOSED[kind](path, mission)
 
 
 def validated_dataset(path: Path, missions: Sequence[Mission]) -> Validated:
