@@ -169,6 +169,8 @@ def starting_values(time: Array, record: Array) -> list[FitParameter]:
         np.fft.rfft((np.interp(even, time, record) - record.mean()) * np.hanning(len(even)), 8 * len(even))
     )
     frequency = float(np.fft.rfftfreq(8 * len(even), step)[np.argmax(spectrum)])
+    if frequency == 0.0:
+        raise RunError("the record drifts, but does not oscillate: its strongest frequency is nil")
     velocity = float((record[1] - record[0]) / (time[1] - time[0]))
     half = len(record) // 2
     decay = math.log(max(float(np.std(record[:half]) / np.std(record[half:])), 1.0)) / (float(time[-1] - time[0]) / 2.0)
