@@ -1,5 +1,6 @@
 """Errors that reach a user as a message and an exit status, never as a traceback."""
 
+import errno
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -88,6 +89,16 @@ class InputError(MissionplanError):
 
 class RunError(MissionplanError):
     """The run itself failed (exit status 1)."""
+
+
+OUT_OF_FILES = "the system lets this process open no more files: raise the limit (ulimit -n)"
+
+
+def out_of_files(error: BaseException | None) -> bool:
+    """Tell whether an error comes of the limit of open files; loky hides it behind one of its own."""
+    while error is not None and not (isinstance(error, OSError) and error.errno in (errno.EMFILE, errno.ENFILE)):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 def key_path(path: KeyPath) -> str:

@@ -5,7 +5,6 @@ done around a study.
 """
 
 import atexit
-import errno
 import gc
 import signal
 import sys
@@ -17,7 +16,7 @@ import typer
 
 from missionplan.cli import files, measurements, planning
 from missionplan.cli.streams import answering, note, prepare_streams
-from missionplan.errors import MissionplanError
+from missionplan.errors import OUT_OF_FILES, MissionplanError, out_of_files
 
 INTERRUPTED = 130
 
@@ -98,8 +97,8 @@ def _usage_error(error: Exception) -> int:
     """
     if type(error).__name__ == "Abort":
         return INTERRUPTED
-    if isinstance(error, OSError) and error.errno in (errno.EMFILE, errno.ENFILE):
-        note("Error:\nthe system lets this process open no more files: raise the limit (ulimit -n)")
+    if out_of_files(error):
+        note(f"Error:\n{OUT_OF_FILES}")
         return 1
     if hasattr(error, "show") and hasattr(error, "exit_code"):
         error.show()

@@ -17,7 +17,7 @@ from loky import ProcessPoolExecutor
 from loky.backend import resource_tracker
 from loky.process_executor import BrokenProcessPool
 
-from missionplan.errors import RunError
+from missionplan.errors import OUT_OF_FILES, RunError, out_of_files
 
 Result = TypeVar("Result")
 
@@ -46,11 +46,20 @@ def process_pool(count: int) -> ProcessPoolExecutor:
                     executor.shutdown(wait=False)
             _kept.clear()
             with interrupts_blocked():
-                _kept[count] = ProcessPoolExecutor(
-                    max_workers=count, env=_ONE_THREAD, initializer=_end_with, initargs=(os.getpid(),)
-                )
-                _kept[count].submit(int)  # starts them
+                _kept[count] = _started(count)
         return next(iter(_kept.values()))
+
+
+def _started(count: int) -> ProcessPoolExecutor:
+    executor = ProcessPoolExecutor(max_workers=count, env=_ONE_THREAD, initializer=_end_with, initargs=(os.getpid(),))
+    try:
+        executor.submit(int)  # starts them
+    except Exception as error:
+        executor.shutdown(wait=False, kill_workers=True)
+        if out_of_files(error):
+            raise RunError(OUT_OF_FILES) from None
+        raise
+    return executor
 
 
 def _end_with(parent: int) -> None:

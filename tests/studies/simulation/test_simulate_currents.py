@@ -62,6 +62,15 @@ def netcdf(folder, velocity, hours=7, latitudes=(37.18, 37.32), longitudes=(-76.
     return {"site.current": {"file": "cbofs.nc"}, "start": "2026-05-01T12:00:00Z"}
 
 
+def test_times_that_are_no_dates_are_refused(tmp_path):
+    netCDF4 = pytest.importorskip("netCDF4")
+    changes = netcdf(tmp_path, lambda t, depth: (EAST, NORTH))
+    with netCDF4.Dataset(tmp_path / "cbofs.nc", "a") as file:
+        file["time"].units = "hours"
+    with pytest.raises(InputError, match=r"cbofs.nc: its times are no dates.*`units`"):
+        recorded_current(chesapeake(tmp_path, STEADY | changes))
+
+
 def steady(t, depth):
     return EAST, NORTH
 
