@@ -53,6 +53,7 @@ IMPOSSIBLE = [
     ({"vehicle.hull.length": "44 mm"}, "is impossible"),
     ({"vehicle.hull.diameter": "4.75 ft"}, "more than the hull's length"),
     ({"vehicle.sail.thickness": "6 in"}, "more than the sail's chord"),
+    ({"vehicle.anchor.overlap_volume": "5 L"}, "more than the whole nose that it is a part of"),
     ({"vehicle.anchor.drag_coefficient": 200}, "200 is impossible"),
     ({"vehicle.energy.capacity": "60 GW*h"}, "is impossible"),
     ({"vehicle.energy.hotel": "8 MW"}, "is impossible"),

@@ -152,14 +152,9 @@ def _layers(site: Site | None, depth: float) -> Iterator[LocalProblem]:
 
 def _vehicle(vehicle: Vehicle) -> tuple[list[LocalProblem], list[LocalProblem]]:
     """What is impossible of a vehicle, and what is unusual."""
-    problems: list[LocalProblem] = []
+    problems = list(_shape(vehicle))
     notices: list[LocalProblem] = []
     length, diameter = mean_of(vehicle.hull.length), mean_of(vehicle.hull.diameter)
-    if diameter > length:
-        message = f"{diameter:.4g} m is more than the hull's length, {length:.4g} m"
-        problems.append(LocalProblem(("hull", "diameter"), message))
-    if vehicle.sail is not None and mean_of(vehicle.sail.thickness) > mean_of(vehicle.sail.chord):
-        problems.append(LocalProblem(("sail", "thickness"), "is more than the sail's chord"))
     if vehicle.mass is None or diameter > length:
         return problems, notices
     mass, buoyancy = mean_of(vehicle.mass), mean_of(vehicle.net_buoyancy)
@@ -179,6 +174,20 @@ def _vehicle(vehicle: Vehicle) -> tuple[list[LocalProblem], list[LocalProblem]]:
     elif not _FILLED[1][0] <= filled <= _FILLED[1][1]:
         notices.append(LocalProblem(("mass",), f"{message}, which is unusual. Is the unit right?"))
     return problems, notices
+
+
+def _shape(vehicle: Vehicle) -> Iterator[LocalProblem]:
+    length, diameter = mean_of(vehicle.hull.length), mean_of(vehicle.hull.diameter)
+    if diameter > length:
+        message = f"{diameter:.4g} m is more than the hull's length, {length:.4g} m"
+        yield LocalProblem(("hull", "diameter"), message)
+    if vehicle.sail is not None and mean_of(vehicle.sail.thickness) > mean_of(vehicle.sail.chord):
+        yield LocalProblem(("sail", "thickness"), "is more than the sail's chord")
+    overlap = mean_of(vehicle.anchor.overlap_volume) if vehicle.anchor is not None else 0.0
+    nose = 2.0 / 3.0 * math.pi * (diameter / 2.0) ** 3  # the hemisphere that the anchor covers
+    if overlap > nose:
+        message = f"{1e3 * overlap:.4g} L is more than the whole nose that it is a part of, {1e3 * nose:.4g} L"
+        yield LocalProblem(("anchor", "overlap_volume"), message)
 
 
 def _fixes(phases: Sequence[Phase], navigation: Navigation) -> Iterator[LocalProblem]:
