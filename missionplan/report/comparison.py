@@ -81,7 +81,7 @@ def _numbers_in_words(comparison: Comparison) -> str:
     if changed:
         largest = max(changed, key=importance)
         words = f"{len(changed)} of {len(judged)} numbers changed by more than Monte-Carlo noise, most clearly "
-        return f"{words}{name_of(comparison, largest)} ({shown_change(comparison, largest)})."
+        return f"{words}the {name_of(comparison, largest)} ({shown_change(comparison, largest)})."
     if any(item.verdict == "within noise" for item in judged):
         return "No number changed by more than Monte-Carlo noise."
     return "The results are the same."
@@ -90,10 +90,10 @@ def _numbers_in_words(comparison: Comparison) -> str:
 def _requirement_change(change: ChangedValue) -> str:
     name = in_words(change.path)
     if not change.first:
-        return f"The new requirement on {name} is {change.second}."
+        return f"The new requirement on the {name} is {change.second}."
     if not change.second:
-        return f"The requirement on {name}, which was {change.first}, has been dropped."
-    return f"The requirement on {name} was {change.first} and is now {change.second}."
+        return f"The requirement on the {name}, which was {change.first}, has been dropped."
+    return f"The requirement on the {name} was {change.first} and is now {change.second}."
 
 
 def _numbers(comparison: Comparison) -> list[tuple[str, str]]:
@@ -128,7 +128,8 @@ def changes_figure(comparison: Comparison) -> Figure | None:
     return to_figure(
         figure,
         "changes",
-        f"Changes of {len(shown)} numbers in standard errors; the clearest is {clearest} at {scores[0]:.1f}.",
+        f"Changes of {len(shown)} numbers in standard errors; "
+        f"the clearest is that of the {clearest} at {scores[0]:.1f}.",
         "Orange: more than noise, all numbers taken together (Holm's correction at 5 %). Band: where 95 % of the "
         "differences of one number lie by noise alone.",
     )

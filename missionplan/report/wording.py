@@ -12,21 +12,33 @@ _PHRASES = {
     "arrived": "arrival",
     "within_radius": "anchor within the radius",
     "struck_seafloor": "strike on the seafloor",
+    "offset": "offset of the anchor",
+    "lowest_altitude": "lowest altitude of the nose",
+    "total.success": "success of the mission",
 }
 """Quantities and events of a phase whose names do not read as phrases."""
 _POINT_OR_UNDERSCORE = re.compile(r"\.(?!\d)|_")
+_WHOLES = ("vehicle", "site", "start", "total", "phases", "monte_carlo", "requirements")
+"""First parts of a dotted name that are no phase and read well before the rest: ``vehicle net buoyancy``."""
 
 
 def in_words(name: str) -> str:
-    """Write a dotted name in words: ``moor release time``, ``current speed in layer 2``, ``arrival (ingress)``."""
-    quantity = split_key(name)[0].removeprefix("effects.").removeprefix("navigation.")
-    phase, _, own = quantity.partition(".")
-    if own in _PHRASES:
-        return f"{_PHRASES[own]} ({phase})"
+    """Write a dotted name in words: ``release time (moor)``, ``current speed in layer 2``, ``total energy``."""
+    quantity = split_key(name)[0]
+    for root in ("effects.", "navigation."):
+        if quantity.startswith(root):
+            return _spaced(quantity.removeprefix(root))
     if quantity.startswith("site.current["):
         layer, _, rest = quantity.removeprefix("site.current[").partition("].")
         return f"current {rest} in layer {int(layer) + 1}"
-    return _POINT_OR_UNDERSCORE.sub(" ", quantity)
+    phase, _, own = quantity.partition(".")
+    if quantity in _PHRASES or not own or phase.partition("[")[0] in _WHOLES:
+        return _PHRASES.get(quantity, _spaced(quantity))
+    return f"{_PHRASES.get(own, _spaced(own))} ({phase})"
+
+
+def _spaced(name: str) -> str:
+    return _POINT_OR_UNDERSCORE.sub(" ", name)
 
 
 def capitalised(words: str) -> str:

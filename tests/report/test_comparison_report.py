@@ -40,9 +40,9 @@ def rows(comparison):
 
 
 def test_rounding_is_no_noise(comparison):
-    assert "most clearly moor offset" in answer(comparison)
-    assert rows(comparison)["moor lowest altitude"][-1] == "−0.7\u00a0m"
-    assert "the clearest is moor offset at 20.0" in page(comparison).figure.alt
+    assert "most clearly the offset of the anchor (moor)" in answer(comparison)
+    assert rows(comparison)["lowest altitude of the nose (moor)"][-1] == "−0.7\u00a0m"
+    assert "the clearest is that of the offset of the anchor (moor) at 20.0" in page(comparison).figure.alt
 
 
 def test_a_limit_that_the_mission_does_not_show_has_its_unit(comparison):
@@ -59,11 +59,11 @@ def test_what_decides_comes_first_then_the_clearest_change(comparison):
     )
     names = [row[0] for row in terminal(shown).rows]
     assert names == [
-        "total success",
-        "moor offset at most 75 ft (requirement)",
-        "moor offset",  # 20 standard errors
-        "moor duration",  # 3
-        "moor lowest altitude",  # without noise
+        "success of the mission",
+        "offset of the anchor (moor) at most 75 ft (requirement)",
+        "offset of the anchor (moor)",  # 20 standard errors
+        "duration (moor)",  # 3
+        "lowest altitude of the nose (moor)",  # without noise
     ]
 
 
@@ -81,6 +81,6 @@ def test_missions_that_are_not_alike_are_said_so_in_one_line(comparison):
 
 
 def test_requirements_of_one_run_are_named_as_that_run_has_them(comparison):
-    assert "moor offset at most 75 ft (requirement)" in rows(comparison)
-    assert "The requirement on total success, which was met, has been dropped." in answer(comparison)
-    assert "The new requirement on arrival (egress) is not met." in answer(comparison)
+    assert "offset of the anchor (moor) at most 75 ft (requirement)" in rows(comparison)
+    assert "The requirement on the success of the mission, which was met, has been dropped." in answer(comparison)
+    assert "The new requirement on the arrival (egress) is not met." in answer(comparison)

@@ -163,7 +163,7 @@ def test_the_tightest_is_the_requirement_with_the_fewest_trials_to_spare(outcome
 def test_limits_are_in_the_units_of_the_mission(page):
     (table,) = next(section for section in page.sections if section.heading.startswith("Not met")).blocks
     requirements = [row[0] for row in table.rows]
-    assert "moor offset at most 75\u00a0ft" in requirements
+    assert "offset of the anchor (moor) at most 75\u00a0ft" in requirements
     assert "total energy at most 45\u00a0W\u202fh" in requirements
 
 
@@ -183,7 +183,7 @@ def test_a_quantity_that_does_not_vary_is_told_and_not_drawn(outcome):
     fixed = replace(moor.quantities["lowest_altitude_m"], mean=1.498, p50=1.498, sd=2e-13, standard_error=3e-15)
     phases = (outcome.phases[0], replace(moor, quantities={**moor.quantities, "lowest_altitude_m": fixed}))
     rendered = render_report(replace(outcome, phases=phases))
-    assert "Moor lowest altitude is 1.498\u00a0m in every trial" in rendered.html
+    assert "The lowest altitude of the nose (moor) is 1.498\u00a0m in every trial" in rendered.html
     assert "moor-lowest-altitude-m" not in rendered.figures
 
 

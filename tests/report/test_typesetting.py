@@ -177,7 +177,7 @@ def test_lines_break_at_ordinary_spaces_alone():
         ("ingress.arrived", "arrival (ingress)"),
         ("site.current[1].speed", "current speed in layer 2"),
         ("navigation.surfacing_time", "surfacing time"),
-        ("moor.release_time", "moor release time"),
+        ("moor.release_time", "release time (moor)"),
     ],
 )
 def test_names_of_quantities_read_as_phrases(name, words):

@@ -59,7 +59,7 @@ def failure_in_words(step: str) -> str:
 
 
 def requirement_in_words(outcome: Outcome, requirement: RequirementOutcome) -> str:
-    """Write a requirement with its limit in the mission's unit: ``moor offset at most 75 ft``."""
+    """Write a requirement with its limit in the mission's unit: ``offset of the anchor (moor) at most 75 ft``."""
     name = in_words(requirement.quantity)
     if requirement.bound is None or requirement.limit is None:
         return name

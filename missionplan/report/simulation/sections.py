@@ -78,7 +78,7 @@ def _distribution(outcome: Outcome, phase: PhaseOutcome, key: str) -> Block:
     if has_spread(statistic.mean, statistic.sd):
         return histogram_figure(outcome, phase, key)
     value = with_error(statistic.mean, 0.0, unit_of(outcome, phase, key))
-    return f"{capitalised(in_words(f'{phase.name}.{key}'))} is {value} in every trial that reached it."
+    return f"The {in_words(f'{phase.name}.{key}')} is {value} in every trial that reached it."
 
 
 def _medians(outcome: Outcome) -> str:

@@ -88,7 +88,10 @@ def test_a_difference_beyond_noise_is_distinguished_from_noise(report):
     assert found["moor", "offset_m"] == "changed"
     assert found["total", "success"] == "within noise"
     assert found["total", "energy_wh"] == "same"
-    assert "most clearly moor offset (+3.3\u00a0±\u00a00.5\u00a0ft)" in terminal_view(comparison).sentence
+    assert (
+        "most clearly the offset of the anchor (moor) (+3.3\u00a0±\u00a00.5\u00a0ft)"
+        in terminal_view(comparison).sentence
+    )
     (offset,) = comparison.changed
     assert offset.standard_error == pytest.approx(0.1 * math.sqrt(2.0))
     assert offset.p_value == pytest.approx(2.0 * norm.sf(1.0 / (0.1 * math.sqrt(2.0))))
@@ -104,14 +107,20 @@ def test_two_shares_are_tested_as_pooled(report):
 
 def test_a_requirement_that_is_no_longer_met_is_reported(report):
     comparison = compare(report(simulated()), report(simulated(met=False, seed=2)))
-    assert "The requirement on moor offset was met and is now not met." in terminal_view(comparison).sentence
+    assert (
+        "The requirement on the offset of the anchor (moor) was met and is now not met."
+        in terminal_view(comparison).sentence
+    )
 
 
 def test_a_requirement_that_has_become_undecided_is_reported(report):
     unsure = simulated(seed=2)
     unsure["requirements"][0]["undecided"] = True
     comparison = compare(report(simulated()), report(unsure))
-    assert "The requirement on moor offset was met and is now undecided." in terminal_view(comparison).sentence
+    assert (
+        "The requirement on the offset of the anchor (moor) was met and is now undecided."
+        in terminal_view(comparison).sentence
+    )
 
 
 def test_requirements_on_one_quantity_are_told_apart_by_their_limits(report):
