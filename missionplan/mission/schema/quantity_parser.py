@@ -26,6 +26,8 @@ _FORMS: dict[frozenset[str], str] = {
     frozenset({"median", "factor"}): "log-normal",
     frozenset({"choices"}): "choices",
 }
+_FARTHEST_BOUND = 9.0
+"""Standard deviations from the mean to the nearer bound: one normal draw in 10¹⁹ lies farther out."""
 _MAX_FACTOR = 1000.0
 """Of a log-normal: 68 % of its draws lie within six powers of ten."""
 _MAX_CHOICES = 1000
@@ -161,6 +163,11 @@ def _build(form: str, numbers: Mapping[str, float]) -> Distribution:
         return _log_normal(numbers["median"], numbers["factor"])
     if numbers["sd"] == 0.0:
         raise QuantityError("given 0, expected a positive spread between bounds", ("sd",))
+    away = max(low - numbers["mean"], numbers["mean"] - high) / numbers["sd"]
+    if away > _FARTHEST_BOUND:
+        raise QuantityError(
+            f"lies {away:.3g} standard deviations beyond the bounds: no draw can lie between them", ("mean",)
+        )
     return TruncatedNormal(numbers["mean"], numbers["sd"], low, high)
 
 
