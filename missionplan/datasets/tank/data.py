@@ -9,7 +9,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.datasets.reading import DatasetFormat, RawDataset, dataset_kind, read_dataset, read_named_table
-from missionplan.datasets.table import Columns, CsvTable
+from missionplan.datasets.table import Columns, CsvTable, problems_at
 from missionplan.datasets.tank.drag import DRAG, DragSettings
 from missionplan.datasets.tank.oscillation import FREE_OSCILLATION, OscillationSettings
 from missionplan.datasets.tank.propeller import PROPELLER_TRANSIENT, PropellerSettings
@@ -94,7 +94,7 @@ def read_tank_data(folder: str | Path) -> TankData:
     folder = as_path(folder, "dataset")
     form = TANK_FORMATS[dataset_kind(folder, TANK_FORMATS)]
     raw = read_dataset(folder, form)
-    problems: list[Problem] = []
+    problems = _at_rest(raw)
     compared = _compared(folder, raw, form.columns, problems)
     settings = raw.checked(problems)
     columns, labels = _split(raw.table)
@@ -108,6 +108,15 @@ def read_tank_data(folder: str | Path) -> TankData:
         (*raw.notices, *(compared.notices if compared is not None else ())),
         raw.document.data,
     )
+
+
+def _at_rest(raw: RawDataset[Settings]) -> list[Problem]:
+    """List the rows of towed drag that are not towed: at rest there is no drag, only what the gauge reads of itself."""
+    if raw.document.data.get("kind") != DRAG.kind or "speed_m_s" not in raw.table:
+        return []
+    rows = raw.table.index[raw.table["speed_m_s"] <= 0.0]
+    hint = "subtract what the gauge reads at rest, and leave its row out (ok = 0)"
+    return problems_at(rows, lambda line: Problem("expected more than 0", raw.file, line, "speed_m_s", hint))
 
 
 def _compared(folder: Path, raw: RawDataset[Settings], columns: Columns, problems: list[Problem]) -> CsvTable | None:

@@ -86,6 +86,14 @@ def test_stiffness_mass_and_added_mass_together_are_refused(tmp_path, given):
         identify(folder)
 
 
+def test_a_model_at_rest_is_refused(tmp_path):
+    settings = {"kind": "drag", "reference_area": "0.01 m^2", "reference_length": "1 m"}
+    rows = {"speed_m_s": [0.0, 0.4, -0.6, 0.8], "force_n": [0.2, 1.6, 3.4, 5.9]}
+    with pytest.raises(InputError) as refused:
+        identify(write(tmp_path / "tow", settings, {name: np.array(values) for name, values in rows.items()}))
+    assert [(problem.line, problem.key) for problem in refused.value.problems] == [(2, "speed_m_s"), (4, "speed_m_s")]
+
+
 def bollard(rng, deadband):
     voltage = np.concatenate([np.linspace(-6, -0.5, 15), np.linspace(0.5, 6, 15)])
     beyond = np.maximum(np.abs(voltage) - deadband, 0.0)
