@@ -1,11 +1,15 @@
 """Array types of the numerical core, with a few small helpers."""
 
+from dataclasses import fields, is_dataclass, replace
+from typing import TypeVar, cast
+
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Scalars = float | Array
 """A number, or an array over trials."""
+Value = TypeVar("Value")
 
 
 def magnitude(value: Scalars) -> Scalars:
@@ -23,3 +27,14 @@ def row_and_next(grid: Array, row: NDArray[np.intp]) -> tuple[Array, Array]:
     trials = grid.shape[1]
     flat = row * trials + np.arange(trials)
     return grid.take(flat), grid.take(flat + trials)
+
+
+def take_trials(value: Value, trials: NDArray[np.intp]) -> Value:
+    """Select trials of an array, whose last axis they are, or of every array in a data class; numbers stay."""
+    if isinstance(value, np.ndarray) and value.ndim:
+        return cast("Value", value[..., trials])
+    if is_dataclass(value) and not isinstance(value, type):
+        return replace(
+            value, **{field.name: take_trials(getattr(value, field.name), trials) for field in fields(value)}
+        )
+    return value

@@ -1,0 +1,63 @@
+"""Roots of many functions at once, each within its bracket."""
+
+from typing import Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+
+_MOST = 90
+"""Evaluations after which the search ends: thirty of them halve the bracket."""
+
+
+class FallingFunctions(Protocol):
+    """Functions, one per trial, that fall from positive to negative values; they may jump."""
+
+    def evaluate(self, place: Array) -> tuple[Array, Array]:
+        """Values at places of shape (n,), and proposed steps from there to the roots."""
+        ...
+
+    def take(self, trials: NDArray[np.intp]) -> Self:
+        """Select trials."""
+        ...
+
+
+def bracketed_roots(functions: FallingFunctions, low: Array, high: Array, start: Array, *, tolerance: float) -> Array:
+    """Find where functions cross zero.
+
+    A proposed step (Newton's, or that of a fixed point) is taken where it stays within the bracket; each third time the
+    bracket is halved instead, so that a poor proposal costs time but no root. Roots that are found are not evaluated
+    again.
+
+    Parameters
+    ----------
+    functions : FallingFunctions
+    low, high : array, shape (n,)
+        Brackets. A function that is negative throughout gives `low`, one that is positive throughout `high`.
+    start : array, shape (n,)
+        First places.
+    tolerance : float
+        Of the places.
+
+    Returns
+    -------
+    array, shape (n,)
+    """
+    found = np.clip(start, low, high)
+    left, place = np.arange(found.size), found
+    for count in range(_MOST):
+        value, step = functions.evaluate(place)
+        low, high = np.where(value >= 0.0, place, low), np.where(value <= 0.0, place, high)
+        proposed = np.clip(place + step, low, high)
+        open_ = (np.abs(step) >= tolerance) & (high - low >= tolerance)
+        found[left] = np.where(open_, place, proposed)
+        if not open_.any():
+            break
+        halved = (proposed <= low) | (proposed >= high) | (count % 3 == 2)
+        place = np.where(halved, 0.5 * (low + high), proposed)
+        if not open_.all():
+            kept = np.flatnonzero(open_)
+            functions, left = functions.take(kept), left[kept]
+            place, low, high = place[kept], low[kept], high[kept]
+    return found

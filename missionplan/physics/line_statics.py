@@ -1,0 +1,272 @@
+"""Statics of a buoyant slender body that hangs by its nose on a line in a layered current.
+
+Hoerner's cross-flow principle (Fluid-Dynamic Drag, 1965, ch. III): the drag across a slender body, or a line, is that
+of the velocity's component across its axis, the drag along it that of the component along it. The line has no weight
+and does not stretch; the body turns freely about its nose. `docs/mooring.md` has the equations and their limits.
+
+Vectors are east, north and up from the anchor; trials are the last axis.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars, over_trials, take_trials
+from missionplan.physics.bracketed_roots import bracketed_roots
+from missionplan.physics.vehicle_drag import DragLaw
+
+CROSSFLOW_COEFFICIENT = 1.1
+"""C_d of a long round body across the flow, on length × diameter, below the drag crisis (Hoerner 1965, ch. III)."""
+LINE_COEFFICIENT = 1.2
+"""C_d of a line across the flow, on its diameter: a smooth cylinder at Re 10³ to 10⁵ (Hoerner 1965, ch. III); one that
+is set swinging by its wake has up to twice as much."""
+_BODY_SECTIONS = 10
+_LINE_SECTIONS = 20
+_TOLERANCE = 1e-7
+"""Of angles [rad] and of the nose's altitude, in line lengths."""
+_WEAKEST = 1e-12
+"""Tension that keeps a slack line's direction finite [N]."""
+
+
+@dataclass(frozen=True)
+class LayersAbove:
+    """Layers of the current above the anchor, from the seafloor up.
+
+    Attributes
+    ----------
+    tops : array, shape (k, n)
+        Upper ends above the anchor, increasing; the last one does not count [m].
+    velocity : array, shape (k, 2, n)
+        East and north [m/s].
+    """
+
+    tops: Array
+    velocity: Array
+
+    def at(self, altitude: Array) -> Array:
+        """Velocity at altitudes of shape (m, n) [m], shape (2, m, n) [m/s]."""
+        found = np.broadcast_to(self.velocity[-1][:, None], (2, *altitude.shape))
+        for top, velocity in zip(self.tops[-2::-1], self.velocity[-2::-1], strict=True):
+            found = np.where(altitude <= top, velocity[:, None], found)
+        return found
+
+
+@dataclass(frozen=True)
+class HeldBody:
+    """A slender body held by its nose; each number is a float or an array over trials, shape (n,).
+
+    Attributes
+    ----------
+    length, diameter : float or array
+        [m].
+    net_buoyancy : float or array
+        Buoyancy minus weight [N].
+    raising_moment : float or array
+        About the nose with the body level, buoyancy's minus weight's; positive raises the tail [N m].
+    righting_moment : float or array
+        About the nose with the body upright, of centres off the axis; its size counts, as the body rolls freely [N m].
+    crossflow_coefficient : float or array
+        C_d on length × diameter.
+    axial_drag : DragLaw
+        Drag along the axis.
+    density : float or array
+        Of the water [kg/m³].
+    """
+
+    length: Scalars
+    diameter: Scalars
+    net_buoyancy: Scalars
+    raising_moment: Scalars
+    righting_moment: Scalars
+    crossflow_coefficient: Scalars
+    axial_drag: DragLaw
+    density: Scalars
+
+
+@dataclass(frozen=True)
+class HeldLine:
+    """The line: its length and diameter, each a float or an array of shape (n,) [m]; 0 across has no drag."""
+
+    length: Scalars
+    diameter: Scalars = 0.0
+    coefficient: Scalars = LINE_COEFFICIENT
+
+
+@dataclass(frozen=True)
+class HeldPose:
+    """How the body stands on its line; arrays over trials.
+
+    Attributes
+    ----------
+    nose : array, shape (3, n)
+        East, north and up from the anchor [m].
+    axis : array, shape (3, n)
+        Unit vector from nose to tail.
+    tension_at_nose, tension_at_anchor : array, shape (3, n)
+        With which the body pulls the line, and the line the anchor [N].
+    """
+
+    nose: Array
+    axis: Array
+    tension_at_nose: Array
+    tension_at_anchor: Array
+
+    @property
+    def pitch(self) -> Array:
+        """Elevation of the tail seen from the nose, shape (n,): 90° where the body stands on its nose [rad]."""
+        return np.asarray(np.arcsin(np.clip(self.axis[2], -1.0, 1.0)))
+
+    @property
+    def line_angle(self) -> Array:
+        """Angle of the line to the vertical at the anchor, shape (n,) [rad]."""
+        east, north, up = self.tension_at_anchor
+        return np.asarray(np.arctan2(np.hypot(east, north), up))
+
+    @property
+    def excursion(self) -> Array:
+        """Horizontal distance of the nose from the anchor, shape (n,) [m]."""
+        return np.asarray(np.hypot(self.nose[0], self.nose[1]))
+
+    @property
+    def tension(self) -> Array:
+        """Greatest tension of the line, shape (n,) [N]."""
+        ends = (self.tension_at_nose, self.tension_at_anchor)
+        return np.asarray(np.maximum(*(np.sqrt((end**2).sum(axis=0)) for end in ends)))
+
+
+def held_pose(body: HeldBody, line: HeldLine, current: LayersAbove) -> HeldPose:
+    """Find how a block of bodies stands in a steady current.
+
+    The nose's altitude is the root of (height of the line) - altitude, the pitch that of the moment about the nose at
+    that altitude. A body that the current or its own weight takes down to the seafloor has its nose at altitude 0.
+
+    Parameters
+    ----------
+    body : HeldBody
+    line : HeldLine
+    current : LayersAbove
+        Horizontal, constant within each layer.
+
+    Returns
+    -------
+    HeldPose
+    """
+    trials = current.velocity.shape[-1]
+    length = over_trials(line.length, trials)
+    standing = _Standing(body, line, current, np.full(trials, 0.25 * np.pi))
+    tolerance = _TOLERANCE * float(np.max(length))
+    altitude = bracketed_roots(standing, np.zeros(trials), length, 0.8 * length, tolerance=tolerance)
+    return standing.pose(altitude)
+
+
+@dataclass
+class _Standing:
+    """Height of the line less an assumed altitude of the nose; `pitch` is where the search for it begins [rad]."""
+
+    body: HeldBody
+    line: HeldLine
+    current: LayersAbove
+    pitch: Array
+
+    def evaluate(self, altitude: Array) -> tuple[Array, Array]:
+        excess = self._hanging(altitude)[1][2] - altitude
+        return excess, excess  # in a uniform current the altitude does not matter, and this step is the last
+
+    def take(self, trials: NDArray[np.intp]) -> "_Standing":
+        return take_trials(self, trials)
+
+    def pose(self, altitude: Array) -> HeldPose:
+        """Pose with the nose at its altitude [m]."""
+        axis, nose, pull, load = self._hanging(altitude)
+        return HeldPose(np.concatenate((nose[:2], altitude[None])), axis, pull, load)
+
+    def _hanging(self, altitude: Array) -> tuple[Array, Array, Array, Array]:
+        """Axis, vector from anchor to nose that the line makes [m], and the tensions at nose and anchor [N]."""
+        body, quarter = self.body, np.full(altitude.size, 0.5 * np.pi)
+        turning = _Turning(body, self.current, altitude)
+        self.pitch = bracketed_roots(turning, -quarter, quarter, self.pitch, tolerance=_TOLERANCE)
+        course, speeds = turning.flow(self.pitch)
+        sine, cosine = np.sin(self.pitch), np.cos(self.pitch)
+        axis = np.stack((course[0] * cosine, course[1] * cosine, sine))
+        across = np.stack((course[0] * sine, course[1] * sine, -cosine))
+        normal = turning.section_drag * (speeds * np.abs(speeds)).sum(axis=0) * sine * np.abs(sine)
+        pull = axis * body.axial_drag(speeds.mean(axis=0) * cosine) + across * normal
+        pull[2] += body.net_buoyancy
+        nose, load = _follow_line(self.line, body.density, self.current, altitude, pull)
+        return axis, nose, pull, load
+
+
+@dataclass(frozen=True)
+class _Turning:
+    """Moment about the nose, at an altitude, that raises the tail, against the pitch."""
+
+    body: HeldBody
+    current: LayersAbove
+    altitude: Array
+
+    @property
+    def section_drag(self) -> Scalars:
+        """Drag of a section of the body across the flow over the speed squared [kg/m]."""
+        body = self.body
+        return 0.5 * body.density * body.crossflow_coefficient * body.diameter * body.length / _BODY_SECTIONS
+
+    @property
+    def _places(self) -> Array:
+        """Middles of the body's sections from its nose, shape (m, 1) or (m, n) [m]."""
+        middles = (np.arange(_BODY_SECTIONS) + 0.5) / _BODY_SECTIONS
+        return np.asarray(middles[:, None] * self.body.length)
+
+    def take(self, trials: NDArray[np.intp]) -> "_Turning":
+        return take_trials(self, trials)
+
+    def evaluate(self, pitch: Array) -> tuple[Array, Array]:
+        """Moment [N m], and Newton's step [rad]."""
+        body, sine, cosine = self.body, np.sin(pitch), np.cos(pitch)
+        _, speeds = self.flow(pitch)
+        drag = self.section_drag * (self._places * speeds * np.abs(speeds)).sum(axis=0)
+        righting = np.abs(body.righting_moment)
+        moment = body.raising_moment * cosine - righting * sine - drag * sine * np.abs(sine)
+        slope = body.raising_moment * sine + righting * cosine + 2.0 * drag * np.abs(sine) * cosine
+        return moment, moment / np.maximum(np.abs(slope), _WEAKEST)
+
+    def flow(self, pitch: Array) -> tuple[Array, Array]:
+        """Direction in which the body trails, shape (2, n), and the current along it at the sections [m/s].
+
+        It is the direction of the drag's moment about the nose; what flows across it is left out.
+        """
+        velocity = self.current.at(self.altitude + self._places * np.sin(pitch))
+        turning = (self._places * np.hypot(velocity[0], velocity[1]) * velocity).sum(axis=1)
+        size = np.hypot(turning[0], turning[1])
+        course = turning / np.where(size > 0.0, size, 1.0)
+        course[0] += size <= 0.0  # in still water any direction will do
+        return course, velocity[0] * course[0] + velocity[1] * course[1]
+
+
+def _follow_line(
+    line: HeldLine, density: Scalars, current: LayersAbove, altitude: Array, pull: Array
+) -> tuple[Array, Array]:
+    """Vector from anchor to nose that the line makes [m], and its pull at the anchor [N], both of shape (3, n)."""
+    factor = 0.5 * density * line.coefficient * line.diameter * line.length / _LINE_SECTIONS
+    if not np.any(factor):
+        return line.length * _direction(pull), pull
+    step = line.length / _LINE_SECTIONS
+
+    def drag(velocity: Array, along: Array) -> Array:
+        across = -along * (velocity * along[:2]).sum(axis=0)
+        across[:2] += velocity
+        return np.asarray(factor * np.sqrt((across**2).sum(axis=0)) * across)
+
+    fallen = np.zeros_like(pull)
+    for _ in range(_LINE_SECTIONS):
+        middle = altitude - fallen[2] - 0.5 * step * _direction(pull)[2]
+        velocity = current.at(middle[None])[:, 0]
+        along = _direction(pull + 0.5 * drag(velocity, _direction(pull)))
+        pull = pull + drag(velocity, along)
+        fallen = fallen + step * along
+    return fallen, pull
+
+
+def _direction(vector: Array) -> Array:
+    """Unit vector, shape (3, n)."""
+    return np.asarray(vector / np.maximum(np.sqrt((vector**2).sum(axis=0)), _WEAKEST))

@@ -1,0 +1,168 @@
+"""An anchor on the seafloor: the current near the bed, what pulls on the anchor, and what holds it.
+
+Vectors are east, north and up; trials are the last axis.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.arrays import Array, Scalars
+
+ROUGHNESS = 2e-4
+"""z₀ of mud [m] (Soulsby 1997, Dynamics of Marine Sands, Table 7); 0.05 mm silt, 0.4 mm flat sand, 6 mm ripples. Of the
+beds with a table entry only silt lets a faster current reach the anchor."""
+REFERENCE_HEIGHT = 1.0
+"""Height above the bed from which on the current is that of its layer [m], as for the drag coefficient C₁₀₀."""
+FRICTION = 0.4
+"""Holding force over normal force of an anchor that lies on the seafloor, between 0.2 on clay and 0.6 on sand, those of
+a pipeline (DNV-RP-F109, 2010, sect. 3.4.6); no value of this anchor has been measured."""
+_FINENESS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 40.0)
+_LATERAL = (0.64, 0.68, 0.72, 0.74, 0.82, 0.91, 0.98)
+
+
+@dataclass(frozen=True)
+class Slope:
+    """Slope of the seafloor: angle, and the direction in which it falls, clockwise from north [rad]."""
+
+    angle: Scalars = 0.0
+    toward: Scalars = 0.0
+
+    @property
+    def normal(self) -> Array:
+        """Unit vector out of the seafloor, shape (3,) or (3, n)."""
+        east, north = np.sin(self.toward), np.cos(self.toward)
+        sine, cosine = np.sin(self.angle), np.cos(self.angle)
+        return np.stack(np.broadcast_arrays(sine * east, sine * north, cosine))
+
+    def fall(self, place: Array) -> Array:
+        """How far the seafloor lies below that at the anchor, at places of shape (2, n) from it, shape (n,) [m]."""
+        along = place[0] * np.sin(self.toward) + place[1] * np.cos(self.toward)
+        return np.asarray(np.tan(self.angle) * along)
+
+
+@dataclass(frozen=True)
+class LyingAnchor:
+    """An anchor that lies on the seafloor; each number is a float or an array of shape (n,).
+
+    Attributes
+    ----------
+    wet_weight : float or array
+        [N].
+    diameter, length : float or array
+        [m].
+    friction : float or array
+        Holding force over the force with which it presses on the seafloor.
+    """
+
+    wet_weight: Scalars
+    diameter: Scalars
+    length: Scalars
+    friction: Scalars = FRICTION
+
+
+def lateral_coefficient(fineness: Scalars) -> Scalars:
+    """C_d of a short cylinder across the flow, on length × diameter, both ends free, from length over diameter.
+
+    White, Fluid Mechanics, Table 7.3, after Hoerner: 0.64 at 1 to 0.98 at 40, at Re above 10⁴ and laminar.
+    """
+    found = np.interp(np.log(fineness), np.log(_FINENESS), _LATERAL)
+    return found if np.ndim(found) else float(found)
+
+
+def near_bed_share(height: Scalars, roughness: Scalars = ROUGHNESS) -> Scalars:
+    """Mean square of the current over a body that lies on the bed, over that of the layer above.
+
+    The current is u(z) = u ln(z/z₀)/ln(1 m/z₀) (the logarithmic layer), 0 below z₀.
+
+    Parameters
+    ----------
+    height : float or array
+        Of the body, at most 1 m [m]; a higher one is given the share at 1 m.
+    roughness : float or array
+        z₀ [m].
+    """
+    top = np.clip(np.asarray(height) / roughness, 1.0, REFERENCE_HEIGHT / roughness)
+    log = np.log(top)
+    # the integral of ln² is x(ln² x - 2 ln x + 2)
+    share = (top * (log**2 - 2.0 * log + 2.0) - 2.0) / (top * np.log(REFERENCE_HEIGHT / roughness) ** 2)
+    return share if np.ndim(share) else float(share)
+
+
+def anchor_drag_on_bed(anchor: LyingAnchor, velocity: Array, density: Scalars, roughness: Scalars = ROUGHNESS) -> Array:
+    """Drag of an anchor that lies across the current.
+
+    Parameters
+    ----------
+    velocity : array, shape (2, n)
+        Of the lowest layer of the current [m/s].
+    density : float or array
+        [kg/m³]
+    roughness : float or array
+        z₀ [m].
+
+    Returns
+    -------
+    array, shape (2, n)
+        [N]
+    """
+    coefficient = lateral_coefficient(anchor.length / anchor.diameter) * near_bed_share(anchor.diameter, roughness)
+    factor = 0.5 * density * coefficient * anchor.diameter * anchor.length
+    return np.asarray(factor * np.hypot(velocity[0], velocity[1]) * velocity)
+
+
+def holding_margin(anchor: LyingAnchor, pull: Array, drag: Array, slope: Slope) -> Array:
+    """What is left of an anchor's holding force, over what it holds with nothing pulling.
+
+    It holds while the force along the seafloor is at most friction × the force into it. On level ground the margin is
+    1 - (T_v + H/μ)/W, with the vertical pull T_v and the horizontal force H: the share of the wet weight to spare.
+
+    Parameters
+    ----------
+    anchor : LyingAnchor
+    pull : array, shape (3, n)
+        Of the line [N].
+    drag : array, shape (2, n)
+        Of the anchor [N].
+    slope : Slope
+
+    Returns
+    -------
+    array, shape (n,)
+        1 where nothing pulls on level ground, 0 where the anchor just holds, negative where it drags.
+    """
+    normal = slope.normal.reshape(3, -1)
+    force = pull.copy()
+    force[:2] += drag
+    force[2] -= anchor.wet_weight
+    into = -(force * normal).sum(axis=0)
+    along = np.sqrt(((force + into * normal) ** 2).sum(axis=0))
+    return np.asarray((into - along / anchor.friction) / (anchor.wet_weight * normal[2]))
+
+
+def least_weight(friction: Scalars, pull: Array, drag: Array, slope: Slope) -> Array:
+    """Wet weight with which an anchor of the same size just holds.
+
+    The larger root of (1 + μ²)(F·n)² = F², with the force F = pull + drag - weight and the seafloor's normal n.
+
+    Parameters
+    ----------
+    friction : float or array
+        μ.
+    pull, drag, slope
+        As for `holding_margin`.
+
+    Returns
+    -------
+    array, shape (n,)
+        [N]; infinite where the seafloor is steeper than the friction angle.
+    """
+    normal, factor = slope.normal.reshape(3, -1), 1.0 + np.square(friction)
+    load = pull.copy()
+    load[:2] += drag
+    into = (load * normal).sum(axis=0)
+    square = factor * normal[2] ** 2 - 1.0
+    half = factor * into * normal[2] - load[2]
+    rest = factor * into**2 - (load**2).sum(axis=0)
+    root = np.sqrt(np.maximum(half**2 - square * rest, 0.0))
+    return np.asarray(np.where(square > 0.0, (half + root) / np.where(square > 0.0, square, 1.0), np.inf))

@@ -1,0 +1,200 @@
+"""A body on its line: closed forms, the numbers of an independent estimate, and an independent shooting solution."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq, fsolve
+
+from missionplan.physics.line_statics import CROSSFLOW_COEFFICIENT, HeldBody, HeldLine, LayersAbove, held_pose
+from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, Sail, VehicleDrag
+from missionplan.physics.water import sea_water
+
+KNOT = 0.514444
+WATER = sea_water(20.0, 15.0)
+LENGTH, DIAMETER, BUOYANCY = 1.1176, 0.12065, 0.88964
+DRAG = VehicleDrag(Hull(LENGTH, DIAMETER), Sail(0.1016, 0.1016, 0.01524), 1.25, WATER)
+"""Of Chesapeake's vehicle."""
+
+
+def body(**changes):
+    given = {
+        "length": LENGTH,
+        "diameter": DIAMETER,
+        "net_buoyancy": BUOYANCY,
+        "raising_moment": 0.5 * LENGTH * changes.get("net_buoyancy", BUOYANCY),
+        "righting_moment": 0.0,
+        "crossflow_coefficient": CROSSFLOW_COEFFICIENT,
+        "axial_drag": DRAG,
+        "density": WATER.density,
+    }
+    return HeldBody(**{**given, **changes})
+
+
+def uniform(speed, toward=0.5 * np.pi):
+    speed = np.atleast_1d(np.asarray(speed, dtype=float))
+    velocity = np.stack([speed * np.sin(toward), speed * np.cos(toward)])
+    return LayersAbove(np.full((1, speed.size), np.inf), velocity[None])
+
+
+def stacked(tops, speeds):
+    """Layers for one trial, east."""
+    velocity = np.stack([np.array([[speed], [0.0]]) for speed in speeds])
+    return LayersAbove(np.array([*tops, np.inf])[:, None], velocity)
+
+
+@pytest.mark.parametrize(
+    ("speed", "altitude", "downstream"), [(0.2 * KNOT, 4.0, 2.9), (0.4 * KNOT, 2.5, 4.4), (0.9, 0.6, 5.0)]
+)
+def test_the_independent_estimate(speed, altitude, downstream):
+    """Two estimates made before this code; each gives the nose to a decimetre."""
+    pose = held_pose(body(), HeldLine(5.0), uniform(speed))
+    assert pose.nose[2, 0] == pytest.approx(altitude, abs=0.06)
+    assert pose.excursion[0] == pytest.approx(downstream, abs=0.06)
+
+
+def test_four_millimetres_of_line_lower_the_nose_by_four_decimetres():
+    thin, thick = (held_pose(body(), HeldLine(5.0, width), uniform(0.4 * KNOT)) for width in (0.0, 0.004))
+    assert thin.nose[2, 0] - thick.nose[2, 0] == pytest.approx(0.4, abs=0.06)
+
+
+def test_without_a_current_it_stands_above_the_anchor():
+    pose = held_pose(body(), HeldLine(5.0, 0.01), uniform(0.0))
+    assert pose.nose[:, 0] == pytest.approx([0.0, 0.0, 5.0], abs=1e-6)
+    assert pose.pitch[0] == pytest.approx(0.5 * np.pi, abs=1e-6)
+    assert pose.tension_at_anchor[:, 0] == pytest.approx([0.0, 0.0, BUOYANCY])
+
+
+@given(speed=st.floats(0.01, 2.0), buoyancy=st.floats(0.1, 50.0))
+@settings(max_examples=60, deadline=None)
+def test_uniform_current_has_a_closed_form(speed, buoyancy):
+    """With the buoyancy at mid-length B cos θ = D sin² θ, and the line is the body's prolongation."""
+    pose = held_pose(body(net_buoyancy=buoyancy), HeldLine(5.0), uniform(speed))
+    ratio = buoyancy / (0.5 * WATER.density * CROSSFLOW_COEFFICIENT * LENGTH * DIAMETER * speed**2)
+    pitch = np.arccos((np.sqrt(ratio**2 + 4.0) - ratio) / 2.0)
+    assert pose.pitch[0] == pytest.approx(pitch, abs=1e-6)
+    assert pose.nose[:, 0] == pytest.approx([5.0 * np.cos(pitch), 0.0, 5.0 * np.sin(pitch)], abs=1e-5)
+    pull = buoyancy * np.sin(pitch) + DRAG(speed * np.cos(pitch))
+    assert pose.tension[0] == pytest.approx(pull, rel=1e-5)
+
+
+def test_much_buoyancy_or_no_drag_stands_it_up():
+    for held in (body(net_buoyancy=1e6), body(crossflow_coefficient=1e-9, axial_drag=QuadraticDrag(0.0))):
+        pose = held_pose(held, HeldLine(5.0), uniform(0.5))
+        assert pose.nose[2, 0] == pytest.approx(5.0, abs=1e-4)
+
+
+def test_centres_turn_the_body_in_still_water():
+    """5 mm between the centres turn it as much as the whole net buoyancy: tan θ = raising / righting moment."""
+    weight = 10.2 * 9.80665
+    pose = held_pose(body(righting_moment=0.005 * weight), HeldLine(5.0), uniform(0.0))
+    assert pose.pitch[0] == pytest.approx(np.arctan2(0.5 * LENGTH * BUOYANCY, 0.005 * weight), abs=1e-6)
+    assert np.degrees(pose.pitch[0]) == pytest.approx(45.0, abs=1.0)
+    heavy_tail = held_pose(body(raising_moment=-0.5), HeldLine(5.0), uniform(0.0))
+    assert heavy_tail.pitch[0] == pytest.approx(-0.5 * np.pi, abs=1e-6)
+    assert heavy_tail.nose[2, 0] == pytest.approx(5.0)
+
+
+def test_a_body_that_sinks_lies_on_the_seafloor():
+    pose = held_pose(body(net_buoyancy=-0.5), HeldLine(5.0), uniform(0.1))
+    assert pose.nose[2, 0] == pytest.approx(0.0, abs=1e-5)
+
+
+def shot(held, line, speed):
+    """The same statics by shooting: the line integrated up from the anchor, the body by quadrature, in one plane.
+
+    `speed` is a function of the altitude. Returns the nose's place, the pitch and the pull at the anchor.
+    """
+    across = 0.5 * held.density * held.crossflow_coefficient * held.diameter
+
+    def on_body(pitch, altitude):
+        def normal(s):
+            return across * speed(altitude + s * np.sin(pitch)) ** 2 * np.sin(pitch) * abs(np.sin(pitch))
+
+        mean = quad(lambda s: speed(altitude + s * np.sin(pitch)), 0.0, held.length, limit=200)[0] / held.length
+        force, moment = (quad(lambda s, k=k: s**k * normal(s), 0.0, held.length, limit=200)[0] for k in (0, 1))
+        along = float(held.axial_drag(mean * np.cos(pitch)))
+        pull = np.array(
+            [
+                along * np.cos(pitch) + force * np.sin(pitch),
+                along * np.sin(pitch) - force * np.cos(pitch) + held.net_buoyancy,
+            ]
+        )
+        return pull, held.raising_moment * np.cos(pitch) - held.righting_moment * np.sin(pitch) - moment
+
+    def slope(_, state):
+        _, up, horizontal, vertical = state
+        along = np.array([horizontal, vertical]) / np.hypot(horizontal, vertical)
+        water = np.array([speed(up), 0.0])
+        normal = water - water @ along * along
+        drag = 0.5 * held.density * line.coefficient * line.diameter * np.hypot(*normal) * normal
+        return [*along, -drag[0], -drag[1]]
+
+    def miss(guess):
+        path = solve_ivp(slope, (0.0, line.length), [0.0, 0.0, *guess], rtol=1e-9, atol=1e-10)
+        east, up, *tension = path.y[:, -1]
+        pitch = brentq(lambda angle: on_body(angle, up)[1], -1.5, 1.5707)
+        return np.array(tension) - on_body(pitch, up)[0], (east, up, pitch)
+
+    start, _ = on_body(1.0, 0.8 * line.length)
+    load = fsolve(lambda guess: miss(guess)[0], [start[0] + 0.1, max(start[1], 0.2)], xtol=1e-10)
+    return *miss(load)[1], load
+
+
+@pytest.mark.parametrize(
+    ("low", "shear", "width", "righting"),
+    [(0.1, 0.0, 0.003, 0.0), (0.05, 0.03, 0.0, 0.0), (0.1, 0.04, 0.004, 0.0), (0.25, -0.02, 0.002, 0.2)],
+)
+def test_shooting_from_the_anchor_gives_the_same(low, shear, width, righting):
+    held, line = body(righting_moment=righting, net_buoyancy=2.0), HeldLine(5.0, width)
+    edges = np.linspace(0.0, 6.5, 1301)
+    layers = stacked(edges[1:-1], low + shear * 0.5 * (edges[1:] + edges[:-1]))
+    pose = held_pose(held, line, layers)
+    east, up, pitch, load = shot(held, line, lambda altitude: low + shear * altitude)
+    assert pose.nose[[0, 2], 0] == pytest.approx([east, up], abs=5e-3)
+    assert pose.pitch[0] == pytest.approx(pitch, abs=2e-3)
+    assert pose.tension_at_anchor[[0, 2], 0] == pytest.approx(load, rel=2e-3)
+
+
+def test_what_the_line_adds_is_its_drag():
+    pose = held_pose(body(), HeldLine(5.0, 0.004), uniform(0.3))
+    added = pose.tension_at_anchor - pose.tension_at_nose
+    assert added[0, 0] > 0.0
+    chord = HeldLine(5.0).coefficient * 0.5 * WATER.density * 0.004 * 5.0 * 0.3**2
+    assert 0.0 < added[0, 0] < chord
+
+
+@given(
+    speeds=st.lists(st.floats(0.0, 1.5), min_size=3, max_size=3),
+    tops=st.tuples(st.floats(0.2, 3.0), st.floats(3.1, 6.0)),
+    width=st.sampled_from([0.0, 0.003]),
+)
+@settings(max_examples=60, deadline=None)
+def test_the_line_is_as_long_as_it_is(speeds, tops, width):
+    pose = held_pose(body(), HeldLine(5.0, width), stacked(tops, speeds))
+    assert -1e-9 <= pose.nose[2, 0] <= 5.0 + 1e-9
+    assert np.all(np.isfinite(pose.tension_at_anchor))
+    assert pose.excursion[0] <= 5.0 + 1e-6
+
+
+def test_turning_the_current_turns_everything():
+    east, other = (held_pose(body(), HeldLine(5.0, 0.002), uniform(0.2, toward)) for toward in (0.5 * np.pi, 0.3))
+    assert other.nose[2] == pytest.approx(east.nose[2])
+    assert other.nose[:2, 0] == pytest.approx(east.excursion[0] * np.array([np.sin(0.3), np.cos(0.3)]), abs=1e-6)
+
+
+def test_each_trial_of_a_block_stands_as_it_would_alone():
+    speeds = np.random.default_rng(3).uniform(0.0, 0.6, (2, 50))
+    velocity = np.stack([np.stack([speed, 0.2 * speed]) for speed in speeds])
+    tops = np.stack([np.full(50, 2.0), np.full(50, np.inf)])
+    held = body(axial_drag=QuadraticDrag(np.linspace(1.0, 3.0, 50)), net_buoyancy=np.linspace(0.5, 3.0, 50))
+    block = held_pose(held, HeldLine(np.linspace(2.0, 6.0, 50), 0.002), LayersAbove(tops, velocity))
+    for trial in (0, 17, 49):
+        alone = body(axial_drag=QuadraticDrag(1.0 + 2.0 * trial / 49), net_buoyancy=0.5 + 2.5 * trial / 49)
+        pose = held_pose(
+            alone,
+            HeldLine(2.0 + 4.0 * trial / 49, 0.002),
+            LayersAbove(tops[:, trial : trial + 1], velocity[..., trial : trial + 1]),
+        )
+        assert pose.nose[:, 0] == pytest.approx(block.nose[:, trial], abs=1e-5)
