@@ -15,6 +15,12 @@ _PHRASES = {
     "offset": "offset of the anchor",
     "lowest_altitude": "lowest altitude of the nose",
     "total.success": "success of the mission",
+    "anchor_holds": "anchor that holds",
+    "grounded": "vehicle touching the seafloor in the hold",
+    "nose_altitude": "least altitude of the nose in the hold",
+    "excursion": "radius of the watch circle",
+    "line_tension": "greatest line tension in the hold",
+    "holding_margin": "least holding margin of the anchor",
 }
 """Quantities and events of a phase whose names do not read as phrases."""
 _POINT_OR_UNDERSCORE = re.compile(r"\.(?!\d)|_")

@@ -8,8 +8,8 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
-from missionplan.physics.anchor import AnchorProblem, Construction, Part, dry_mass
-from missionplan.physics.buoyancy import flooded_mass
+from missionplan.physics.anchor import AnchorProblem, Construction, Part, cylinder_and_trim, dry_mass
+from missionplan.physics.buoyancy import STANDARD_GRAVITY, flooded_mass
 from missionplan.physics.mooring import layer_thicknesses, required_terminal_velocity
 from missionplan.physics.vehicle_drag import anchor_drag
 from missionplan.scenario.scenario import Scenario
@@ -109,6 +109,21 @@ def anchor_problem(means: Scenario) -> AnchorProblem:
             trim_density=mean(f"{path}.trim.density"),
         ),
     )
+
+
+def anchor_length(scenario: Scenario, weight: Scalars) -> Scalars:
+    """Return the anchor's length from its tip to the tube's end [m].
+
+    Of the anchor built for a wet weight [N] where the mission gives its construction; else of a round front and a tube
+    of its diameter that displace the dry mass (Eqs. 16 and 17) which its flooded mass and wet weight leave.
+    """
+    if "vehicle.anchor.construction.front.mass" in scenario.draws:
+        problem = anchor_problem(scenario.means)
+        return problem.radius + cylinder_and_trim(problem, weight)[0]
+    radius = scenario["vehicle.anchor.diameter"] / 2.0
+    volume = (scenario["vehicle.anchor.flooded_mass"] - weight / STANDARD_GRAVITY) / scenario.water.density
+    tube = (volume + scenario["vehicle.anchor.overlap_volume"]) / (np.pi * radius**2) - 2.0 / 3.0 * radius
+    return radius + np.maximum(tube, 0.0)
 
 
 def anchor_flooded_mass(means: Scenario, weight: Scalars) -> Scalars:

@@ -10,15 +10,17 @@ from missionplan.phases.mooring.mooring import MoorPlan
 from missionplan.physics.added_mass import anchor_added_mass
 from missionplan.physics.vehicle_drag import anchor_drag
 from missionplan.scenario.anchor_weight import anchor_flooded_mass, worst_case_weight
+from missionplan.scenario.held_vehicle import hold_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.vehicle import surge_added_mass
 
 
 def moor_plan(scenario: Scenario, phase: MoorPhase) -> MoorPlan:
     """Return the parameters of one mooring."""
-    name = phase.name
+    name, dive = phase.name, dive_of(scenario, phase)
     return MoorPlan(
-        dive=dive_of(scenario, phase),
+        dive=dive,
+        held=hold_of(scenario, phase, dive.wet_weight),
         radius=scenario[f"{name}.radius"],
         release_time=scenario[f"{name}.release_time"],
         hold=scenario[f"{name}.hold"],

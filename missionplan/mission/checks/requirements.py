@@ -11,7 +11,7 @@ from missionplan.mission.units import QuantityError
 
 EVENTS: dict[str, tuple[str, ...]] = {
     "transit": ("arrived",),
-    "moor": ("within_radius", "struck_seafloor"),
+    "moor": ("within_radius", "struck_seafloor", "anchor_holds", "grounded"),
     "transition": ("hovering",),
     "total": ("success",),
 }
@@ -27,6 +27,10 @@ QUANTITIES: dict[str, dict[str, str]] = {
         "offset": "m",
         "target_offset": "m",
         "lowest_altitude": "m",
+        "nose_altitude": "m",
+        "excursion": "m",
+        "line_tension": "N",
+        "holding_margin": "",
         "ascent_time": "s",
         "duration": "s",
         "energy": "J",

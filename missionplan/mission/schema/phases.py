@@ -75,6 +75,7 @@ class MoorPhase(FileSection):
     design_current: DesignCurrent | None = None
     anchor_wet_weight: Annotated[Quantity | Literal["sized"], q.or_word(_FORCE, "sized")] = "sized"
     line_length: q.PositiveLength
+    line_diameter: q.Distance = 0.0
     release_time: q.Duration = 0.0
     hold: q.Duration = 0.0
     galvanic_release: q.Duration = 0.0

@@ -7,9 +7,12 @@ from pydantic import Discriminator, Tag, model_validator
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy, invalid
+from missionplan.montecarlo.distributions import Quantity
 
 _LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
 Latitude = Annotated[float, ReadBy(_LATITUDE)]
+SlopeAngle = Annotated[Quantity, ReadBy(QuantityParser("rad", low=0.0, high=1.0))]
+"""Steeper than 57° is a cliff, on which nothing lies."""
 
 
 class Geographic(FileSection):
@@ -73,10 +76,19 @@ CurrentSource = Annotated[
 ]
 
 
+class SlopeSection(FileSection):
+    """Slope of the seafloor about the mooring; it falls `toward`, clockwise from north."""
+
+    angle: SlopeAngle
+    toward: q.Angle
+
+
 class Site(FileSection):
-    """Site of the mission."""
+    """Site of the mission; `roughness` is z₀ of the seafloor."""
 
     origin: Geographic | None = None
     depth: q.PositiveLength | None = None
     water: WaterSection | None = None
     current: CurrentSource = ()
+    slope: SlopeSection | None = None
+    roughness: q.PositiveLength | None = None

@@ -2,12 +2,12 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, Thruster
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection
+from missionplan.mission.schema.section import FileSection, invalid
 from missionplan.mission.schema.transition import Manoeuvring
 from missionplan.montecarlo.distributions import Quantity
 
@@ -23,6 +23,7 @@ class HullSection(FileSection):
         "briggs"
     )
     added_mass: q.Number | None = None
+    crossflow_drag: q.PositiveNumber | None = None
 
 
 class SailSection(FileSection):
@@ -80,6 +81,14 @@ class Anchor(FileSection):
     flooded_mass: q.Mass | None = None
     added_mass: q.Mass | None = None
     construction: ConstructionSection | None = None
+    holding_factor: q.PositiveNumber | None = None
+
+
+class Centre(FileSection):
+    """A centre of the egress vehicle: distance aft of the nose's tip, and below the axis."""
+
+    from_nose: q.Distance
+    below_axis: q.Length = 0.0
 
 
 class EnergyBudget(FileSection):
@@ -100,6 +109,8 @@ class Vehicle(FileSection):
     appendage_factor: q.PositiveNumber = 1.0
     mass: q.Mass | None = None
     net_buoyancy: q.SignedForce = 0.0
+    centre_of_gravity: Centre | None = None
+    centre_of_buoyancy: Centre | None = None
     anchor: Anchor | None = None
     energy: EnergyBudget | None = Field(default=None)
     manoeuvring: Manoeuvring | None = None
@@ -107,3 +118,10 @@ class Vehicle(FileSection):
     added_mass: MeasuredAddedMass | None = None
     propulsion: Propulsion | None = None
     thrusters: tuple[Thruster, ...] = ()
+
+    @model_validator(mode="after")
+    def _both_centres(self) -> "Vehicle":
+        missing = [key for key in ("centre_of_gravity", "centre_of_buoyancy") if getattr(self, key) is None]
+        if len(missing) == 1:
+            raise invalid("missing; the centres of gravity and of buoyancy are given together", (missing[0],))
+        return self

@@ -1,4 +1,7 @@
-"""From the galvanic release to the surface: the vehicle rises on its net buoyancy, tail first along its axis."""
+"""From the galvanic release to the surface: the vehicle rises on its net buoyancy, tail first along its axis.
+
+Depths are those of its nose, which is a vehicle's length below the surface when the tail is at it.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -6,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, over_trials
+from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.descent import MIN_MEAN_SPEED, STAGE_TIME_MARGIN, HorizontalDrift
@@ -43,6 +46,8 @@ def ascend(
     position: Array,
     t_start: Array,
     since_taut: Array,
+    start: Array,
+    end: Scalars,
     step: float = STEP,
 ) -> AscentRecord:
     """Simulate the ascent of a block of moored vehicles to the surface.
@@ -50,16 +55,20 @@ def ascend(
     Parameters
     ----------
     dive : Dive
-        Of the descent; the vehicle starts at rest, a line's length above the seafloor.
+        Of the descent; the vehicle starts at rest.
     effects : iterable of DescentEffect
         Those of the descent: lifts, vertical water velocity and drag factors still act on the vehicle.
     current : Current
     position : array, shape (2, n)
-        Of the mooring, east and north of the coordinates' origin [m].
+        Of the vehicle, east and north of the coordinates' origin [m].
     t_start : array, shape (n,)
         Time of the release since the mission's start [s].
     since_taut : array, shape (n,)
         Time from the taut line of the descent to the release, for effects that decay [s].
+    start : array, shape (n,)
+        Depth of the nose when the line parts [m].
+    end : float or array, shape (n,)
+        Depth of the nose when the tail is at the surface [m].
     step : float
         Of the integration [s].
 
@@ -68,14 +77,13 @@ def ascend(
     AscentRecord
     """
     hooks, trials = DescentHooks(effects), t_start.size
-    bottom, line = over_trials(dive.site_depth, trials), over_trials(dive.line_length, trials)
-    start = np.maximum(bottom - line, 0.0)
+    start, end = np.maximum(start, 0.0), over_trials(end, trials)
     drift = HorizontalDrift(current, position, t_start)
     rise = integrate_stage(
         FreeVehicle(dive, hooks, since_taut),
         start,
         -over_trials(hooks.water_velocity, trials),
-        Stop(shallowest=0.0),
+        Stop(shallowest=end),
         time_limit=STAGE_TIME_MARGIN + float(np.max(start, initial=0.0)) / MIN_MEAN_SPEED,
         step=step,
         on_step=drift.stage(),

@@ -1,12 +1,12 @@
 """Mooring: from the arrival fix down to the seafloor, the hold, the galvanic release, and up to the fix that follows.
 
 Briggs et al., sections II–III. The anchor separates some time after the last fix and pulls the vehicle down, which
-floats on its line above the anchor until the galvanic link has corroded, then rises and surfaces once for a fix. There
-is no other surfacing before the release.
+stands on its line as buoyancy and current allow until the galvanic link has corroded, then rises from there and
+surfaces once for a fix. There is no other surfacing before the release.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,8 @@ from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect, TransitEffect, surface_velocity
 from missionplan.phases.mooring.ascent import AscentRecord, ascend
 from missionplan.phases.mooring.descent import DescentRecord, descend
-from missionplan.phases.mooring.forces import Dive
+from missionplan.phases.mooring.forces import DescentHooks, Dive
+from missionplan.phases.mooring.hold import Hold, HoldRecord, hold_vehicle
 from missionplan.phases.state import TrialState
 
 
@@ -28,6 +29,8 @@ class MoorPlan:
     ----------
     dive : Dive
         Bodies, line and depth.
+    held : Hold
+        The vehicle on its line.
     radius : float
         R of Eq. 1: greatest distance of the anchor from the last fix [m].
     release_time : float
@@ -45,6 +48,7 @@ class MoorPlan:
     """
 
     dive: Dive
+    held: Hold
     radius: Scalars
     release_time: Scalars
     hold: Scalars = 0.0
@@ -62,6 +66,8 @@ class MoorRecord:
     Attributes
     ----------
     descent : DescentRecord
+    hold : HoldRecord
+        Without meaning where the anchor never touched down.
     anchor : array, shape (2, n)
         Position on the seafloor, east and north of the coordinates' origin; nan where it never touched down [m].
     offset : array, shape (2, n)
@@ -80,6 +86,7 @@ class MoorRecord:
     """
 
     descent: DescentRecord
+    hold: HoldRecord
     anchor: Array
     offset: Array
     surfaced_at: Array
@@ -140,38 +147,59 @@ def moor(
         surface_velocity=surface_velocity(surface_effects, state.clock, release, state.position),
     )
     down, landed = descent.touched_down, state.position + descent.offset
-    moored = np.where(down, descent.descent_time, 0.0) + plan.hold + plan.galvanic_release
-    parted_at = state.clock + release + moored
+    sinking, standing = np.where(down, descent.descent_time, 0.0), plan.hold + plan.galvanic_release
+    parted_at = state.clock + release + sinking + standing
+    hold = hold_vehicle(_lifted(plan, effects), current, landed, state.clock + release + sinking, standing)
     ascent = ascend(
         plan.dive,
         effects=effects,
         current=current,
-        position=landed,
+        position=landed + hold.parted_from[:2],
         t_start=parted_at,
-        since_taut=moored - np.where(down, descent.payout_time, 0.0),
+        since_taut=sinking + standing - np.where(down, descent.payout_time, 0.0),
+        start=over_trials(plan.dive.site_depth, state.trials) - hold.parted_from[2],
+        end=plan.held.body.length,
     )
-    came_up = landed + ascent.drift
+    came_up = landed + hold.parted_from[:2] + ascent.drift
     up_at = parted_at + np.where(down & ascent.surfaced, ascent.ascent_time, 0.0)
     time = over_trials(plan.surfacing_time, state.trials)
     carried = current.mean_velocity(up_at, time, 0.0, came_up, np.zeros((2, 1)))
     end = came_up + (carried + surface_velocity(surface_effects, up_at, time, came_up)) * time
-    record = _record(plan, state, descent, ascent, up_at + time - state.clock)
+    record = _record(plan, state, (descent, hold, ascent), came_up, up_at + time - state.clock)
     return _after(state, record, end, end + plan.fix_error * fix_normals), record
 
 
+def _lifted(plan: MoorPlan, effects: tuple[DescentEffect, ...]) -> Hold:
+    """The vehicle on its line with the lift of the effects, which acts at mid-length, at the line's length [N]."""
+    held, body = plan.held, plan.held.body
+    lift = DescentHooks(effects).lift(np.maximum(plan.dive.site_depth - plan.dive.line_length, 0.0))
+    lifted = replace(
+        body,
+        net_buoyancy=body.net_buoyancy + lift,
+        raising_moment=body.raising_moment + 0.5 * body.length * lift,
+    )
+    return replace(held, body=lifted)
+
+
 def _record(
-    plan: MoorPlan, state: TrialState, descent: DescentRecord, ascent: AscentRecord, duration: Array
+    plan: MoorPlan,
+    state: TrialState,
+    stages: tuple[DescentRecord, HoldRecord, AscentRecord],
+    came_up: Array,
+    duration: Array,
 ) -> MoorRecord:
     """Record of a mooring, nan where a trial did not get so far; `duration` up to the fix after the ascent [s]."""
+    descent, hold, ascent = stages
     down, landed = descent.touched_down, state.position + descent.offset
     surfaced = down & ascent.surfaced
     offset = np.where(down, landed - state.fix, np.nan)
     time = np.where(surfaced, duration, np.nan)
     return MoorRecord(
         descent=descent,
+        hold=hold,
         anchor=np.where(down, landed, np.nan),
         offset=offset,
-        surfaced_at=np.where(surfaced, landed + ascent.drift, np.nan),
+        surfaced_at=np.where(surfaced, came_up, np.nan),
         ascent_time=np.where(down, ascent.ascent_time, np.nan),
         duration=time,
         energy=time * plan.hotel_power + plan.surfacing_energy,

@@ -14,6 +14,8 @@ _FAILURES = {
     "anchor did not reach the seafloor": "anchors that do not reach the seafloor",
     "anchor outside the radius": "anchors outside the radius",
     "struck the seafloor": "strikes on the seafloor",
+    "anchor dragged": "anchors that drag",
+    "grounded in the hold": "vehicles that touch the seafloor in the hold",
     "did not surface": "vehicles that do not surface",
     "out of energy": "empty batteries",
     "left the record of the current": "missions that leave the record of the current",

@@ -23,7 +23,7 @@ Side = Literal["at_most", "at_least"]
 
 SAMPLED_BLOCKS = 4
 """Blocks whose inputs and key figures are kept trial by trial, for sensitivities and circles of error."""
-SUFFIXES = {"s": "_s", "m": "_m", "m/s": "_m_s", "J": "_wh", "rad": "_rad", "": ""}
+SUFFIXES = {"s": "_s", "m": "_m", "m/s": "_m_s", "J": "_wh", "N": "_n", "rad": "_rad", "": ""}
 """How the name of a quantity ends in results, by the SI unit in which the mission file bounds it."""
 SCALES = {"J": 1.0 / JOULES_PER_WATT_HOUR}
 """From that SI unit to the results' where they differ."""

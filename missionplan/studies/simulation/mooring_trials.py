@@ -10,6 +10,7 @@ from missionplan.phases.currents import Current, Span
 from missionplan.phases.mooring.mooring import MoorPlan, MoorRecord, moor
 from missionplan.phases.state import TrialState
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.scenario.held_vehicle import CENTRES_GIVEN
 from missionplan.scenario.mooring import is_too_shallow, moor_plan
 from missionplan.scenario.scenario import STILL_WATER
 from missionplan.scenario.transit_streams import fix_normals
@@ -60,12 +61,13 @@ def mooring_trials(
     continuing, exhausted = end_exhausted(after, scenario.capacity)
     moored, ended = moored & ~lost, after.alive & ~exhausted
     within, struck = moored & record.within_radius, moored & record.struck
+    holds, grounded = moored & record.hold.anchor_holds, moored & record.hold.grounded
     points = (record.anchor, record.surfaced_at, after.position)
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
         quantities=_quantities(record, goal, moored, after.alive, ended),
-        events={"within_radius": within, "struck_seafloor": struck},
+        events={"within_radius": within, "struck_seafloor": struck, "anchor_holds": holds, "grounded": grounded},
         limits=limit_events(current, left_record=left),
         start=where_reached(begun, state.clock),
         end=where_reached(ended, after.clock),
@@ -76,6 +78,7 @@ def mooring_trials(
             "anchor did not reach the seafloor": begun & ~moored,
             "anchor outside the radius": moored & ~within,
             "struck the seafloor": struck,
+            **_hold_failures(block, moored & ~record.hold.anchor_holds, grounded),
             "did not surface": moored & ~record.surfaced,
             OUT_OF_ENERGY: exhausted,
         },
@@ -89,10 +92,17 @@ def mooring_trials(
     return continuing, found
 
 
-def _is_covered(plan: MoorPlan, current: Current, before: TrialState, after: TrialState, record: MoorRecord) -> Flags:
-    """Whether the current was known on the way down and on the way up, shape broadcasting to (n,).
+def _hold_failures(block: TrialBlock, dragged: Flags, grounded: Flags) -> dict[str, Flags]:
+    """Failures of the hold, where the vehicle file gives what they depend on."""
+    given = block.scenario.draws
+    failures = {"anchor dragged": dragged} if "vehicle.anchor.holding_factor" in given else {}
+    return failures | ({"grounded in the hold": grounded} if CENTRES_GIVEN in given else {})
 
-    Nothing is asked of it during the hold.
+
+def _is_covered(plan: MoorPlan, current: Current, before: TrialState, after: TrialState, record: MoorRecord) -> Flags:
+    """Whether the current was known on the way down and on the way up, and so in the hold between them.
+
+    Shape broadcasting to (n,).
     """
     depth, descent = plan.dive.site_depth, record.descent
     down = before.clock + descent.release_time + descent.descent_time
@@ -114,6 +124,10 @@ def _quantities(record: MoorRecord, goal: Array, moored: Flags, surfaced: Flags,
             "offset_m": (moored, record.offset_distance),
             "target_offset_m": (moored, np.hypot(miss[0], miss[1])),
             "lowest_altitude_m": (moored, descent.lowest_altitude),
+            "nose_altitude_m": (moored, record.hold.nose_altitude),
+            "excursion_m": (moored, record.hold.excursion),
+            "line_tension_n": (moored, record.hold.line_tension),
+            "holding_margin": (moored, record.hold.holding_margin),
             "ascent_time_s": (surfaced, record.ascent_time),
             "duration_s": (ended, record.duration),
             "energy_wh": (ended, record.energy / JOULES_PER_WATT_HOUR),

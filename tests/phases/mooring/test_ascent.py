@@ -32,7 +32,8 @@ def rise(dive, trials=1, current=None, **options):
         position=np.zeros((2, trials)),
         t_start=np.zeros(trials),
         since_taut=np.full(trials, 1e4),
-        **options,
+        start=np.broadcast_to(np.maximum(np.asarray(dive.site_depth) - dive.line_length, 0.0), (trials,)),
+        **{"end": 0.0, **options},
     )
 
 
@@ -75,3 +76,10 @@ def test_a_moored_vehicle_starts_at_rest_over_the_ground():
 
 def test_at_the_surface_there_is_nothing_to_rise():
     assert rise(replace(DIVE, line_length=40.0)).ascent_time == pytest.approx(0.0, abs=1e-6)
+
+
+def test_it_ends_when_the_tail_is_at_the_surface():
+    terminal = np.sqrt(0.89 / 3.3)
+    tau = DIVE.free_mass * terminal / 0.89
+    record = rise(DIVE, end=1.2)
+    assert record.ascent_time == pytest.approx(tau * np.arccosh(np.exp(23.8 / (terminal * tau))), rel=1e-6)

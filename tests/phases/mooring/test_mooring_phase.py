@@ -4,8 +4,11 @@ import pytest
 from missionplan.phases.currents import layers
 from missionplan.phases.hooks import DescentEffect, TransitEffect
 from missionplan.phases.mooring.forces import Dive
+from missionplan.phases.mooring.hold import Hold
 from missionplan.phases.mooring.mooring import MoorPlan, moor
 from missionplan.phases.state import TrialState
+from missionplan.physics.line_statics import HeldBody, HeldLine
+from missionplan.physics.seafloor import LyingAnchor
 from missionplan.physics.vehicle_drag import QuadraticDrag
 
 N = 40
@@ -21,7 +24,13 @@ DIVE = Dive(
     line_length=5.0,
     site_depth=12.2,
 )
-PLAN = MoorPlan(DIVE, 20.0, 10.0, 1200.0, 600.0, 90.0, hotel_power=8.0, surfacing_energy=50.0)
+HELD = Hold(
+    HeldBody(1.2, 0.12, 0.9, 0.5 * 1.2 * 0.9, 0.0, 1.1, QuadraticDrag(3.3), 1025.0),
+    HeldLine(5.0),
+    LyingAnchor(11.8, 0.12, 0.2),
+    12.2,
+)
+PLAN = MoorPlan(DIVE, HELD, 20.0, 10.0, 1200.0, 600.0, 90.0, hotel_power=8.0, surfacing_energy=50.0)
 NONE = np.zeros((2, N))
 
 
@@ -57,7 +66,10 @@ def test_the_current_carries_it_down_up_and_at_the_surface():
     sinking = 10.0 + record.descent.descent_time
     assert record.anchor[0] == pytest.approx(100.0 + 0.2 * sinking, rel=1e-9)
     assert record.offset[0] == pytest.approx(0.2 * sinking, rel=1e-9)
-    assert record.surfaced_at[0] == pytest.approx(record.anchor[0] + 0.2 * record.ascent_time, rel=1e-9)
+    standing = record.hold.parted_from
+    assert standing[0] == pytest.approx(record.hold.excursion)
+    assert np.all(standing[0] > 3.0)
+    assert record.surfaced_at[0] == pytest.approx(record.anchor[0] + standing[0] + 0.2 * record.ascent_time, rel=1e-9)
     assert after.position[0] == pytest.approx(record.surfaced_at[0] + 0.2 * 90.0, rel=1e-9)
 
 

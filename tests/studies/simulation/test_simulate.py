@@ -120,8 +120,9 @@ def test_summary_has_the_contracts_names(outcome):
     assert set(moor["quantities"]) == {
         *("release_time_s", "payout_time_s", "descent_time_s", "terminal_velocity_m_s", "offset_m"),
         *("target_offset_m", "lowest_altitude_m", "ascent_time_s", "duration_s", "energy_wh"),
+        *("nose_altitude_m", "excursion_m", "line_tension_n", "holding_margin"),
     }
-    assert set(moor["events"]) == {"within_radius", "struck_seafloor"}
+    assert set(moor["events"]) == {"within_radius", "struck_seafloor", "anchor_holds", "grounded"}
     assert set(summary["total"]["quantities"]) == {"duration_s", "energy_wh"}
     assert set(summary["total"]["events"]) == {"success"}
     assert set(ingress["quantities"]["duration_s"]) == {"mean", "sd", "p05", "p50", "p95", "standard_error"}

@@ -155,6 +155,7 @@ def _vehicle(vehicle: Vehicle) -> tuple[list[LocalProblem], list[LocalProblem]]:
     problems = list(_shape(vehicle))
     notices: list[LocalProblem] = []
     length, diameter = mean_of(vehicle.hull.length), mean_of(vehicle.hull.diameter)
+    problems += _centres(vehicle, length, diameter)
     if vehicle.mass is None or diameter > length:
         return problems, notices
     mass, buoyancy = mean_of(vehicle.mass), mean_of(vehicle.net_buoyancy)
@@ -188,6 +189,20 @@ def _shape(vehicle: Vehicle) -> Iterator[LocalProblem]:
     if overlap > nose:
         message = f"{1e3 * overlap:.4g} L is more than the whole nose that it is a part of, {1e3 * nose:.4g} L"
         yield LocalProblem(("anchor", "overlap_volume"), message)
+
+
+def _centres(vehicle: Vehicle, length: float, diameter: float) -> Iterator[LocalProblem]:
+    """Centres that lie outside the hull."""
+    for key in ("centre_of_gravity", "centre_of_buoyancy"):
+        centre = getattr(vehicle, key)
+        if centre is None:
+            continue
+        if mean_of(centre.from_nose) > length:
+            message = f"{mean_of(centre.from_nose):.4g} m lies behind the tail: the hull is {length:.4g} m long"
+            yield LocalProblem((key, "from_nose"), message)
+        if abs(mean_of(centre.below_axis)) > 0.5 * diameter:
+            message = f"{mean_of(centre.below_axis):.4g} m lies outside the hull, {diameter:.4g} m across"
+            yield LocalProblem((key, "below_axis"), message)
 
 
 def _fixes(phases: Sequence[Phase], navigation: Navigation) -> Iterator[LocalProblem]:

@@ -48,12 +48,16 @@ _part_mass = Limit("kg", (1e-6, 20_000.0), (1e-3, 500.0), "parts of an anchor th
 _density = Limit("kg/m^3", (10.0, 23_000.0), (100.0, 20_000.0), _DENSITY)
 _length = Limit("m", (0.05, 50.0), (0.3, 26.0), "micro-AUVs are 0.5 m long, the longest 26 m")
 _diameter = Limit("m", (0.01, 10.0), (0.04, 3.0), "AUVs are 0.05 m to 2.6 m across")
+_centre = Limit("m", (0.0, 50.0), (0.01, 20.0), "it lies inside the vehicle")
+_off_axis = Limit("m", (0.0, 5.0), (0.0, 0.5), "centimetres on a small AUV", signed=True)
 _fin = Limit("m", (1e-3, 10.0), (5e-3, 3.0), "a sail is smaller than the hull that carries it")
 
 LIMITS: dict[str, Limit] = {
     "site.depth": Limit("m", (0.1, 11_000.0), (1.0, 6000.0), _DEPTH),
     "site.current.down_to": _depth,
     "site.current.speed": _current,
+    "site.slope.angle": Limit("rad", (0.0, 1.0), (0.0, 0.35), "sand lies no steeper than 0.6 rad (35 deg)"),
+    "site.roughness": Limit("m", (1e-7, 1.0), (1e-5, 0.03), "Soulsby 1997: 0.05 mm silt, 6 mm rippled sand"),
     "navigation.velocity_error.mean": _current,
     "navigation.velocity_error.sigma": _sigma,
     "navigation.surfacing_time": Limit("s", (0.0, DAY), (1.0, HOUR), "a GPS fix takes 1 s warm to 15 min cold"),
@@ -69,6 +73,7 @@ LIMITS: dict[str, Limit] = {
     "moor.design_current": _current,
     "moor.anchor_wet_weight": Limit("N", (1e-3, 100_000.0), (0.5, 5000.0), "Briggs et al.: 11.8 N for a 10 kg vehicle"),
     "moor.line_length": Limit("m", (0.01, 11_000.0), (0.3, 1000.0), "Briggs et al.: 5 m"),
+    "moor.line_diameter": Limit("m", (0.0, 0.5), (5e-4, 0.05), "fishing line has 0.5 mm, a ship's mooring 50 mm"),
     "moor.release_time": Limit("s", (0.0, DAY), (0.0, 1800.0), "Briggs et al.: seconds"),
     "moor.hold": Limit("s", (0.0, 730.0 * DAY), (0.0, 90.0 * DAY), "moorings are kept for days to months"),
     "moor.galvanic_release": Limit(
@@ -83,6 +88,13 @@ LIMITS: dict[str, Limit] = {
     "vehicle.hull.diameter": _diameter,
     "vehicle.hull.form_factor": Limit("", (1e-3, 100.0), (0.2, 5.0), "Hoerner 1, Briggs et al. 2.64"),
     "vehicle.hull.added_mass": Limit("", (0.0, 10.0), (0.0, 1.0), "Lamb: 0.5 for a sphere, less for what is longer"),
+    "vehicle.hull.crossflow_drag": Limit(
+        "", (0.05, 10.0), (0.3, 2.0), "Hoerner: 0.3 beyond the drag crisis, 1.2 below"
+    ),
+    "vehicle.centre_of_gravity.from_nose": _centre,
+    "vehicle.centre_of_buoyancy.from_nose": _centre,
+    "vehicle.centre_of_gravity.below_axis": _off_axis,
+    "vehicle.centre_of_buoyancy.below_axis": _off_axis,
     "vehicle.sail.chord": _fin,
     "vehicle.sail.span": _fin,
     "vehicle.sail.thickness": Limit("m", (1e-4, 10.0), (1e-3, 1.0), "a sail is thinner than its chord"),
@@ -93,6 +105,12 @@ LIMITS: dict[str, Limit] = {
     "vehicle.anchor.overlap_volume": Limit("m^3", (0.0, 10.0), (0.0, 0.5), "a part of the anchor's own volume"),
     "vehicle.anchor.flooded_mass": Limit("kg", (1e-3, 20_000.0), (0.05, 2000.0), "Briggs et al.: 2.8 kg"),
     "vehicle.anchor.added_mass": Limit("kg", (1e-6, 20_000.0), (1e-3, 2000.0), "less than the water it displaces"),
+    "vehicle.anchor.holding_factor": Limit(
+        "",
+        (1e-3, 100.0),
+        (0.1, 1.5),
+        "DNV-RP-F109: 0.2 on clay, 0.6 on sand; one that digs in holds more than its weight",
+    ),
     "vehicle.anchor.construction.front.mass": _part_mass,
     "vehicle.anchor.construction.back.mass": _part_mass,
     "vehicle.anchor.construction.front.density": _density,

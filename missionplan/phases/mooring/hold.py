@@ -1,0 +1,194 @@
+"""The hold: how the vehicle stands on its line while the current changes, and whether the anchor stays.
+
+Quasi-static: vehicle and line follow the current at once, as they do within seconds to a minute.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars, over_trials
+from missionplan.phases.currents import Current, LayeredCurrent
+from missionplan.physics.line_statics import HeldBody, HeldLine, HeldPose, LayersAbove, held_pose
+from missionplan.physics.seafloor import (
+    ROUGHNESS,
+    LyingAnchor,
+    Slope,
+    anchor_drag_on_bed,
+    holding_margin,
+    least_weight,
+)
+
+SAMPLE_TIME = 600.0
+MOST_SAMPLES = 300
+"""Times of a hold at which the speed of a current that changes is looked at: every ten minutes, at most so many."""
+_SLABS = 12
+"""Layers that stand for a current which changes with depth, over the height of line and vehicle."""
+
+
+@dataclass(frozen=True)
+class Hold:
+    """What hangs on the line, and where.
+
+    Attributes
+    ----------
+    body : HeldBody
+    line : HeldLine
+    anchor : LyingAnchor
+    site_depth : float or array, shape (n,)
+        At the anchor [m].
+    slope : Slope
+        Of the seafloor.
+    roughness : float or array, shape (n,)
+        z₀ of the seafloor [m].
+    """
+
+    body: HeldBody
+    line: HeldLine
+    anchor: LyingAnchor
+    site_depth: Scalars
+    slope: Slope = field(default_factory=Slope)
+    roughness: Scalars = ROUGHNESS
+
+    def clearance(self, pose: HeldPose) -> Array:
+        """Height of the lowest point of the hull above the seafloor, shape (n,) [m]; its ends are hemispheres."""
+        radius, length = 0.5 * self.body.diameter, self.body.length
+        centres = (pose.nose + place * pose.axis for place in (radius, length - radius))
+        # measured across the seafloor, which slopes
+        normal = self.slope.normal.reshape(3, -1)
+        return np.asarray(np.minimum(*((centre * normal).sum(axis=0) for centre in centres)) - radius)
+
+    def altitude(self, pose: HeldPose) -> Array:
+        """Height of the nose above the seafloor below it, shape (n,) [m]."""
+        return np.asarray(pose.nose[2] + self.slope.fall(pose.nose[:2]))
+
+    def loads(self, pose: HeldPose, current: LayersAbove) -> tuple[Array, Array]:
+        """Pull of the line on the anchor, shape (3, n), and the anchor's own drag, shape (2, n) [N]."""
+        drag = anchor_drag_on_bed(self.anchor, current.velocity[0], self.body.density, self.roughness)
+        return pose.tension_at_anchor, drag
+
+    def margin(self, pose: HeldPose, current: LayersAbove) -> Array:
+        """Margin with which the anchor holds, shape (n,); see `holding_margin`."""
+        return holding_margin(self.anchor, *self.loads(pose, current), self.slope)
+
+    def least_weight(self, pose: HeldPose, current: LayersAbove) -> Array:
+        """Wet weight of an anchor of the same size that just holds, shape (n,) [N]."""
+        return least_weight(self.anchor.friction, *self.loads(pose, current), self.slope)
+
+
+@dataclass(frozen=True)
+class HoldRecord:
+    """Envelope of a hold, arrays of shape (n,) unless stated otherwise.
+
+    Attributes
+    ----------
+    nose_altitude : array
+        Least height of the nose above the seafloor [m].
+    excursion : array
+        Greatest horizontal distance of the nose from the anchor: the radius of the watch circle [m].
+    line_tension : array
+        Greatest [N].
+    holding_margin : array
+        Least; see `seafloor.holding_margin`.
+    grounded : array of bool
+        Whether the hull ever touches the seafloor.
+    parted_from : array, shape (3, n)
+        Where the nose is when the line parts, east, north and up from the anchor [m].
+    """
+
+    nose_altitude: Array
+    excursion: Array
+    line_tension: Array
+    holding_margin: Array
+    grounded: NDArray[np.bool_]
+    parted_from: Array
+
+    @property
+    def anchor_holds(self) -> NDArray[np.bool_]:
+        """Whether the anchor stays where it came down."""
+        return self.holding_margin >= 0.0
+
+
+def hold_vehicle(hold: Hold, current: Current, anchor: Array, start: Array, duration: Scalars) -> HoldRecord:
+    """Follow a block of vehicles from touchdown until their lines part.
+
+    A current that changes is sampled; the vehicle is followed at the start, at the end, and when the current about it
+    is fastest and slowest.
+
+    Parameters
+    ----------
+    hold : Hold
+    current : Current
+    anchor : array, shape (2, n)
+        Where it came down, east and north of the coordinates' origin [m].
+    start : array, shape (n,)
+        Touchdown since the mission's start [s].
+    duration : float or array, shape (n,)
+        Until the line parts [s].
+    """
+    lasting = over_trials(duration, start.size)
+    record: HoldRecord | None = None
+    for moment in _moments(hold, current, anchor, start, lasting):
+        layers = layers_above(hold, current, anchor, moment)
+        now = _at_once(hold, held_pose(hold.body, hold.line, layers), layers)
+        record = now if record is None else _envelope(record, now)
+    if record is None:
+        raise ValueError("a hold has at least one moment")
+    return record
+
+
+def layers_above(hold: Hold, current: Current, anchor: Array, moment: Array) -> LayersAbove:
+    """Layers of a current above the anchor at a time, shape (n,) [s]."""
+    trials, depth = moment.size, over_trials(hold.site_depth, moment.size)
+    if isinstance(current, LayeredCurrent):
+        upwards = slice(None, None, -1)
+        edges = [depth - over_trials(edge, trials) for edge in current.down_to[-2::-1]]
+        sides = zip(current.east[upwards], current.north[upwards], strict=True)
+        velocity = [np.stack([over_trials(side, trials) for side in pair]) for pair in sides]
+        return LayersAbove(np.stack([*edges, np.full(trials, np.inf)]), np.stack(velocity))
+    reach = over_trials(hold.line.length + hold.body.length, trials)
+    middles = (np.arange(_SLABS) + 0.5) / _SLABS
+    velocity = [
+        np.broadcast_to(current.velocity(moment, np.maximum(depth - share * reach, 0.0), anchor), (2, trials))
+        for share in middles
+    ]
+    return LayersAbove((middles[:, None] + 0.5 / _SLABS) * reach, np.stack(velocity))
+
+
+def _moments(hold: Hold, current: Current, anchor: Array, start: Array, lasting: Array) -> Iterator[Array]:
+    """Times at which the vehicle is followed, each of shape (n,) [s]; the end last."""
+    if isinstance(current, LayeredCurrent) or not np.any(lasting):
+        yield start
+        return
+    samples = int(np.clip(np.ceil(np.max(lasting) / SAMPLE_TIME), 1, MOST_SAMPLES)) + 1
+    middle = np.maximum(hold.site_depth - 0.5 * (hold.line.length + hold.body.length), 0.0)
+    shares = np.linspace(0.0, 1.0, samples)
+    speeds = np.stack([np.hypot(*current.velocity(start + share * lasting, middle, anchor)) for share in shares])
+    yield start
+    yield start + shares[np.argmax(speeds, axis=0)] * lasting
+    yield start + shares[np.argmin(speeds, axis=0)] * lasting
+    yield start + lasting
+
+
+def _at_once(hold: Hold, pose: HeldPose, layers: LayersAbove) -> HoldRecord:
+    return HoldRecord(
+        nose_altitude=hold.altitude(pose),
+        excursion=pose.excursion,
+        line_tension=pose.tension,
+        holding_margin=hold.margin(pose, layers),
+        grounded=hold.clearance(pose) <= 0.0,
+        parted_from=pose.nose,
+    )
+
+
+def _envelope(so_far: HoldRecord, now: HoldRecord) -> HoldRecord:
+    return HoldRecord(
+        nose_altitude=np.minimum(so_far.nose_altitude, now.nose_altitude),
+        excursion=np.maximum(so_far.excursion, now.excursion),
+        line_tension=np.maximum(so_far.line_tension, now.line_tension),
+        holding_margin=np.minimum(so_far.holding_margin, now.holding_margin),
+        grounded=so_far.grounded | now.grounded,
+        parted_from=now.parted_from,
+    )

@@ -1,0 +1,127 @@
+"""The vehicle on its line as mission and vehicle files give it."""
+
+import copy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import missionplan
+from missionplan.errors import InputError
+from missionplan.mission import Mission
+from missionplan.physics.line_statics import CROSSFLOW_COEFFICIENT
+from missionplan.physics.seafloor import FRICTION, ROUGHNESS
+from missionplan.scenario.anchor_weight import anchor_length
+from missionplan.scenario.held_vehicle import hold_of
+from missionplan.scenario.scenario import Scenario
+from missionplan.studies.simulation.simulate import simulate_block
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+CENTRES = {
+    "centre_of_gravity": {"from_nose": "0.56 m", "below_axis": "8 mm"},
+    "centre_of_buoyancy": {"from_nose": "0.559 m"},
+}
+
+
+def changed(file="chesapeake.yaml", *, vehicle=None, anchor=None, moor=None, site=None):
+    data = copy.deepcopy(dict(missionplan.load(MISSIONS / file).raw))
+    data["vehicle"] |= vehicle or {}
+    data["vehicle"]["anchor"] |= anchor or {}
+    data["site"] |= site or {}
+    next(phase["moor"] for phase in data["phases"] if "moor" in phase).update(moor or {})
+    return Mission.from_data(data)
+
+
+def hold(mission):
+    scenario = Scenario.at_means(mission)
+    return hold_of(scenario, mission.moors[0], 11.8)
+
+
+def test_what_no_file_gives_is_assumed():
+    held = hold(changed())
+    assert held.body.raising_moment == pytest.approx(0.5 * 1.1176 * 0.2 * 4.4482216)
+    assert held.body.righting_moment == 0.0
+    assert held.body.crossflow_coefficient == CROSSFLOW_COEFFICIENT
+    assert held.anchor.friction == FRICTION
+    assert (held.roughness, held.slope.angle, held.line.diameter) == (ROUGHNESS, 0.0, 0.0)
+
+
+def test_what_the_files_give_is_used():
+    held = hold(
+        changed(
+            vehicle={**CENTRES, "hull": {"length": "44 in", "diameter": "4.75 in", "crossflow_drag": 0.9}},
+            anchor={"holding_factor": 0.3},
+            moor={"line_diameter": "3 mm"},
+            site={"slope": {"angle": "5 deg", "toward": "90 deg"}, "roughness": "6 mm"},
+        )
+    )
+    weight, buoyancy = 10.2 * 9.80665, 0.2 * 4.4482216
+    assert held.body.raising_moment == pytest.approx((weight + buoyancy) * 0.559 - weight * 0.56)
+    assert held.body.righting_moment == pytest.approx(-weight * 0.008)
+    assert (held.body.crossflow_coefficient, held.anchor.friction) == (0.9, 0.3)
+    assert (held.line.diameter, held.roughness) == (pytest.approx(0.003), pytest.approx(0.006))
+    assert held.slope.angle == pytest.approx(np.radians(5.0))
+
+
+def test_the_anchor_is_as_long_with_its_construction_as_with_the_mass_that_it_gives():
+    built = Scenario.at_means(changed("anchor-design.yaml"))
+    length = float(anchor_length(built, 11.7))
+    assert length == pytest.approx(0.183, abs=0.001)
+    data = copy.deepcopy(dict(changed("anchor-design.yaml").raw))
+    del data["vehicle"]["anchor"]["construction"]
+    data["vehicle"]["anchor"]["flooded_mass"] = "2.793 kg"
+    plain = Mission.from_data(data)
+    assert float(anchor_length(Scenario.at_means(plain), 11.7)) == pytest.approx(length, abs=2e-3)
+
+
+def failures(mission):
+    trials = simulate_block(mission, seed=1, block=0, trials=300)
+    phase = next(phase for phase in trials.phases if phase.kind == "moor")
+    return phase, trials
+
+
+def test_an_anchor_that_drags_fails_the_mission_only_where_its_holding_is_given():
+    silent, _ = failures(changed("anchor-design.yaml"))
+    assert not np.all(silent.events["anchor_holds"])
+    assert "anchor dragged" not in silent.failures
+    spoken, trials = failures(changed("anchor-design.yaml", anchor={"holding_factor": FRICTION}))
+    assert np.array_equal(spoken.quantities["holding_margin"], silent.quantities["holding_margin"])
+    assert np.array_equal(spoken.failures["anchor dragged"], ~silent.events["anchor_holds"])
+    assert not np.any(trials.success & ~spoken.events["anchor_holds"])
+
+
+def test_grounding_fails_the_mission_only_where_the_centres_are_given():
+    hanging = {**CENTRES, "centre_of_buoyancy": {"from_nose": "0.5 m"}}
+    short = {"line_length": "1 m"}
+    spoken, trials = failures(changed(vehicle=hanging, moor=short))
+    assert spoken.events["grounded"].all()
+    assert not trials.success.any()
+    assert "grounded in the hold" not in failures(changed(moor=short))[0].failures
+
+
+def test_a_holding_factor_may_vary_and_leaves_other_draws_alone():
+    plain, varied = (
+        failures(changed("anchor-design.yaml", anchor=anchor))
+        for anchor in ({}, {"holding_factor": {"low": 0.2, "high": 0.6}})
+    )
+    assert np.array_equal(plain[0].quantities["offset_m"], varied[0].quantities["offset_m"])
+    assert np.ptp(varied[1].draws["vehicle.anchor.holding_factor"]) > 0.3
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"vehicle": {"centre_of_gravity": {"from_nose": "0.5 m"}}}, "given together"),
+        ({"vehicle": {**CENTRES, "centre_of_gravity": {"from_nose": "1.5 m"}}}, "behind the tail"),
+        (
+            {"vehicle": {**CENTRES, "centre_of_gravity": {"from_nose": "0.5 m", "below_axis": "7 cm"}}},
+            "outside the hull",
+        ),
+        ({"site": {"slope": {"angle": "70 deg", "toward": "0 deg"}}}, "at most 1"),
+        ({"moor": {"line_diameter": "3 m"}}, "impossible"),
+        ({"anchor": {"holding_factor": "0.3 N"}}, "holding_factor"),
+    ],
+)
+def test_what_cannot_be_is_refused(changes, words):
+    with pytest.raises(InputError, match=words):
+        changed(**changes)
