@@ -9,7 +9,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.errors import InputError, LocalProblem, Problem, did_you_mean, key_path
 from missionplan.montecarlo.distributions import Distribution, Quantity
-from missionplan.montecarlo.streams import BLOCK, stream
+from missionplan.montecarlo.streams import BLOCK, BlockStreams, NormalSource
 
 LEAST_EIGENVALUE = 1e-10
 """Of a matrix of correlations that can be factored reliably."""
@@ -67,14 +67,18 @@ class JointDistribution:
         -------
         dict of str to array, shape (size,)
         """
+        return self.draw_from(BlockStreams(seed, block), size)
+
+    def draw_from(self, source: NormalSource, size: int) -> dict[str, Array]:
+        """Draw each quantity once per trial from a source of normals; as `draw`."""
         mixed: dict[str, Array] = {}
         if self.correlated:
-            independent = np.stack([stream(seed, name, block).standard_normal(BLOCK) for name in self.correlated])
+            independent = np.stack([source.once(name) for name in self.correlated])
             # einsum, not BLAS: the bits must not depend on the number of BLAS threads
             mixed = dict(zip(self.correlated, np.einsum("ij,jt->it", self.factor, independent), strict=True))
         drawn = {}
         for name, marginal in self.marginals.items():
-            normals = mixed[name] if name in mixed else stream(seed, name, block).standard_normal(BLOCK)
+            normals = mixed[name] if name in mixed else source.once(name)
             drawn[name] = marginal.from_normal(normals[:size])
         return drawn
 

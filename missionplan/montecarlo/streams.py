@@ -1,7 +1,9 @@
 """Named random streams: a draw depends on the seed, the quantity's name and the block of trials, on nothing else."""
 
 import hashlib
+from dataclasses import dataclass
 from functools import lru_cache, partial
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,3 +87,39 @@ class LegNormals:
             drawn.flags.writeable = False
             self._legs.append(drawn)
         return self._legs[number]
+
+
+class LegSource(Protocol):
+    """Standard normals of a quantity that is drawn anew for each leg."""
+
+    def leg(self, number: int) -> Array:
+        """Normals of a leg, from 0, shape (2, at least n)."""
+        ...
+
+
+class NormalSource(Protocol):
+    """Where a block of trials has its standard normals from, by the name of the quantity."""
+
+    def once(self, quantity: str) -> Array:
+        """Normals of a quantity that is drawn once a trial, shape (at least n,)."""
+        ...
+
+    def legs(self, quantity: str) -> LegSource:
+        """Normals of a quantity that is drawn anew for each leg."""
+        ...
+
+
+@dataclass(frozen=True)
+class BlockStreams:
+    """The streams of one block of a run: what every plain Monte Carlo draws from."""
+
+    seed: int
+    block: int
+
+    def once(self, quantity: str) -> Array:
+        """Normals of a quantity that is drawn once a trial, shape (BLOCK,)."""
+        return stream(self.seed, quantity, self.block).standard_normal(BLOCK)
+
+    def legs(self, quantity: str) -> LegNormals:
+        """Normals of a quantity that is drawn anew for each leg."""
+        return LegNormals(self.seed, quantity, self.block)

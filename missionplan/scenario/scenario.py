@@ -10,7 +10,7 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.draws import JointDistribution
-from missionplan.montecarlo.streams import BLOCK
+from missionplan.montecarlo.streams import BLOCK, BlockStreams, NormalSource
 from missionplan.phases.currents import Current, LayeredCurrent, layers
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.transit.compensation import Compensation, Forecast, compensation_named
@@ -57,7 +57,11 @@ class Scenario(DrawnMission):
 
     def sampled(self, *, seed: int, block: int, size: int = BLOCK) -> "Scenario":
         """Draw a block of trials, `self` being at the means; what blocks share is computed once and kept in `self`."""
-        draws = {**self.draws, **self._joint.draw(seed, block, size)}
+        return self.sampled_from(BlockStreams(seed, block), size)
+
+    def sampled_from(self, source: NormalSource, size: int) -> "Scenario":
+        """Draw trials from a source of normals; as `sampled`."""
+        draws = {**self.draws, **self._joint.draw_from(source, size)}
         return replace(self, draws=draws, expected=self)._with_shaft_speeds()
 
     @cached_property

@@ -4,13 +4,13 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.mission.schema.phases import Phase, TransitPhase
-from missionplan.montecarlo.streams import LegNormals
+from missionplan.montecarlo.streams import LegSource, NormalSource
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.plan import TransitNormals
 from missionplan.scenario.scenario import Scenario
 
 
-def transit_normals(scenario: Scenario, phase: TransitPhase, seed: int, block: int) -> TransitNormals:
+def transit_normals(scenario: Scenario, phase: TransitPhase, source: NormalSource) -> TransitNormals:
     """Open the streams of a transit's legs.
 
     They depend on the phase alone, so that every σ_v and every d_max has the same ones (common random numbers).
@@ -19,12 +19,11 @@ def transit_normals(scenario: Scenario, phase: TransitPhase, seed: int, block: i
     ----------
     scenario : Scenario
     phase : TransitPhase
-    seed, block : int
-        See `montecarlo.streams`.
+    source : NormalSource
     """
 
-    def legs(quantity: str) -> LegNormals:
-        return LegNormals(seed, f"{phase.name}.{quantity}", block)
+    def legs(quantity: str) -> LegSource:
+        return source.legs(f"{phase.name}.{quantity}")
 
     return TransitNormals(
         velocity=legs("velocity_error"),
@@ -34,13 +33,13 @@ def transit_normals(scenario: Scenario, phase: TransitPhase, seed: int, block: i
     )
 
 
-def deployed(scenario: Scenario, phase: Phase, position: Array, seed: int, block: int, trials: int) -> TrialState:
+def deployed(scenario: Scenario, phase: Phase, position: Array, source: NormalSource, trials: int) -> TrialState:
     """Deploy a block of trials at a position, shape (2,) or (2, n) [m], with a fix before the first dive of a phase."""
     sd = scenario.fix_sd
-    noise = sd * fix_normals(f"{phase.name}.fix_at_start", seed, block, trials) if np.any(sd) else 0.0
+    noise = sd * fix_normals(f"{phase.name}.fix_at_start", source, trials) if np.any(sd) else 0.0
     return TrialState.at(position, trials, noise)
 
 
-def fix_normals(quantity: str, seed: int, block: int, trials: int) -> Array:
+def fix_normals(quantity: str, source: NormalSource, trials: int) -> Array:
     """Standard normals of a fix that is taken once, shape (2, n)."""
-    return LegNormals(seed, quantity, block).leg(0)[:, :trials]
+    return source.legs(quantity).leg(0)[:, :trials]

@@ -12,6 +12,7 @@ from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.mission.schema.site import Position
 from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import mean_of
+from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
@@ -149,11 +150,11 @@ class SweepScenario:
 
     def normals(self, seed: int, block: int) -> TransitNormals:
         """Open the streams of the legs, the same for every σ_v and every d_max."""
-        return transit_normals(self.means, self.phase, seed, block)
+        return transit_normals(self.means, self.phase, BlockStreams(seed, block))
 
     def state(self, drawn: Scenario, seed: int, block: int, trials: int) -> TrialState:
         """Place a block of trials at the start, with the fix that each takes before its first dive."""
-        return deployed(drawn, self.phase, drawn.position(*self.start), seed, block, trials)
+        return deployed(drawn, self.phase, drawn.position(*self.start), BlockStreams(seed, block), trials)
 
 
 def _start(checked: TransitMission, phase: TransitPhase) -> tuple[Position, str]:

@@ -49,7 +49,7 @@ def mooring_trials(
     after, record = moor(
         plan,
         replace(state, alive=begun & ~shallow),
-        fix_normals(f"{phase.name}.fix", block.seed, block.block, state.trials),
+        fix_normals(f"{phase.name}.fix", block.source, state.trials),
         current,
         effects=scenario.descent_effects,
         surface_effects=scenario.transit_effects,

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
+from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.currents import Current
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.phases.state import TrialState
@@ -33,8 +34,8 @@ class TrialBlock:
     ----------
     scenario : Scenario
         With the block's draws.
-    seed, block : int
-        See `montecarlo.streams`.
+    source : NormalSource
+        Of what is drawn each leg or fix.
     tracked : int
         Trials whose tracks are kept.
     inputs : bool
@@ -42,8 +43,7 @@ class TrialBlock:
     """
 
     scenario: Scenario
-    seed: int
-    block: int
+    source: NormalSource
     tracked: int
     inputs: bool
 

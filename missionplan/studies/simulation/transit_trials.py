@@ -37,7 +37,7 @@ def transit_trials(block: TrialBlock, phase: TransitPhase, state: TrialState) ->
         Where the phase begins.
     """
     scenario = block.scenario
-    plan, normals = scenario.transit_plan(phase), transit_normals(scenario, phase, block.seed, block.block)
+    plan, normals = scenario.transit_plan(phase), transit_normals(scenario, phase, block.source)
     environment = scenario.environment(phase)
     aground = state.alive & np.atleast_1d(plan.depth >= scenario.get("site.depth", np.inf))
     state = replace(state, alive=state.alive & ~aground)

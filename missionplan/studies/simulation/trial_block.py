@@ -3,6 +3,7 @@
 import numpy as np
 
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
+from missionplan.montecarlo.streams import BlockStreams, NormalSource
 from missionplan.phases.state import TrialState
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.scenario.scenario import Scenario
@@ -17,14 +18,22 @@ from missionplan.studies.simulation.transition_trials import transition_trials
 def run_block(
     scenario: Scenario, seed: int, block: int, trials: int, tracked: int = 0, inputs: bool = True
 ) -> MissionTrials:
-    """Run one block of trials through the mission.
+    """Run one block of trials of a run through the mission; see `run_trials`."""
+    return run_trials(scenario, BlockStreams(seed, block), trials, tracked, inputs)
+
+
+def run_trials(
+    scenario: Scenario, source: NormalSource, trials: int, tracked: int = 0, inputs: bool = True
+) -> MissionTrials:
+    """Run trials through the mission.
 
     Parameters
     ----------
     scenario : Scenario
-        With the draws of that block.
-    seed, block, trials : int
-        Of the run; trials in use in the block.
+        With the draws of these trials.
+    source : NormalSource
+        Of what is drawn each leg or fix; the scenario's draws come from it too.
+    trials : int
     tracked : int
         Trials whose tracks are kept.
     inputs : bool
@@ -37,7 +46,7 @@ def run_block(
         not finite.
     """
     with np.errstate(divide="raise", over="raise", invalid="raise"):
-        return _run(TrialBlock(scenario, seed, block, tracked, inputs), trials)
+        return _run(TrialBlock(scenario, source, tracked, inputs), trials)
 
 
 def _run(block: TrialBlock, trials: int) -> MissionTrials:
@@ -73,4 +82,4 @@ def _deployed(block: TrialBlock, trials: int) -> TrialState:
     position = np.zeros(2)
     if isinstance(first, TransitPhase) and first.start is not None:
         position = scenario.position(first.start, f"{first.name}.from")
-    return deployed(scenario, first, position, block.seed, block.block, trials)
+    return deployed(scenario, first, position, block.source, trials)
