@@ -12,6 +12,7 @@ from missionplan.rendering import Rendered, register_renderer
 
 if TYPE_CHECKING:
     from missionplan.diagnosis.diagnose import diagnose
+    from missionplan.importers.importing import import_logs
     from missionplan.mission import Mission, load
     from missionplan.studies.anchor.size_anchor import size_anchor
     from missionplan.studies.identification.identify import identify
@@ -27,6 +28,7 @@ __all__ = [
     "__version__",
     "diagnose",
     "identify",
+    "import_logs",
     "load",
     "plan_legs",
     "simulate",
@@ -39,6 +41,7 @@ _MODULES = {
     "Mission": "missionplan.mission",
     "diagnose": "missionplan.diagnosis.diagnose",
     "identify": "missionplan.studies.identification.identify",
+    "import_logs": "missionplan.importers.importing",
     "load": "missionplan.mission",
     "plan_legs": "missionplan.studies.leg_length.plan_legs",
     "simulate": "missionplan.studies.simulation.simulate",

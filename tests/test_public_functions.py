@@ -20,6 +20,7 @@ CALLS: dict[str, Callable[[], object]] = {
     "simulate": lambda: missionplan.simulate(mission("fig8"), trials=20, seed=1),
     "sweep_dmax": lambda: missionplan.sweep_dmax(mission("fig8"), trials=20, seed=1, method="analytic"),
     "size_anchor": lambda: missionplan.size_anchor(mission("anchor-design"), trials=20, seed=1),
+    "import_logs": lambda: missionplan.import_logs([Path(__file__).parent / "importers" / "made.gli"]),
     "identify": lambda: missionplan.identify(MISSIONS / "measured" / "avila-drag"),
     "diagnose": lambda: missionplan.diagnose(mission("chesapeake"), MISSIONS / "measured" / "avila-drag", plan=False),
 }

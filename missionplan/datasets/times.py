@@ -1,0 +1,19 @@
+"""Times as data write them: ISO 8601, or seconds since 1970."""
+
+from datetime import UTC, datetime
+
+
+def epoch_of(text: str) -> float:
+    """Read a time as seconds since 1970; without a zone it is UTC.
+
+    Raises
+    ------
+    ValueError
+        When it is neither ISO 8601 nor a number.
+    """
+    words = text.strip()
+    try:
+        return float(words)
+    except ValueError:
+        moment = datetime.fromisoformat(words)
+    return (moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)).timestamp()

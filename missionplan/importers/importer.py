@@ -1,0 +1,121 @@
+"""What a reader of logs is: it recognises files of its format and makes a track of them."""
+
+import zlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+from missionplan.errors import InputError, Problem
+from missionplan.importers.mapping import MappedName
+from missionplan.importers.track import Track
+
+DAMAGED = (OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticError, TypeError, zlib.error)
+"""Errors by which libraries say that a file is damaged."""
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What the user says of the sources.
+
+    Attributes
+    ----------
+    names : Mapping
+        Quantities (`lat`, `time`, ...) and where the source has them.
+    cache : Path or None
+        Folder of the sensor lists of Slocum gliders.
+    """
+
+    names: Mapping[str, MappedName] = field(default_factory=dict)
+    cache: Path | None = None
+
+
+@dataclass
+class SourceLog:
+    """Keeps what became of each file while a reader works.
+
+    Attributes
+    ----------
+    passed_over : list of Problem
+        Files that were not read, with the reason.
+    read : list of Path
+        Files that were.
+    progress : callable or None
+        Called with the number of files done and of all.
+    """
+
+    passed_over: list[Problem] = field(default_factory=list)
+    read: list[Path] = field(default_factory=list)
+    progress: Callable[[int, int], None] | None = None
+
+    def each(self, files: Sequence[Path]) -> Iterator[Path]:
+        """Yield the files, with the progress shown."""
+        for done, path in enumerate(files):
+            if self.progress is not None:
+                self.progress(done, len(files))
+            yield path
+        if self.progress is not None:
+            self.progress(len(files), len(files))
+
+    @contextmanager
+    def reading(self, path: Path, damaged: type[Exception] = OSError) -> Iterator[None]:
+        """Read one file: what goes wrong inside is noted, and the file passed over.
+
+        Parameters
+        ----------
+        path : Path
+        damaged : type
+            By which the reader's library says that a file is damaged, besides the usual ones.
+        """
+        try:
+            yield
+        except InputError:
+            raise
+        except (*DAMAGED, damaged) as error:
+            words = str(error).strip().splitlines() or [type(error).__name__]
+            self.passed_over.append(Problem(f"passed over: {words[0][:200]}", str(path)))
+        else:
+            self.read.append(path)
+
+
+@dataclass(frozen=True)
+class Importer:
+    """A reader of one format. Installed packages add theirs through the entry points `missionplan.importers`.
+
+    Attributes
+    ----------
+    name : str
+        As `--format` names it.
+    describes : str
+        What it reads, in a few words.
+    recognises : callable
+        From a path and the first bytes of the file to whether it is of this format.
+    read : callable
+        From files, options and a log of what became of each file to a track.
+    is_guessed : bool
+        Whether files are read by it without `--format`.
+    """
+
+    name: str
+    describes: str
+    recognises: Callable[[Path, bytes], bool]
+    read: Callable[[Sequence[Path], ReadOptions, SourceLog], Track]
+    is_guessed: bool = True
+
+
+def needed_module(name: str, extra: str, format_name: str) -> ModuleType:
+    """Import a library that a format needs.
+
+    Raises
+    ------
+    InputError
+        When it is not installed: what to install.
+    """
+    try:
+        return import_module(name)
+    except ImportError:
+        hint = f"pip install 'missionplan[{extra}]'"
+        message = f"the format {format_name} needs the package {name.partition('.')[0]}, which is not installed"
+        raise InputError([Problem(message, hint=hint)]) from None

@@ -1,0 +1,99 @@
+"""`import`: a vehicle's own logs to a data set, with a report of what was made of them and a starter mission."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Literal
+
+from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.importers.building import Reading, transit_data
+from missionplan.importers.declination import with_declination
+from missionplan.importers.descents import descent_data, read_marks
+from missionplan.importers.formats import known_importers
+from missionplan.importers.importer import ReadOptions, SourceLog
+from missionplan.importers.legs.rules import LegRules
+from missionplan.importers.mapping import read_mapping
+from missionplan.importers.shifting import shifted
+from missionplan.importers.sources import find_sources
+from missionplan.importers.track import Track
+from missionplan.results.imported import ImportedData, SourceEntry
+from missionplan.store.paths import as_path
+
+KINDS = ("transit", "descent")
+
+
+def import_logs(
+    sources: Sequence[str | Path],
+    *,
+    format: str | None = None,
+    kind: Literal["transit", "descent"] = "transit",
+    names: Sequence[str] = (),
+    cache: str | Path | None = None,
+    name: str | None = None,
+    shift_origin: tuple[float, float] | None = None,
+    rules: LegRules | None = None,
+    marks: Sequence[str] = (),
+    progress: Callable[[int, int], None] | None = None,
+) -> ImportedData:
+    """Make a data set of a vehicle's logs.
+
+    Parameters
+    ----------
+    sources : sequence of str or Path
+        Files and folders.
+    format : str, optional
+        Of the logs; default: as recognised.
+    kind : str
+        ``transit`` (legs between fixes) or ``descent`` (dives).
+    names : sequence of str
+        What the source calls things, `lat=Latitude[deg]`, or YAML files of it.
+    cache : str or Path, optional
+        Folder of the sensor lists of Slocum gliders; default: beside the files.
+    name : str, optional
+        Of the data set; default: the vehicle's.
+    shift_origin : tuple of float, optional
+        Latitude and longitude [deg] of a made-up place that the first fix is moved to, and all else with it.
+    rules : LegRules, optional
+        For legs.
+    marks : sequence of str
+        Times at which an anchor separated, ISO 8601 or seconds since 1970, for dives.
+    progress : callable, optional
+        Called with the number of files done and of all.
+
+    Raises
+    ------
+    InputError
+        When a source is missing, of no known format, or holds no dives between fixes.
+    """
+    began, rules = time.perf_counter(), rules or LegRules()
+    if kind not in KINDS:
+        message = f"given {shown(kind)}, expected {' or '.join(KINDS)}"
+        raise InputError([Problem(message, key="kind", hint=did_you_mean(str(kind), KINDS))])
+    mapping = read_mapping(names)
+    paths = [as_path(each, "sources") for each in sources]
+    found = find_sources(paths, known_importers(), format, otherwise="track" if mapping else None)
+    log = SourceLog(progress=progress)
+    options = ReadOptions(mapping, None if cache is None else as_path(cache, "cache"))
+    track = found.importer.read([each.path for each in found.files], options, log)
+    if not log.read:
+        raise InputError([*log.passed_over, *found.passed_over])
+    track = with_declination(track)
+    if shift_origin is not None:
+        track = shifted(track, *shift_origin)
+    reading = Reading(
+        track=track,
+        name=name or track.name,
+        sources=tuple(SourceEntry(each.path.name, each.checksum) for each in found.files if each.path in log.read),
+        passed_over=tuple(str(each) for each in (*log.passed_over, *found.passed_over)),
+        options=_options(track, kind, rules, names, shift_origin),
+        began=began,
+    )
+    return transit_data(reading, rules) if kind == "transit" else descent_data(reading, read_marks(marks))
+
+
+def _options(
+    track: Track, kind: str, rules: LegRules, names: Sequence[str], shift_origin: tuple[float, float] | None
+) -> dict[str, object]:
+    """Options as the report tells them; the made-up origin is no secret, the true one is not told."""
+    return {"format": track.format, "kind": kind, "map": list(names), "shift_origin": shift_origin, **asdict(rules)}

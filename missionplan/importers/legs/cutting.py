@@ -1,0 +1,210 @@
+"""Cut a track into legs: fix on diving, dead-reckoned position just before the next fix, fix on surfacing."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from missionplan.arrays import Array
+from missionplan.importers.geodesy import displacement, moved
+from missionplan.importers.legs.candidates import Candidate, find_candidates
+from missionplan.importers.legs.fixes import UNSTATED_SD, JudgedFixes, judge_fixes
+from missionplan.importers.legs.judging import judge
+from missionplan.importers.legs.made_reckoning import can_be_made, made_reckoning, true_from_logged
+from missionplan.importers.legs.rules import LegRules, depths_of, longest_gap
+from missionplan.importers.legs.vehicle_current import VehicleCurrent, current_in_reckoning
+from missionplan.importers.track import Positions, Track
+
+_STANDS_STILL = 1.0
+"""Way that a position which stands still makes at most [m]."""
+_MOST = 0.5
+"""Share of dives whose position stands still from which on dead reckoning is made for all."""
+_LATEST_START = 120.0
+"""How long after a fix its dead-reckoned position still shows whether the fix was taken in [s]."""
+LEG_COLUMNS = (
+    "leg", "t_start", "t_end", "t_start_s", "t_end_s", "lat_start", "lon_start", "lat_dr_end", "lon_dr_end",
+    "lat_end", "lon_end", "surface_s", "speed_m_s", "heading_deg", "fix_sd_m", "max_depth_m", "lag_dr_end_s",
+    "declination_deg", "ok", "reason",
+)  # fmt: skip
+"""Of the table of legs; those from `lat_dr_end` on are blank where a dive has no dead-reckoned end."""
+
+
+@dataclass(frozen=True)
+class CutTrack:
+    """Legs of a track.
+
+    Attributes
+    ----------
+    dives : DataFrame
+        Every dive between two fixes, with `LEG_COLUMNS`.
+    fixes : JudgedFixes
+    reckoned : tuple of Positions
+        Of each dive, as used.
+    current : VehicleCurrent or None
+        What the dead reckoning holds of a current that the vehicle estimated.
+    reckoning : str
+        Where the dead-reckoned positions come from, in words.
+    notices : tuple of str
+    """
+
+    dives: pd.DataFrame
+    fixes: JudgedFixes
+    reckoned: tuple[Positions, ...]
+    current: VehicleCurrent | None
+    reckoning: str
+    notices: tuple[str, ...]
+
+    @property
+    def legs(self) -> pd.DataFrame:
+        """Dives with a dead-reckoned end, whether they count or not."""
+        return self.dives[self.dives["lat_dr_end"].notna()]
+
+
+def cut(track: Track, rules: LegRules) -> CutTrack:
+    """Cut a track into legs, and say of every dive whether it counts and why not."""
+    fixes = judge_fixes(track.fixes)
+    depths = depths_of(track.depth, rules)
+    candidates = find_candidates(fixes.good, track.depth, depths)
+    reckoned, how, notices = _reckoned(track, fixes, candidates)
+    current = current_in_reckoning(track, fixes.good, candidates, reckoned)
+    if current is not None and rules.take_out_current:
+        reckoned = [current.taken_out(line) for line in reckoned]
+        how += ", with the vehicle's estimate of the current taken out"
+    rows = [_row(track, fixes, *each) for each in zip(candidates, reckoned, strict=True)]
+    dives = pd.DataFrame(rows, columns=[*LEG_COLUMNS[1:-2], "depth_at_fix_m"])
+    dives.insert(0, "leg", np.arange(1, len(dives) + 1))
+    dives["reason"] = judge(dives, track, reckoned, rules, longest_gap(track.depth, rules), depths)
+    dives["ok"] = (dives["reason"] == "").astype(int)
+    notices += [*_of_late_fixes(dives, depths.surface), *_of_old_ends(dives)]
+    return CutTrack(dives, fixes, tuple(reckoned), current, how, tuple(notices))
+
+
+def _reckoned(track: Track, fixes: JudgedFixes, candidates: list[Candidate]) -> tuple[list[Positions], str, list[str]]:
+    """Dead-reckoned positions of each dive, where they come from, and what is to be said of them."""
+    own = [track.reckoned.within(*_span(fixes, each)) for each in candidates]
+    still = [_stands_still(line) for line in own]
+    if can_be_made(track) and (not len(track.reckoned) or np.mean(still or [True]) > _MOST):
+        by = "with speed" if len(track.speed) else "with pitch and depth rate"
+        why = track.reckoning if not len(track.reckoned) else "the vehicle's position stands still under water"
+        made = [_made(track, fixes, each) for each in candidates]
+        return made, f"made from heading, {by}", [f"{why}: dead reckoning was made from heading, {by}"]
+    shifted = _offset_where_fixes_are_ignored(own, fixes, candidates)
+    if shifted is None:
+        return own, track.reckoning, []
+    notice = "the vehicle's position goes on across its fixes: each leg's is moved to start at the fix"
+    return shifted, f"{track.reckoning}, each leg moved to start at its fix", [notice]
+
+
+def _span(fixes: JudgedFixes, candidate: Candidate) -> tuple[float, float]:
+    """Time after the fix before a dive and time of the fix after it [s]."""
+    return float(np.nextafter(fixes.good.t[candidate.before], np.inf)), float(fixes.good.t[candidate.after])
+
+
+def _stands_still(line: Positions) -> bool:
+    if len(line) < 3:
+        return False
+    way = np.hypot(*displacement(line.latitude[0], line.longitude[0], line.latitude, line.longitude))
+    return bool(way.max() < _STANDS_STILL)
+
+
+def _made(track: Track, fixes: JudgedFixes, candidate: Candidate) -> Positions:
+    good, start = fixes.good, candidate.before
+    end = float(good.t[candidate.after])
+    return made_reckoning(track, float(good.t[start]), end, float(good.latitude[start]), float(good.longitude[start]))
+
+
+def _offset_where_fixes_are_ignored(
+    own: list[Positions], fixes: JudgedFixes, candidates: list[Candidate]
+) -> list[Positions] | None:
+    """Move each leg's positions to start at its fix, if fixes are not taken in; None if they are.
+
+    Fixes are taken in where the position stands nearer to the fix just after it than the dead-reckoned one does just
+    before the next.
+    """
+    offsets, misses, moved_lines = [], [], []
+    for line, each in zip(own, candidates, strict=True):
+        start, end = each.before, each.after
+        if not len(line) or line.t[0] > fixes.good.t[start] + _LATEST_START:
+            moved_lines.append(line)
+            continue
+        east, north = _from_fix(fixes, start, line, 0)
+        offsets.append(float(np.hypot(east, north)))
+        misses.append(float(np.hypot(*_from_fix(fixes, end, line, -1))))
+        moved_lines.append(replace(line, **_moved_by(line, -float(east), -float(north))))
+    if not offsets or np.median(offsets) < max(0.5 * float(np.median(misses)), 20.0):
+        return None
+    return moved_lines
+
+
+def _from_fix(fixes: JudgedFixes, fix: int, line: Positions, which: int) -> tuple[Array, Array]:
+    good = fixes.good
+    return displacement(good.latitude[fix], good.longitude[fix], line.latitude[which], line.longitude[which])
+
+
+def _moved_by(line: Positions, east: float, north: float) -> dict[str, Array]:
+    latitude, longitude = moved(line.latitude, line.longitude, east, north)
+    return {"latitude": latitude, "longitude": longitude}
+
+
+def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions) -> tuple[object, ...]:
+    good = fixes.good
+    start, end = float(good.t[dive.before]), float(good.t[dive.after])
+    has_end = len(line) > 0
+    sd = fixes.sd[dive.after]
+    under_way = max(dive.surfaced - start, 1.0)
+    return (
+        _iso(start), _iso(end), start, end, good.latitude[dive.before], good.longitude[dive.before],
+        line.latitude[-1] if has_end else np.nan, line.longitude[-1] if has_end else np.nan,
+        good.latitude[dive.after], good.longitude[dive.after], end - dive.surfaced,
+        _mean_speed(track, line, start, dive.surfaced, under_way), _mean_heading(track, start, dive.surfaced),
+        sd if np.isfinite(sd) else UNSTATED_SD, dive.max_depth, end - line.t[-1] if has_end else np.nan,
+        float(true_from_logged(track, np.array([start]))[0]) if len(track.declination) else np.nan, dive.depth_at_fix,
+    )  # fmt: skip
+
+
+def _iso(t: float) -> str:
+    return pd.Timestamp(round(t, 3), unit="s", tz="UTC").isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def _mean_speed(track: Track, line: Positions, start: float, end: float, under_way: float) -> float:
+    """Mean speed under way: the logged one, else the way made by dead reckoning over its time [m/s]."""
+    logged = track.speed.within(start, end)
+    if len(logged):
+        return float(logged.values.mean())
+    if len(line) < 2:
+        return float("nan")
+    steps = np.hypot(*displacement(line.latitude[:-1], line.longitude[:-1], line.latitude[1:], line.longitude[1:]))
+    return float(steps.sum() / min(max(line.t[-1] - line.t[0], 1.0), under_way))
+
+
+def _mean_heading(track: Track, start: float, end: float) -> float:
+    """Mean heading under way, from true north where that is known [deg]."""
+    logged = track.heading.within(start, end)
+    if not len(logged):
+        return float("nan")
+    angle = np.radians(logged.values + true_from_logged(track, logged.t))
+    return float(np.degrees(np.angle(np.exp(1j * angle).sum())) % 360.0)
+
+
+def _of_late_fixes(dives: pd.DataFrame, surface: float) -> Iterator[str]:
+    """Say where the fix before a dive stands in the log while the vehicle is deep."""
+    late = dives["depth_at_fix_m"] > 2.0 * surface
+    if late.any():
+        deepest = float(dives.loc[late, "depth_at_fix_m"].max())
+        yield (
+            f"the fix before the dive is logged late on {int(late.sum())} of {len(dives)} dives, when the vehicle is "
+            f"already as deep as {deepest:.0f} m: these legs began up to some minutes before their start"
+        )
+
+
+def _of_old_ends(dives: pd.DataFrame) -> Iterator[str]:
+    """Say how much older than surfacing the last dead-reckoned position is, where it is."""
+    kept = dives[dives["ok"] == 1]
+    old = kept["lag_dr_end_s"] - kept["surface_s"]
+    share = old / (kept["t_end_s"] - kept["t_start_s"])
+    if len(kept) and float(share.median()) > 0.005:
+        yield (
+            f"the last dead-reckoned position is {old.median():.0f} s older than the surfacing (median): the way made "
+            f"in that time, about {100.0 * share.median():.1f} % of a leg, counts as error"
+        )

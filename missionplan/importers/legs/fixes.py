@@ -1,0 +1,99 @@
+"""Which fixes count, by what their quality says and not by their flag, and how accurate they are."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.importers.geodesy import displacement
+from missionplan.importers.track import Fixes
+
+WORST_ACCURACY = 100.0
+"""Stated horizontal accuracy beyond which a fix does not count [m]."""
+WORST_HDOP = 8.0
+FEWEST_SATELLITES = 4
+RANGE_ERROR = 5.0
+"""Standard deviation of a satellite's range that turns a dilution of precision into an error [m]: the Standard
+Positioning Service Performance Standard (2020) allows 8 m at 95 %, receivers add their own."""
+UNSTATED_SD = 5.0
+"""Standard deviation of a fix, each axis, of which nothing is known [m]."""
+FASTEST = 10.0
+"""Speed between fixes that no vehicle at the surface has [m/s]."""
+_ALLOWED = 30.0
+"""Distance beyond that speed which scatter explains [m]."""
+_WINDOW = 5
+"""Fixes about one, itself included, whose median it is compared with."""
+_ROUNDS = 20
+
+
+@dataclass(frozen=True)
+class JudgedFixes:
+    """Fixes that count, with standard deviations of each axis, and those that do not, with the reason.
+
+    Attributes
+    ----------
+    good : Fixes
+    sd : array, shape (n,)
+        Of each good one, each axis [m]; nan where nothing is known of it.
+    rejected : Fixes
+    reasons : tuple of str
+        Of each rejected one.
+    """
+
+    good: Fixes
+    sd: Array
+    rejected: Fixes
+    reasons: tuple[str, ...]
+
+
+def judge_fixes(fixes: Fixes) -> JudgedFixes:
+    """Tell good fixes from bad ones."""
+    reasons = _reasons_of_quality(fixes)
+    good = reasons == ""
+    jumps = _jumps(fixes[good])
+    reasons[np.flatnonzero(good)[jumps]] = f"farther from its neighbours than {FASTEST:g} m/s explains"
+    good = reasons == ""
+    return JudgedFixes(fixes[good], fix_sd(fixes[good]), fixes[~good], tuple(str(each) for each in reasons[~good]))
+
+
+def fix_sd(fixes: Fixes) -> Array:
+    """Standard deviation of fixes, each axis, shape (n,) [m]; nan where nothing is known."""
+    by_dilution = fixes.hdop * RANGE_ERROR
+    return np.asarray(np.where(np.isfinite(fixes.accuracy), fixes.accuracy, by_dilution) / np.sqrt(2.0))
+
+
+def _reasons_of_quality(fixes: Fixes) -> NDArray[np.object_]:
+    reasons = np.full(len(fixes), "", dtype=object)
+    known = np.isfinite(fixes.accuracy) | np.isfinite(fixes.hdop) | np.isfinite(fixes.satellites)
+    with np.errstate(invalid="ignore"):
+        reasons[(fixes.valid == 0.0) & ~known] = "not valid by its flag, and no quality was logged"
+        reasons[fixes.satellites < FEWEST_SATELLITES] = f"fewer than {FEWEST_SATELLITES} satellites"
+        reasons[(fixes.hdop > WORST_HDOP) | (fixes.hdop <= 0.0)] = f"dilution of precision above {WORST_HDOP:g}"
+        reasons[(fixes.accuracy > WORST_ACCURACY)] = f"stated accuracy worse than {WORST_ACCURACY:g} m"
+    return reasons
+
+
+def _jumps(fixes: Fixes) -> NDArray[np.bool_]:
+    """Fixes that lie off the line of the others, found a few at a time."""
+    wrong = np.zeros(len(fixes), dtype=bool)
+    for _ in range(_ROUNDS):
+        left = np.flatnonzero(~wrong)
+        found = _worst_of_pairs(fixes[left]) if len(left) >= 3 else np.empty(0, dtype=np.intp)
+        if not len(found):
+            break
+        wrong[left[found]] = True
+    return wrong
+
+
+def _worst_of_pairs(fixes: Fixes) -> NDArray[np.intp]:
+    """Of each two neighbours too far from one another, the one farther from the median of those about it."""
+    steps = np.hypot(*displacement(fixes.latitude[:-1], fixes.longitude[:-1], fixes.latitude[1:], fixes.longitude[1:]))
+    pairs = np.flatnonzero(steps - _ALLOWED > FASTEST * np.diff(fixes.t))
+    if not len(pairs):
+        return np.empty(0, dtype=np.intp)
+    half = _WINDOW // 2
+    about = np.clip(np.arange(len(fixes))[:, None] + np.arange(-half, half + 1), 0, len(fixes) - 1)
+    middle = np.median(fixes.latitude[about], axis=1), np.median(fixes.longitude[about], axis=1)
+    away = np.hypot(*displacement(*middle, fixes.latitude, fixes.longitude))
+    return np.unique(np.where(away[pairs] >= away[pairs + 1], pairs, pairs + 1))

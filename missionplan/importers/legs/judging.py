@@ -1,0 +1,120 @@
+"""Which dives count as legs, and the reason where one does not."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from missionplan.arrays import Array
+from missionplan.importers.geodesy import displacement
+from missionplan.importers.legs.rules import Depths, LegRules
+from missionplan.importers.track import Positions, Track
+
+FASTEST_UNDER_WATER = 6.0
+"""Speed between dead-reckoned positions beyond which the position has jumped [m/s]."""
+_JUMP = 50.0
+"""Distance of such a jump at least [m]."""
+LEAST_SHARE = 0.4
+"""Part of a leg's time that its dead reckoning has to cover."""
+IMPOSSIBLE = 3.0
+"""Velocity error that neither water nor vehicle explains [m/s]."""
+
+
+def judge(
+    dives: pd.DataFrame,
+    track: Track,
+    reckoned: Sequence[Positions],
+    rules: LegRules,
+    longest_gap: float,
+    depths: Depths,
+) -> list[str]:
+    """Return the reason why each dive does not count; empty where it does.
+
+    Parameters
+    ----------
+    dives : DataFrame
+        With the columns of a leg but `ok` and `reason`; dead-reckoned ends that are none become blank.
+    track : Track
+    reckoned : sequence of Positions
+        Of each dive.
+    rules : LegRules
+    longest_gap : float
+        Longest time without a reading [s].
+    depths : Depths
+        Of the surface.
+    """
+    reasons = []
+    starts, ends, pauses = (dives[name].to_numpy() for name in ("t_start_s", "t_end_s", "surface_s"))
+    errors = _errors(dives)
+    shortest = rules.shortest if rules.shortest is not None else track.shortest
+    for k, line in enumerate(reckoned):
+        start, end = float(starts[k]), float(ends[k])
+        missing = _missing_end(start, end, line)
+        if missing:
+            dives.loc[k, ["lat_dr_end", "lon_dr_end", "speed_m_s"]] = np.nan
+        checks = (
+            missing,
+            _interrupted(track, start, end, depths.surface),
+            _gap(track, line, start, end - float(pauses[k]), longest_gap, depths.surface),
+            _jump(line),
+            _short(end - start, shortest),
+            "" if missing else _impossible(float(errors[k])),
+        )
+        reasons.append("; ".join(filter(None, checks)))
+    return reasons
+
+
+def _missing_end(start: float, end: float, line: Positions) -> str:
+    if not len(line):
+        return "no dead-reckoned position between the fixes"
+    covered = float(line.t[-1]) - start
+    if covered < LEAST_SHARE * (end - start):
+        return f"dead reckoning ends long before the fix ({end - line.t[-1]:.0f} of {end - start:.0f} s)"
+    return ""
+
+
+def _interrupted(track: Track, start: float, end: float, surface: float) -> str:
+    found = [each for each in track.breaks if start < each.t <= end]
+    under = [
+        each.reason
+        for each in found
+        if each.at_surface_too or not len(track.depth) or track.depth.at(np.array([each.t]))[0] > surface
+    ]
+    return "; ".join(dict.fromkeys(under))
+
+
+def _gap(track: Track, line: Positions, start: float, surfaced: float, longest: float, surface: float) -> str:
+    """Where neither depth nor position was logged for long under water."""
+    if len(track.depth):
+        during = track.depth.within(start, surfaced)
+        under = np.flatnonzero(during.values > surface)
+        read = during.t[under[0] :] if len(under) else during.t
+    else:
+        read = np.append(start, line.t)
+    gap = float(np.diff(np.append(read, surfaced)).max(initial=0.0))
+    return f"a gap in the log ({gap:.0f} s)" if gap > longest else ""
+
+
+def _jump(line: Positions) -> str:
+    if len(line) < 2:
+        return ""
+    steps = np.hypot(*displacement(line.latitude[:-1], line.longitude[:-1], line.latitude[1:], line.longitude[1:]))
+    jumped = steps - FASTEST_UNDER_WATER * np.diff(line.t)
+    if jumped.max() <= _JUMP:
+        return ""
+    return f"the dead-reckoned position jumps under water ({steps[int(np.argmax(jumped))]:.0f} m)"
+
+
+def _short(duration: float, shortest: float) -> str:
+    return f"shorter than {shortest / 60.0:g} min ({duration / 60.0:.1f} min)" if duration < shortest else ""
+
+
+def _errors(dives: pd.DataFrame) -> Array:
+    """Size of each dive's velocity error, shape (n,) [m/s]."""
+    ends = (dives[name].to_numpy(dtype=float) for name in ("lat_dr_end", "lon_dr_end", "lat_end", "lon_end"))
+    duration = (dives["t_end_s"] - dives["t_start_s"]).to_numpy()
+    return np.asarray(np.hypot(*displacement(*ends)) / np.maximum(duration, 1.0))
+
+
+def _impossible(error: float) -> str:
+    return f"an impossible error, a wrong fix or position ({error:.1f} m/s)" if error > IMPOSSIBLE else ""

@@ -1,0 +1,82 @@
+"""Dead reckoning made from heading, pitch and depth, or speed, where a vehicle's own stands still under water."""
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.importers.geodesy import moved
+from missionplan.importers.track import Positions, Series, Track
+
+LEAST_PITCH = 8.0
+"""Pitch below which depth rate over its tangent is no speed [deg]; the last speed is kept."""
+LEAST_DEPTH = 2.0
+"""Depth above which waves, not the glide, change the depth [m]: no way is made there."""
+FASTEST_GLIDE = 2.0
+"""Greatest horizontal speed that follows from pitch and depth rate [m/s]."""
+
+
+def can_be_made(track: Track) -> bool:
+    """Whether a track has what dead reckoning is made from."""
+    return bool(len(track.heading) and (len(track.speed) or (len(track.pitch) and len(track.depth))))
+
+
+def made_reckoning(track: Track, start: float, end: float, latitude: float, longitude: float) -> Positions:
+    """Reckon from a fix on to just before the next.
+
+    The speed is the logged one, else the rate of the depth over the tangent of the pitch: the angle of attack is
+    neglected. The vehicle's own declination is added to headings from magnetic north.
+
+    Parameters
+    ----------
+    track : Track
+    start, end : float
+        Times of the two fixes [s].
+    latitude, longitude : float
+        Of the first [deg].
+    """
+    t = _times(track, start, end)
+    if len(t) < 2:
+        return Positions()
+    steps, middle = np.diff(t), 0.5 * (t[1:] + t[:-1])
+    heading = _mean_heading(track, t)
+    speed = track.speed.at(middle) if len(track.speed) else _glide_speed(track, t)
+    east = np.append(0.0, np.cumsum(speed * np.sin(heading) * steps))
+    north = np.append(0.0, np.cumsum(speed * np.cos(heading) * steps))
+    return Positions(t, *moved(latitude, longitude, east, north))
+
+
+def _times(track: Track, start: float, end: float) -> Array:
+    """Times of the readings that the speed comes from, before the next fix."""
+    read = (track.speed if len(track.speed) else track.depth).within(start, end).t
+    return np.asarray(read[read < end])
+
+
+def _mean_heading(track: Track, t: Array) -> Array:
+    """True heading between readings [rad]."""
+    angle = np.radians(_at_turning(track.heading, t) + true_from_logged(track, t))
+    return np.asarray(np.angle(np.exp(1j * angle[1:]) + np.exp(1j * angle[:-1])))
+
+
+def _at_turning(heading: Series, t: Array) -> Array:
+    """Interpolate a heading, the short way round [deg]."""
+    unwrapped = np.degrees(np.unwrap(np.radians(heading.values)))
+    return np.asarray(np.interp(t, heading.t, unwrapped))
+
+
+def true_from_logged(track: Track, t: Array) -> Array:
+    """What is added to logged headings to count them from true north [deg]; 0 where nothing is known."""
+    if track.heading_from == "true" or not len(track.declination):
+        return np.zeros(np.shape(t))
+    return track.declination.at(t)
+
+
+def _glide_speed(track: Track, t: Array) -> Array:
+    """Horizontal speed between readings of the depth [m/s]."""
+    depth, pitch = track.depth.at(t), track.pitch.at(t)
+    sink = np.abs(np.diff(depth) / np.diff(t))
+    slope = np.abs(0.5 * (pitch[1:] + pitch[:-1]))  # of the signed ones: the turn of a yo is flat
+    steep = slope > LEAST_PITCH
+    speed = np.where(steep, sink / np.tan(np.radians(np.where(steep, slope, 45.0))), np.nan)
+    known = np.maximum.accumulate(np.where(steep, np.arange(len(speed)), -1))
+    held = np.where(known >= 0, speed[np.maximum(known, 0)], 0.0)
+    deep = 0.5 * (depth[1:] + depth[:-1]) > LEAST_DEPTH
+    return np.asarray(np.where(deep, np.minimum(held, FASTEST_GLIDE), 0.0))

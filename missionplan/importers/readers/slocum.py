@@ -1,0 +1,123 @@
+"""Slocum gliders: binary flight (dbd, mbd, sbd) and science (ebd, nbd, tbd) files, packed or not, by dbdreader.
+
+dbdreader is licensed under the GPL-3: it is an extra of its own, and imported only when such a file is read. The
+position is the vehicle's own dead reckoning, `m_lat` and `m_lon`; a fix is a new `m_gps_lat` and `m_gps_lon`.
+"""
+
+import math
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.errors import InputError, Problem
+from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module
+from missionplan.importers.readers.channels import ChannelStore
+from missionplan.importers.track import Break, Fixes, Positions, Track, fixes, positions
+
+_FLIGHT = ("dbd", "mbd", "sbd", "dcd", "mcd", "scd")
+_SCIENCE = ("ebd", "nbd", "tbd", "ecd", "ncd", "tcd")
+_OF_FLIGHT = (
+    "m_gps_lat", "m_gps_lon", "m_gps_status", "m_gps_num_satellites", "m_gps_uncertainty", "m_gps_mag_var",
+    "m_lat", "m_lon", "m_depth", "m_pitch", "m_heading", "m_water_vx", "m_water_vy", "u_use_current_correction",
+    "m_present_secs_into_mission",
+)  # fmt: skip
+_OF_SCIENCE = ("sci_water_pressure",)
+_BAR = 10.0
+"""Depth over pressure in the sea, to 1 % [m/bar]."""
+_DEGREES = math.degrees(1.0)
+SHORTEST = 1800.0
+"""Shortest leg that counts by default [s]: decimated files hold a dead-reckoned position only every few minutes."""
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Whether a file is one of a Slocum's, by its name or its first line."""
+    return path.suffix[1:].lower() in (*_FLIGHT, *_SCIENCE) or head.startswith(b"dbd_label:")
+
+
+def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
+    """Read the files as one track."""
+    library = needed_module("dbdreader", "slocum", "slocum")
+    store = ChannelStore()
+    with tempfile.TemporaryDirectory() as cache:
+        _link_sensor_lists(Path(cache), files, options.cache)
+        for path in log.each(sorted(files)):
+            with log.reading(path, library.DbdError):
+                _add(store, library, path, cache)
+    if not log.read and log.passed_over and all("ache file" in each.message for each in log.passed_over):
+        hint = "name the folder of the .cac files with --cache"
+        raise InputError([Problem("no list of its sensors was found", log.passed_over[0].file, hint=hint)])
+    return Track(
+        name=_vehicle(files),
+        format="slocum",
+        fixes=_fixes(store),
+        reckoned=_positions(store),
+        reckoning="the vehicle's own (m_lat, m_lon)",
+        depth=store.series("m_depth") if "m_depth" in store else store.series("sci_water_pressure", _BAR),
+        pitch=store.series("m_pitch", _DEGREES),
+        heading=store.series("m_heading", _DEGREES),
+        heading_from="magnetic",
+        declination=store.series("m_gps_mag_var", -_DEGREES),
+        current_east=store.series("m_water_vx"),
+        current_north=store.series("m_water_vy"),
+        breaks=tuple(_restarts(store)),
+        shortest=SHORTEST,
+    )
+
+
+def _link_sensor_lists(folder: Path, files: Sequence[Path], given: Path | None) -> None:
+    """Gather the sensor lists under the names that the library looks for; what it writes goes there too."""
+    places = [given] if given else list(dict.fromkeys(path.parent for path in files))
+    for place in places:
+        for found in sorted(each for each in place.rglob("*") if each.suffix.lower() == ".cac"):
+            link = folder / found.name.lower()
+            if not link.exists():
+                link.symlink_to(found.resolve())
+
+
+def _add(store: ChannelStore, library: ModuleType, path: Path, cache: str) -> None:
+    file = library.DBD(str(path), cacheDir=cache)
+    try:
+        names = [name for name in (*_OF_FLIGHT, *_OF_SCIENCE) if name in file.parameterNames]
+        for name in names:
+            t, values = file.get(name, discardBadLatLon=True)
+            small = values.dtype == np.float64 and not name.endswith(("_lat", "_lon", "_mission"))
+            store.add(name, t, values.astype(np.float32) if small else values)
+    finally:
+        file.close()
+
+
+def _fixes(store: ChannelStore) -> Fixes:
+    t, latitude = store.joined("m_gps_lat")
+    status = store.at("m_gps_status", t)
+    return fixes(
+        t,
+        latitude,
+        store.at("m_gps_lon", t),
+        accuracy=store.at("m_gps_uncertainty", t),
+        satellites=store.at("m_gps_num_satellites", t),
+        valid=np.where(np.isfinite(status), (status == 0.0).astype(float), np.nan),
+    )
+
+
+def _positions(store: ChannelStore) -> Positions:
+    t, latitude = store.joined("m_lat")
+    return positions(t, latitude, store.at("m_lon", t))
+
+
+def _restarts(store: ChannelStore) -> list[Break]:
+    """Moments at which the time since the mission's start begins again."""
+    since = store.series("m_present_secs_into_mission")
+    began: Array = since.t - since.values
+    again = np.flatnonzero(np.diff(began) > 60.0)
+    return [Break(float(since.t[k + 1]), "a new mission was started", at_surface_too=False) for k in again]
+
+
+def _vehicle(files: Sequence[Path]) -> str:
+    return f"Slocum glider {files[0].name.split('-')[0]}" if "-" in files[0].name else "Slocum glider"
+
+
+IMPORTER = Importer("slocum", "Slocum dbd, mbd, sbd and their science files (dbdreader, GPL-3)", recognises, read)

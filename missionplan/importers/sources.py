@@ -1,0 +1,160 @@
+"""Sources of an import: files and folders, each file once, with its checksum and the format it is recognised as."""
+
+import gzip
+import hashlib
+import os
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from missionplan.errors import InputError, Problem, did_you_mean
+from missionplan.importers.importer import Importer
+from missionplan.store.paths import check_name, is_file, is_folder
+
+_HEAD = 4096
+"""Bytes of a file by which it is recognised."""
+_COMPANIONS = (".cac",)
+"""Files that others need and that are no logs themselves."""
+
+
+@dataclass(frozen=True)
+class SourceFile:
+    """A file that is read: its path and SHA-256."""
+
+    path: Path
+    checksum: str
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Files of one format, and those passed over with the reason."""
+
+    importer: Importer
+    files: tuple[SourceFile, ...]
+    passed_over: tuple[Problem, ...]
+
+
+def find_sources(
+    given: Sequence[Path], importers: Mapping[str, Importer], format_name: str | None, otherwise: str | None = None
+) -> Sources:
+    """Find the files to read, and what reads them.
+
+    Parameters
+    ----------
+    given : sequence of Path
+        Files and folders.
+    importers : Mapping
+        By name.
+    format_name : str or None
+        Format of all files; None to recognise it.
+    otherwise : str or None
+        Format of files named one by one of which none is recognised.
+
+    Raises
+    ------
+    InputError
+        When a source is missing, nothing is recognised, or files of several formats are.
+    """
+    if format_name is not None and format_name not in importers:
+        hint = did_you_mean(format_name, importers) or f"one of {', '.join(importers)}"
+        raise InputError([Problem(f"no format of the name {format_name!r}", key="format", hint=hint)])
+    paths = _all_files(given)
+    if not paths:
+        raise InputError([Problem("holds no files", str(each)) for each in given])
+    chosen, passed_over = _recognised(paths, given, importers, format_name)
+    if not chosen and otherwise is not None and any(path in given for path in paths):
+        chosen, passed_over = _recognised(paths, given, importers, otherwise)
+    if not chosen:
+        known = ", ".join(importers)
+        message = f"no log of a known format ({known}) among {len(paths)} files"
+        raise InputError(
+            [Problem(message, str(given[0]), hint="name one with --format; track reads tables with --map")]
+        )
+    if len(chosen) > 1:
+        counts = ", ".join(f"{len(files)} of {name}" for name, files in chosen.items())
+        raise InputError(
+            [Problem(f"logs of several formats: {counts}", str(given[0]), hint="choose one with --format")]
+        )
+    name, found = next(iter(chosen.items()))
+    files, repeated = _each_once(found)
+    return Sources(importers[name], tuple(files), (*passed_over, *repeated))
+
+
+def _all_files(given: Sequence[Path]) -> list[Path]:
+    """Every file named, and every one below a folder named but those that are hidden."""
+    found: list[Path] = []
+    problems = []
+    for path in given:
+        check_name(str(path))
+        if is_file(path):
+            found.append(path)
+        elif is_folder(path):
+            found += sorted(_below(path))
+        else:
+            hint = did_you_mean(
+                path.name, [each.name for each in path.parent.glob("*")] if is_folder(path.parent) else []
+            )
+            problems.append(Problem("no such file or folder", str(path), hint=hint))
+    if problems:
+        raise InputError(problems)
+    return list(dict.fromkeys(found))
+
+
+def _below(folder: Path) -> Iterator[Path]:
+    for place, folders, names in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        yield from (Path(place) / name for name in names if not name.startswith("."))
+
+
+def _recognised(
+    paths: Sequence[Path], given: Sequence[Path], importers: Mapping[str, Importer], format_name: str | None
+) -> tuple[dict[str, list[Path]], list[Problem]]:
+    """Sort files by format; with a format given, a file named by itself is read whatever it looks like."""
+    chosen: dict[str, list[Path]] = {}
+    passed_over = []
+    for path in paths:
+        if path.suffix.lower() in _COMPANIONS:
+            continue
+        name = _format_of(path, importers, format_name)
+        if name is None and format_name is not None and path in given:
+            name = format_name
+        if name is None:
+            wanted = f"no {format_name} log" if format_name else "no log of a known format"
+            passed_over.append(Problem(f"passed over: {wanted}", str(path)))
+        else:
+            chosen.setdefault(name, []).append(path)
+    return chosen, passed_over
+
+
+def _format_of(path: Path, importers: Mapping[str, Importer], format_name: str | None) -> str | None:
+    head = _head(path)
+    if format_name is not None:
+        return format_name if importers[format_name].recognises(path, head) else None
+    return next((name for name, each in importers.items() if each.is_guessed and each.recognises(path, head)), None)
+
+
+def _head(path: Path) -> bytes:
+    """First bytes of a file, unpacked where it is packed; none where it cannot be read."""
+    try:
+        with gzip.open(path, "rb") if path.suffix == ".gz" else path.open("rb") as stream:
+            return bytes(stream.read(_HEAD))
+    except (OSError, EOFError, zlib.error):
+        return b""
+
+
+def _each_once(paths: Sequence[Path]) -> tuple[list[SourceFile], list[Problem]]:
+    files: dict[str, SourceFile] = {}
+    repeated = []
+    for path in paths:
+        try:
+            with path.open("rb") as stream:
+                checksum = hashlib.file_digest(stream, "sha256").hexdigest()
+        except OSError as error:
+            repeated.append(Problem(f"passed over: {error.strerror or error}", str(path)))
+            continue
+        if checksum in files:
+            repeated.append(Problem(f"passed over: the same as {files[checksum].path.name}", str(path)))
+        else:
+            files[checksum] = SourceFile(path, checksum)
+    return list(files.values()), repeated

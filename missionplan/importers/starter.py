@@ -1,0 +1,152 @@
+"""The starter mission that is written beside a data set, with what the legs say of it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from missionplan.arrays import Array
+from missionplan.importers.geodesy import displacement
+
+_FEWEST = 3
+"""Legs from which their spread says something."""
+_LEAST_SIGMA = 0.001
+"""Velocity error that the starter mission has at least, each axis [m/s]."""
+
+
+@dataclass(frozen=True)
+class LegNumbers:
+    """What the legs that count say of a mission.
+
+    Attributes
+    ----------
+    latitude, longitude : float
+        Of the first fix [deg].
+    start : str
+        Of the first leg, ISO 8601.
+    sigma : float
+        Root mean square of the velocity errors about their mean, each axis [m/s].
+    mean_error : tuple of float
+        Mean velocity error, east and north [m/s].
+    surfacing : float
+        Median time at the surface, from surfacing to the next leg's start [s].
+    fix_sd : float
+        Median standard deviation of a fix, each axis [m].
+    speed, length, duration : float
+        Medians of the legs [m/s, m, s].
+    course : float
+        Mean course of the way through the water [deg].
+    spread : float
+        Length of the mean unit vector of the courses: 1 for one course, 0 for all.
+    way : float
+        From the first fix to the last [m].
+    record : float
+        Time from the first fix to the last [s].
+    depth : float
+        Greatest depth [m]; nan where none was logged.
+    """
+
+    latitude: float
+    longitude: float
+    start: str
+    sigma: float
+    mean_error: tuple[float, float]
+    surfacing: float
+    fix_sd: float
+    speed: float
+    length: float
+    duration: float
+    course: float
+    spread: float
+    way: float
+    record: float
+    depth: float
+
+
+def numbers_of(legs: pd.DataFrame) -> LegNumbers:
+    """Gather what the legs that count say; of all legs where none counts."""
+    kept = legs[legs["ok"] == 1] if (legs["ok"] == 1).any() else legs
+    errors, ways, duration = _errors(kept)
+    courses = np.exp(1j * np.arctan2(*ways))
+    mean_course = complex(courses.mean())
+    about = errors - errors.mean(axis=1, keepdims=True) if errors.shape[1] >= _FEWEST else errors
+    pauses = kept["t_start_s"].to_numpy()[1:] - kept["t_end_s"].to_numpy()[:-1] + kept["surface_s"].to_numpy()[:-1]
+    first, last = kept.iloc[0], kept.iloc[-1]
+    end = displacement(*(float(each) for each in (first.lat_start, first.lon_start, last.lat_end, last.lon_end)))
+    lengths = np.hypot(*ways)
+    return LegNumbers(
+        latitude=float(first.lat_start),
+        longitude=float(first.lon_start),
+        start=str(first.t_start),
+        sigma=max(float(np.sqrt(np.mean(about**2))), _LEAST_SIGMA),
+        mean_error=(float(errors[0].mean()), float(errors[1].mean())),
+        surfacing=float(np.median(pauses)) if len(pauses) else float(kept["surface_s"].median()),
+        fix_sd=float(kept["fix_sd_m"].median()),
+        speed=float(np.median(lengths / duration)),
+        length=float(np.median(lengths)),
+        duration=float(np.median(duration)),
+        course=math.degrees(float(np.angle(mean_course))) % 360.0,
+        spread=abs(mean_course),
+        way=float(np.hypot(*end)),
+        record=float(last.t_end_s - first.t_start_s),
+        depth=float(kept["max_depth_m"].max()),
+    )
+
+
+def _errors(legs: pd.DataFrame) -> tuple[Array, Array, Array]:
+    """Velocity error (2, n) [m/s], dead-reckoned way (2, n) [m] and time under way (n,) [s] of each leg."""
+    start, reckoned, end = (
+        (legs[f"lat_{name}"].to_numpy(), legs[f"lon_{name}"].to_numpy()) for name in ("start", "dr_end", "end")
+    )
+    duration = (legs["t_end_s"] - legs["t_start_s"] - legs["surface_s"]).to_numpy().clip(min=1.0)
+    error, way = np.stack(displacement(*reckoned, *end)), np.stack(displacement(*start, *reckoned))
+    return error / duration, way, duration
+
+
+def mission_text(name: str, found: LegNumbers) -> str:
+    """Write a starter mission: the legs again, from the first fix on, with the errors that they had.
+
+    Parameters
+    ----------
+    name : str
+        Of the data set.
+    found : LegNumbers
+    """
+    speed, length = max(found.speed, 0.01), max(found.length, 1.0)
+    distance = max(found.way, 4.0 * length)
+    angle = math.radians(found.course)
+    east, north = distance * math.sin(angle), distance * math.cos(angle)
+    radius = max(2.0 * found.fix_sd, 0.02 * length, 10.0)
+    return f"""\
+# Written by missionplan import from a log: the same legs again, with the errors that they had. Change what you know
+# better, then
+#   missionplan diagnose mission.yaml .        what do the legs show that this mission lacks?
+name: {_quoted(name)}
+start: {found.start}     # of the first leg: times of the data set count from it
+site:
+  origin: {{latitude: {found.latitude:.6f} deg, longitude: {found.longitude:.6f} deg}}     # the fix before the first leg
+navigation:
+  velocity_error: {{sigma: {_rounded(found.sigma)} m/s}}     # of the legs, about their mean, each axis
+  surfacing_time: {_rounded(max(found.surfacing, 1.0))} s     # median: from surfacing to the fix on diving
+  fix_error: {_rounded(max(found.fix_sd, 0.1))} m     # each axis
+phases:
+  - transit:
+      name: survey
+      from: [0 m, 0 m]
+      to: [{east:.0f} m, {north:.0f} m]     # on the legs' mean course, {found.course:.0f} deg
+      speed: {_rounded(speed)} m/s     # median, through the water
+      d_max: {_rounded(length)} m     # median length of a leg
+      arrival_radius: {_rounded(radius)} m
+monte_carlo: {{trials: 5000, seed: 1}}
+"""
+
+
+def _quoted(text: str) -> str:
+    return "'" + text.replace("'", "''") + "'"
+
+
+def _rounded(value: float) -> str:
+    """Three significant figures, never with an exponent."""
+    digits = max(2 - math.floor(math.log10(abs(value))), 0) if value else 0
+    return f"{value:.{digits}f}"

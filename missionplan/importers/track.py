@@ -1,0 +1,200 @@
+"""What a reader makes of a source: a track with fixes, dead-reckoned positions and what else was logged."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+
+_NONE = np.empty(0)
+
+
+@dataclass(frozen=True)
+class Series:
+    """A logged quantity: times since 1970 [s], which increase, and values, shape (n,) each."""
+
+    t: Array = field(default_factory=lambda: _NONE)
+    values: Array = field(default_factory=lambda: _NONE)
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def within(self, start: float, end: float) -> "Series":
+        """Keep the readings from `start` to `end`, both included."""
+        first, last = np.searchsorted(self.t, start), np.searchsorted(self.t, end, side="right")
+        return Series(self.t[first:last], self.values[first:last])
+
+    def at(self, t: Array) -> Array:
+        """Interpolate at times [s]; the first and last values beyond the ends, nan where nothing was logged."""
+        if not len(self):
+            return np.full(np.shape(t), np.nan)
+        return np.asarray(np.interp(t, self.t, self.values))
+
+    def latest(self, t: float, oldest: float) -> float:
+        """Return the last value at or before `t` that is not older than `oldest`; nan where there is none [s]."""
+        found = int(np.searchsorted(self.t, t, side="right")) - 1
+        return float(self.values[found]) if found >= 0 and self.t[found] >= oldest else float("nan")
+
+
+def series(t: Array, values: Array) -> Series:
+    """Make a series of readings in any order: missing ones left out, in the order of time, one for each time."""
+    t, values = np.asarray(t, dtype=float), np.asarray(values)
+    there = np.isfinite(t) & np.isfinite(values)
+    t, first = np.unique(t[there], return_index=True)
+    return Series(t, values[there][first])
+
+
+@dataclass(frozen=True)
+class Positions:
+    """Positions: times since 1970 [s], which increase, latitude and longitude [deg], shape (n,) each."""
+
+    t: Array = field(default_factory=lambda: _NONE)
+    latitude: Array = field(default_factory=lambda: _NONE)
+    longitude: Array = field(default_factory=lambda: _NONE)
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def within(self, start: float, end: float) -> "Positions":
+        """Keep the positions from `start` on and before `end`."""
+        first, last = np.searchsorted(self.t, (start, end))
+        return Positions(self.t[first:last], self.latitude[first:last], self.longitude[first:last])
+
+
+def positions(t: Array, latitude: Array, longitude: Array) -> Positions:
+    """Make positions of readings in any order: those that are none left out, in the order of time, one a time."""
+    t, latitude, longitude = (np.asarray(each, dtype=float) for each in (t, latitude, longitude))
+    there = np.isfinite(t) & is_place(latitude, longitude)
+    t, first = np.unique(t[there], return_index=True)
+    return Positions(t, latitude[there][first], longitude[there][first])
+
+
+def is_place(latitude: Array, longitude: Array) -> NDArray[np.bool_]:
+    """Whether a position can be one: degrees within bounds, and not the 0, 0 that stands for no position."""
+    with np.errstate(invalid="ignore"):
+        inside = (np.abs(latitude) <= 90.0) & (np.abs(longitude) <= 360.0)
+    return np.asarray(inside & ~((latitude == 0.0) & (longitude == 0.0)))
+
+
+@dataclass(frozen=True)
+class Fixes:
+    """Fixes of a satellite receiver as logged, shape (n,) each; nan where a quality was not logged.
+
+    Attributes
+    ----------
+    t, latitude, longitude : array
+        Time since 1970 [s] and position [deg].
+    accuracy : array
+        Horizontal accuracy that the receiver states [m].
+    hdop : array
+        Horizontal dilution of precision.
+    satellites : array
+        Number in use.
+    valid : array
+        1 where the log calls the fix valid, 0 where not. It decides only where no quality was logged.
+    """
+
+    t: Array
+    latitude: Array
+    longitude: Array
+    accuracy: Array
+    hdop: Array
+    satellites: Array
+    valid: Array
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __getitem__(self, keep: NDArray[np.bool_] | NDArray[np.intp]) -> "Fixes":
+        return Fixes(*(getattr(self, name)[keep] for name in self.__dataclass_fields__))
+
+
+def fixes(
+    t: Array,
+    latitude: Array,
+    longitude: Array,
+    *,
+    accuracy: Array | None = None,
+    hdop: Array | None = None,
+    satellites: Array | None = None,
+    valid: Array | None = None,
+) -> Fixes:
+    """Make fixes of readings in any order: those that are no positions left out, in the order of time, one a time."""
+    t = np.asarray(t, dtype=float)
+    unknown = np.full(len(t), np.nan)
+    given = (latitude, longitude, accuracy, hdop, satellites, valid)
+    columns = [unknown if each is None else np.asarray(each, dtype=float) for each in given]
+    there = np.flatnonzero(np.isfinite(t) & is_place(columns[0], columns[1]))
+    _, first = np.unique(t[there], return_index=True)
+    return Fixes(t, *columns)[there[first]]
+
+
+@dataclass(frozen=True)
+class Break:
+    """A moment at which a log does not go on as it should.
+
+    Attributes
+    ----------
+    t : float
+        Since 1970 [s].
+    reason : str
+        What happened: a restart, a jump of the clock.
+    at_surface_too : bool
+        Whether it spoils a leg even while the vehicle is at the surface, as a jump of the clock does.
+    """
+
+    t: float
+    reason: str
+    at_surface_too: bool = True
+
+
+@dataclass(frozen=True)
+class Track:
+    """What one vehicle logged.
+
+    Attributes
+    ----------
+    name, format : str
+        Of the vehicle or source, and of the reader.
+    fixes : Fixes
+        As logged, good and bad.
+    reckoned : Positions
+        By the vehicle's own dead reckoning; empty where it logs none under water.
+    reckoning : str
+        Where these positions come from, in words; or why there are none.
+    depth, pitch, heading, speed : Series
+        Depth [m], pitch (either sign) [deg], heading clockwise [deg], horizontal speed through the water [m/s].
+    heading_from : str
+        North that headings are counted from: ``magnetic``, ``true`` or ``unknown``.
+    declination : Series
+        That the vehicle adds to its headings [deg].
+    current_east, current_north : Series
+        Current that the vehicle estimates and may carry its dead reckoning with [m/s].
+    breaks : tuple of Break
+    marks : tuple of float
+        Moments that the log marks as the separation of an anchor, since 1970 [s].
+    shortest : float
+        Shortest leg that counts by default [s].
+    notices : tuple of str
+        What the reader noticed.
+    """
+
+    name: str
+    format: str
+    fixes: Fixes
+    reckoned: Positions = field(default_factory=Positions)
+    reckoning: str = "the log holds no dead reckoning"
+    depth: Series = field(default_factory=Series)
+    pitch: Series = field(default_factory=Series)
+    heading: Series = field(default_factory=Series)
+    speed: Series = field(default_factory=Series)
+    heading_from: Literal["magnetic", "true", "unknown"] = "unknown"
+    declination: Series = field(default_factory=Series)
+    current_east: Series = field(default_factory=Series)
+    current_north: Series = field(default_factory=Series)
+    breaks: tuple[Break, ...] = ()
+    marks: tuple[float, ...] = ()
+    shortest: float = 900.0
+    notices: tuple[str, ...] = ()

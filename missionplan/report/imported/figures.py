@@ -1,0 +1,116 @@
+"""Figures of an import: the track with its legs and errors, and histograms of the legs."""
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.arrays import Array
+from missionplan.report.page import BLUE, GREY, ORANGE, PINK, SKY, Figure, to_figure
+from missionplan.results.imported import ImportedData
+
+_WIDTH = 6.0
+_KM = 5000.0
+"""Extent from which maps are drawn in kilometres [m]."""
+
+
+def track_figure(result: ImportedData) -> Figure:
+    """Draw fixes, the dead-reckoned way of each dive, and an arrow from its end to the fix that shows its error."""
+    lines, counted = result.lines, result.dives["ok"].to_numpy() == 1
+    drawn = np.concatenate([lines.fixes, *(line for line in lines.reckoned if line.size)], axis=1)
+    extent = float(np.ptp(drawn, axis=1).max()) if drawn.size else 1.0
+    unit, word = (1000.0, "km") if extent > _KM else (1.0, "m")
+    figure = MatplotlibFigure(figsize=(_WIDTH, _height(drawn)))
+    axes = figure.add_subplot()
+    for keep, colour, label in ((counted, BLUE, "legs that count"), (~counted, GREY, "dives left out")):
+        chosen = [line.T / unit for line, kept in zip(lines.reckoned, keep, strict=True) if kept and line.shape[1] > 1]
+        if chosen:
+            axes.add_collection(LineCollection(chosen, colors=colour, linewidths=1.2, label=label))
+    axes.plot(*(lines.fixes / unit), ".", color=SKY, markersize=3, label="fixes", zorder=2.5)
+    near = _rejected_nearby(result)
+    if near.size:
+        axes.plot(*(near / unit), "x", color=PINK, markersize=6, label="fixes rejected", zorder=4)
+    _error_arrows(axes, result, counted, unit)
+    axes.set(xlabel=f"east ({word})", ylabel=f"north ({word})", aspect="equal")
+    axes.margins(0.06)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
+    return to_figure(
+        figure,
+        "track",
+        f"Map of the track: {int(counted.sum())} legs that count, {int((~counted).sum())} dives left out, and fixes; "
+        f"axes in {word}, north is up.",
+        "Dead-reckoned way of each dive; the arrow goes from where it ends to the fix, the leg's error. Both axes have "
+        "the same scale.",
+    )
+
+
+def _height(points: Array) -> float:
+    size = np.maximum(np.ptp(points, axis=1), 1.0) if points.size else np.ones(2)
+    return float(np.clip(0.9 + (_WIDTH - 0.9) * size[1] / size[0], 3.0, 8.0))
+
+
+def _rejected_nearby(result: ImportedData) -> Array:
+    """Rejected fixes within the extent of the others, and half of it around."""
+    fixes, rejected = result.lines.fixes, result.lines.rejected
+    if not rejected.size or not fixes.size:
+        return np.empty((2, 0))
+    low, high = fixes.min(axis=1, keepdims=True), fixes.max(axis=1, keepdims=True)
+    inside = np.all((rejected >= low - 0.5 * (high - low)) & (rejected <= high + 0.5 * (high - low)), axis=0)
+    return np.asarray(rejected[:, inside])
+
+
+def _error_arrows(axes: Axes, result: ImportedData, counted: Array, unit: float) -> None:
+    tails, tips = _errors(result, counted)
+    if not tails.size:
+        return
+    axes.quiver(
+        *(tails / unit), *((tips - tails) / unit), angles="xy", scale_units="xy", scale=1.0, color=ORANGE,
+        width=0.004, zorder=3, label="errors",
+    )  # fmt: skip
+
+
+def _errors(result: ImportedData, counted: Array) -> tuple[Array, Array]:
+    """Dead-reckoned ends of the legs that count, and the fixes after them, shape (2, n) [m]."""
+    ends = result.lines.leg_ends[:, :, counted]
+    return ends[0], ends[1]
+
+
+def histograms(result: ImportedData) -> Figure:
+    """Draw how long the legs are that count, and where they go."""
+    counted = result.dives["ok"].to_numpy() == 1
+    start, end = result.lines.leg_starts[:, counted], result.lines.leg_ends[0][:, counted]
+    way = end - start
+    length, course = np.hypot(*way), np.arctan2(*way)
+    unit, word = (1000.0, "km") if len(length) and length.max() > 2000.0 else (1.0, "m")
+    figure = MatplotlibFigure(figsize=(_WIDTH, 2.8))
+    left = figure.add_subplot(1, 2, 1)
+    left.hist(length / unit, bins=min(max(len(length) // 2, 5), 20), color=SKY)
+    left.set(xlabel=f"length of a leg ({word})", ylabel="legs")
+    right = figure.add_subplot(1, 2, 2, projection="polar")
+    counts, edges = np.histogram(np.remainder(course, 2.0 * math.pi), bins=24, range=(0.0, 2.0 * math.pi))
+    right.bar(edges[:-1], counts, width=np.diff(edges), align="edge", color=SKY)
+    right.set(theta_zero_location="N", theta_direction=-1)
+    right.set_xticks(np.radians([0, 90, 180, 270]), ["N", "E", "S", "W"])
+    right.tick_params(axis="y", labelsize=7)
+    return to_figure(
+        figure,
+        "legs",
+        f"Two histograms of {len(length)} legs: their lengths, and the courses they go, as a rose.",
+        "Lengths of the legs that count, by dead reckoning, and their courses (legs a sector of 15 deg).",
+    )
+
+
+def depth_figure(result: ImportedData) -> Figure | None:
+    """Draw the depth against time, if one was logged."""
+    lines = result.lines
+    if len(lines.depth) < 2:
+        return None
+    hours = (lines.depth_t - lines.depth_t[0]) / 3600.0
+    figure = MatplotlibFigure(figsize=(_WIDTH, 2.2))
+    axes = figure.add_subplot()
+    axes.plot(hours, lines.depth, color=BLUE, linewidth=0.7)
+    axes.set(xlabel="time since the first reading (h)", ylabel="depth (m)")
+    axes.invert_yaxis()
+    return to_figure(figure, "depth", f"Depth against time over {hours[-1]:.1f} h.")

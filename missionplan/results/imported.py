@@ -1,0 +1,162 @@
+"""Result of `import`: a data set made of a vehicle's logs, and what was made of them."""
+
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import pandas as pd
+
+from missionplan.arrays import Array
+from missionplan.results.base import Provenance, Result, to_csv, to_json, to_yaml
+
+
+@dataclass(frozen=True)
+class SourceEntry:
+    """A file that was read: its name, without its folder, and SHA-256."""
+
+    name: str
+    sha256: str
+
+
+@dataclass(frozen=True)
+class TrackLines:
+    """What the report draws, east and north of the data set's origin [m].
+
+    Attributes
+    ----------
+    fixes, rejected : array, shape (2, n)
+        Fixes that count, and those that do not.
+    reckoned : tuple of array, shape (2, k)
+        Dead-reckoned way of each dive; empty where there is none.
+    leg_starts : array, shape (2, dives)
+        Fix before each dive.
+    leg_ends : array, shape (2, 2, dives)
+        Dead-reckoned end of each dive, then the fix after it; nan where there is none.
+    depth_t, depth : array, shape (m,)
+        Depth record, thinned [s, m].
+    """
+
+    fixes: Array
+    rejected: Array
+    reckoned: tuple[Array, ...]
+    leg_starts: Array
+    leg_ends: Array
+    depth_t: Array
+    depth: Array
+
+
+@dataclass(frozen=True)
+class ImportedData(Result):
+    """Result of `import`.
+
+    Attributes
+    ----------
+    kind, name, format : str
+        Of the data set, and of the logs.
+    dataset : Mapping
+        Contents of ``dataset.yaml``.
+    table : DataFrame
+        The data set's CSV.
+    dives : DataFrame
+        Every dive that was found, with `ok` and `reason`.
+    sources : tuple of SourceEntry
+    passed_over : tuple of str
+        Files that were not read, with the reason.
+    reckoning : str
+        Where dead-reckoned positions come from, in words.
+    rejected_fixes : DataFrame
+        Fixes that do not count, with the reason.
+    mission_text : str
+        The starter mission, as written.
+    can_show : tuple of (str, str)
+        What a diagnosis of this data can find, and what it lacks for the rest.
+    next_commands : tuple of str
+    figures : Mapping
+        Numbers of the summary: fixes, lengths, speeds, errors.
+    lines : TrackLines
+    extra_files : Mapping
+        Further files, by name: the starter's vehicle.
+    """
+
+    report: ClassVar[str] = "imported.page"
+    provenance: Provenance
+    kind: str
+    name: str
+    format: str
+    dataset: Mapping[str, object]
+    table: pd.DataFrame = field(repr=False)
+    dives: pd.DataFrame = field(repr=False)
+    sources: tuple[SourceEntry, ...]
+    passed_over: tuple[str, ...]
+    reckoning: str
+    rejected_fixes: pd.DataFrame = field(repr=False)
+    mission_text: str
+    can_show: tuple[tuple[str, str], ...]
+    next_commands: tuple[str, ...]
+    figures: Mapping[str, float]
+    lines: TrackLines = field(repr=False)
+    extra_files: Mapping[str, str] = field(default_factory=dict, repr=False)
+
+    @property
+    def counted(self) -> int:
+        """Number of dives that count."""
+        return int(self.dives["ok"].sum())
+
+    @property
+    def durations(self) -> Array:
+        """Time of each dive, from fix to fix where it is a leg [s]."""
+        return (self.dives["t_end_s"] - self.dives["t_start_s"]).to_numpy()
+
+    @property
+    def rejected_reasons(self) -> dict[str, int]:
+        """Why fixes do not count, with how many."""
+        return _counts(self.rejected_fixes["reason"])
+
+    @property
+    def reasons(self) -> dict[str, int]:
+        """Why dives do not count, with how many."""
+        return _counts(self.dives.loc[self.dives["ok"] == 0, "reason"])
+
+    def summary(self) -> dict[str, object]:
+        """Return the contents of `summary.json` and `import.json`."""
+        return {
+            **self.provenance.summary(),
+            "kind": self.kind,
+            "dataset": self.name,
+            "format": self.format,
+            "reckoning": self.reckoning,
+            "dives": len(self.dives),
+            "legs" if self.kind == "transit" else "runs": len(self.table.groupby(self.table.columns[0])),
+            "counted": self.counted,
+            "left_out": self.reasons,
+            "rejected_fixes": self.rejected_reasons,
+            "passed_over": list(self.passed_over),
+            **self.figures,
+            "can_show": [{"what": what, "verdict": verdict} for what, verdict in self.can_show],
+            "next": list(self.next_commands),
+            "sources": [{"name": each.name, "sha256": each.sha256} for each in self.sources],
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """The data set's table."""
+        return self.table
+
+    def files(self) -> dict[str, str | bytes]:
+        """Return the data set, the table of all dives, and the starter mission with its comments."""
+        return {
+            "dataset.yaml": to_yaml(self.dataset),
+            str(self.dataset["file"]): to_csv(self.table),
+            "all-dives.csv": to_csv(self.dives),
+            "rejected-fixes.csv": to_csv(self.rejected_fixes),
+            "import.json": to_json(self.summary()),
+            "mission.yaml": self.mission_text,
+            **self.extra_files,
+        }
+
+
+def _counts(reasons: Sequence[str] | pd.Series) -> dict[str, int]:
+    """Count reasons, without the numbers that stand in brackets; the most frequent first."""
+    counts = Counter(re.sub(r" \([^)]*\)", "", one) for reason in reasons for one in str(reason).split("; "))
+    return dict(counts.most_common())

@@ -1,0 +1,226 @@
+"""Each rule by which a track is cut into legs, on made tracks of which everything is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from made_tracks import START, made
+
+from missionplan.importers.geodesy import displacement, moved
+from missionplan.importers.legs.cutting import cut
+from missionplan.importers.legs.fixes import judge_fixes
+from missionplan.importers.legs.rules import LegRules
+from missionplan.importers.track import Break, Fixes, Series, fixes, positions, series
+
+RULES = LegRules()
+
+
+def velocity_errors(legs):
+    east, north = displacement(*(legs[name].to_numpy() for name in ("lat_dr_end", "lon_dr_end", "lat_end", "lon_end")))
+    return np.stack([east, north]) / (legs["t_end_s"] - legs["t_start_s"]).to_numpy()
+
+
+def test_legs_are_from_the_last_fix_before_to_the_first_after():
+    log = made(legs=6)
+    found = cut(log.track, RULES)
+    np.testing.assert_allclose(found.legs["t_start_s"], log.starts)
+    np.testing.assert_allclose(found.legs["t_end_s"], log.ends)
+    assert (found.legs["ok"] == 1).all()
+    assert (found.legs["lag_dr_end_s"] == 20.0).all()
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5)),
+    st.floats(0.1, 1.0),
+    st.integers(1, 12),
+    st.sampled_from([1800.0, 3600.0, 7200.0]),
+)
+def test_the_error_of_a_leg_is_the_current(current, speed, legs, duration):
+    log = made(legs=legs, current=current, speed=speed, duration=duration)
+    found = cut(log.track, RULES)
+    assert len(found.legs) == legs
+    np.testing.assert_allclose(velocity_errors(found.legs).T, np.tile(current, (legs, 1)), atol=2e-3)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)), st.floats(0.15, 0.38))
+def test_dead_reckoning_is_made_where_the_position_stands_still(current, speed):
+    log = made(legs=5, current=current, speed=speed, reckoned=False)
+    found = cut(log.track, RULES)
+    assert "made from heading" in found.reckoning
+    np.testing.assert_allclose(velocity_errors(found.legs).T, np.tile(current, (5, 1)), atol=0.03 * speed + 0.005)
+
+
+def test_a_frozen_position_is_recognised():
+    log = made(legs=5)
+    frozen = np.searchsorted(log.starts, log.track.reckoned.t, side="right") - 1
+    last = np.searchsorted(log.track.fixes.t, log.starts[np.maximum(frozen, 0)])
+    under = log.track.depth.at(log.track.reckoned.t) > 0.0
+    own = log.track.reckoned
+    latitude = np.where(under, log.track.fixes.latitude[last], own.latitude)
+    longitude = np.where(under, log.track.fixes.longitude[last], own.longitude)
+    found = cut(replace(log.track, reckoned=positions(own.t, latitude, longitude)), RULES)
+    assert any("stands still under water" in notice for notice in found.notices)
+    np.testing.assert_allclose(velocity_errors(found.legs).T, np.tile(log.current, (5, 1)), atol=0.015)
+
+
+def test_a_position_that_ignores_fixes_is_moved_to_each_fix():
+    log = made(legs=8)
+    own = log.track.reckoned
+    # its own line goes on from the start, without any fix: what it has gathered of the current stays in
+    drifted = np.stack([(own.t - START) * axis for axis in log.current])
+    without_fixes = positions(own.t, *moved(own.latitude, own.longitude, *(-drifted)))
+    on_the_way = np.searchsorted(log.starts, own.t, side="right") > 0
+    found = cut(replace(log.track, reckoned=without_fixes), RULES)
+    assert on_the_way.any()
+    assert any("goes on across its fixes" in notice for notice in found.notices)
+    # each leg's positions now differ from the fix by what the line gained within the leg alone
+    gained = velocity_errors(found.legs).T - np.tile(log.current, (8, 1))
+    np.testing.assert_allclose(gained, np.tile(log.current, (8, 1)), atol=0.01)
+
+
+def test_the_vehicles_own_current_is_recognised_and_taken_out():
+    rng = np.random.default_rng(3)
+    log = made(legs=16, current=(0.0, 0.0))
+    estimates = rng.normal(0.0, 0.05, (2, 16))
+    own = log.track.reckoned
+    leg = np.clip(np.searchsorted(log.starts, own.t, side="left") - 1, 0, None)
+    elapsed = np.where(own.t > log.starts[leg], own.t - log.starts[leg], 0.0)
+    elapsed = np.where(own.t > log.ends[leg], 0.0, elapsed)
+    carried = positions(own.t, *moved(own.latitude, own.longitude, *(estimates[:, leg] * elapsed)))
+    track = replace(
+        log.track,
+        reckoned=carried,
+        current_east=series(log.starts - 30.0, estimates[0]),
+        current_north=series(log.starts - 30.0, estimates[1]),
+    )
+    left_in, taken_out = cut(track, RULES), cut(track, LegRules(take_out_current=True))
+    assert left_in.current.share == pytest.approx(1.0, abs=0.1)
+    assert left_in.current.is_in
+    np.testing.assert_allclose(velocity_errors(left_in.legs), -estimates, atol=0.003)
+    np.testing.assert_allclose(velocity_errors(taken_out.legs), 0.0, atol=0.003)
+    unused = cut(replace(track, reckoned=own), LegRules(take_out_current=True))
+    assert not unused.current.is_in
+    np.testing.assert_allclose(velocity_errors(unused.legs), 0.0, atol=0.003)
+
+
+def test_fixes_count_by_their_quality_and_not_by_their_flag():
+    log = made(legs=4)
+    good = log.track.fixes
+    flagged = Fixes(*(getattr(good, name) for name in ("t", "latitude", "longitude", "accuracy", "hdop", "satellites")),
+                    valid=np.zeros(len(good)))  # fmt: skip
+    assert not judge_fixes(flagged).reasons
+    poor = replace(flagged, hdop=np.where(np.arange(len(good)) == 9, 20.0, 1.0))
+    found = judge_fixes(poor)
+    assert found.reasons == ("dilution of precision above 8",)
+    assert found.rejected.t.tolist() == [good.t[9]]
+    unknown = replace(flagged, hdop=np.full(len(good), np.nan))
+    assert len(judge_fixes(unknown).good) == 0
+
+
+def test_the_accuracy_of_a_fix_goes_with_its_leg():
+    log = made(legs=4)
+    last = np.isin(log.track.fixes.t, log.ends)
+    accuracy = np.where(last, 20.0, 4.0)
+    found = cut(replace(log.track, fixes=replace(log.track.fixes, accuracy=accuracy)), RULES)
+    np.testing.assert_allclose(found.legs["fix_sd_m"], 20.0 / np.sqrt(2.0))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(1, 38), st.floats(500.0, 50_000.0), st.floats(0.0, 6.28))
+def test_a_wrong_fix_is_left_out(which, away, angle):
+    log = made(legs=4)
+    fixed = log.track.fixes
+    which = which % (len(fixed) - 2) + 1
+    latitude, longitude = fixed.latitude.copy(), fixed.longitude.copy()
+    place = moved(latitude[which], longitude[which], away * np.sin(angle), away * np.cos(angle))
+    latitude[which], longitude[which] = (float(each) for each in place)
+    found = judge_fixes(fixes(fixed.t, latitude, longitude))
+    gap = min(np.diff(fixed.t)[[which - 1, which]])
+    if gap <= 60.0 and away > 1500.0:
+        assert found.rejected.t.tolist() == [fixed.t[which]]
+    assert set(found.rejected.t) <= {fixed.t[which]}
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda log: {"breaks": (Break(log.starts[2] + 1000.0, "the clock jumps back (30 s)"),)}, "clock jumps back"),
+        (lambda log: {"breaks": (Break(log.starts[2] + 1000.0, "a restart", at_surface_too=False),)}, "a restart"),
+        (lambda log: {"depth": without(log.track.depth, log.starts[2] + 600.0, log.starts[2] + 1200.0)}, "a gap"),
+        (lambda log: {"reckoned": jumping(log, 2)}, "jumps under water"),
+        (lambda log: {"reckoned": cut_short(log, 2)}, "dead reckoning ends long before the fix"),
+    ],
+)
+def test_a_spoilt_leg_is_left_out_with_the_reason(change, reason):
+    log = made(legs=5)
+    found = cut(replace(log.track, **change(log)), RULES)
+    assert found.dives["ok"].tolist() == [1, 1, 0, 1, 1]
+    assert reason in found.dives["reason"][2]
+
+
+def test_a_restart_at_the_surface_spoils_nothing():
+    log = made(legs=5)
+    at_surface = Break(float(log.ends[1]) + 100.0, "a restart", at_surface_too=False)
+    assert (cut(replace(log.track, breaks=(at_surface,)), RULES).dives["ok"] == 1).all()
+
+
+def test_short_legs_do_not_count_and_are_told():
+    log = made(legs=3, duration=800.0)
+    found = cut(log.track, RULES)
+    assert found.dives["reason"].tolist() == ["shorter than 15 min (13.3 min)"] * 3
+    assert (cut(log.track, LegRules(shortest=600.0)).dives["ok"] == 1).all()
+
+
+def test_a_fix_logged_late_ends_no_leg_and_is_told():
+    log = made(legs=5)
+    late = log.starts[2] + 300.0  # under water
+    fixed = log.track.fixes
+    before = int(np.searchsorted(fixed.t, log.starts[2]))
+    shifted = fixed.t.copy()
+    shifted[before] = late
+    found = cut(replace(log.track, fixes=replace(fixed, t=shifted)), RULES)
+    assert len(found.dives) == 5
+    assert found.dives["t_start_s"][2] == late
+    assert any("logged late on 1 of 5 dives" in notice for notice in found.notices)
+
+
+def test_a_shallow_vehicles_dives_are_found():
+    assert len(cut(made(legs=5, depth=2.0, with_attitude=False).track, RULES).legs) == 5
+
+
+def test_without_depth_a_dive_is_a_time_without_fixes():
+    log = made(legs=5)
+    found = cut(replace(log.track, depth=Series()), RULES)
+    dived = found.legs[found.legs["ok"] == 1]
+    np.testing.assert_allclose(dived["t_start_s"], log.starts)
+    assert (dived["surface_s"] == 0.0).all()
+
+
+def test_time_at_the_surface_before_the_fix_is_told():
+    log = made(legs=3)
+    fixed = log.track.fixes
+    t = np.where(np.isin(fixed.t, log.ends), fixed.t + 50.0, fixed.t)
+    found = cut(replace(log.track, fixes=replace(fixed, t=t)), RULES)
+    # it rises at 100 m in 30 min, and is at the surface above 3 m
+    np.testing.assert_allclose(found.legs["surface_s"], 50.0 + 3.0 / (100.0 / 1800.0))
+
+
+def without(depth, start, end):
+    kept = (depth.t < start) | (depth.t > end)
+    return Series(depth.t[kept], depth.values[kept])
+
+
+def jumping(log, leg):
+    own = log.track.reckoned
+    after = (own.t > log.starts[leg] + 1800.0) & (own.t < log.ends[leg])
+    return positions(own.t, np.where(after, own.latitude + 0.01, own.latitude), own.longitude)
+
+
+def cut_short(log, leg):
+    own = log.track.reckoned
+    kept = (own.t < log.starts[leg] + 900.0) | (own.t >= log.ends[leg])
+    return positions(own.t[kept], own.latitude[kept], own.longitude[kept])
