@@ -18,6 +18,7 @@ _KEYS: dict[str, tuple[tuple[str, ...], ...]] = {
     "arrival_error": (("arrival_radius",),),
     "distance": (("to",), ("d_max",)),
     "terminal_velocity": (("speed",),),
+    "touchdown_speed": (("speed",),),
 }
 """Keys of a phase in whose unit a quantity is shown, in order of preference."""
 _SITE_KEYS = {"lowest_altitude": ("site", "depth")}

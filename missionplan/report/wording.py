@@ -20,6 +20,7 @@ _PHRASES = {
     "nose_altitude": "least altitude of the nose in the hold",
     "excursion": "radius of the watch circle",
     "line_tension": "greatest line tension in the hold",
+    "touchdown_speed": "speed at touchdown",
     "holding_margin": "least holding margin of the anchor",
 }
 """Quantities and events of a phase whose names do not read as phrases."""

@@ -120,6 +120,11 @@ class SizedAnchor:
         return float(self.profile.record.terminal_velocity[0])
 
     @property
+    def touchdown_speed(self) -> float:
+        """Speed of the nominal dive at touchdown; nan where it never came down [m/s]."""
+        return float(self.profile.record.touchdown_speed[0])
+
+    @property
     def lowest_altitude(self) -> float:
         """Lowest altitude of the vehicle in the nominal dive [m]."""
         return float(self.profile.record.lowest_altitude[0])
@@ -149,6 +154,7 @@ class SizedAnchor:
         return {
             "time_s": self.descent_time,
             "terminal_velocity_m_s": self.dive_terminal_velocity,
+            "touchdown_speed_m_s": self.touchdown_speed,
             "offset_m": self.offset,
             "lowest_altitude_m": self.lowest_altitude,
             "release_time_s": float(record.release_time[0]),

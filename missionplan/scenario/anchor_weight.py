@@ -1,5 +1,7 @@
 """The anchor of a mooring: its wet weight for the worst current, and its mass once it is built and flooded."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
@@ -12,15 +14,17 @@ from missionplan.physics.anchor import AnchorProblem, Construction, Part, cylind
 from missionplan.physics.buoyancy import STANDARD_GRAVITY, flooded_mass
 from missionplan.physics.mooring import layer_thicknesses, required_terminal_velocity
 from missionplan.physics.vehicle_drag import anchor_drag
-from missionplan.scenario.scenario import Scenario
+
+if TYPE_CHECKING:
+    from missionplan.scenario.scenario import Scenario
 
 
-def design_current(means: Scenario, phase: MoorPhase) -> tuple[Array, Array]:
+def design_current(means: "Scenario", phase: MoorPhase) -> tuple[Array, Array]:
     """Return the worst current of each layer and the layers' thicknesses.
 
     Parameters
     ----------
-    means : Scenario
+    means : "Scenario"
         At the means.
     phase : MoorPhase
 
@@ -50,14 +54,14 @@ def design_current(means: Scenario, phase: MoorPhase) -> tuple[Array, Array]:
     return np.array(speeds, dtype=float), thicknesses
 
 
-def worst_case_weight(means: Scenario, phase: MoorPhase) -> float:
+def worst_case_weight(means: "Scenario", phase: MoorPhase) -> float:
     """Return the wet weight that takes the vehicle down within the radius in the worst current (Eqs. 1, 15).
 
     The layers' currents all flow the same way.
 
     Parameters
     ----------
-    means : Scenario
+    means : "Scenario"
         At the means.
     phase : MoorPhase
 
@@ -83,7 +87,14 @@ def worst_case_weight(means: Scenario, phase: MoorPhase) -> float:
     return weight
 
 
-def anchor_problem(means: Scenario) -> AnchorProblem:
+def wet_weight_of(scenario: "Scenario", phase: MoorPhase) -> Scalars:
+    """Return the wet weight of the anchor: the mission's, or where it is `sized` the worst case's [N]."""
+    if phase.anchor_wet_weight == "sized":
+        return worst_case_weight(scenario.means, phase)
+    return scenario[f"{phase.name}.anchor_wet_weight"]
+
+
+def anchor_problem(means: "Scenario") -> AnchorProblem:
     """Return geometry and materials of the mission's anchor, at their means.
 
     Raises
@@ -111,7 +122,7 @@ def anchor_problem(means: Scenario) -> AnchorProblem:
     )
 
 
-def anchor_length(scenario: Scenario, weight: Scalars) -> Scalars:
+def anchor_length(scenario: "Scenario", weight: Scalars) -> Scalars:
     """Return the anchor's length from its tip to the tube's end [m].
 
     Of the anchor built for a wet weight [N] where the mission gives its construction; else of a round front and a tube
@@ -126,6 +137,6 @@ def anchor_length(scenario: Scenario, weight: Scalars) -> Scalars:
     return radius + np.maximum(tube, 0.0)
 
 
-def anchor_flooded_mass(means: Scenario, weight: Scalars) -> Scalars:
+def anchor_flooded_mass(means: "Scenario", weight: Scalars) -> Scalars:
     """Return the mass of the anchor built for a wet weight [N], with the water inside, without added mass [kg]."""
     return flooded_mass(dry_mass(anchor_problem(means), weight), weight)

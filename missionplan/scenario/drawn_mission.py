@@ -16,7 +16,6 @@ from missionplan.mission.views import TransitMission, required, required_origin
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.phases.hooks import DescentEffect, TransitEffect
 from missionplan.phases.transit.plan import VelocityError
-from missionplan.physics.energy import propulsive_power
 from missionplan.physics.vehicle_drag import VehicleDrag
 from missionplan.physics.water import Water, sea_water
 from missionplan.scenario.propulsion import PropelledVehicle
@@ -171,14 +170,6 @@ class DrawnMission:
         if error.covariance_rows is not None:
             return VelocityError.general(error.covariance, mean)
         return VelocityError.isotropic(self[f"{path}.sigma"], mean)
-
-    def propulsion_power(self, speed: Scalars) -> Scalars:
-        """Power of propulsion at a speed [m/s] [W]; nan without the vehicle or the water that its drag depends on."""
-        if self.propelled is not None:
-            return self.propelled.power(speed)
-        if self.mission.vehicle is None or self.mission.site is None or self.mission.site.water is None:
-            return float("nan")
-        return propulsive_power(self.vehicle_drag(speed), speed, self.energy("propulsive_efficiency"))
 
 
 def _vector(east: Scalars, north: Scalars) -> Array:

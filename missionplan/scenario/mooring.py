@@ -3,13 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Scalars
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.mooring import MoorPlan
 from missionplan.physics.added_mass import anchor_added_mass
 from missionplan.physics.vehicle_drag import anchor_drag
-from missionplan.scenario.anchor_weight import anchor_flooded_mass, worst_case_weight
+from missionplan.scenario.anchor_weight import anchor_flooded_mass, wet_weight_of
 from missionplan.scenario.held_vehicle import hold_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.vehicle import surge_added_mass
@@ -57,10 +56,3 @@ def dive_of(scenario: Scenario, phase: MoorPhase) -> Dive:
 def is_too_shallow(scenario: Scenario, dive: Dive) -> NDArray[np.bool_]:
     """Whether the anchor lies on the seafloor before line and vehicle are under water, shape broadcasting to (n,)."""
     return np.atleast_1d(dive.line_length + scenario["vehicle.hull.length"] >= dive.site_depth)
-
-
-def wet_weight_of(scenario: Scenario, phase: MoorPhase) -> Scalars:
-    """Return the wet weight of the anchor: the mission's, or where it is `sized` the worst case's [N]."""
-    if phase.anchor_wet_weight == "sized":
-        return worst_case_weight(scenario.means, phase)
-    return scenario[f"{phase.name}.anchor_wet_weight"]

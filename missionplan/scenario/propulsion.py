@@ -1,6 +1,5 @@
 """Transits of a vehicle with a propeller: speed from shaft rate, setting off from rest, speed inferred wrongly."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,21 +38,18 @@ class PropelledVehicle:
         Drag [N] from speed [m/s].
     draws : mapping
         Quantities of the mission by key path.
+    carried_mass : float or array, shape (n,)
+        That moves with the vehicle, such as its anchor's [kg].
     """
 
     propeller: Propeller
     drag: VehicleDrag
     draws: Draws
+    carried_mass: Scalars = 0.0
 
-    def speeds(self, transits: Iterable[TransitPhase]) -> dict[str, Scalars]:
-        """Speeds through the water of the transits that give a shaft rate, by the key path of the speed [m/s]."""
-        return {
-            f"{phase.name}.speed": _scalar(
-                cruise_speed(self.propeller, self.draws[f"{phase.name}.shaft_rate"], self.drag)
-            )
-            for phase in transits
-            if phase.shaft_rate is not None
-        }
+    def speed(self, phase: TransitPhase) -> Scalars:
+        """Speed through the water of a transit that gives a shaft rate [m/s]."""
+        return _scalar(cruise_speed(self.propeller, self.draws[f"{phase.name}.shaft_rate"], self.drag))
 
     def length_lost(self, speed: Scalars) -> Scalars | None:
         """Distance by which a leg falls short while the vehicle gathers way [m]; None without the vehicle's mass."""
@@ -65,8 +61,8 @@ class PropelledVehicle:
 
     @property
     def moving_mass(self) -> Scalars:
-        """Mass and added mass of the egress vehicle in surge [kg]."""
-        return self.draws["vehicle.mass"] + surge_added_mass(self.drag.hull, self.draws)
+        """Mass and added mass of the vehicle in surge, with what it carries [kg]."""
+        return self.draws["vehicle.mass"] + self.carried_mass + surge_added_mass(self.drag.hull, self.draws)
 
     def inferred_speed(self, speed: Scalars) -> tuple[InferredSpeed, ...]:
         """Return the error of a speed [m/s] that is inferred from the shaft rate; none where thrust and drag are right.

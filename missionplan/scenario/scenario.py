@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from missionplan.arrays import Scalars
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.montecarlo.distributions import mean_of
@@ -17,8 +18,11 @@ from missionplan.phases.transit.compensation import Compensation, Forecast, comp
 from missionplan.phases.transit.kalman_filter import DriftFilter
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitPlan
+from missionplan.physics.energy import propulsive_power
+from missionplan.scenario.carried_anchor import carried_anchor
 from missionplan.scenario.drawn_mission import DrawnMission
 from missionplan.scenario.drift_model import DriftSample, drift_model
+from missionplan.scenario.propulsion import PropelledVehicle
 
 STILL_WATER = LayeredCurrent(np.ones(1), np.zeros(1), np.zeros(1))
 """For phases that need a current where the mission has none."""
@@ -74,7 +78,13 @@ class Scenario(DrawnMission):
         """Add the speeds of the transits that give a shaft rate."""
         if self.propelled is None or all(phase.shaft_rate is None for phase in self.mission.transits):
             return self
-        return replace(self, draws={**self.draws, **self.propelled.speeds(self.mission.transits)})
+        bare = replace(self, expected=self.expected or self)  # what an anchor weighs depends on no speed of a transit
+        given = {
+            f"{phase.name}.speed": propelled.speed(phase)
+            for phase in self.mission.transits
+            if phase.shaft_rate is not None and (propelled := bare._propelled(phase)) is not None
+        }
+        return replace(self, draws={**self.draws, **given})
 
     @cached_property
     def means(self) -> "Scenario":
@@ -100,9 +110,9 @@ class Scenario(DrawnMission):
     def transit_plan(self, phase: TransitPhase) -> TransitPlan:
         """Return the parameters of one transit.
 
-        The energy of propulsion is computed with the drag of the egress vehicle, also while it carries the anchor.
+        Until the first mooring the vehicle carries the anchor on its nose, which lengthens the hull.
         """
-        name, table = phase.name, phase.d_max
+        name, table, propelled = phase.name, phase.d_max, self._propelled(phase)
         speed, hotel = self[f"{name}.speed"], self.energy("hotel")
         return TransitPlan(
             goal=self.position(phase.to, f"{name}.to"),
@@ -114,11 +124,11 @@ class Scenario(DrawnMission):
             fix_error=self.fix_error,
             depth=self[f"{name}.depth"],
             max_legs=self.navigation.max_legs,
-            power_under_way=hotel + self.propulsion_power(speed),
+            power_under_way=hotel + self.propulsion_power(phase),
             power_at_surface=hotel,
             surfacing_energy=self.energy("surfacing"),
             latitude=self.latitude,
-            length_lost=None if self.propelled is None else self.propelled.length_lost(speed),
+            length_lost=None if propelled is None else propelled.length_lost(speed),
         )
 
     def environment(self, phase: TransitPhase) -> Environment:
@@ -127,9 +137,28 @@ class Scenario(DrawnMission):
 
     def effects_under_way(self, phase: TransitPhase) -> tuple[TransitEffect, ...]:
         """Return the effects on one transit: the mission's, and the error of a speed inferred from the shaft rate."""
-        if self.propelled is None:
+        propelled = self._propelled(phase)
+        if propelled is None:
             return self.transit_effects
-        return (*self.transit_effects, *self.propelled.inferred_speed(self[f"{phase.name}.speed"]))
+        return (*self.transit_effects, *propelled.inferred_speed(self[f"{phase.name}.speed"]))
+
+    def propulsion_power(self, phase: TransitPhase) -> Scalars:
+        """Power of propulsion on a transit [W]; nan without the vehicle or the water that its drag depends on."""
+        speed, propelled = self[f"{phase.name}.speed"], self._propelled(phase)
+        if propelled is not None:
+            return propelled.power(speed)
+        if self.mission.vehicle is None or self.mission.site is None or self.mission.site.water is None:
+            return float("nan")
+        anchor = carried_anchor(self, phase)
+        drag = self.vehicle_drag if anchor is None else anchor.lengthened(self.vehicle_drag)
+        return propulsive_power(drag(speed), speed, self.energy("propulsive_efficiency"))
+
+    def _propelled(self, phase: TransitPhase) -> PropelledVehicle | None:
+        """The vehicle with its propeller, as it is on a transit."""
+        anchor = carried_anchor(self, phase) if self.propelled is not None else None
+        if self.propelled is None or anchor is None:
+            return self.propelled
+        return replace(self.propelled, drag=anchor.lengthened(self.vehicle_drag), carried_mass=anchor.mass)
 
     def compensation(self, phase: TransitPhase) -> Compensation | None:
         """Return how the vehicle compensates for drift on one transit, which only the means determine."""

@@ -24,6 +24,7 @@ QUANTITIES: dict[str, dict[str, str]] = {
         "payout_time": "s",
         "descent_time": "s",
         "terminal_velocity": "m/s",
+        "touchdown_speed": "m/s",
         "offset": "m",
         "target_offset": "m",
         "lowest_altitude": "m",

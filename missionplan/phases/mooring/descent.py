@@ -66,6 +66,8 @@ class DescentRecord:
         From the separation to the anchor's touchdown; nan where it never touched down [s].
     terminal_velocity : array
         Speed through the water at which the forces at touchdown balance [m/s].
+    touchdown_speed : array
+        Speed over the ground with which the anchor touches down; nan where it never did [m/s].
     offset : array, shape (2, n)
         Of the anchor on the seafloor from where the vehicle was at the last fix, east and north [m].
     lowest_altitude : array
@@ -78,6 +80,7 @@ class DescentRecord:
     payout_time: Array
     descent_time: Array
     terminal_velocity: Array
+    touchdown_speed: Array
     offset: Array
     lowest_altitude: Array
     touched_down: NDArray[np.bool_]
@@ -232,6 +235,7 @@ def descend(
         payout_time=stages.taut_at,
         descent_time=np.where(down, stages.touchdown_at, np.nan),
         terminal_velocity=_balance_speed(dive, hooks, stages),
+        touchdown_speed=np.where(down, stages.pull_down.speed + hooks.water_velocity, np.nan),
         offset=drift.position - position,
         lowest_altitude=lowest,
         touched_down=down,

@@ -46,6 +46,7 @@ _ROWS = (
     _Row("Separation to touchdown", lambda anchor: anchor.descent_time, 2, "s"),
     _Row("of which until the line is taut", lambda anchor: anchor.payout_time, 2, "s"),
     _Row("Terminal velocity of the dive", lambda anchor: anchor.dive_terminal_velocity, 3, "m/s"),
+    _Row("Speed at touchdown", lambda anchor: anchor.touchdown_speed, 3, "m/s"),
     _Row("Anchor from the last fix", lambda anchor: anchor.offset, 2, "m"),
     _Row("Vehicle's lowest altitude", lambda anchor: anchor.lowest_altitude, 2, "m"),
 )

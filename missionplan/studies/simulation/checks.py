@@ -12,8 +12,7 @@ from missionplan.mission.views import missing_for_moorings, missing_for_transiti
 from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.vehicle_drag import range_notes
 from missionplan.results.sized_anchor import MooringAnchor
-from missionplan.scenario.anchor_weight import anchor_problem
-from missionplan.scenario.mooring import wet_weight_of
+from missionplan.scenario.anchor_weight import anchor_problem, wet_weight_of
 from missionplan.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
