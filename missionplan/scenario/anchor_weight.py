@@ -1,7 +1,5 @@
 """The anchor of a mooring: its wet weight for the worst current, and its mass once it is built and flooded."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
@@ -14,17 +12,15 @@ from missionplan.physics.anchor import AnchorProblem, Construction, Part, cylind
 from missionplan.physics.buoyancy import STANDARD_GRAVITY, flooded_mass
 from missionplan.physics.mooring import layer_thicknesses, required_terminal_velocity
 from missionplan.physics.vehicle_drag import anchor_drag
-
-if TYPE_CHECKING:
-    from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.drawn_mission import DrawnMission
 
 
-def design_current(means: "Scenario", phase: MoorPhase) -> tuple[Array, Array]:
+def design_current(means: DrawnMission, phase: MoorPhase) -> tuple[Array, Array]:
     """Return the worst current of each layer and the layers' thicknesses.
 
     Parameters
     ----------
-    means : "Scenario"
+    means : DrawnMission
         At the means.
     phase : MoorPhase
 
@@ -54,14 +50,14 @@ def design_current(means: "Scenario", phase: MoorPhase) -> tuple[Array, Array]:
     return np.array(speeds, dtype=float), thicknesses
 
 
-def worst_case_weight(means: "Scenario", phase: MoorPhase) -> float:
+def worst_case_weight(means: DrawnMission, phase: MoorPhase) -> float:
     """Return the wet weight that takes the vehicle down within the radius in the worst current (Eqs. 1, 15).
 
     The layers' currents all flow the same way.
 
     Parameters
     ----------
-    means : "Scenario"
+    means : DrawnMission
         At the means.
     phase : MoorPhase
 
@@ -87,14 +83,14 @@ def worst_case_weight(means: "Scenario", phase: MoorPhase) -> float:
     return weight
 
 
-def wet_weight_of(scenario: "Scenario", phase: MoorPhase) -> Scalars:
+def wet_weight_of(drawn: DrawnMission, phase: MoorPhase) -> Scalars:
     """Return the wet weight of the anchor: the mission's, or where it is `sized` the worst case's [N]."""
     if phase.anchor_wet_weight == "sized":
-        return worst_case_weight(scenario.means, phase)
-    return scenario[f"{phase.name}.anchor_wet_weight"]
+        return worst_case_weight(drawn.means, phase)
+    return drawn[f"{phase.name}.anchor_wet_weight"]
 
 
-def anchor_problem(means: "Scenario") -> AnchorProblem:
+def anchor_problem(means: DrawnMission) -> AnchorProblem:
     """Return geometry and materials of the mission's anchor, at their means.
 
     Raises
@@ -122,21 +118,21 @@ def anchor_problem(means: "Scenario") -> AnchorProblem:
     )
 
 
-def anchor_length(scenario: "Scenario", weight: Scalars) -> Scalars:
+def anchor_length(drawn: DrawnMission, weight: Scalars) -> Scalars:
     """Return the anchor's length from its tip to the tube's end [m].
 
     Of the anchor built for a wet weight [N] where the mission gives its construction; else of a round front and a tube
     of its diameter that displace the dry mass (Eqs. 16 and 17) which its flooded mass and wet weight leave.
     """
-    if "vehicle.anchor.construction.front.mass" in scenario.draws:
-        problem = anchor_problem(scenario.means)
+    if "vehicle.anchor.construction.front.mass" in drawn.draws:
+        problem = anchor_problem(drawn.means)
         return problem.radius + cylinder_and_trim(problem, weight)[0]
-    radius = scenario["vehicle.anchor.diameter"] / 2.0
-    volume = (scenario["vehicle.anchor.flooded_mass"] - weight / STANDARD_GRAVITY) / scenario.water.density
-    tube = (volume + scenario["vehicle.anchor.overlap_volume"]) / (np.pi * radius**2) - 2.0 / 3.0 * radius
+    radius = drawn["vehicle.anchor.diameter"] / 2.0
+    volume = (drawn["vehicle.anchor.flooded_mass"] - weight / STANDARD_GRAVITY) / drawn.water.density
+    tube = (volume + drawn["vehicle.anchor.overlap_volume"]) / (np.pi * radius**2) - 2.0 / 3.0 * radius
     return radius + np.maximum(tube, 0.0)
 
 
-def anchor_flooded_mass(means: "Scenario", weight: Scalars) -> Scalars:
+def anchor_flooded_mass(means: DrawnMission, weight: Scalars) -> Scalars:
     """Return the mass of the anchor built for a wet weight [N], with the water inside, without added mass [kg]."""
     return flooded_mass(dry_mass(anchor_problem(means), weight), weight)

@@ -1,7 +1,6 @@
 """The anchor that a vehicle carries as its false nose, until its first mooring."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +13,7 @@ from missionplan.physics.buoyancy import STANDARD_GRAVITY
 from missionplan.physics.measured_drag import MeasuredVehicleDrag
 from missionplan.physics.vehicle_drag import VehicleDrag
 from missionplan.scenario.anchor_weight import anchor_flooded_mass, anchor_length, wet_weight_of
-
-if TYPE_CHECKING:
-    from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.drawn_mission import DrawnMission
 
 
 @dataclass(frozen=True)
@@ -41,22 +38,22 @@ class CarriedAnchor:
         return replace(drag, hull=replace(drag.hull, length=drag.hull.length + self.length))
 
 
-def carried_anchor(scenario: "Scenario", phase: TransitPhase) -> CarriedAnchor | None:
+def carried_anchor(drawn: DrawnMission, phase: TransitPhase) -> CarriedAnchor | None:
     """Return the anchor that a transit carries; None after the first mooring, and where the mission gives no anchor."""
-    mission = scenario.mission
+    mission = drawn.mission
     phases = mission.phases
     moors = [index for index, other in enumerate(phases) if isinstance(other, MoorPhase)]
     if not moors or phases.index(phase) > moors[0] or missing_for_moorings(mission):
         return None
     moor = phases[moors[0]]
     try:
-        weight = wet_weight_of(scenario, moor) if isinstance(moor, MoorPhase) else 0.0
-        length = anchor_length(scenario, weight)
-        flooded = scenario.draws.get("vehicle.anchor.flooded_mass")
-        mass = (anchor_flooded_mass(scenario.means, weight) if flooded is None else flooded) - weight / STANDARD_GRAVITY
+        weight = wet_weight_of(drawn, moor) if isinstance(moor, MoorPhase) else 0.0
+        length = anchor_length(drawn, weight)
+        flooded = drawn.draws.get("vehicle.anchor.flooded_mass")
+        mass = (anchor_flooded_mass(drawn.means, weight) if flooded is None else flooded) - weight / STANDARD_GRAVITY
     except (InputError, ValueError):
         return None  # said by who sizes the anchor: a study of the transits alone needs none
     overlap = cap_height(
-        float(scenario.means["vehicle.anchor.overlap_volume"]), float(scenario.means["vehicle.hull.diameter"]) / 2.0
+        float(drawn.means["vehicle.anchor.overlap_volume"]), float(drawn.means["vehicle.hull.diameter"]) / 2.0
     )
     return CarriedAnchor(np.maximum(length - overlap, 0.0), np.maximum(mass, 0.0))

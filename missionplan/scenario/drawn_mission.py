@@ -94,6 +94,11 @@ class DrawnMission:
         return PropelledVehicle(unit, self.vehicle_drag, self.draws)
 
     @cached_property
+    def means(self) -> "DrawnMission":
+        """The same mission at its means."""
+        return DrawnMission(self.mission, {path: mean_of(value) for path, value in self.mission.quantities().items()})
+
+    @cached_property
     def _mean_density(self) -> float:
         """Density of the water at its mean [kg/m³]."""
         return float(_water({path: mean_of(value) for path, value in self.mission.quantities().items()}).density)

@@ -12,8 +12,9 @@ from missionplan.errors import InputError, RunError
 from missionplan.mission import load
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.mooring import mooring as moored
-from missionplan.scenario.mooring import dive_of, wet_weight_of
+from missionplan.scenario.anchor_weight import wet_weight_of
 from missionplan.scenario.carried_anchor import carried_anchor
+from missionplan.scenario.mooring import dive_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation import mooring_trials
 from missionplan.studies.simulation import simulate as module
