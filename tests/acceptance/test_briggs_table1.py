@@ -17,8 +17,8 @@ from missionplan.mission import load
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import descend
 from missionplan.scenario.anchor_weight import worst_case_weight
+from missionplan.scenario.mooring import dive_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.anchor.dive_trials import dive_with
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 FOOT = 0.3048
@@ -35,8 +35,8 @@ def table():
 def prototype():
     """The example's anchor and vehicle, the vehicle's own buoyancy left out as in Eqs. 14–15."""
     means = Scenario.at_means(load(MISSIONS / "anchor-design.yaml"))
-    phase = means.mission.moors[0]
-    return replace(dive_with(means, phase, worst_case_weight(means, phase)), net_buoyancy=0.0)
+    phase = means.mission.moors[0].model_copy(update={"lateral": "uncoupled"})
+    return replace(dive_of(means, phase, worst_case_weight(means, phase)), net_buoyancy=0.0)
 
 
 def dives(dive, effects=()):

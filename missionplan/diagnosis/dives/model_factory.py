@@ -66,7 +66,7 @@ def descent_builder(mission: Mission) -> Callable[[Array, Array], Dive]:
     def build(weights: Array, lines: Array) -> Dive:
         own = {f"{moor.name}.anchor_wet_weight": weights, f"{moor.name}.line_length": lines}
         here = Scenario(mission, {**scenario.draws, "site.depth": 0.0, **own})
-        return dive_of(here, moor.model_copy(update={"anchor_wet_weight": float(weights[0])}))
+        return dive_of(here, moor.model_copy(update={"anchor_wet_weight": float(weights[0]), "lateral": "uncoupled"}))
 
     return build
 

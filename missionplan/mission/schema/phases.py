@@ -80,6 +80,7 @@ class MoorPhase(FileSection):
     hold: q.Duration = 0.0
     galvanic_release: q.Duration = 0.0
     carry_net_buoyancy: bool = False
+    lateral: Literal["coupled", "uncoupled"] = "coupled"
 
 
 class PhaseEntry(FileSection):

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
-from missionplan.phases.mooring.descent import MIN_MEAN_SPEED, STAGE_TIME_MARGIN, HorizontalDrift
+from missionplan.phases.mooring.descent import MIN_MEAN_SPEED, STAGE_TIME_MARGIN
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle
+from missionplan.phases.mooring.horizontal_drift import HorizontalDrift
 from missionplan.phases.mooring.vertical_motion import Stop, integrate_stage
 
 STEP = 0.25

@@ -11,11 +11,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars, over_trials
+from missionplan.arrays import Array, over_trials
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle, LoneFall, PullDown
-from missionplan.phases.mooring.vertical_motion import STEP, Stage, StepCallback, Stop, integrate_stage
+from missionplan.phases.mooring.horizontal_drift import CrossFlowFall, HorizontalDrift
+from missionplan.phases.mooring.tied_pull_down import TiedPullDown, pull_down_tied
+from missionplan.phases.mooring.vertical_motion import STEP, Integration, Stage, Stop, integrate_stage
 from missionplan.physics.vehicle_drag import terminal_velocity
 
 MIN_MEAN_SPEED = 0.1
@@ -34,12 +36,18 @@ class DescentStages:
         The anchor alone (its depth), both bodies, and the vehicle after touchdown (the vehicle's depth).
     delay : array, shape (n,)
         From the separation to the start of the anchor's free fall [s].
+    fall : CrossFlowFall or None
+        Horizontal motion of the lone anchor where the bodies' drift is tied.
+    tied : TiedPullDown or None
+        The pull-down in three dimensions, as above.
     """
 
     lone: Stage
     pull_down: Stage
     coast: Stage
     delay: Array
+    fall: CrossFlowFall | None = None
+    tied: TiedPullDown | None = None
 
     @property
     def taut_at(self) -> Array:
@@ -92,35 +100,6 @@ class DescentRecord:
         return np.asarray(np.hypot(self.offset[0], self.offset[1]))
 
 
-class HorizontalDrift:
-    """Horizontal drift of a sinking or rising body with the current; `position` has shape (2, n) [m]."""
-
-    def __init__(self, current: Current, position: Array, t_start: Array) -> None:
-        self._current, self.position, self._t_start = current, position, t_start
-
-    def wait(self, duration: Array, depth: Array, pieces: int = 4, extra: Array | float = 0.0) -> None:
-        """Drift at a depth [m] for a duration [s], with an extra velocity beyond the current, shape (2, n) [m/s]."""
-        part = duration / pieces
-        for _ in range(pieces):
-            velocity = self._current.velocity(self._t_start + 0.5 * part, depth, self.position) + extra
-            self.position = self.position + part * velocity
-            self._t_start = self._t_start + part
-
-    def stage(self, below: Scalars = 0.0) -> StepCallback:
-        """Return the callback that drifts with a stage, for a body that hangs a length `below` the moving one [m]."""
-        start = self._t_start
-
-        def on_step(t: Scalars, spent: Array, depth: Array) -> None:
-            velocity = self._current.velocity(start + t + 0.5 * spent, depth + below, self.position)
-            self.position = self.position + spent * velocity
-
-        return on_step
-
-    def advance(self, duration: Array) -> None:
-        """Advance the clock by a stage's duration [s]."""
-        self._t_start = self._t_start + duration
-
-
 def descent_stages(
     dive: Dive,
     hooks: DescentHooks,
@@ -157,25 +136,22 @@ def descent_stages(
     limit = STAGE_TIME_MARGIN + float(np.max(bottom, initial=0.0)) / MIN_MEAN_SPEED
     run = partial(integrate_stage, step=step, keep=keep)
     delay = np.maximum(over_trials(hooks.delay(line), trials), 0.0)
-    stop = Stop(deepest=np.minimum(line, bottom))
     if drift is not None:
         drift.wait(delay, rest)
-    lone = run(LoneFall(dive, hooks), rest, rest, stop, time_limit=limit, on_step=drift.stage() if drift else None)
-    if drift is not None:
-        drift.advance(lone.time)
+    falling = _lone_drift(dive, drift, keep)
+    stop = Stop(deepest=np.minimum(line, bottom))
+    lone = run(LoneFall(dive, hooks), rest, rest, stop, time_limit=limit, on_step=falling.stage() if falling else None)
     taut = lone.ended & (line < bottom)  # a longer line never pulls the vehicle down
     until -= float(np.min(lone.time))
-    # the snatch conserves momentum over the ground: moving water needs the bodies' time constant to act on them
-    snatched = dive.lone_mass * lone.speed / (dive.joint_mass * hooks.mass_factor)
-    joint_speed = np.where(taut, snatched - hooks.water_velocity, 0.0)
-    pull_down = run(
-        PullDown(dive, hooks, lone.time),
-        rest,
-        joint_speed,
-        Stop(deepest=np.where(taut, bottom - line, 0.0)),
-        time_limit=min(limit, until),
-        on_step=drift.stage(below=line) if drift else None,
-    )
+    tied = None
+    how = Integration(min(limit, until), step, keep)
+    if drift is not None and dive.tied is not None and isinstance(falling, CrossFlowFall):
+        drift.wait(lone.time, rest)  # the vehicle's, afloat
+        tied = pull_down_tied(dive, dive.tied, hooks, lone, falling, drift, taut, how)
+        pull_down = tied.stage
+        drift.position = tied.end.anchor[:2]
+    else:
+        pull_down = _pull_down(dive, hooks, lone, drift, taut, how)
     until -= float(np.min(pull_down.time))
     coast = run(
         FreeVehicle(dive, hooks, pull_down.time),
@@ -184,7 +160,42 @@ def descent_stages(
         Stop(deepest=2.0 * bottom, at_rest=True),  # a vehicle without buoyancy would sink without end
         time_limit=min(limit, until),
     )
-    return DescentStages(lone, pull_down, coast, delay)
+    return DescentStages(lone, pull_down, coast, delay, falling if isinstance(falling, CrossFlowFall) else None, tied)
+
+
+def _lone_drift(dive: Dive, drift: HorizontalDrift | None, keep: bool) -> HorizontalDrift | CrossFlowFall | None:
+    """Horizontal drift of the anchor while it falls alone."""
+    if drift is None or dive.tied is None:
+        return drift
+    rest = np.zeros(drift.position.shape[1])
+    return CrossFlowFall(dive.tied.anchor, drift, drift.water(rest), keep=keep)
+
+
+def _pull_down(
+    dive: Dive,
+    hooks: DescentHooks,
+    lone: Stage,
+    drift: HorizontalDrift | None,
+    taut: NDArray[np.bool_],
+    how: Integration,
+) -> Stage:
+    """Pull the vehicle down by a vertical line, the anchor carried by its layer."""
+    rest = np.zeros(lone.time.size)
+    line = over_trials(dive.line_length, rest.size)
+    if drift is not None:
+        drift.advance(lone.time)
+    # the snatch conserves momentum over the ground: moving water needs the bodies' time constant to act on them
+    snatched = dive.lone_mass * lone.speed / (dive.joint_mass * hooks.mass_factor)
+    return integrate_stage(
+        PullDown(dive, hooks, lone.time),
+        rest,
+        np.where(taut, snatched - hooks.water_velocity, 0.0),
+        Stop(deepest=np.where(taut, over_trials(dive.site_depth, rest.size) - line, 0.0)),
+        time_limit=how.time_limit,
+        step=how.step,
+        keep=how.keep,
+        on_step=drift.stage(below=line) if drift else None,
+    )
 
 
 def descend(

@@ -7,6 +7,7 @@ import numpy as np
 
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import DescentEffect
+from missionplan.phases.mooring.horizontal_drift import TiedBodies
 from missionplan.physics.vehicle_drag import DragLaw
 
 
@@ -30,6 +31,8 @@ class Dive:
         From the anchor to the vehicle's nose [m].
     site_depth : float or array
         [m].
+    tied : TiedBodies or None
+        What ties the horizontal drift of the two bodies together; None: each goes with its layer of the current.
     """
 
     wet_weight: Scalars
@@ -42,6 +45,7 @@ class Dive:
     vehicle_drag: DragLaw
     line_length: Scalars
     site_depth: Scalars
+    tied: TiedBodies | None = None
 
     @property
     def lone_mass(self) -> Scalars:
@@ -80,6 +84,11 @@ class DescentHooks:
     def lone_drag_factor(self) -> Scalars:
         """Factor on the anchor's drag while it falls alone."""
         return _product(hook() for hook in self._lone_drag)
+
+    @property
+    def changes_drag(self) -> bool:
+        """Whether an effect changes both bodies' drag."""
+        return bool(self._drag)
 
     @property
     def mass_factor(self) -> Scalars:

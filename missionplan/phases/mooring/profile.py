@@ -11,6 +11,8 @@ from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import true_depth
 from missionplan.phases.mooring.descent import DescentRecord, DescentStages, descend, descent_stages
 from missionplan.phases.mooring.forces import DescentHooks, Dive
+from missionplan.phases.mooring.horizontal_drift import CrossFlowFall, HorizontalDrift
+from missionplan.phases.mooring.tied_pull_down import TiedPullDown
 from missionplan.phases.mooring.vertical_motion import STEP
 
 MAX_RISE_TIME = 120.0
@@ -88,18 +90,26 @@ def simulate_profile(
         t_start=np.array([t_start]),
         step=step,
     )
-    stages = descent_stages(dive, hooks, 1, step=step, keep=True)
+    drift = HorizontalDrift(current, place, np.array([t_start]))
+    drift.wait(np.array([release_time]), np.zeros(1))
+    stages = descent_stages(dive, hooks, 1, step=step, keep=True, drift=drift)
     events = _event_times(stages, release_time)
     since, vehicle = _vehicle_depth(dive, hooks, stages, step)
     line = float(np.asarray(dive.line_length))
     falling = stages.lone.depth_at(since)
     anchor = np.where(since < stages.lone.time, falling, np.minimum(vehicle + line, stages.pull_down.depth + line))
     down = float(stages.lone.time[0] + stages.pull_down.time[0])
+    if stages.tied is not None:
+        line = stages.tied.end.place[5]
+        hanging = stages.tied.anchor_depth_at(since[:, 0] - stages.lone.time)[:, None]
+        anchor = np.where(since < stages.lone.time, np.minimum(falling, hanging), hanging)
     anchor = np.where(since > down, stages.pull_down.depth + line, anchor)
     waiting = np.arange(0.0, events["free fall"], step)
     time = np.concatenate((waiting, events["free fall"] + since[:, 0]))
     depths = [np.concatenate((np.zeros(waiting.size), depth[:, 0])) for depth in (vehicle, anchor)]
     tracks = [_track(current, place, t_start, time, depth, events["touchdown"]) for depth in depths]
+    if stages.tied is not None and stages.fall is not None:
+        tracks = _tied_tracks(stages.tied, stages.fall, tracks[0], time, events, place)
     return DescentProfile(record, time, depths[0], depths[1], tracks[0], tracks[1], events)
 
 
@@ -133,3 +143,22 @@ def _track(current: Current, place: Array, t_start: float, time: Array, depth: A
     )
     track = np.concatenate((np.zeros((2, 1)), np.cumsum(velocity * np.diff(time), axis=1)), axis=1)
     return np.where(time <= until + np.diff(time).max(), track, np.nan)
+
+
+def _tied_tracks(
+    tied: TiedPullDown, fall: CrossFlowFall, afloat: Array, time: Array, events: dict[str, float], place: Array
+) -> list[Array]:
+    """Tracks of the vehicle, afloat until the line is taut, and of the anchor, shape (2, k) each [m]."""
+    falling, pulled = time >= events["free fall"], time >= events["pull-down"]
+    fallen = np.array([t[0] for t, _ in fall.track])
+    anchor = afloat.copy()
+    for axis in range(2):
+        reached = np.array([position[axis, 0] for _, position in fall.track]) - place[axis]
+        anchor[axis, falling] = np.interp(time[falling] - events["free fall"], fallen, reached)
+    tracks = afloat.copy(), anchor
+    hanging = tied.places[:, :2, 0] + tied.places[:, 3:5, 0]
+    for track, reached in zip(tracks, (tied.places[:, :2, 0], hanging), strict=True):
+        for axis in range(2):
+            since = time[pulled] - events["pull-down"]
+            track[axis, pulled] = np.interp(since, tied.times, reached[:, axis] - place[axis])
+    return [np.where(np.isnan(afloat), np.nan, track) for track in tracks]

@@ -49,6 +49,15 @@ class Stop:
 
 
 @dataclass(frozen=True)
+class Integration:
+    """How a stage is integrated: the time at which it is cut and the step [s], and whether its history is kept."""
+
+    time_limit: float
+    step: float = STEP
+    keep: bool = False
+
+
+@dataclass(frozen=True)
 class Stage:
     """A stage of a descent or ascent, integrated.
 
@@ -79,7 +88,7 @@ class Stage:
         inside = np.clip(t, 0.0, self.time) / self.step
         index = np.minimum(inside.astype(np.intp), len(self.depths) - 2)
         (z0, z1), (r0, r1) = (row_and_next(grid, index) for grid in (self.depths, self.rates))
-        return _hermite(inside - index, z0, self.step * r0, z1, self.step * r1)
+        return hermite(inside - index, z0, self.step * r0, z1, self.step * r1)
 
 
 def integrate_stage(
@@ -167,8 +176,8 @@ class _StageEnds:
     def at(self, share: Array, water: Scalars, step: float) -> tuple[Array, Array]:
         """Depth and speed at a share of the step, by cubic Hermite polynomials."""
         (z0, u0, a0), (z1, u1, a1) = self.before, self.after
-        z = _hermite(share, z0, step * (u0 + water), z1, step * (u1 + water))
-        return z, _hermite(share, u0, step * a0, u1, step * a1)
+        z = hermite(share, z0, step * (u0 + water), z1, step * (u1 + water))
+        return z, hermite(share, u0, step * a0, u1, step * a1)
 
     def share(self, stop: Stop, water: Scalars, step: float) -> Array:
         """Share of the step at which the stage ends, by bisection to 1e-9."""
@@ -181,7 +190,7 @@ class _StageEnds:
         return high
 
 
-def _hermite(share: Array, y0: Array, slope0: Array, y1: Array, slope1: Array) -> Array:
+def hermite(share: Array, y0: Array, slope0: Array, y1: Array, slope1: Array) -> Array:
     """Cubic with given values and slopes (per step) at both ends, at a share of the step."""
     rest = 1.0 - share
     rise = y1 - y0

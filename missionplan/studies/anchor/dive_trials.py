@@ -14,9 +14,7 @@ from missionplan.montecarlo.streams import block_count, block_size, stream
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import surface_velocity
 from missionplan.phases.mooring.descent import descend
-from missionplan.phases.mooring.forces import Dive
 from missionplan.results.sized_anchor import DiveProbabilities
-from missionplan.scenario.anchor_weight import anchor_flooded_mass
 from missionplan.scenario.mooring import dive_of, is_too_shallow
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 
@@ -94,7 +92,7 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
     """Dive with one block of trials."""
     size = block_size(study.trials, block)
     scenario = Scenario.drawn(study.mission, study.recorded, seed=study.seed, block=block, size=size)
-    dive = dive_with(scenario, study.phase, weight)
+    dive = dive_of(scenario, study.phase, weight)
     if line_length is not None:
         dive = replace(dive, line_length=line_length)
     release = np.broadcast_to(np.asarray(scenario[f"{study.phase.name}.release_time"], dtype=float), (size,))
@@ -123,15 +121,6 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
         RunningStatistic.of(offset),
         RunningStatistic.of(np.where(landed, record.lowest_altitude, np.nan)),
     )
-
-
-def dive_with(scenario: Scenario, phase: MoorPhase, weight: float) -> Dive:
-    """Bodies of a mooring's descent with an anchor of a wet weight [N]."""
-    dive = dive_of(scenario, phase)
-    flooded = scenario.get("vehicle.anchor.flooded_mass", np.nan)
-    if np.isnan(flooded).all():
-        flooded = anchor_flooded_mass(scenario.means, weight)
-    return replace(dive, wet_weight=weight, anchor_mass=flooded)
 
 
 def start_of(scenario: Scenario, phase: MoorPhase) -> tuple[Array, float]:

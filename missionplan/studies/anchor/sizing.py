@@ -14,8 +14,9 @@ from missionplan.physics.vehicle_drag import DragBuildUp, QuadraticDrag, anchor_
 from missionplan.results.anchor import DesignLayer, ProbableAnchor
 from missionplan.results.sized_anchor import SizedAnchor
 from missionplan.scenario.anchor_weight import anchor_problem, design_current
+from missionplan.scenario.mooring import dive_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
-from missionplan.studies.anchor.dive_trials import AnchorTrials, dive_with, start_of
+from missionplan.studies.anchor.dive_trials import AnchorTrials, start_of
 from missionplan.studies.anchor.lightest_anchor import lightest_anchor
 
 
@@ -75,7 +76,7 @@ class AnchorSizer:
     def sized(self, weight: float) -> SizedAnchor:
         """Anchor of a wet weight [N]: its construction, nominal dive and probabilities."""
         design = self._design(weight)
-        dive = dive_with(self.means, self.moor, weight)
+        dive = dive_of(self.means, self.moor, weight)
         position, t_start = start_of(self.means, self.moor)
         profile = simulate_profile(
             dive,

@@ -38,7 +38,8 @@ GIVEN_WATER = ("{temperature: 15 degC, salinity: 35}", "{density: 1026.02 kg/m^3
 
 
 def test_check_values_of_the_example(tmp_path):
-    summary = size_anchor(altered(tmp_path, GIVEN_WATER), trials=100).summary()
+    uncoupled = ("line_length: 5 m", "line_length: 5 m\n      lateral: uncoupled")
+    summary = size_anchor(altered(tmp_path, GIVEN_WATER, uncoupled), trials=100).summary()
     anchor = summary["anchor"]
     expected = {
         "terminal_velocity_m_s": (1.6200, 5e-5),
@@ -61,6 +62,13 @@ def test_check_values_of_the_example(tmp_path):
     assert descent["time_s"] == pytest.approx(19.2, abs=0.1)
     assert descent["offset_m"] == pytest.approx(19.6, abs=0.1)
     assert descent["lowest_altitude_m"] == pytest.approx(1.67, abs=0.01)
+
+
+def test_tied_bodies_drift_further_than_each_with_its_layer(tmp_path):
+    """The vehicle follows the anchor a line's length later, and holds it back in the upper layer's direction."""
+    descent = size_anchor(altered(tmp_path, GIVEN_WATER), trials=100).summary()["descent"]
+    assert descent["time_s"] == pytest.approx(19.24, abs=0.01)
+    assert descent["offset_m"] == pytest.approx(20.22, abs=0.02)
 
 
 def test_summary_and_tables_can_be_written(mission):

@@ -115,6 +115,7 @@ def test_layers_act_at_their_depths(tmp_path):
         {"down_to": "40 ft", "speed": "0 m/s", "toward": "90 deg"},
     ]
     changes = {**STEADY, "site.current": surface_only, "phases.0.transit.depth": "2 m"}
+    changes["phases.1.moor.lateral"] = "uncoupled"  # tied, the anchor keeps some of the surface's velocity
     found = figures(chesapeake(tmp_path, changes))
     # under way there is none; at the surface it carries 27 m a surfacing, which the forecast aims off
     assert found["ingress.distance_m"] == pytest.approx(1600.0 - 27.0 * found["ingress.surfacings"], rel=1e-9)

@@ -1,0 +1,108 @@
+"""Horizontal motion of sinking and rising bodies in a current: carried by their layer, or by drag across the flow."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missionplan.arrays import Array, Scalars
+from missionplan.phases.currents import Current
+from missionplan.phases.mooring.vertical_motion import StepCallback
+
+
+class HorizontalDrift:
+    """Horizontal drift of a sinking or rising body with the current.
+
+    `position` has shape (2, n) [m], `clock`, its time since the mission's start, shape (n,) [s].
+    """
+
+    def __init__(self, current: Current, position: Array, t_start: Array) -> None:
+        self.current, self.position, self.clock = current, position, t_start
+
+    def wait(self, duration: Array, depth: Array, pieces: int = 4, extra: Array | float = 0.0) -> None:
+        """Drift at a depth [m] for a duration [s], with an extra velocity beyond the current, shape (2, n) [m/s]."""
+        part = duration / pieces
+        for _ in range(pieces):
+            velocity = self.current.velocity(self.clock + 0.5 * part, depth, self.position) + extra
+            self.position = self.position + part * velocity
+            self.clock = self.clock + part
+
+    def stage(self, below: Scalars = 0.0) -> StepCallback:
+        """Return the callback that drifts with a stage, for a body that hangs a length `below` the moving one [m]."""
+        start = self.clock
+
+        def on_step(t: Scalars, spent: Array, depth: Array) -> None:
+            velocity = self.current.velocity(start + t + 0.5 * spent, depth + below, self.position)
+            self.position = self.position + spent * velocity
+
+        return on_step
+
+    def advance(self, duration: Array) -> None:
+        """Advance the clock by a stage's duration [s]."""
+        self.clock = self.clock + duration
+
+    def water(self, depth: Array) -> Array:
+        """Velocity of the water about the body now, at a depth [m], shape (2, n) [m/s]."""
+        velocity = self.current.velocity(self.clock, depth, self.position)
+        return np.broadcast_to(velocity, self.position.shape)
+
+
+@dataclass(frozen=True)
+class CrossFlowBody:
+    """An upright body across the flow; each number is a float or an array over trials, shape (n,).
+
+    Attributes
+    ----------
+    drag : float or array
+        k = ½ ρ C_d A of the drag k w|w| [N s²/m²].
+    mass : float or array
+        With its lateral added mass [kg].
+    centre : float or array
+        Height of its middle, where the water acts on it, above the line's end [m].
+    """
+
+    drag: Scalars
+    mass: Scalars
+    centre: Scalars = 0.0
+
+
+@dataclass(frozen=True)
+class TiedBodies:
+    """What ties the drift of two bodies together: their drag and mass across the flow; without it, each goes alone.
+
+    Attributes
+    ----------
+    anchor, vehicle : CrossFlowBody
+    """
+
+    anchor: CrossFlowBody
+    vehicle: CrossFlowBody
+
+
+class CrossFlowFall:
+    """Horizontal motion of a lone falling body; `position` and `velocity` have shape (2, n) [m, m/s].
+
+    Over a step the water's velocity is held. The velocity through it then falls off as w/(1 + c w t) with c = k/m, in
+    an unchanged direction, so that a step is exact. `track` holds times of the stage [s] and positions, if kept.
+    """
+
+    def __init__(self, body: CrossFlowBody, drift: HorizontalDrift, velocity: Array, *, keep: bool = False) -> None:
+        self._decay = body.drag / body.mass
+        self._current, self._t_start = drift.current, drift.clock
+        self.position, self.velocity = drift.position, velocity
+        self._keep, self.track = keep, [(np.zeros(velocity.shape[1]), drift.position)]
+
+    def stage(self) -> StepCallback:
+        """Return the callback that moves the body with a stage."""
+
+        def on_step(t: Scalars, spent: Array, depth: Array) -> None:
+            water = self._current.velocity(self._t_start + t + 0.5 * spent, depth, self.position)
+            through = self.velocity - water
+            rate = self._decay * np.hypot(through[0], through[1])
+            slowed = rate * spent
+            reach = np.where(slowed > 1e-9, np.log1p(slowed) / np.maximum(rate, 1e-300), spent)
+            self.position = self.position + water * spent + through * reach
+            self.velocity = water + through / (1.0 + slowed)
+            if self._keep:
+                self.track.append((t + spent, self.position))
+
+        return on_step
