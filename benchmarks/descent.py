@@ -1,4 +1,4 @@
-"""Descents of the vectorised model and of `scipy.integrate.solve_ivp`, one trial at a time, at equal accuracy.
+"""Descents of the model, of uncoupled and of tied bodies, and of `solve_ivp`, one at a time, at equal accuracy.
 
 Both integrate the example's pay-out, pull-down and coasting with the drag of Eqs. 2–13 (the same functions), events
 included. Accuracy is the error of time and lowest altitude relative to DOP853 at a tolerance of 1e-12; solve_ivp is
@@ -17,6 +17,7 @@ from benchmarks.common import Options, Row, Section, alternate, duration
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
+from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
 from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag, anchor_drag
 from missionplan.physics.water import Water
 
@@ -34,6 +35,8 @@ DIVE = Dive(
     line_length=5.0,
     site_depth=100 * FOOT,
 )
+TIED = replace(DIVE, tied=TiedBodies(CrossFlowBody(7.51, 3.99), CrossFlowBody(76.1, 20.0, 22 * INCH)))
+"""The same with the drift of both bodies tied by the line."""
 TRIALS, PEER_TRIALS = 10_000, 20
 
 Method = Literal["RK45", "DOP853"]
@@ -44,13 +47,13 @@ Event = Callable[[float, np.ndarray], float]
 """Event function of time and state: zero where a stage ends."""
 
 
-def vectorised(trials: int) -> DescentRecord:
+def vectorised(trials: int, dive: Dive = DIVE) -> DescentRecord:
     """Descents of many trials with individual weights and currents."""
     rng = np.random.default_rng(1)
     speed = [1.0 + 0.15 * rng.standard_normal(trials), 0.9 + 0.15 * rng.standard_normal(trials)]
     toward = [np.full(trials, np.pi / 2), np.full(trials, 2 * np.pi / 3)]
     return descend(
-        replace(DIVE, wet_weight=DIVE.wet_weight * np.exp(0.05 * rng.standard_normal(trials))),
+        replace(dive, wet_weight=dive.wet_weight * np.exp(0.05 * rng.standard_normal(trials))),
         release_time=np.abs(2.0 + 0.5 * rng.standard_normal(trials)),
         current=layers([50 * FOOT, 100 * FOOT], speed, toward),
         position=np.zeros((2, trials)),
@@ -111,15 +114,28 @@ def compare(options: Options) -> Section:
     error = np.abs([record.descent_time[0], record.lowest_altitude[0]] - exact).max()
 
     trials = TRIALS // options.shrink
-    sides: dict[str, Callable[[], object]] = {"model": lambda: vectorised(trials)}
+    sides: dict[str, Callable[[], object]] = {
+        "model": lambda: vectorised(trials),
+        "tied": lambda: vectorised(trials, TIED),
+    }
     tolerances = {method: as_accurate(method, exact, float(error)) for method in METHODS}
     for method, tolerance in tolerances.items():
         if tolerance is not None:
             sides[method] = partial(several, method, tolerance)
     vectorised(100)
     times = alternate(sides, options.repeats)
-    total = times.pop("model")
-    rows = [Row(f"{trials} descents on one core", duration(total), "", "", "≤ 1 s", total <= 1.0)]
+    total, tied = times.pop("model"), times.pop("tied")
+    rows = [
+        Row(f"{trials} descents on one core", duration(total), "", "", "≤ 1 s", total <= 1.0),
+        Row(
+            f"{trials} descents, drift tied by the line (beside: uncoupled)",
+            duration(tied),
+            duration(total),
+            f"{tied / total:.1f} × as long",
+            "≤ 2",
+            tied <= 2.0 * total,
+        ),
+    ]
     for peer in METHODS:
         if peer not in times:
             continue

@@ -39,6 +39,22 @@ def lamb_axial_coefficient(fineness: Scalars) -> Scalars:
     return k1 if k1.ndim else float(k1)
 
 
+def lamb_lateral_coefficient(fineness: Scalars) -> Scalars:
+    """Lamb's k₂: added mass of a prolate spheroid across its axis, over the mass that it displaces.
+
+    Parameters
+    ----------
+    fineness : float or array
+        Length over diameter, ≥ 1.
+
+    Returns
+    -------
+    float or array
+        k₂ = β₀/(2 - β₀) with α₀ + 2β₀ = 2 (Lamb, art. 114), which is 1/(1 + 2k₁): 1/2 for a sphere, 0.955 at 9.26.
+    """
+    return 1.0 / (1.0 + 2.0 * lamb_axial_coefficient(fineness))
+
+
 def anchor_added_mass(radius: Scalars, water_density: Scalars) -> Scalars:
     """Estimate the anchor's axial added mass: half a sphere's and half a disc's, (π/3 + 4/3) ρ r³ = 2.38 ρ r³.
 

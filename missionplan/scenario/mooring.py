@@ -7,14 +7,15 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
 from missionplan.phases.mooring.mooring import MoorPlan
-from missionplan.physics import cross_flow
-from missionplan.physics.added_mass import anchor_added_mass, lamb_axial_coefficient
+from missionplan.physics.added_mass import anchor_added_mass, lamb_lateral_coefficient
 from missionplan.physics.buoyancy import STANDARD_GRAVITY
+from missionplan.physics.line_statics import CROSSFLOW_COEFFICIENT
+from missionplan.physics.seafloor import lateral_coefficient
 from missionplan.physics.vehicle_drag import anchor_drag
-from missionplan.scenario.anchor_weight import anchor_flooded_mass, wet_weight_of
+from missionplan.scenario.anchor_weight import anchor_flooded_mass, anchor_length, wet_weight_of
 from missionplan.scenario.held_vehicle import hold_of
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.vehicle import lateral_area, surge_added_mass, sway_added_mass
+from missionplan.scenario.vehicle import surge_added_mass, sway_added_mass
 
 
 def moor_plan(scenario: Scenario, phase: MoorPhase) -> MoorPlan:
@@ -60,21 +61,22 @@ def dive_of(scenario: Scenario, phase: MoorPhase, weight: Scalars | None = None)
 
 
 def _tied(scenario: Scenario, weight: Scalars, anchor_mass: Scalars) -> TiedBodies:
-    """Return both bodies across the flow; the anchor's size follows from the mass that it displaces (Eqs. 16, 17)."""
-    density, diameter = scenario.water.density, scenario["vehicle.anchor.diameter"]
-    volume = (anchor_mass - weight / STANDARD_GRAVITY) / density + scenario["vehicle.anchor.overlap_volume"]
-    length = cross_flow.round_nosed_length(volume, diameter)
-    swept = cross_flow.round_nosed_silhouette(length, diameter)
-    carried = cross_flow.lateral_coefficient(lamb_axial_coefficient(length / diameter)) * density * volume
-    draws = scenario.draws
+    """Return both bodies across the flow: upright cylinders."""
+    density, hull = scenario.water.density, scenario.vehicle_drag.hull
+    diameter = scenario["vehicle.anchor.diameter"]
+    length = np.maximum(anchor_length(scenario, weight), diameter / 2.0)
+    displaced = (anchor_mass - weight / STANDARD_GRAVITY) + density * scenario["vehicle.anchor.overlap_volume"]
+    carried = lamb_lateral_coefficient(np.maximum(length / diameter, 1.0)) * displaced
+    coefficient = scenario.get("vehicle.hull.crossflow_drag", CROSSFLOW_COEFFICIENT)
     return TiedBodies(
         anchor=CrossFlowBody(
-            cross_flow.drag_factor(cross_flow.ANCHOR_COEFFICIENT, swept, density), anchor_mass + carried
+            drag=0.5 * density * lateral_coefficient(length / diameter) * length * diameter,
+            mass=anchor_mass + carried,
         ),
         vehicle=CrossFlowBody(
-            cross_flow.drag_factor(cross_flow.HULL_COEFFICIENT, lateral_area(draws), density),
-            draws["vehicle.mass"] + sway_added_mass(scenario.vehicle_drag.hull, draws),
-            centre=draws["vehicle.hull.length"] / 2.0,
+            drag=0.5 * density * coefficient * hull.length * hull.diameter,
+            mass=scenario["vehicle.mass"] + sway_added_mass(hull, scenario.draws),
+            centre=hull.length / 2.0,
         ),
     )
 

@@ -5,9 +5,8 @@ from collections.abc import Mapping
 from missionplan.arrays import Scalars
 from missionplan.mission.schema.identified import Propulsion
 from missionplan.mission.schema.vehicle import Vehicle
-from missionplan.physics.added_mass import lamb_axial_coefficient
+from missionplan.physics.added_mass import lamb_axial_coefficient, lamb_lateral_coefficient
 from missionplan.physics.buoyancy import displaced_mass
-from missionplan.physics.cross_flow import lateral_coefficient
 from missionplan.physics.drag import FORM_CONSTANTS
 from missionplan.physics.measured_drag import MeasuredVehicleDrag
 from missionplan.physics.propeller import Propeller, from_open_water
@@ -50,16 +49,8 @@ def surge_added_mass(hull: Hull, draws: Draws) -> Scalars:
 def sway_added_mass(hull: Hull, draws: Draws) -> Scalars:
     """Added mass across the axis [kg]: measured, else Lamb's spheroid."""
     displaced = displaced_mass(draws["vehicle.mass"], draws["vehicle.net_buoyancy"])
-    fraction = lateral_coefficient(lamb_axial_coefficient(hull.length / hull.diameter))
+    fraction = lamb_lateral_coefficient(hull.length / hull.diameter)
     return draws.get("vehicle.added_mass.sway", fraction * displaced)
-
-
-def lateral_area(draws: Draws) -> Scalars:
-    """Area that hull and sail present to a flow across them, times the factor for appendages [m²]."""
-    area = draws["vehicle.hull.length"] * draws["vehicle.hull.diameter"]
-    if "vehicle.sail.chord" in draws:
-        area = area + draws["vehicle.sail.chord"] * draws["vehicle.sail.span"]
-    return area * draws["vehicle.appendage_factor"]
 
 
 def propeller(written: Propulsion, density: float, draws: Draws) -> Propeller:

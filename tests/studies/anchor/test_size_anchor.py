@@ -68,7 +68,7 @@ def test_tied_bodies_drift_further_than_each_with_its_layer(tmp_path):
     """The vehicle follows the anchor a line's length later, and holds it back in the upper layer's direction."""
     descent = size_anchor(altered(tmp_path, GIVEN_WATER), trials=100).summary()["descent"]
     assert descent["time_s"] == pytest.approx(19.24, abs=0.01)
-    assert descent["offset_m"] == pytest.approx(20.22, abs=0.02)
+    assert descent["offset_m"] == pytest.approx(20.24, abs=0.01)
 
 
 def test_summary_and_tables_can_be_written(mission):
