@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from missionplan.arrays import Scalars
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
