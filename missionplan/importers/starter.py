@@ -125,7 +125,7 @@ def mission_text(name: str, found: LegNumbers) -> str:
 name: {_quoted(name)}
 start: {found.start}     # of the first leg: times of the data set count from it
 site:
-  origin: {{latitude: {found.latitude:.6f} deg, longitude: {found.longitude:.6f} deg}}     # the fix before the first leg
+  origin: {{latitude: {found.latitude:.6f} deg, longitude: {found.longitude:.6f} deg}}     # the first fix
 navigation:
   velocity_error: {{sigma: {_rounded(found.sigma)} m/s}}     # of the legs, about their mean, each axis
   surfacing_time: {_rounded(max(found.surfacing, 1.0))} s     # median: from surfacing to the fix on diving

@@ -58,11 +58,11 @@ def find_candidates(fixes: Fixes, depth: Series, depths: Depths) -> list[Candida
 
 
 def _depth_near(depth: Series, t: Array) -> Array:
-    """Depth at some times [m]; nan far from any reading."""
+    """Depth at some times [m]; nan far from any reading, before the first and after the last."""
     after = np.searchsorted(depth.t, t)
     before, after = np.maximum(after - 1, 0), np.minimum(after, len(depth) - 1)
     away = np.minimum(np.abs(depth.t[before] - t), np.abs(depth.t[after] - t))
-    return np.asarray(np.where(away <= _NEAR, depth.at(t), np.nan))
+    return np.asarray(np.where((away <= _NEAR) & (t >= depth.t[0]) & (t <= depth.t[-1]), depth.at(t), np.nan))
 
 
 def _surfaced(during: Series, depths: Depths, fix: float) -> float:

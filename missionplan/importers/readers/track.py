@@ -1,0 +1,220 @@
+"""Any track: a table of text or a NetCDF whose columns `--map` names, GPX and NMEA files of fixes.
+
+`lat`, `lon` are fixes where `dr_lat`, `dr_lon` (or `dr_x`, `dr_y`) have the dead-reckoned position. A table with
+one position alone has the vehicle's own: dead-reckoned under water, and fixes at the surface.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from missionplan.arrays import Array
+from missionplan.errors import InputError, Problem
+from missionplan.importers.geodesy import displacement
+from missionplan.importers.importer import Importer, ReadOptions, SourceLog
+from missionplan.importers.legs.rules import LegRules, depths_of
+from missionplan.importers.mapping import QUANTITIES, MappedName
+from missionplan.importers.readers.columns import ColumnStore
+from missionplan.importers.readers.conversions import angles, quantities, times, unit_factor
+from missionplan.importers.readers.netcdf import MAGIC, epoch_seconds, numbers, opened
+from missionplan.importers.readers.plane import origin_of, plane_positions
+from missionplan.importers.readers.position_files import add_gpx, add_nmea, empty_fixes, is_gpx, is_nmea
+from missionplan.importers.readers.text_tables import text_chunks
+from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+_ANGLES = ("lat", "lon", "dr_lat", "dr_lon")
+_NO_COLUMNS = ("origin", "gps", "odometry")
+_DEPTH_UNITS = {"dbar": 1.0, "bar": 10.0}
+"""Depth over pressure in the sea, to 1 % [m]."""
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Whether a file is a GPX track or holds NMEA sentences; tables are read when `--map` names their columns."""
+    return is_gpx(path, head) or is_nmea(path, head)
+
+
+def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
+    """Read tables and files of fixes as one track.
+
+    Raises
+    ------
+    InputError
+        When tables are given, but not which columns have time and position.
+    """
+    store, found = ColumnStore(), empty_fixes()
+    for path in log.each(sorted(files)):
+        with path.open("rb") as stream:
+            head = stream.read(4096)
+        with log.reading(path):
+            if is_gpx(path, head):
+                add_gpx(path, found)
+            elif is_nmea(path, head):
+                add_nmea(path, found)
+            else:
+                _check_mapping(options.names, path)
+                for part in _parts(path, head, options.names):
+                    store.add(part)
+    given = fixes(found["t"], found["lat"], found["lon"], hdop=found["hdop"], satellites=found["satellites"],
+                  valid=found["valid"])  # fmt: skip
+    return _track(files, store, given, options)
+
+
+def _check_mapping(names: Mapping[str, MappedName], path: Path) -> None:
+    has_place = any(
+        {east, north} <= set(names)
+        for east, north in (("lon", "lat"), ("dr_lon", "dr_lat"), ("x", "y"), ("dr_x", "dr_y"))
+    )
+    if "time" not in names or not (has_place or "depth" in names):
+        hint = "--map time=UTC[iso] lat=Latitude[deg] lon=Longitude[deg] depth=z[m]"
+        raise InputError([Problem("which columns have time and position, or depth?", str(path), hint=hint)])
+
+
+def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> list[dict[str, Array]]:
+    columns = {quantity: each for quantity, each in names.items() if quantity not in _NO_COLUMNS}
+    if head.startswith(MAGIC):
+        with opened(path, "track") as data:
+            return [_of_netcdf(data, columns)]
+    wanted = [each.name for each in columns.values()]
+    return [_of_text(chunk, columns) for chunk in text_chunks(path, wanted)]
+
+
+def _of_text(chunk: pd.DataFrame, columns: Mapping[str, MappedName]) -> dict[str, Array]:
+    found: dict[str, Array] = {}
+    for quantity, each in columns.items():
+        words = chunk[each.name]
+        if quantity == "time":
+            found["t"] = times(words, each.unit)
+        elif quantity in _ANGLES:
+            found[quantity] = angles(words, each.unit)
+        elif quantity == "depth" and each.unit in _DEPTH_UNITS:
+            found[quantity] = quantities(words, "", "") * _DEPTH_UNITS[each.unit]
+        else:
+            found[quantity] = quantities(words, each.unit, QUANTITIES[quantity])
+    return found
+
+
+def _of_netcdf(data: "Dataset", columns: Mapping[str, MappedName]) -> dict[str, Array]:
+    missing = [each.name for each in columns.values() if each.name not in data]
+    if missing:
+        raise ValueError(f"no variable {', '.join(missing)}; it has {', '.join(sorted(map(str, data.variables))[:20])}")
+    found = {"t": _netcdf_times(data, columns["time"])}
+    for quantity, each in columns.items():
+        if quantity != "time":
+            found[quantity] = numbers(data, each.name) * _netcdf_factor(quantity, each.unit)
+    if len({len(values) for values in found.values()}) > 1:
+        raise ValueError("its variables differ in length: name those along one dimension")
+    return found
+
+
+def _netcdf_times(data: "Dataset", name: MappedName) -> Array:
+    if " since " in str(data[name.name].attrs.get("units", "")):
+        return epoch_seconds(data, name.name)
+    return times(pd.Series(data[name.name].values.astype(str)), "epoch" if name.unit == "iso" else name.unit)
+
+
+def _netcdf_factor(quantity: str, unit: str) -> float:
+    if quantity == "depth" and unit in _DEPTH_UNITS:
+        return _DEPTH_UNITS[unit]
+    wanted = QUANTITIES[quantity]
+    return 1.0 if unit == wanted or not wanted else unit_factor(unit, wanted)
+
+
+def _track(files: Sequence[Path], store: ColumnStore, given: Fixes, options: ReadOptions) -> Track:
+    names, t = options.names, store["t"]
+    origin = origin_of(names.get("origin"))
+    heading = "heading_true" if "heading_true" in names else "heading"
+    track = Track(
+        name=files[0].stem,
+        format="track",
+        fixes=given,
+        depth=series(t, store["depth"]) if "depth" in names else Series(),
+        pitch=series(t, store["pitch"]) if "pitch" in names else Series(),
+        heading=series(t, store[heading]) if heading in names else Series(),
+        heading_from="true" if heading == "heading_true" else "magnetic" if heading in names else "unknown",
+        speed=series(t, store["speed"]) if "speed" in names else Series(),
+        declination=series(t, store["declination"]) if "declination" in names else Series(),
+        breaks=store.breaks,
+        marks=_marks(t, store["mark"]) if "mark" in names else (),
+    )
+    own = _places(store, names, "", given, origin)
+    if own is not None:
+        quality = {
+            each: store[key]
+            for each, key in (("hdop", "hdop"), ("accuracy", "hacc"), ("satellites", "satellites"), ("valid", "valid"))
+            if key in names
+        }
+        track = replace(track, fixes=_own_fixes(t, own, quality) if not len(given) else given)
+    reckoned = _places(store, names, "dr_", track.fixes, origin)
+    if reckoned is not None:
+        return replace(track, reckoned=reckoned, reckoning="the track's own dead-reckoned columns")
+    if own is None or not len(own):
+        return track
+    if len(given):
+        return replace(track, reckoned=own, reckoning="the table's positions, with fixes of other files")
+    return _split(track, own)
+
+
+def _places(
+    store: ColumnStore, names: Mapping[str, MappedName], prefix: str, known: Fixes, origin: tuple[float, float] | None
+) -> Positions | None:
+    if f"{prefix}lat" in names and f"{prefix}lon" in names:
+        return positions(store["t"], store[f"{prefix}lat"], store[f"{prefix}lon"])
+    if f"{prefix}x" in names and f"{prefix}y" in names:
+        return plane_positions(store["t"], store[f"{prefix}x"], store[f"{prefix}y"], known, origin)
+    return None
+
+
+def _own_fixes(t: Array, own: Positions, quality: Mapping[str, Array]) -> Fixes:
+    """Fixes of the table's own positions, with the qualities of the same rows."""
+    first = np.searchsorted(t, own.t)
+    return fixes(own.t, own.latitude, own.longitude, **{name: values[first] for name, values in quality.items()})
+
+
+def _marks(t: Array, values: Array) -> tuple[float, ...]:
+    """Times at which a mark rises from nothing or 0."""
+    up = np.nan_to_num(values) > 0.0
+    return tuple(float(each) for each in t[up & ~np.append(False, up[:-1])])
+
+
+def _split(track: Track, own: Positions) -> Track:
+    """Split the vehicle's own positions into dead-reckoned ones, under water, and fixes, at the surface.
+
+    At the surface the position is dead-reckoned until it jumps to the fix: fixes count from the greatest step on that
+    the position makes while the vehicle comes up and stays there. Where positions are blank under water, or no depth
+    tells it apart, all are fixes.
+    """
+    if not len(track.depth):
+        return track
+    depths = depths_of(track.depth, LegRules())
+    under = track.depth.at(own.t) > depths.surface
+    if not under.any():
+        return track
+    is_fix = ~under
+    starts = np.flatnonzero(under[:-1] & ~under[1:]) + 1
+    for start in starts:
+        after = np.flatnonzero(under[start:])
+        end = start + int(after[0]) if len(after) else len(own)
+        rows = slice(start - 1, end)
+        steps = np.hypot(*displacement(own.latitude[rows][:-1], own.longitude[rows][:-1], own.latitude[rows][1:],
+                                       own.longitude[rows][1:]))  # fmt: skip
+        is_fix[start : start + int(np.argmax(steps))] = False
+    notice = (
+        "one position alone: it is taken for a fix at the surface, from its greatest step on, and as dead-reckoned else"
+    )
+    return replace(
+        track,
+        fixes=track.fixes[np.isin(track.fixes.t, own.t[is_fix])],
+        reckoned=Positions(own.t[~is_fix], own.latitude[~is_fix], own.longitude[~is_fix]),
+        reckoning="the table's positions under water",
+        notices=(*track.notices, notice),
+    )
+
+
+IMPORTER = Importer("track", "tables and NetCDF with --map, GPX, NMEA", recognises, read)
