@@ -143,7 +143,7 @@ def _of_current(parts: CutTrack, rules: LegRules) -> tuple[str, ...]:
 def _rounded(table: pd.DataFrame) -> pd.DataFrame:
     """Round to what logs hold: centimetres, milliseconds, and 1 cm of latitude."""
     digits = {name: 7 if name.startswith(("lat_", "lon_")) else 3 for name in table.columns}
-    return table.round({**digits, "heading_deg": 1, "max_depth_m": 2, "surface_s": 1, "lag_dr_end_s": 1})
+    return table.round({**digits, "heading_deg": 1, "max_depth_m": 2, "surface_s": 1, "lag_dr_end_s": 1, "rpm": 1})
 
 
 def _rejected(parts: CutTrack) -> pd.DataFrame:

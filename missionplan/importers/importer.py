@@ -16,6 +16,10 @@ DAMAGED = (OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticE
 """Errors by which libraries say that a file is damaged."""
 
 
+class ReadInPart(Exception):
+    """A file is damaged from some place on, and what stands before is used."""
+
+
 @dataclass(frozen=True)
 class ReadOptions:
     """What the user says of the sources.
@@ -73,6 +77,9 @@ class SourceLog:
             yield
         except InputError:
             raise
+        except ReadInPart as error:
+            self.read.append(path)
+            self.passed_over.append(Problem(f"read in part: {error}", str(path)))
         except (*DAMAGED, damaged) as error:
             words = str(error).strip().splitlines() or [type(error).__name__]
             self.passed_over.append(Problem(f"passed over: {words[0][:200]}", str(path)))

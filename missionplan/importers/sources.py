@@ -16,6 +16,8 @@ _HEAD = 4096
 """Bytes of a file by which it is recognised."""
 _COMPANIONS = (".cac",)
 """Files that others need and that are no logs themselves."""
+_OF_BAGS = ("metadata.yaml",)
+"""Names of such files."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,7 @@ def _recognised(
     chosen: dict[str, list[Path]] = {}
     passed_over = []
     for path in paths:
-        if path.suffix.lower() in _COMPANIONS:
+        if path.suffix.lower() in _COMPANIONS or path.name in _OF_BAGS:
             continue
         name = _format_of(path, importers, format_name)
         if name is None and format_name is not None and path in given:

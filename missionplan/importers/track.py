@@ -170,6 +170,8 @@ class Track:
         North that headings are counted from: ``magnetic``, ``true`` or ``unknown``.
     declination : Series
         That the vehicle adds to its headings [deg].
+    rpm : Series
+        Of the propeller [1/min].
     current_east, current_north : Series
         Current that the vehicle estimates and may carry its dead reckoning with [m/s].
     breaks : tuple of Break
@@ -192,6 +194,7 @@ class Track:
     speed: Series = field(default_factory=Series)
     heading_from: Literal["magnetic", "true", "unknown"] = "unknown"
     declination: Series = field(default_factory=Series)
+    rpm: Series = field(default_factory=Series)
     current_east: Series = field(default_factory=Series)
     current_north: Series = field(default_factory=Series)
     breaks: tuple[Break, ...] = ()

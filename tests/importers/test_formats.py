@@ -289,3 +289,103 @@ def test_a_gridded_position_without_dead_reckoning_is_said(log, tmp_path):
     path.write_text(rows.to_csv(index=False, float_format="%.9f"))
     with pytest.raises(InputError, match="none has a dead-reckoned end"):
         import_logs([path], names=["time=t[epoch] lat=lat lon=lon"])
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_an_imc_log_whole_and_cut_off(log, expected, tmp_path):
+    imcpy = pytest.importorskip("imcpy")
+    track, messages = log.track, []
+    fixed = zip(track.fixes.t, np.radians(track.fixes.latitude), np.radians(track.fixes.longitude), strict=True)
+    for t, lat, lon in fixed:
+        fix = imcpy.GpsFix()
+        fix.timestamp, fix.lat, fix.lon, fix.hacc, fix.satellites = t, lat, lon, 3.0, 9
+        fix.validity = 4 | 32  # position and accuracy
+        messages.append(fix)
+    for t, lat, lon in zip(track.reckoned.t, track.reckoned.latitude, track.reckoned.longitude, strict=True):
+        state = imcpy.EstimatedState()
+        state.timestamp, state.lat, state.lon = t, np.radians(lat), np.radians(lon)
+        state.depth, state.psi = float(track.depth.at(t)), np.radians(float(track.heading.at(t)))
+        messages.append(state)
+        rpm = imcpy.Rpm()
+        rpm.timestamp, rpm.value = t, 1200
+        messages.append(rpm)
+    messages.append(imcpy.Temperature())
+    messages.sort(key=lambda each: each.timestamp)
+    content = b"".join(imcpy.Packet.serialize(each) for each in messages)
+    (tmp_path / "Data.lsf").write_bytes(content)
+    result = import_logs([tmp_path])
+    assert result.format == "imc"
+    assert_same_legs(result, expected)
+    np.testing.assert_allclose(result.table["fix_sd_m"], 3.0 / np.sqrt(2.0), atol=1e-3)
+    assert (result.table["rpm"] == 1200.0).all()
+    assert list(tmp_path.iterdir()) == [tmp_path / "Data.lsf"]  # no index is left beside the log
+    (tmp_path / "Data.lsf").write_bytes(content[: len(content) * 6 // 10])
+    part = import_logs([tmp_path])
+    assert len(part.table) == 2
+    assert any("ends within a message" in each for each in part.passed_over)
+
+
+@pytest.fixture(scope="module", params=[1, 2])
+def bag(request, log, tmp_path_factory):
+    """A bag of each ROS, with fixes and odometry in metres from the first fix."""
+    pytest.importorskip("rosbags.rosbag1")
+    from rosbags.rosbag1 import Writer as Writer1
+    from rosbags.rosbag2 import Writer as Writer2
+    from rosbags.typesys import Stores, get_typestore
+
+    from missionplan.importers.geodesy import displacement
+
+    first = request.param == 1
+    folder = tmp_path_factory.mktemp(f"ros{request.param}")
+    store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
+    t = store.types
+    track = log.track
+    place = displacement(
+        track.fixes.latitude[0], track.fixes.longitude[0], track.reckoned.latitude, track.reckoned.longitude
+    )
+
+    def header(time):
+        stamp = t["builtin_interfaces/msg/Time"](sec=int(time), nanosec=round((time % 1.0) * 1e9))
+        number = {"seq": 0} if first else {}
+        return t["std_msgs/msg/Header"](stamp=stamp, frame_id="map", **number)
+
+    def fix(k):
+        return t["sensor_msgs/msg/NavSatFix"](
+            header(track.fixes.t[k]), t["sensor_msgs/msg/NavSatStatus"](status=0, service=1),
+            latitude=track.fixes.latitude[k], longitude=track.fixes.longitude[k], altitude=0.0,
+            position_covariance=np.diag([4.0, 4.0, 9.0]).ravel(), position_covariance_type=2,
+        )  # fmt: skip
+
+    def odometry(k):
+        yaw = np.radians(90.0 - float(track.heading.at(track.reckoned.t[k])))
+        vector = t["geometry_msgs/msg/Vector3"]
+        point = t["geometry_msgs/msg/Point"](place[0][k], place[1][k], -float(track.depth.at(track.reckoned.t[k])))
+        turn = t["geometry_msgs/msg/Quaternion"](0.0, 0.0, np.sin(yaw / 2.0), np.cos(yaw / 2.0))
+        pose = t["geometry_msgs/msg/PoseWithCovariance"](t["geometry_msgs/msg/Pose"](point, turn), np.zeros(36))
+        twist = t["geometry_msgs/msg/Twist"](vector(0.0, 0.0, 0.0), vector(0.0, 0.0, 0.0))
+        return t["nav_msgs/msg/Odometry"](
+            header(track.reckoned.t[k]), "base", pose, t["geometry_msgs/msg/TwistWithCovariance"](twist, np.zeros(36))
+        )
+
+    writer = Writer1(folder / "made.bag") if first else Writer2(folder / "made", version=9)
+    serialize = store.serialize_ros1 if first else store.serialize_cdr
+    with writer:
+        topics = {"/fix": "sensor_msgs/msg/NavSatFix", "/odom": "nav_msgs/msg/Odometry"}
+        links = {topic: writer.add_connection(topic, kind, typestore=store) for topic, kind in topics.items()}
+        for topic, make, times_of in (("/fix", fix, track.fixes.t), ("/odom", odometry, track.reckoned.t)):
+            for k, time in enumerate(times_of):
+                writer.write(links[topic], int(time * 1e9), serialize(make(k), topics[topic]))
+    return folder
+
+
+def test_a_ros_bag(bag, expected):
+    result = import_logs([bag])
+    assert result.format == "rosbag"
+    assert_same_legs(result, expected, metres=2.0)
+    np.testing.assert_allclose(result.table["fix_sd_m"], 2.0, atol=1e-3)
+    assert result.table["max_depth_m"].min() > 90.0
+
+
+def test_a_topic_that_a_bag_lacks_is_said(bag):
+    with pytest.raises(InputError, match=r"no topic /gps.*it has /fix"):
+        import_logs([bag], names=["gps=/gps"])

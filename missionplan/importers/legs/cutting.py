@@ -25,7 +25,7 @@ _LATEST_START = 120.0
 LEG_COLUMNS = (
     "leg", "t_start", "t_end", "t_start_s", "t_end_s", "lat_start", "lon_start", "lat_dr_end", "lon_dr_end",
     "lat_end", "lon_end", "surface_s", "speed_m_s", "heading_deg", "fix_sd_m", "max_depth_m", "lag_dr_end_s",
-    "declination_deg", "ok", "reason",
+    "declination_deg", "rpm", "ok", "reason",
 )  # fmt: skip
 """Of the table of legs; those from `lat_dr_end` on are blank where a dive has no dead-reckoned end."""
 
@@ -159,7 +159,9 @@ def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions) -> 
         good.latitude[dive.after], good.longitude[dive.after], end - dive.surfaced,
         _mean_speed(track, line, start, dive.surfaced, under_way), _mean_heading(track, start, dive.surfaced),
         sd if np.isfinite(sd) else UNSTATED_SD, dive.max_depth, end - line.t[-1] if has_end else np.nan,
-        float(true_from_logged(track, np.array([start]))[0]) if len(track.declination) else np.nan, dive.depth_at_fix,
+        float(true_from_logged(track, np.array([start]))[0]) if len(track.declination) else np.nan,
+        _mean_rpm(track, start, dive.surfaced),
+        dive.depth_at_fix,
     )  # fmt: skip
 
 
@@ -176,6 +178,11 @@ def _mean_speed(track: Track, line: Positions, start: float, end: float, under_w
         return float("nan")
     steps = np.hypot(*displacement(line.latitude[:-1], line.longitude[:-1], line.latitude[1:], line.longitude[1:]))
     return float(steps.sum() / min(max(line.t[-1] - line.t[0], 1.0), under_way))
+
+
+def _mean_rpm(track: Track, start: float, end: float) -> float:
+    logged = track.rpm.within(start, end)
+    return float(logged.values.mean()) if len(logged) else float("nan")
 
 
 def _mean_heading(track: Track, start: float, end: float) -> float:
