@@ -16,7 +16,7 @@ DAMAGED = (OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticE
 """Errors by which libraries say that a file is damaged."""
 
 
-class ReadInPart(Exception):
+class PartlyReadError(Exception):
     """A file is damaged from some place on, and what stands before is used."""
 
 
@@ -77,7 +77,7 @@ class SourceLog:
             yield
         except InputError:
             raise
-        except ReadInPart as error:
+        except PartlyReadError as error:
             self.read.append(path)
             self.passed_over.append(Problem(f"read in part: {error}", str(path)))
         except (*DAMAGED, damaged) as error:

@@ -11,8 +11,7 @@ from missionplan.errors import InputError
 from missionplan.importers.importing import import_logs
 from missionplan.importers.legs.cutting import cut
 from missionplan.importers.legs.rules import LegRules
-from missionplan.importers.readers.conversions import angles, degrees_of, times
-from missionplan.importers.readers.seaexplorer import ddmm_to_degrees
+from missionplan.importers.sourcefiles.conversions import angles, ddmm_to_degrees, degrees_of, times
 
 LEGS = 4
 

@@ -17,9 +17,9 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.importers.geodesy import moved
-from missionplan.importers.importer import Importer, ReadInPart, ReadOptions, SourceLog, needed_module
-from missionplan.importers.readers.channels import Samples
-from missionplan.importers.readers.columns import clock_jumps
+from missionplan.importers.importer import Importer, PartlyReadError, ReadOptions, SourceLog, needed_module
+from missionplan.importers.sourcefiles.channels import Samples
+from missionplan.importers.sourcefiles.columns import clock_jumps
 from missionplan.importers.track import Break, Fixes, Positions, Series, Track, fixes, positions, series
 
 _SYNC, _SWAPPED = 0xFE54, 0x54FE
@@ -83,7 +83,7 @@ def _add(found: dict[str, Samples], library: ModuleType, path: Path) -> None:
 
     Raises
     ------
-    ReadInPart
+    PartlyReadError
         When the file ends within a message, or holds something else from some byte on.
     """
     names = {int(library.Factory.id_from_abbrev(name)): name for name in _WANTED}
@@ -99,15 +99,15 @@ def _packets(stream: BufferedIOBase, wanted: frozenset[int]) -> Iterator[tuple[i
         sync, kind, size, *_ = _HEADER.unpack(head)
         if sync != _SYNC:
             words = "big-endian messages" if sync == _SWAPPED else "no IMC message"
-            raise ReadInPart(f"{words} from byte {place} on")
+            raise PartlyReadError(f"{words} from byte {place} on")
         rest = stream.read(size + _FOOTER)
         if len(rest) < size + _FOOTER:
-            raise ReadInPart(f"the file ends within a message at byte {place}")
+            raise PartlyReadError(f"the file ends within a message at byte {place}")
         if kind in wanted:
             yield kind, head + rest
         place += len(head) + len(rest)
     if head:
-        raise ReadInPart(f"the file ends within a message at byte {place}")
+        raise PartlyReadError(f"the file ends within a message at byte {place}")
 
 
 def _values(name: str, message: _Message) -> tuple[float, ...]:

@@ -9,10 +9,10 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.importers.importer import Importer, ReadOptions, SourceLog
 from missionplan.importers.mapping import QUANTITIES, MappedName, mapped
-from missionplan.importers.readers.channels import ChannelStore, Samples
-from missionplan.importers.readers.columns import clock_jumps
-from missionplan.importers.readers.conversions import unit_factor
-from missionplan.importers.readers.plane import origin_of, plane_positions
+from missionplan.importers.sourcefiles.channels import ChannelStore, Samples
+from missionplan.importers.sourcefiles.columns import clock_jumps
+from missionplan.importers.sourcefiles.conversions import unit_factor
+from missionplan.importers.sourcefiles.plane import origin_of, plane_positions
 from missionplan.importers.track import Break, Fixes, Positions, Track, fixes, positions
 
 _USUAL = {

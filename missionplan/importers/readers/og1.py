@@ -12,8 +12,8 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.importers.importer import Importer, ReadOptions, SourceLog
-from missionplan.importers.readers.netcdf import MAGIC, epoch_seconds, numbers, opened, variable_names
 from missionplan.importers.readers.seaglider import DiveFile, joined_dives, reckoned_from
+from missionplan.importers.sourcefiles.netcdf import MAGIC, epoch_seconds, numbers, opened, variable_names
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from missionplan.errors import InputError, Problem
 from missionplan.importers.importer import Importer, ReadOptions, SourceLog
-from missionplan.importers.readers.netcdf import MAGIC, variable_names
+from missionplan.importers.sourcefiles.netcdf import MAGIC, variable_names
 from missionplan.importers.track import Track
 
 _MARKS = {"latitude", "longitude", "profile_index", "distance_over_ground"}

@@ -13,8 +13,8 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.importers.importer import Importer, ReadOptions, SourceLog
-from missionplan.importers.readers.columns import ColumnStore
-from missionplan.importers.readers.conversions import ddmm_to_degrees
+from missionplan.importers.sourcefiles.columns import ColumnStore
+from missionplan.importers.sourcefiles.conversions import ddmm_to_degrees
 from missionplan.importers.track import Track, fixes, series
 
 _NEEDED = ("Timestamp", "Lat", "Lon", "Depth")

@@ -18,12 +18,12 @@ from missionplan.importers.geodesy import displacement
 from missionplan.importers.importer import Importer, ReadOptions, SourceLog
 from missionplan.importers.legs.rules import LegRules, depths_of
 from missionplan.importers.mapping import QUANTITIES, MappedName
-from missionplan.importers.readers.columns import ColumnStore
-from missionplan.importers.readers.conversions import angles, quantities, times, unit_factor
-from missionplan.importers.readers.netcdf import MAGIC, epoch_seconds, numbers, opened
-from missionplan.importers.readers.plane import origin_of, plane_positions
-from missionplan.importers.readers.position_files import add_gpx, add_nmea, empty_fixes, is_gpx, is_nmea
-from missionplan.importers.readers.text_tables import text_chunks
+from missionplan.importers.sourcefiles.columns import ColumnStore
+from missionplan.importers.sourcefiles.conversions import angles, quantities, times, unit_factor
+from missionplan.importers.sourcefiles.netcdf import MAGIC, epoch_seconds, numbers, opened
+from missionplan.importers.sourcefiles.plane import origin_of, plane_positions
+from missionplan.importers.sourcefiles.position_files import add_gpx, add_nmea, empty_fixes, is_gpx, is_nmea
+from missionplan.importers.sourcefiles.text_tables import text_chunks
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
 
 if TYPE_CHECKING:
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 _ANGLES = ("lat", "lon", "dr_lat", "dr_lon")
 _NO_COLUMNS = ("origin", "gps", "odometry")
+_QUALITIES = {"hdop": "hdop", "accuracy": "hacc", "satellites": "satellites", "valid": "valid"}
+_PLACES = (("lat", "lon"), ("dr_lat", "dr_lon"), ("x", "y"), ("dr_x", "dr_y"))
 _DEPTH_UNITS = {"dbar": 1.0, "bar": 10.0}
 """Depth over pressure in the sea, to 1 % [m]."""
 
@@ -67,10 +69,7 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
 
 
 def _check_mapping(names: Mapping[str, MappedName], path: Path) -> None:
-    has_place = any(
-        {east, north} <= set(names)
-        for east, north in (("lon", "lat"), ("dr_lon", "dr_lat"), ("x", "y"), ("dr_x", "dr_y"))
-    )
+    has_place = any(set(pair) <= set(names) for pair in _PLACES)
     if "time" not in names or not (has_place or "depth" in names):
         hint = "--map time=UTC[iso] lat=Latitude[deg] lon=Longitude[deg] depth=z[m]"
         raise InputError([Problem("which columns have time and position, or depth?", str(path), hint=hint)])
@@ -128,35 +127,37 @@ def _netcdf_factor(quantity: str, unit: str) -> float:
 
 def _track(files: Sequence[Path], store: ColumnStore, given: Fixes, options: ReadOptions) -> Track:
     names, t = options.names, store["t"]
-    origin = origin_of(names.get("origin"))
     heading = "heading_true" if "heading_true" in names else "heading"
+
+    def channel(quantity: str) -> Series:
+        return series(t, store[quantity]) if quantity in names else Series()
+
     track = Track(
         name=files[0].stem,
         format="track",
         fixes=given,
-        depth=series(t, store["depth"]) if "depth" in names else Series(),
-        pitch=series(t, store["pitch"]) if "pitch" in names else Series(),
-        heading=series(t, store[heading]) if heading in names else Series(),
-        heading_from="true" if heading == "heading_true" else "magnetic" if heading in names else "unknown",
-        speed=series(t, store["speed"]) if "speed" in names else Series(),
-        declination=series(t, store["declination"]) if "declination" in names else Series(),
+        depth=channel("depth"),
+        pitch=channel("pitch"),
+        heading=channel(heading),
+        heading_from="true" if heading == "heading_true" else "magnetic",
+        speed=channel("speed"),
+        declination=channel("declination"),
         breaks=store.breaks,
         marks=_marks(t, store["mark"]) if "mark" in names else (),
     )
-    own = _places(store, names, "", given, origin)
-    if own is not None:
-        quality = {
-            each: store[key]
-            for each, key in (("hdop", "hdop"), ("accuracy", "hacc"), ("satellites", "satellites"), ("valid", "valid"))
-            if key in names
-        }
-        track = replace(track, fixes=_own_fixes(t, own, quality) if not len(given) else given)
+    return _with_positions(track, store, names)
+
+
+def _with_positions(track: Track, store: ColumnStore, names: Mapping[str, MappedName]) -> Track:
+    """Add fixes and dead-reckoned positions: of columns of their own, else of the one position that there is."""
+    origin, given = origin_of(names.get("origin")), len(track.fixes) > 0
+    own = _places(store, names, "", track.fixes, origin) or Positions()
+    if not given:
+        track = replace(track, fixes=_own_fixes(own, store, names))
     reckoned = _places(store, names, "dr_", track.fixes, origin)
     if reckoned is not None:
         return replace(track, reckoned=reckoned, reckoning="the track's own dead-reckoned columns")
-    if own is None or not len(own):
-        return track
-    if len(given):
+    if given and len(own):
         return replace(track, reckoned=own, reckoning="the table's positions, with fixes of other files")
     return _split(track, own)
 
@@ -171,10 +172,11 @@ def _places(
     return None
 
 
-def _own_fixes(t: Array, own: Positions, quality: Mapping[str, Array]) -> Fixes:
+def _own_fixes(own: Positions, store: ColumnStore, names: Mapping[str, MappedName]) -> Fixes:
     """Fixes of the table's own positions, with the qualities of the same rows."""
-    first = np.searchsorted(t, own.t)
-    return fixes(own.t, own.latitude, own.longitude, **{name: values[first] for name, values in quality.items()})
+    rows = np.searchsorted(store["t"], own.t)
+    quality = {name: store[quantity][rows] for name, quantity in _QUALITIES.items() if quantity in names}
+    return fixes(own.t, own.latitude, own.longitude, **quality)
 
 
 def _marks(t: Array, values: Array) -> tuple[float, ...]:
@@ -190,7 +192,7 @@ def _split(track: Track, own: Positions) -> Track:
     the position makes while the vehicle comes up and stays there. Where positions are blank under water, or no depth
     tells it apart, all are fixes.
     """
-    if not len(track.depth):
+    if not len(track.depth) or not len(own):
         return track
     depths = depths_of(track.depth, LegRules())
     under = track.depth.at(own.t) > depths.surface

@@ -5,7 +5,7 @@ from datetime import UTC, datetime, time
 from pathlib import Path
 
 from missionplan.importers.importer import needed_module
-from missionplan.importers.readers.channels import Samples
+from missionplan.importers.sourcefiles.channels import Samples
 
 FIX_COLUMNS = ("t", "lat", "lon", "hdop", "satellites", "valid")
 

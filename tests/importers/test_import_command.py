@@ -1,0 +1,210 @@
+"""The command `import`, from raw files to a verdict, and what it says when something is wrong."""
+
+import json
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from made_tracks import made
+
+from missionplan.errors import InputError, RunError
+from missionplan.importers import formats
+from missionplan.importers.declination import model_declination, with_declination
+from missionplan.importers.descents import separations_by_sinking
+from missionplan.importers.importer import Importer
+from missionplan.importers.importing import import_logs
+from missionplan.importers.track import Series, Track
+from missionplan.mission import load
+
+MADE = Path(__file__).parent / "made.gli"
+NAMES = "time=t[epoch] lat=lat lon=lon dr_lat=a dr_lon=b depth=depth heading_true=heading"
+
+
+def run(*arguments, cwd):
+    command = [sys.executable, "-m", "missionplan", *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300)
+
+
+@pytest.fixture(scope="module")
+def raw_folder(tmp_path_factory):
+    """A folder as it comes from a vehicle: two tables, a photo and a note."""
+    folder = tmp_path_factory.mktemp("raw")
+    log = made(legs=24, duration=1800.0, pause=300.0, step=30.0, current=(0.08, 0.03))
+    track = log.track
+    rng = np.random.default_rng(4)
+    own = pd.DataFrame({"t": track.reckoned.t, "a": track.reckoned.latitude, "b": track.reckoned.longitude})
+    leg = np.searchsorted(log.starts, own["t"])
+    elapsed = own["t"] - np.append(log.starts, np.inf)[np.maximum(leg - 1, 0)]
+    noise = rng.normal(0.0, 0.01, (2, 26))[:, leg] * np.clip(elapsed.to_numpy(), 0.0, 1800.0)
+    own["a"] += noise[0] / 111_200.0
+    own["b"] += noise[1] / 74_600.0
+    fixed = pd.DataFrame({"t": track.fixes.t, "lat": track.fixes.latitude, "lon": track.fixes.longitude})
+    rows = fixed.merge(own, on="t", how="outer").sort_values("t")
+    rows["depth"], rows["heading"] = (each.at(rows["t"].to_numpy()) for each in (track.depth, track.heading))
+    half = len(rows) // 2
+    rows[:half].to_csv(folder / "one.csv", index=False, float_format="%.9f")
+    rows[half:].to_csv(folder / "two.csv", index=False, float_format="%.9f")
+    (folder / "photo.jpg").write_bytes(b"\xff\xd8\xff")
+    return folder
+
+
+def test_from_raw_files_to_a_verdict_in_two_commands(raw_folder, tmp_path):
+    files = [raw_folder / "one.csv", raw_folder / "two.csv"]
+    imported = run("import", *files, "--out", "data", "--map", *NAMES.split(), cwd=tmp_path)
+    assert imported.returncode == 0, imported.stderr
+    assert "24 of 24 dives between fixes count as legs" in re.sub(r"\s+", " ", imported.stdout)
+    diagnosed = run("diagnose", "data/mission.yaml", "data", "--out", "verdict", "--json", "--jobs", 1, cwd=tmp_path)
+    assert diagnosed.returncode == 0, diagnosed.stderr
+    found = json.loads((tmp_path / "verdict" / "diagnosis.json").read_text())
+    assert "mean-current" in found["causes"]
+    values = {each["name"]: each["value"] for each in found["ranking"][0]["parameters"]}
+    assert values["east"] == pytest.approx(0.08, abs=0.015)
+    assert values["north"] == pytest.approx(0.03, abs=0.015)
+
+
+def test_the_folder_holds_what_is_promised(raw_folder, tmp_path):
+    files = [raw_folder / "one.csv", raw_folder / "two.csv"]
+    told = run("import", *files, "--out", "data", "--map", NAMES, "--json", cwd=tmp_path)
+    summary = json.loads(told.stdout)
+    names = {path.name for path in (tmp_path / "data").iterdir()}
+    assert {"dataset.yaml", "legs.csv", "all-dives.csv", "import.json", "report.html", "mission.yaml"} <= names
+    assert summary["counted"] == summary["legs"] == 24
+    assert [each["name"] for each in summary["sources"]] == ["one.csv", "two.csv"]
+    assert all(len(each["sha256"]) == 64 for each in summary["sources"])
+    assert json.loads((tmp_path / "data" / "import.json").read_text())["counted"] == 24
+    page = (tmp_path / "data" / "report.html").read_text()
+    for words in ("What these data can show", "Every dive|All 24 dives count", "missionplan diagnose mission.yaml ."):
+        assert re.search(words, page)
+    mission = load(tmp_path / "data" / "mission.yaml")
+    assert mission.site.origin is not None
+    checked = run("validate", "data", cwd=tmp_path)
+    assert checked.returncode == 0, checked.stderr
+
+
+def test_nothing_is_overwritten(raw_folder, tmp_path):
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "mine.txt").write_text("mine")
+    refused = run("import", MADE, "--out", "data", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "is not empty" in refused.stderr
+    assert "Traceback" not in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--shortest", "10"], "expected a unit too"),
+        (["--dive-depth", "-3 m"], "expected more than 0"),
+        (["--shift-origin", "north"], "expected a latitude and a longitude"),
+        (["--shift-origin", "89,0"], "expected a latitude to 85 deg"),
+        (["--kind", "trasit"], "did you mean transit"),
+        (["--dive-depth", "900 m"], "no dive between"),
+        (["--mark", "noon", "--kind", "descent"], "expected a time such as"),
+    ],
+)
+def test_options_that_cannot_be_are_said(arguments, words, tmp_path):
+    refused = run("import", MADE, "--out", "data", *arguments, cwd=tmp_path)
+    assert refused.returncode == 2
+    assert words in refused.stderr
+    assert "Traceback" not in refused.stderr
+    assert not (tmp_path / "data").exists()
+
+
+def test_a_missing_library_says_what_to_install(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "imcpy", None)
+    (tmp_path / "Data.lsf").write_bytes(b"")
+    with pytest.raises(InputError, match=r"pip install 'missionplan\[imc\]'"):
+        import_logs([tmp_path])
+
+
+def test_an_installed_package_adds_an_importer(monkeypatch, tmp_path):
+    track = made(legs=9).track
+    own = Importer("own", "a made-up format", lambda path, head: path.suffix == ".own", lambda *_: track)
+
+    class Entry:
+        name, value = "own", "package:IMPORTER"
+
+        def load(self):
+            return own
+
+    monkeypatch.setattr(formats, "entry_points", lambda group: [Entry()] if group == "missionplan.importers" else [])
+    (tmp_path / "log.own").write_bytes(b"x")
+
+    def reading(files, options, log):
+        with log.reading(files[0]):
+            return track
+        return track
+
+    own = replace(own, read=reading)
+    assert import_logs([tmp_path]).counted == 9
+    own = "no importer"
+    with pytest.raises(RunError, match="is no Importer"):
+        import_logs([tmp_path])
+
+
+def test_a_wrong_declination_is_seen_as_what_it_is():
+    pytest.importorskip("pygeomag")
+    t, track = 1_655_280_000.0, made(legs=3).track
+    model = model_declination(48.0, -123.0, t)
+    assert model == pytest.approx(15.8, abs=0.3)  # NOAA's calculator, WMM-2020, June 2022: 15.8 deg east
+    wrong = Series(track.fixes.t[:1], np.array([-model]))
+    told = with_declination(replace(track, heading_from="magnetic", declination=wrong)).notices
+    assert any("which a diagnosis sees as compass-bias" in notice for notice in told)
+
+
+def dive_record(separations=(50.0, 400.0), depth=20.0, speed=0.5, step=0.5):
+    """A depth record with dives at constant speed from each separation, and waves of 10 cm at the surface."""
+    t = np.arange(0.0, 700.0, step)
+    z = np.zeros_like(t)
+    for start in separations:
+        since = t - start
+        sinking = np.clip(speed * since, 0.0, depth)
+        z = np.where((since >= 0.0) & (since < 200.0), sinking, z)
+    return Series(1_700_000_000.0 + t, z + np.where(z == 0.0, 0.1 * np.sin(2.0 * t), 0.0))
+
+
+def test_separations_are_found_by_the_first_steady_sinking():
+    record = dive_record()
+    found = np.array(separations_by_sinking(record)) - 1_700_000_000.0
+    np.testing.assert_allclose(found, [50.0, 400.0], atol=3.0)
+    assert separations_by_sinking(dive_record(separations=())) == []
+
+
+@pytest.mark.parametrize("by", ["sinking", "mark", "column"])
+def test_a_depth_record_becomes_dives(by, tmp_path):
+    record = dive_record()
+    rows = pd.DataFrame({"t": record.t, "depth": record.values})
+    rows["released"] = ((rows["t"] - record.t[0]) % 350.0 >= 50.0).astype(int)
+    rows.to_csv(tmp_path / "dives.csv", index=False)
+    names = ["time=t[epoch] depth=depth", *(["mark=released"] if by == "column" else [])]
+    marks = ["2023-11-14T22:14:10Z", "1700000400"] if by == "mark" else []
+    result = import_logs([tmp_path / "dives.csv"], kind="descent", names=names, marks=marks)
+    assert result.counted == 2
+    table = result.table
+    if by != "sinking":
+        first = table[table["run"] == "dive-1"]
+        np.testing.assert_allclose(
+            first["depth_m"][first["t_s"] > 0.5], 0.5 * first["t_s"][first["t_s"] > 0.5].clip(upper=40.0)
+        )
+    folder = result.save(tmp_path / "data")
+    checked = run("validate", folder, cwd=tmp_path)
+    assert checked.returncode == 0, checked.stderr
+    assert "ready" in checked.stdout or "diagnose" in checked.stdout
+
+
+def test_dives_need_a_depth(tmp_path):
+    (tmp_path / "a.csv").write_text("t,lat,lon\n1700000000,1,2\n1700000100,1,2\n")
+    with pytest.raises(InputError, match="hold no depth"):
+        import_logs([tmp_path / "a.csv"], kind="descent", names=["time=t[epoch] lat=lat lon=lon"])
+
+
+def test_an_empty_track_is_said(tmp_path):
+    (tmp_path / "a.csv").write_text("t,lat,lon\n1700000000,0,0\n")
+    with pytest.raises(InputError, match="0 fixes that count"):
+        import_logs([tmp_path / "a.csv"], names=["time=t[epoch] lat=lat lon=lon"])
+    assert isinstance(Track("a", "b", made(legs=1).track.fixes).depth, Series)
