@@ -20,6 +20,8 @@ _PHRASES = {
     "nose_altitude": "least altitude of the nose in the hold",
     "excursion": "radius of the watch circle",
     "line_tension": "greatest line tension in the hold",
+    "snatch_tension": "peak tension of the snatch",
+    "line_parts": "parting of the line",
     "touchdown_speed": "speed at touchdown",
     "holding_margin": "least holding margin of the anchor",
 }

@@ -5,13 +5,14 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Scalars
 from missionplan.mission.schema.phases import MoorPhase
-from missionplan.phases.mooring.forces import Dive
+from missionplan.phases.mooring.forces import Dive, LineSpring
 from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
 from missionplan.phases.mooring.mooring import MoorPlan
 from missionplan.physics.added_mass import anchor_added_mass, lamb_lateral_coefficient
 from missionplan.physics.buoyancy import STANDARD_GRAVITY
 from missionplan.physics.line_statics import CROSSFLOW_COEFFICIENT
 from missionplan.physics.seafloor import lateral_coefficient
+from missionplan.physics.snatch import mass_at_nose
 from missionplan.physics.vehicle_drag import anchor_drag
 from missionplan.scenario.anchor_weight import anchor_flooded_mass, anchor_length, wet_weight_of
 from missionplan.scenario.held_vehicle import hold_of
@@ -58,6 +59,18 @@ def dive_of(scenario: Scenario, phase: MoorPhase, weight: Scalars | None = None)
         line_length=scenario[f"{phase.name}.line_length"],
         site_depth=scenario["site.depth"],
         tied=_tied(scenario, weight, anchor_mass) if phase.lateral == "coupled" else None,
+        spring=_spring(scenario, phase) if phase.line_stiffness is not None else None,
+    )
+
+
+def _spring(scenario: Scenario, phase: MoorPhase) -> LineSpring:
+    """Return what bears the snatch of a line whose stiffness the mission gives."""
+    hull, draws = scenario.vehicle_drag.hull, scenario.draws
+    lateral = scenario["vehicle.mass"] + sway_added_mass(hull, draws)
+    return LineSpring(
+        stiffness=scenario[f"{phase.name}.line_stiffness"],
+        nose_mass=mass_at_nose(lateral, hull.length, draws.get("vehicle.centre_of_gravity.from_nose")),
+        strength=scenario.get(f"{phase.name}.line_strength", np.inf),
     )
 
 

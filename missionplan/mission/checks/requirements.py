@@ -11,7 +11,7 @@ from missionplan.mission.units import QuantityError
 
 EVENTS: dict[str, tuple[str, ...]] = {
     "transit": ("arrived",),
-    "moor": ("within_radius", "struck_seafloor", "anchor_holds", "grounded"),
+    "moor": ("within_radius", "struck_seafloor", "anchor_holds", "grounded", "line_parts"),
     "transition": ("hovering",),
     "total": ("success",),
 }
@@ -31,6 +31,7 @@ QUANTITIES: dict[str, dict[str, str]] = {
         "nose_altitude": "m",
         "excursion": "m",
         "line_tension": "N",
+        "snatch_tension": "N",
         "holding_margin": "",
         "ascent_time": "s",
         "duration": "s",
@@ -47,6 +48,8 @@ QUANTITIES: dict[str, dict[str, str]] = {
 }
 """Quantities by kind of phase, with the SI unit in which they are compared."""
 
+_NEEDED = {"snatch_tension": "line_stiffness", "line_parts": "line_strength"}
+"""Keys of a mooring without which it has no such quantity or event."""
 _BOUNDS = ("at_most", "at_least")
 
 
@@ -144,7 +147,10 @@ def _with_bound(requirement: Requirement, phases: Sequence[Phase]) -> Requiremen
         With the keys of the requirement that are wrong.
     """
     unit = quantity_unit(requirement.quantity, phases)
-    name = requirement.quantity.partition(".")[2]
+    owner, _, name = requirement.quantity.partition(".")
+    needed = _NEEDED.get(name, "name")
+    if any(phase.name == owner and getattr(phase, needed) is None for phase in phases):
+        raise QuantityError(f"{name} needs {needed} in {owner}", ("quantity",))
     given = [key for key in _BOUNDS if getattr(requirement, key) is not None]
     if unit is None:
         if given:

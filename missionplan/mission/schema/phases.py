@@ -76,6 +76,8 @@ class MoorPhase(FileSection):
     anchor_wet_weight: Annotated[Quantity | Literal["sized"], q.or_word(_FORCE, "sized")] = "sized"
     line_length: q.PositiveLength
     line_diameter: q.Distance = 0.0
+    line_stiffness: q.Stiffness | None = None
+    line_strength: q.Force | None = None
     release_time: q.Duration = 0.0
     hold: q.Duration = 0.0
     galvanic_release: q.Duration = 0.0

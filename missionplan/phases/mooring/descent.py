@@ -18,6 +18,7 @@ from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle, L
 from missionplan.phases.mooring.horizontal_drift import CrossFlowFall, HorizontalDrift
 from missionplan.phases.mooring.tied_pull_down import TiedPullDown, pull_down_tied
 from missionplan.phases.mooring.vertical_motion import STEP, Integration, Stage, Stop, integrate_stage
+from missionplan.physics.snatch import peak_tension
 from missionplan.physics.vehicle_drag import terminal_velocity
 
 MIN_MEAN_SPEED = 0.1
@@ -81,7 +82,11 @@ class DescentRecord:
     lowest_altitude : array
         Least height of the vehicle's nose above the seafloor; where negative, how deep it would have gone into it [m].
     touched_down, struck : array of bool
-        Whether the anchor reached the seafloor, and whether the vehicle did.
+        Whether the anchor reached the seafloor with the vehicle on its line, and whether the vehicle did.
+    snatch_tension : array
+        Peak tension of the line as it goes taut; nan where its stiffness is not known [N].
+    parted : array of bool
+        Whether it parted then.
     """
 
     release_time: Array
@@ -93,6 +98,8 @@ class DescentRecord:
     lowest_altitude: Array
     touched_down: NDArray[np.bool_]
     struck: NDArray[np.bool_]
+    snatch_tension: Array
+    parted: NDArray[np.bool_]
 
     @property
     def offset_distance(self) -> Array:
@@ -238,7 +245,10 @@ def descend(
     drift.wait(release_time, np.zeros(trials), extra=surface_velocity)
     stages = descent_stages(dive, hooks, trials, step=step, drift=drift)
     reaches_seafloor = over_trials(dive.line_length, trials) >= over_trials(dive.site_depth, trials)
-    down = stages.lone.ended & stages.pull_down.ended & ~reaches_seafloor  # a longer line leaves the vehicle afloat
+    tension = _snatch_tension(dive, hooks, stages.lone)
+    parted = tension > dive.spring.strength if dive.spring is not None else np.zeros(trials, dtype=bool)
+    # a longer line leaves the vehicle afloat
+    down = stages.lone.ended & stages.pull_down.ended & ~reaches_seafloor & ~parted
     deepest = np.where(down, stages.coast.depth, stages.pull_down.depth)
     lowest = over_trials(dive.site_depth, trials) - deepest
     return DescentRecord(
@@ -251,7 +261,18 @@ def descend(
         lowest_altitude=lowest,
         touched_down=down,
         struck=lowest <= 0.0,
+        snatch_tension=tension,
+        parted=parted,
     )
+
+
+def _snatch_tension(dive: Dive, hooks: DescentHooks, lone: Stage) -> Array:
+    """Peak tension of the line as it goes taut, shape (n,) [N]."""
+    if dive.spring is None:
+        return np.full(lone.time.size, np.nan)
+    fall = LoneFall(dive, hooks).acceleration(lone.time, lone.depth, lone.speed) * dive.lone_mass
+    masses = dive.lone_mass, dive.spring.nose_mass
+    return np.asarray(peak_tension(dive.spring.stiffness, lone.speed, masses, fall, dive.net_buoyancy))
 
 
 def _balance_speed(dive: Dive, hooks: DescentHooks, stages: DescentStages) -> Array:

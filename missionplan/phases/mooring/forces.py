@@ -12,6 +12,25 @@ from missionplan.physics.vehicle_drag import DragLaw
 
 
 @dataclass(frozen=True)
+class LineSpring:
+    """What bears the snatch; each number is a float or an array over trials, shape (n,).
+
+    Attributes
+    ----------
+    stiffness : float or array
+        Of the whole line [N/m].
+    nose_mass : float or array
+        Effective mass of the level vehicle at its nose (`physics.snatch.mass_at_nose`) [kg].
+    strength : float or array
+        Tension at which the line, or the galvanic link in it, parts [N].
+    """
+
+    stiffness: Scalars
+    nose_mass: Scalars
+    strength: Scalars = np.inf
+
+
+@dataclass(frozen=True)
 class Dive:
     """Bodies, line and depth of a descent; each number is a float or an array over trials, shape (n,).
 
@@ -33,6 +52,8 @@ class Dive:
         [m].
     tied : TiedBodies or None
         What ties the horizontal drift of the two bodies together; None: each goes with its layer of the current.
+    spring : LineSpring or None
+        For the peak tension of the snatch; None: it is not computed.
     """
 
     wet_weight: Scalars
@@ -46,6 +67,7 @@ class Dive:
     line_length: Scalars
     site_depth: Scalars
     tied: TiedBodies | None = None
+    spring: LineSpring | None = None
 
     @property
     def lone_mass(self) -> Scalars:
@@ -146,7 +168,7 @@ class LoneFall:
         self._dive, self._hooks = dive, hooks
         self._drag_factor = hooks.lone_drag_factor
 
-    def acceleration(self, t: float, depth: Array, speed: Array) -> Array:
+    def acceleration(self, t: Scalars, depth: Array, speed: Array) -> Array:
         """Of the anchor [m/s²]."""
         dive = self._dive
         weight = dive.wet_weight * self._hooks.wet_weight_factor(t)

@@ -80,9 +80,9 @@ class MoorRecord:
         From the arrival fix to the fix after the ascent; nan as above [s].
     energy : array
         nan as above [J].
-    within_radius, struck, surfaced : array of bool
+    within_radius, struck, surfaced, line_parted : array of bool
         Whether the anchor came down within the radius about the last fix, the vehicle struck the seafloor on the way
-        down, and the vehicle surfaced again.
+        down, the vehicle surfaced again, and the line was overloaded by the snatch or in the hold.
     """
 
     descent: DescentRecord
@@ -96,6 +96,7 @@ class MoorRecord:
     within_radius: NDArray[np.bool_]
     struck: NDArray[np.bool_]
     surfaced: NDArray[np.bool_]
+    line_parted: NDArray[np.bool_]
 
     @property
     def offset_distance(self) -> Array:
@@ -194,6 +195,7 @@ def _record(
     surfaced = down & ascent.surfaced
     offset = np.where(down, landed - state.fix, np.nan)
     time = np.where(surfaced, duration, np.nan)
+    strength = plan.dive.spring.strength if plan.dive.spring is not None else np.inf
     return MoorRecord(
         descent=descent,
         hold=hold,
@@ -206,6 +208,7 @@ def _record(
         within_radius=np.hypot(offset[0], offset[1]) <= plan.radius,
         struck=descent.struck & down,
         surfaced=surfaced,
+        line_parted=descent.parted | (down & (hold.line_tension > strength)),
     )
 
 

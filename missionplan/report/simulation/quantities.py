@@ -16,6 +16,7 @@ _FAILURES = {
     "struck the seafloor": "strikes on the seafloor",
     "anchor dragged": "anchors that drag",
     "grounded in the hold": "vehicles that touch the seafloor in the hold",
+    "line parted": "lines that part",
     "did not surface": "vehicles that do not surface",
     "out of energy": "empty batteries",
     "left the record of the current": "missions that leave the record of the current",

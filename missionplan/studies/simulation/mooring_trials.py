@@ -16,6 +16,7 @@ from missionplan.scenario.scenario import STILL_WATER
 from missionplan.scenario.transit_streams import fix_normals
 from missionplan.studies.simulation.phase_trials import (
     LEFT_RECORD,
+    LINE_PARTED,
     OUT_OF_ENERGY,
     TOO_LIGHT,
     TOO_SHALLOW,
@@ -62,18 +63,22 @@ def mooring_trials(
     moored, ended = moored & ~lost, after.alive & ~exhausted
     within, struck = moored & record.within_radius, moored & record.struck
     holds, grounded = moored & record.hold.anchor_holds, moored & record.hold.grounded
+    taut = begun & ~shallow
+    parted = taut & record.line_parted
     points = (record.anchor, record.surfaced_at, after.position)
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
-        quantities=_quantities(record, goal, moored, after.alive, ended),
-        events={"within_radius": within, "struck_seafloor": struck, "anchor_holds": holds, "grounded": grounded},
+        quantities=_quantities(record, goal, moored, after.alive, ended) | _snatch_load(plan, record, taut),
+        events={"within_radius": within, "struck_seafloor": struck, "anchor_holds": holds, "grounded": grounded}
+        | ({"line_parts": parted} if f"{phase.name}.line_strength" in scenario.draws else {}),
         limits=limit_events(current, left_record=left),
         start=where_reached(begun, state.clock),
         end=where_reached(ended, after.clock),
         failures={
             TOO_SHALLOW: shallow,
             LEFT_RECORD: lost,
+            LINE_PARTED: parted,
             TOO_LIGHT: begun & ~moored & (record.descent.terminal_velocity <= 0.0),
             "anchor did not reach the seafloor": begun & ~moored,
             "anchor outside the radius": moored & ~within,
@@ -90,6 +95,13 @@ def mooring_trials(
         inputs={},
     )
     return continuing, found
+
+
+def _snatch_load(plan: MoorPlan, record: MoorRecord, taut: Flags) -> dict[str, Array]:
+    """Peak tension of the snatch, also of lines that part then, where the line's stiffness is known."""
+    if plan.dive.spring is None:
+        return {}
+    return quantities_reached({"snatch_tension_n": (taut, record.descent.snatch_tension)})
 
 
 def _hold_failures(block: TrialBlock, dragged: Flags, grounded: Flags) -> dict[str, Flags]:

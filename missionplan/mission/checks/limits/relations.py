@@ -73,6 +73,9 @@ def _mooring(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterato
         words = f"{line:.4g} m of line" + (f" and {length:.4g} m of vehicle" if length else "")
         message = f"{words} are longer than the water is deep, {depth:.4g} m: the anchor cannot draw the vehicle under"
         yield LocalProblem(("line_length",), message)
+    if phase.line_strength is not None and phase.line_stiffness is None:
+        message = "says nothing without line_stiffness, from which the load of the snatch follows"
+        yield LocalProblem(("line_strength",), message)
     if vehicle is None or isinstance(phase.anchor_wet_weight, str):
         return
     weight, buoyancy = mean_of(phase.anchor_wet_weight), mean_of(vehicle.net_buoyancy)

@@ -74,6 +74,12 @@ LIMITS: dict[str, Limit] = {
     "moor.anchor_wet_weight": Limit("N", (1e-3, 100_000.0), (0.5, 5000.0), "Briggs et al.: 11.8 N for a 10 kg vehicle"),
     "moor.line_length": Limit("m", (0.01, 11_000.0), (0.3, 1000.0), "Briggs et al.: 5 m"),
     "moor.line_diameter": Limit("m", (0.0, 0.5), (5e-4, 0.05), "fishing line has 0.5 mm, a ship's mooring 50 mm"),
+    "moor.line_stiffness": Limit(
+        "N/m", (0.1, 1e9), (50.0, 1e6), "5 m of 4 mm cord: 5 kN/m in nylon, 200 kN/m in Dyneema; of shock cord 50 N/m"
+    ),
+    "moor.line_strength": Limit(
+        "N", (0.1, 1e8), (20.0, 1e6), "2 mm cord bears 0.5 to 4 kN, a galvanic link 0.1 to 3 kN"
+    ),
     "moor.release_time": Limit("s", (0.0, DAY), (0.0, 1800.0), "Briggs et al.: seconds"),
     "moor.hold": Limit("s", (0.0, 730.0 * DAY), (0.0, 90.0 * DAY), "moorings are kept for days to months"),
     "moor.galvanic_release": Limit(
