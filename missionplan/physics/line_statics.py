@@ -193,8 +193,8 @@ class _Standing:
         normal = turning.section_drag * (speeds * np.abs(speeds)).sum(axis=0) * sine * np.abs(sine)
         pull = axis * body.axial_drag(speeds.mean(axis=0) * cosine) + across * normal
         pull[2] += body.net_buoyancy
-        nose, load = _follow_line(self.line, body.density, self.current, altitude, pull)
-        return axis, nose, pull, load
+        places, load = _follow_line(self.line, body.density, self.current, altitude, pull)
+        return axis, places[-1], pull, load
 
 
 @dataclass(frozen=True)
@@ -243,13 +243,19 @@ class _Turning:
         return course, velocity[0] * course[0] + velocity[1] * course[1]
 
 
+def line_shape(line: HeldLine, density: Scalars, current: LayersAbove, pose: HeldPose) -> Array:
+    """Points of the line from the anchor to the nose of a pose, shape (k, 3, n) [m]."""
+    down, _ = _follow_line(line, density, current, pose.nose[2], pose.tension_at_nose)
+    return np.asarray(down[-1] - np.concatenate((down[::-1], np.zeros((1, *pose.nose.shape)))))
+
+
 def _follow_line(
     line: HeldLine, density: Scalars, current: LayersAbove, altitude: Array, pull: Array
 ) -> tuple[Array, Array]:
-    """Vector from anchor to nose that the line makes [m], and its pull at the anchor [N], both of shape (3, n)."""
+    """How far points of the line lie below the nose, shape (k, 3, n) [m], and its pull at the anchor, (3, n) [N]."""
     factor = 0.5 * density * line.coefficient * line.diameter * line.length / _LINE_SECTIONS
     if not np.any(factor):
-        return line.length * _direction(pull), pull
+        return (line.length * _direction(pull))[None], pull
     step = line.length / _LINE_SECTIONS
 
     def drag(velocity: Array, along: Array) -> Array:
@@ -258,13 +264,14 @@ def _follow_line(
         return np.asarray(factor * np.sqrt((across**2).sum(axis=0)) * across)
 
     fallen = np.zeros_like(pull)
-    for _ in range(_LINE_SECTIONS):
+    places = np.empty((_LINE_SECTIONS, *pull.shape))
+    for section in range(_LINE_SECTIONS):
         middle = altitude - fallen[2] - 0.5 * step * _direction(pull)[2]
         velocity = current.at(middle[None])[:, 0]
         along = _direction(pull + 0.5 * drag(velocity, _direction(pull)))
         pull = pull + drag(velocity, along)
-        fallen = fallen + step * along
-    return fallen, pull
+        fallen = places[section] = fallen + step * along
+    return places, pull
 
 
 def _direction(vector: Array) -> Array:

@@ -132,7 +132,7 @@ def hold_vehicle(hold: Hold, current: Current, anchor: Array, start: Array, dura
     record: HoldRecord | None = None
     for moment in _moments(hold, current, anchor, start, lasting):
         layers = layers_above(hold, current, anchor, moment)
-        now = _at_once(hold, held_pose(hold.body, hold.line, layers), layers)
+        now = record_at_once(hold, held_pose(hold.body, hold.line, layers), layers)
         record = now if record is None else _envelope(record, now)
     if record is None:
         raise ValueError("a hold has at least one moment")
@@ -162,17 +162,23 @@ def _moments(hold: Hold, current: Current, anchor: Array, start: Array, lasting:
     if isinstance(current, LayeredCurrent) or not np.any(lasting):
         yield start
         return
+    yield start
+    yield from extreme_moments(hold, current, anchor, start, lasting)
+    yield start + lasting
+
+
+def extreme_moments(hold: Hold, current: Current, anchor: Array, start: Array, lasting: Array) -> tuple[Array, Array]:
+    """Times of a hold at which the current about the vehicle is fastest and slowest, shape (n,) each [s]."""
     samples = int(np.clip(np.ceil(np.max(lasting) / SAMPLE_TIME), 1, MOST_SAMPLES)) + 1
     middle = np.maximum(hold.site_depth - 0.5 * (hold.line.length + hold.body.length), 0.0)
     shares = np.linspace(0.0, 1.0, samples)
     speeds = np.stack([np.hypot(*current.velocity(start + share * lasting, middle, anchor)) for share in shares])
-    yield start
-    yield start + shares[np.argmax(speeds, axis=0)] * lasting
-    yield start + shares[np.argmin(speeds, axis=0)] * lasting
-    yield start + lasting
+    fastest, slowest = (shares[extreme(speeds, axis=0)] for extreme in (np.argmax, np.argmin))
+    return start + fastest * lasting, start + slowest * lasting
 
 
-def _at_once(hold: Hold, pose: HeldPose, layers: LayersAbove) -> HoldRecord:
+def record_at_once(hold: Hold, pose: HeldPose, layers: LayersAbove) -> HoldRecord:
+    """Record of one moment."""
     return HoldRecord(
         nose_altitude=hold.altitude(pose),
         excursion=pose.excursion,

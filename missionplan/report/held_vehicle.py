@@ -1,0 +1,150 @@
+"""Section and figure of a mooring's vehicle on its line: body, line and anchor to scale."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+from matplotlib.patches import Polygon
+
+from missionplan.arrays import Array
+from missionplan.report.page import BLUE, GREY, INK, ORANGE, SKY, Block, Figure, PageSection, Table, to_figure
+from missionplan.results.held_vehicle import HeldState, HeldVehicle
+
+_CAP = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 24)
+
+
+def hold_section(held: HeldVehicle) -> PageSection:
+    """Present how the vehicle stands on its line."""
+    worst = held.states[-1]
+    heading = (
+        f"In the {worst.current} ({worst.speed:.2f}\u00a0m/s) the nose stands {worst.nose_altitude:.1f}\u00a0m above "
+        f"the bottom, {worst.excursion:.1f}\u00a0m from the anchor, which {_holds_in_words(worst)}"
+    )
+    blocks: list[Block] = [hold_figure(held), _numbers(held), *held.remedies, *_assumptions(held)]
+    return PageSection(heading, blocks)
+
+
+def _holds_in_words(state: HeldState) -> str:
+    return "holds" if state.holding_margin >= 0.0 else "drags"
+
+
+def _assumptions(held: HeldVehicle) -> Iterator[str]:
+    """Write what the mission does not say."""
+    if not held.friction_given:
+        yield (
+            f"The holding factor of {held.friction:g} is assumed (0.2 on clay to 0.6 on sand); with "
+            "`anchor.holding_factor` in the vehicle file an anchor that drags fails the mission."
+        )
+    if not held.centres_given:
+        yield (
+            "The net buoyancy is assumed to act at mid-length, on the axis: `centre_of_gravity` and "
+            "`centre_of_buoyancy` in the vehicle file say where it does."
+        )
+
+
+def _numbers(held: HeldVehicle) -> Table:
+    rows = [
+        ("Current at the anchor", *(f"{state.speed:.3f} m/s" for state in held.states)),
+        ("Nose above the seafloor", *(f"{state.nose_altitude:.2f} m" for state in held.states)),
+        ("Tail above the seafloor", *(f"{state.tail_altitude:.2f} m" for state in held.states)),
+        ("Nose from the anchor", *(f"{state.excursion:.2f} m" for state in held.states)),
+        ("Pitch, nose down", *(f"{math.degrees(state.pitch):.0f} °" for state in held.states)),
+        (
+            "Line from the vertical, at the anchor",
+            *(f"{math.degrees(state.line_angle):.0f} °" for state in held.states),
+        ),
+        ("Line tension at the nose", *(f"{state.tension_at_nose:.2f} N" for state in held.states)),
+        ("Line tension at the anchor", *(f"{state.tension_at_anchor:.2f} N" for state in held.states)),
+        ("Anchor's own drag", *(f"{state.anchor_drag:.2f} N" for state in held.states)),
+        ("Holding factor that it needs", *(_needed(state.friction_needed) for state in held.states)),
+        (f"Holding margin with {held.friction:g}", *(f"{state.holding_margin:.2f}" for state in held.states)),
+        ("Wet weight that just holds", *(_weight(state.least_weight) for state in held.states)),
+    ]
+    return Table(("", *(state.current for state in held.states)), rows)
+
+
+def _needed(friction: float) -> str:
+    return f"{friction:.2f}" if math.isfinite(friction) else "none holds"
+
+
+def _weight(weight: float) -> str:
+    return f"{weight:.1f} N" if math.isfinite(weight) else "none holds"
+
+
+def hold_figure(held: HeldVehicle) -> Figure:
+    """Draw body, line and anchor to scale in each current, seen across it."""
+    figure = MatplotlibFigure(figsize=(6.0, 4.6))
+    axes = figure.subplots()
+    reach = max(max(state.tail[0], state.excursion) for state in held.states)
+    top = max(0.3 * reach, *(max(state.tail[1], state.line[-1, 1]) for state in held.states))
+    left, right = -0.12 * max(reach, top) - 0.3, 1.08 * reach + 0.5
+    _draw_seafloor(axes, held, left, right)
+    _draw_anchor(axes, held)
+    for state, colour in zip(held.states, (SKY, BLUE), strict=False):
+        _draw_state(axes, held, state, colour)
+    axes.annotate(
+        "",
+        (left + 0.25 * (right - left), 1.16 * top),
+        (left + 0.02 * (right - left), 1.16 * top),
+        arrowprops={"arrowstyle": "->", "color": INK, "linewidth": 1.2},
+    )
+    axes.text(left + 0.27 * (right - left), 1.16 * top, "current", va="center", fontsize=9)
+    low = min(-0.06 * top - 0.1, *(state.uphill * side for state in held.states for side in (left, right)))
+    axes.set(xlim=(left, right), ylim=(low, 1.25 * top), aspect="equal")
+    axes.set(xlabel="Downstream of the anchor (m)", ylabel="Above the anchor (m)")
+    figure.legend(loc="outside lower center", ncols=2)
+    listed = "; ".join(
+        f"{state.current} of {state.speed:.2f} m/s: nose {state.nose_altitude:.1f} m above the bottom and "
+        f"{state.excursion:.1f} m downstream, tail {state.tail_altitude:.1f} m above it"
+        for state in held.states
+    )
+    return to_figure(
+        figure,
+        f"hold-{held.phase}" if held.phase != "moor" else "hold",
+        alt=f"Vehicle, line and anchor to scale. {listed[:1].upper()}{listed[1:]}",
+        caption="Vehicle, line and anchor to scale, every distribution at its mean, each current in its own direction.",
+    )
+
+
+def _draw_seafloor(axes: Axes, held: HeldVehicle, left: float, right: float) -> None:
+    rise = held.states[-1].uphill
+    axes.fill_between([left, right], [rise * left, rise * right], -1e3, color=GREY, alpha=0.25, linewidth=0.0)
+    axes.plot([left, right], [rise * left, rise * right], color=GREY, linewidth=1.5)
+
+
+def _draw_anchor(axes: Axes, held: HeldVehicle) -> None:
+    """Draw the anchor where it lies, its back towards the line."""
+    length, radius = held.anchor_length, 0.5 * held.anchor_diameter
+    outline = _capsule(length, radius, blunt=True)
+    place = np.array([0.0, radius])
+    axes.add_patch(Polygon(place - outline, closed=True, facecolor=ORANGE, linewidth=0.0, zorder=5))
+    axes.annotate(
+        "anchor",
+        (-0.5 * length, 2.0 * radius),
+        (-4, 8),
+        textcoords="offset points",
+        color=ORANGE,
+        ha="right",
+        fontsize=9,
+    )
+
+
+def _draw_state(axes: Axes, held: HeldVehicle, state: HeldState, colour: str) -> None:
+    nose = np.array([float(state.line[-1, 0]), float(state.line[-1, 1])])
+    axes.plot(state.line[:, 0], state.line[:, 1], color=INK, linewidth=0.9)
+    axis = (np.array(state.tail) - nose) / held.length
+    turn = np.array([axis, [-axis[1], axis[0]]])
+    outline = nose + _capsule(held.length, 0.5 * held.diameter) @ turn
+    label = f"{state.current}, {state.speed:.2f} m/s"
+    axes.add_patch(Polygon(outline, closed=True, facecolor=colour, linewidth=0.0, zorder=4, label=label))
+
+
+def _capsule(length: float, radius: float, *, blunt: bool = False) -> Array:
+    """Outline of a round-ended body from its tip at the origin along the first axis, shape (k, 2) [m]."""
+    front = np.column_stack((radius - radius * np.cos(_CAP), radius * np.sin(_CAP)))
+    if blunt:
+        return np.concatenate((front, [[length, radius], [length, -radius]]))
+    back = np.column_stack((length - radius + radius * np.cos(_CAP), -radius * np.sin(_CAP)))
+    return np.concatenate((front, back))
