@@ -232,6 +232,21 @@ def solve_anchor(problem: AnchorProblem, weight: float) -> AnchorDesign:
     return replace(design, failures=_failures(design))
 
 
+def wet_centre(design: AnchorDesign) -> float:
+    """Place at which the wet weight of the flooded anchor acts, from the tip [m]."""
+    parts, end = design.problem.construction, design.length
+    rho = design.problem.water_density
+    tube = Part(
+        parts.tube_mass_per_length * design.cylinder_length,
+        parts.tube_density,
+        design.problem.radius + design.cylinder_length / 2.0,
+    )
+    ring = Part(design.trim_mass, parts.trim_density, design.trim_position if design.trim_mass else 0.0)
+    placed = (parts.front, tube, replace(parts.back, centre=end - parts.back.centre), ring)
+    weights = [part.mass * (1.0 - rho / part.density) for part in placed]
+    return sum(weight * part.centre for weight, part in zip(weights, placed, strict=True)) / sum(weights)
+
+
 def _failures(design: AnchorDesign) -> tuple[UnmetCondition, ...]:
     r, end = design.problem.radius, design.length
     found = []

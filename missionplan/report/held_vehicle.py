@@ -75,11 +75,11 @@ def _weight(weight: float) -> str:
 
 def hold_figure(held: HeldVehicle) -> Figure:
     """Draw body, line and anchor to scale in each current, seen across it."""
-    figure = MatplotlibFigure(figsize=(6.0, 4.6))
-    axes = figure.subplots()
     reach = max(max(state.tail[0], state.excursion) for state in held.states)
     top = max(0.3 * reach, *(max(state.tail[1], state.line[-1, 1]) for state in held.states))
     left, right = -0.12 * max(reach, top) - 0.3, 1.08 * reach + 0.5
+    figure = MatplotlibFigure(figsize=(6.0, min(5.0, 1.2 + 5.4 * 1.35 * top / (right - left))))
+    axes = figure.subplots()
     _draw_seafloor(axes, held, left, right)
     _draw_anchor(axes, held)
     for state, colour in zip(held.states, (SKY, BLUE), strict=False):

@@ -7,7 +7,9 @@ import numpy as np
 import pandas as pd
 
 from missionplan.phases.mooring.profile import DescentProfile
+from missionplan.physics.trim import TrimState
 from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.sized_anchor import SizedAnchor
 
 
@@ -91,6 +93,10 @@ class AnchorSizing(Result):
         Formulae that are used outside their range.
     required : float or None
         Probability of staying within the radius that the mission requires, where it does.
+    held : HeldVehicle or None
+        How the vehicle stands on its line above the anchor to build.
+    trim : tuple of TrimState
+        How the vehicle lies with that anchor, with it flooded, and without it.
     """
 
     report: ClassVar[str] = "anchor.page"
@@ -107,6 +113,8 @@ class AnchorSizing(Result):
     probable: ProbableAnchor | None
     notes: tuple[str, ...]
     required: float | None = None
+    held: HeldVehicle | None = None
+    trim: tuple[TrimState, ...] = ()
 
     @property
     def to_build(self) -> SizedAnchor:
@@ -142,6 +150,8 @@ class AnchorSizing(Result):
             "required": self.required,
             "meets_requirement": self.meets_requirement,
             "succeeds": self.succeeds,
+            "hold": self.held.summary() if self.held else None,
+            "trim": [state.summary() for state in self.trim],
             "notes": list(self.notes),
         }
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
 from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.sized_anchor import MooringAnchor
 
 
@@ -213,6 +214,8 @@ class Outcome(Result):
         of the current; without those that cannot be.
     anchors : tuple of MooringAnchor
         Of the moorings whose anchor is sized, or cannot be built.
+    held : tuple of HeldVehicle
+        How the vehicle of each mooring stands on its line, distributions at their means.
     failed_blocks : tuple of str
         Blocks of trials that failed numerically, with seed and block; left out of everything above.
     trials_table : bytes or None
@@ -231,6 +234,7 @@ class Outcome(Result):
     arrivals: Mapping[str, Array]
     limits: Mapping[str, Probability] = field(default_factory=dict)
     anchors: tuple[MooringAnchor, ...] = ()
+    held: tuple[HeldVehicle, ...] = ()
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
 
@@ -259,6 +263,7 @@ class Outcome(Result):
             ],
             "limits": {name: share.summary() for name, share in self.limits.items()},
             "anchors": [anchor.summary() for anchor in self.anchors],
+            "holds": [held.summary() for held in self.held],
             "sensitivities": [vars(sensitivity) for sensitivity in self.sensitivities],
             "failed_blocks": list(self.failed_blocks),
         }

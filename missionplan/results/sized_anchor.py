@@ -19,15 +19,21 @@ class DiveProbabilities:
     Attributes
     ----------
     good : Probability
-        Of coming down within the radius without the vehicle striking the seafloor.
+        Of coming down within the radius and holding, without the vehicle striking the seafloor.
+    enough : Probability
+        Of coming down within the radius and holding.
     within, struck : Probability
         Of the anchor coming down within the radius, and of the vehicle striking the seafloor.
+    holds : Probability or None
+        Of the anchor holding; None where the vehicle file does not say how it does, and every anchor counts as holding.
     offset, lowest_altitude : Statistic
         Of the anchor from the last fix, and of the vehicle above the seafloor [m].
     """
 
     good: Probability
+    enough: Probability
     within: Probability
+    holds: Probability | None
     struck: Probability
     offset: Statistic
     lowest_altitude: Statistic
@@ -38,6 +44,7 @@ class DiveProbabilities:
             "within_radius_and_not_struck": self.good.summary(),
             "within_radius": self.within.summary(),
             "struck_seafloor": self.struck.summary(),
+            **({} if self.holds is None else {"anchor_holds": self.holds.summary()}),
             "offset_m": self.offset.summary(),
             "lowest_altitude_m": self.lowest_altitude.summary(),
         }

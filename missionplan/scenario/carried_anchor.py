@@ -53,7 +53,9 @@ def carried_anchor(drawn: DrawnMission, phase: TransitPhase) -> CarriedAnchor | 
         mass = (anchor_flooded_mass(drawn.means, weight) if flooded is None else flooded) - weight / STANDARD_GRAVITY
     except (InputError, ValueError):
         return None  # said by who sizes the anchor: a study of the transits alone needs none
-    overlap = cap_height(
-        float(drawn.means["vehicle.anchor.overlap_volume"]), float(drawn.means["vehicle.hull.diameter"]) / 2.0
-    )
-    return CarriedAnchor(np.maximum(length - overlap, 0.0), np.maximum(mass, 0.0))
+    return CarriedAnchor(np.maximum(length - overlap_height(drawn.means), 0.0), np.maximum(mass, 0.0))
+
+
+def overlap_height(means: DrawnMission) -> float:
+    """How far the vehicle's nose reaches into the anchor [m]."""
+    return cap_height(float(means["vehicle.anchor.overlap_volume"]), float(means["vehicle.hull.diameter"]) / 2.0)

@@ -11,6 +11,8 @@ from missionplan.physics.seafloor import FRICTION, ROUGHNESS, LyingAnchor, Slope
 from missionplan.scenario.anchor_weight import anchor_length
 from missionplan.scenario.scenario import Scenario
 
+HOLDING_GIVEN = "vehicle.anchor.holding_factor"
+"""Key path of a quantity that a mission has where its vehicle file says how the anchor holds."""
 CENTRES_GIVEN = "vehicle.centre_of_gravity.from_nose"
 """Key path of a quantity that a mission has where its vehicle file gives the centres of gravity and buoyancy."""
 
@@ -24,7 +26,7 @@ def hold_of(scenario: Scenario, phase: MoorPhase, weight: Scalars) -> Hold:
             wet_weight=weight,
             diameter=scenario["vehicle.anchor.diameter"],
             length=np.maximum(anchor_length(scenario, weight), scenario["vehicle.anchor.diameter"] / 2.0),
-            friction=scenario.get("vehicle.anchor.holding_factor", FRICTION),
+            friction=scenario.get(HOLDING_GIVEN, FRICTION),
         ),
         site_depth=scenario["site.depth"],
         slope=Slope(scenario.get("site.slope.angle", 0.0), scenario.get("site.slope.toward", 0.0)),

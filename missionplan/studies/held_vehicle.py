@@ -11,11 +11,11 @@ from missionplan.errors import InputError
 from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.currents import Current, LayeredCurrent
-from missionplan.phases.mooring.hold import Hold, HoldRecord, extreme_moments, layers_above, record_at_once
+from missionplan.phases.mooring.hold import Hold, HoldRecord, extreme_moments, layers_above, lifted, record_at_once
 from missionplan.physics.line_statics import LayersAbove, held_pose, line_shape
 from missionplan.results.held_vehicle import HeldState, HeldVehicle
-from missionplan.scenario.anchor_weight import design_current
-from missionplan.scenario.held_vehicle import CENTRES_GIVEN, hold_of
+from missionplan.scenario.anchor_weight import anchor_length, design_current
+from missionplan.scenario.held_vehicle import CENTRES_GIVEN, HOLDING_GIVEN, hold_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.studies.anchor.dive_trials import start_of
 
@@ -34,7 +34,7 @@ def held_vehicle(means: Scenario, phase: MoorPhase, weight: float) -> HeldVehicl
     weight : float
         Of the anchor in water [N].
     """
-    hold, given = hold_of(means, phase, weight), means.draws
+    hold, given = lifted(hold_of(means, phase, weight), means.descent_effects), means.draws
     currents = dict(_currents(means, phase, hold))
     worst = list(currents.values())[-1]
     return HeldVehicle(
@@ -46,10 +46,10 @@ def held_vehicle(means: Scenario, phase: MoorPhase, weight: float) -> HeldVehicl
         anchor_weight=weight,
         line_length=float(hold.line.length),
         friction=float(hold.anchor.friction),
-        friction_given="vehicle.anchor.holding_factor" in given,
+        friction_given=HOLDING_GIVEN in given,
         centres_given=CENTRES_GIVEN in given,
         states=tuple(_state(hold, name, layers) for name, layers in currents.items()),
-        remedies=tuple(_remedies(hold, worst, _faults(means.mission.requirements, phase))),
+        remedies=tuple(_remedies(hold, means, worst, _faults(means.mission.requirements, phase))),
     )
 
 
@@ -155,7 +155,7 @@ def _bound_fault(item: Requirement, quantity: str) -> Iterator[_Fault]:
 
 @dataclass(frozen=True)
 class _Knob:
-    """A number that a remedy may change: article, name, unit, value, and the hold with other values of it, shape (n,)."""
+    """A number that a remedy may change, in words, and the hold with other values of it, of shape (n,)."""
 
     article: str
     name: str
@@ -164,29 +164,28 @@ class _Knob:
     changed: Callable[[Array], Hold]
 
 
-def _knobs(hold: Hold) -> tuple[_Knob, ...]:
+def _knobs(hold: Hold, means: Scenario) -> tuple[_Knob, ...]:
     body, anchor, line = hold.body, hold.anchor, hold.line
+    is_built = "vehicle.anchor.construction.front.mass" in means.draws
+
+    def heavier(weight: Array) -> Hold:
+        length = np.maximum(anchor_length(means, weight), 0.5 * anchor.diameter) if is_built else anchor.length
+        return replace(hold, anchor=replace(anchor, wet_weight=weight, length=length))
 
     def lighter(buoyancy: Array) -> Hold:
         raised = body.raising_moment + 0.5 * body.length * (buoyancy - body.net_buoyancy)
         return replace(hold, body=replace(body, net_buoyancy=buoyancy, raising_moment=raised))
 
     return (
-        _Knob(
-            "an",
-            "anchor of this size",
-            "N wet",
-            float(anchor.wet_weight),
-            lambda weight: replace(hold, anchor=replace(anchor, wet_weight=weight)),
-        ),
+        _Knob("an", "anchor", "N wet", float(anchor.wet_weight), heavier),
         _Knob("a", "net buoyancy", "N", float(body.net_buoyancy), lighter),
         _Knob("a", "line", "m", float(line.length), lambda length: replace(hold, line=replace(line, length=length))),
     )
 
 
-def _remedies(hold: Hold, layers: LayersAbove, faults: Iterator[_Fault]) -> Iterator[str]:
+def _remedies(hold: Hold, means: Scenario, layers: LayersAbove, faults: Iterator[_Fault]) -> Iterator[str]:
     """Write what is wrong in a current, and the least change of each number that mends it."""
-    records = {knob: _record(knob.changed(knob.value * _FACTORS), layers) for knob in _knobs(hold)}
+    records = {knob: _record(knob.changed(knob.value * _FACTORS), layers) for knob in _knobs(hold, means)}
     now = record_at_once(hold, held_pose(hold.body, hold.line, layers), layers)
     for fault in faults:
         if fault.is_mended(now)[0]:

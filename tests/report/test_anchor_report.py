@@ -51,10 +51,10 @@ def test_a_requirement_that_no_anchor_meets_is_told(sizing):
     assert "the mission requires 99.9\u00a0% within the radius" in answer(missed)
 
 
-def test_the_page_has_the_four_figures(sizing, tmp_path):
+def test_the_page_has_its_figures(sizing, tmp_path):
     sizing.save(tmp_path / "report")
     names = {path.stem for path in (tmp_path / "report" / "figures").iterdir()}
-    assert names == {"anchor", "drag", "descent", "drift"}
+    assert names == {"anchor", "drag", "descent", "drift", "hold"}
     assert page(sizing).verdict == "good"
     assert {"anchor.csv", "descent.csv"} <= {path.name for path in (tmp_path / "report").iterdir()}
 

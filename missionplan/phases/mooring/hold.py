@@ -3,14 +3,16 @@
 Quasi-static: vehicle and line follow the current at once, as they do within seconds to a minute.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.currents import Current, LayeredCurrent
+from missionplan.phases.hooks import DescentEffect
+from missionplan.phases.mooring.forces import DescentHooks
 from missionplan.physics.line_statics import HeldBody, HeldLine, HeldPose, LayersAbove, held_pose
 from missionplan.physics.seafloor import (
     ROUGHNESS,
@@ -137,6 +139,14 @@ def hold_vehicle(hold: Hold, current: Current, anchor: Array, start: Array, dura
     if record is None:
         raise ValueError("a hold has at least one moment")
     return record
+
+
+def lifted(hold: Hold, effects: Iterable[DescentEffect]) -> Hold:
+    """The vehicle with the lift of the effects on it, which acts at mid-length, at the depth of the taut line's end."""
+    body = hold.body
+    lift = DescentHooks(effects).lift(np.maximum(hold.site_depth - hold.line.length, 0.0))
+    raising = body.raising_moment + 0.5 * body.length * lift
+    return replace(hold, body=replace(body, net_buoyancy=body.net_buoyancy + lift, raising_moment=raising))
 
 
 def layers_above(hold: Hold, current: Current, anchor: Array, moment: Array) -> LayersAbove:

@@ -6,7 +6,7 @@ surfaces once for a fix. There is no other surfacing before the release.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,8 @@ from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect, TransitEffect, surface_velocity
 from missionplan.phases.mooring.ascent import AscentRecord, ascend
 from missionplan.phases.mooring.descent import DescentRecord, descend
-from missionplan.phases.mooring.forces import DescentHooks, Dive
-from missionplan.phases.mooring.hold import Hold, HoldRecord, hold_vehicle
+from missionplan.phases.mooring.forces import Dive
+from missionplan.phases.mooring.hold import Hold, HoldRecord, hold_vehicle, lifted
 from missionplan.phases.state import TrialState
 
 
@@ -150,7 +150,7 @@ def moor(
     down, landed = descent.touched_down, state.position + descent.offset
     sinking, standing = np.where(down, descent.descent_time, 0.0), plan.hold + plan.galvanic_release
     parted_at = state.clock + release + sinking + standing
-    hold = hold_vehicle(_lifted(plan, effects), current, landed, state.clock + release + sinking, standing)
+    hold = hold_vehicle(lifted(plan.held, effects), current, landed, state.clock + release + sinking, standing)
     ascent = ascend(
         plan.dive,
         effects=effects,
@@ -168,18 +168,6 @@ def moor(
     end = came_up + (carried + surface_velocity(surface_effects, up_at, time, came_up)) * time
     record = _record(plan, state, (descent, hold, ascent), came_up, up_at + time - state.clock)
     return _after(state, record, end, end + plan.fix_error * fix_normals), record
-
-
-def _lifted(plan: MoorPlan, effects: tuple[DescentEffect, ...]) -> Hold:
-    """The vehicle on its line with the lift of the effects, which acts at mid-length, at the line's length [N]."""
-    held, body = plan.held, plan.held.body
-    lift = DescentHooks(effects).lift(np.maximum(plan.dive.site_depth - plan.dive.line_length, 0.0))
-    lifted = replace(
-        body,
-        net_buoyancy=body.net_buoyancy + lift,
-        raising_moment=body.raising_moment + 0.5 * body.length * lift,
-    )
-    return replace(held, body=lifted)
 
 
 def _record(

@@ -6,6 +6,7 @@ from missionplan.report.anchor import sections
 from missionplan.report.anchor.drawing import drawing
 from missionplan.report.anchor.figures import descent_profile
 from missionplan.report.anchor.numbers_table import numbers_table
+from missionplan.report.held_vehicle import hold_section
 from missionplan.report.numbers import percent
 from missionplan.report.page import Figure, Page, Terminal
 from missionplan.results.anchor import AnchorSizing
@@ -22,13 +23,18 @@ def page(sizing: AnchorSizing) -> Page:
         numbers=[
             ("Wet weight", f"{anchor.wet_weight:.2f} N"),
             ("Terminal velocity it is sized for", f"{anchor.terminal_velocity:.2f} m/s"),
-            (f"Dives within {sizing.radius:.1f} m and clear of the bottom", percent(anchor.probabilities.good)),
+            (
+                f"Dives within {sizing.radius:.1f} m and clear of the bottom{sections.holding_in_words(anchor)}",
+                percent(anchor.probabilities.good),
+            ),
         ],
         sections=[
             *sections.problems(anchor),
             *sections.probable(sizing),
             sections.probabilities(sizing),
             *sections.dive(sizing),
+            *([hold_section(sizing.held)] if sizing.held is not None else []),
+            *sections.trim(sizing),
             sections.drag(sizing),
             sections.all_numbers(sizing),
         ],
@@ -67,6 +73,7 @@ def _achieved(sizing: AnchorSizing, anchor: SizedAnchor) -> str:
     """Write how often dives succeed, beside what the mission requires."""
     words = (
         f"{percent(anchor.probabilities.good)} of dives stay within {sizing.radius:.1f}\u00a0m and clear of the bottom"
+        f"{sections.holding_in_words(anchor)}"
     )
     if sizing.required is not None and not sizing.meets_requirement:
         return f"{words}; the mission requires {100.0 * sizing.required:g}\u00a0% within the radius."

@@ -1,8 +1,10 @@
 """Sections of the report of a sizing."""
 
+import math
 from collections.abc import Iterator
 
 from missionplan.montecarlo.statistics import wilson
+from missionplan.physics.trim import TrimState
 from missionplan.report.anchor.drawing import drawing
 from missionplan.report.anchor.drift import drift_figure
 from missionplan.report.anchor.figures import descent_profile, drag_bars
@@ -85,7 +87,8 @@ def dive_in_words(anchor: SizedAnchor) -> str:
 def probabilities(sizing: AnchorSizing) -> PageSection:
     """Present how often dives stay within the radius and clear of the bottom."""
     good = percent(sizing.to_build.probabilities.good)
-    heading = f"{good} of dives stay within {sizing.radius:.1f}\u00a0m and clear of the bottom"
+    holding = holding_in_words(sizing.to_build)
+    heading = f"{good} of dives stay within {sizing.radius:.1f}\u00a0m and clear of the bottom{holding}"
     return PageSection(heading, [_dives_in_words(sizing)])
 
 
@@ -134,6 +137,41 @@ def _layers_in_words(sizing: AnchorSizing) -> str:
     if sizing.vector_velocity is not None:
         words += f" With the layers' own directions {sizing.vector_velocity:.3f}\u00a0m/s would do."
     return words
+
+
+def holding_in_words(anchor: SizedAnchor) -> str:
+    """Write that the dives counted are those whose anchor holds, where that counts."""
+    return "" if anchor.probabilities.holds is None else ", with an anchor that holds"
+
+
+def trim(sizing: AnchorSizing) -> Iterator[PageSection]:
+    """Tabulate how the vehicle lies in the water in the paper's three configurations."""
+    if not sizing.trim:
+        return
+    rows = [
+        (
+            state.configuration,
+            state.verdict,
+            f"{state.net_force:+.2f} N",
+            _moment(state),
+            _pitch(state.pitch),
+        )
+        for state in sizing.trim
+    ]
+    columns = ("configuration", "lies", "net force, up", "moment, nose down", "pitch, nose down")
+    released = sizing.trim[-1]
+    lies = f"The released vehicle is {released.verdict}"
+    if released.pitch is None:
+        lies = "How the released vehicle lies depends on its centres of gravity and buoyancy"
+    yield PageSection(lies, [Table(columns, rows, text_columns=2)])
+
+
+def _moment(state: TrimState) -> str:
+    return "–" if state.moment == 0.0 and not state.centres_known else f"{state.moment:+.2f} N m"
+
+
+def _pitch(pitch: float | None) -> str:
+    return "–" if pitch is None else f"{math.degrees(pitch):+.1f} °"
 
 
 def drag(sizing: AnchorSizing) -> PageSection:

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 
 from missionplan.report.geography.geojson import track_geojson
 from missionplan.report.geography.kml import track_kml
+from missionplan.report.held_vehicle import hold_section
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Page, Terminal
 from missionplan.report.simulation import sections
@@ -33,6 +34,7 @@ def page(outcome: Outcome) -> Page:
             *requirements_section(outcome),
             sections.tracks(outcome),
             sections.timeline(outcome),
+            *(hold_section(held) for held in outcome.held),
             sections.distributions(outcome),
             *sensitivity_sections(outcome),
             sections.attrition(outcome),

@@ -14,7 +14,9 @@ from missionplan.montecarlo.streams import block_count, block_size, stream
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import surface_velocity
 from missionplan.phases.mooring.descent import descend
+from missionplan.phases.mooring.hold import hold_vehicle, lifted
 from missionplan.results.sized_anchor import DiveProbabilities
+from missionplan.scenario.held_vehicle import HOLDING_GIVEN, hold_of
 from missionplan.scenario.mooring import dive_of, is_too_shallow
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 
@@ -36,7 +38,9 @@ class _Totals:
     """Merged dives; the statistics are of those that landed."""
 
     good: Count
+    enough: Count
     within: Count
+    holds: Count
     struck: Count
     offset: RunningStatistic
     lowest: RunningStatistic
@@ -44,7 +48,9 @@ class _Totals:
     def merge(self, other: "_Totals") -> "_Totals":
         return _Totals(
             self.good.merge(other.good),
+            self.enough.merge(other.enough),
             self.within.merge(other.within),
+            self.holds.merge(other.holds),
             self.struck.merge(other.struck),
             self.offset.merge(other.offset),
             self.lowest.merge(other.lowest),
@@ -72,6 +78,11 @@ class AnchorTrials:
     seed: int
     parallel: ParallelOptions = ParallelOptions()
 
+    @property
+    def counts_holding(self) -> bool:
+        """Whether an anchor must also hold: where the vehicle file says how it does."""
+        return HOLDING_GIVEN in self.mission.quantities()
+
     def probabilities(self, weight: float, line_length: float | None = None) -> DiveProbabilities:
         """Estimate the probabilities of an anchor of a wet weight [N], with another line [m] if one is given."""
         task = partial(_block, self, weight, line_length)
@@ -81,7 +92,9 @@ class AnchorTrials:
         totals = reduce(_Totals.merge, results)
         return DiveProbabilities(
             good=totals.good.probability(),
+            enough=totals.enough.probability(),
             within=totals.within.probability(),
+            holds=totals.holds.probability() if self.counts_holding else None,
             struck=totals.struck.probability(),
             offset=totals.offset.statistic(),
             lowest_altitude=totals.lowest.statistic(),
@@ -113,10 +126,19 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
     landed = record.touched_down & ~is_too_shallow(scenario, dive)
     offset = np.where(landed, np.hypot(*(record.offset - fix_error)), np.nan)
     within = offset <= scenario[f"{study.phase.name}.radius"]
-    struck = record.struck & landed
+    struck, holds = record.struck & landed, landed
+    if study.counts_holding:
+        hold = hold_of(scenario, study.phase, weight)
+        hold = lifted(replace(hold, line=replace(hold.line, length=dive.line_length)), scenario.descent_effects)
+        touchdown = start + release + np.where(landed, record.descent_time, 0.0)
+        lasting = scenario[f"{study.phase.name}.hold"] + scenario[f"{study.phase.name}.galvanic_release"]
+        current = scenario.current or STILL_WATER
+        holds = landed & hold_vehicle(hold, current, position + record.offset, touchdown, lasting).anchor_holds
     return _Totals(
-        Count.of(within & ~struck),
+        Count.of(within & holds & ~struck),
+        Count.of(within & holds),
         Count.of(within),
+        Count.of(holds),
         Count.of(struck),
         RunningStatistic.of(offset),
         RunningStatistic.of(np.where(landed, record.lowest_altitude, np.nan)),

@@ -47,14 +47,15 @@ def lightest_anchor(
     """Search wet weights for the lightest that reaches a probability.
 
     On common random numbers (Law 2015, Simulation Modeling and Analysis, sect. 11.2) the share of trials within the
-    radius only rises with the weight, and so does the share of trials that strike. The lightest candidate is therefore
-    the weight at which the first reaches the probability; from there on only strikes can prevent it.
+    radius, and that of anchors that hold, only rise with the weight, and so does the share of trials that strike. The
+    lightest candidate is therefore the weight at which the first two reach the probability; from there on only strikes
+    can prevent it.
 
     Parameters
     ----------
     probabilities : ProbabilitiesOf
     required : float
-        P(within the radius and not struck).
+        P(within the radius, not struck, and holding where that counts).
     start : float
         Wet weight to begin with, such as the worst case's [N].
     line_length : float
@@ -78,21 +79,26 @@ def _lightest(
 ) -> LightestAnchor:
     """Lightest weight, to a ratio, with one line; neither weight nor reason where strikes prevent it."""
     heaviest = start * MAX_WEIGHT_RATIO
-    share = probabilities(heaviest, line).within.value
+    heavy = probabilities(heaviest, line)
+    share = heavy.enough.value
     if share < required:
-        reason = (
-            f"even an anchor of {heaviest:.0f} N comes down within the radius in {100 * share:.1f} % of dives: "
-            "the drift before the line is taut takes the rest"
-        )
+        reason = f"even an anchor of {heaviest:.0f} N "
+        if heavy.within.value < required:
+            reason += (
+                f"comes down within the radius in {100 * heavy.within.value:.1f} % of dives: the drift before the "
+            )
+            reason += "line is taut takes the rest"
+        else:
+            reason += f"comes down within the radius and holds in {100 * share:.1f} % of dives"
         return LightestAnchor(None, share, reason)
 
-    def is_within(weight: float) -> bool:
-        return probabilities(weight, line).within.value >= required
+    def is_heavy_enough(weight: float) -> bool:
+        return probabilities(weight, line).enough.value >= required
 
     def is_good(weight: float) -> bool:
         return probabilities(weight, line).good.value >= required
 
-    light = _bisect(is_within, start / MAX_WEIGHT_RATIO, heaviest, resolution)
+    light = _bisect(is_heavy_enough, start / MAX_WEIGHT_RATIO, heaviest, resolution)
     best, weight = 0.0, light
     while weight <= heaviest:
         found = probabilities(weight, line)

@@ -16,7 +16,9 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.dive_trials import AnchorTrials, ParallelOptions
 from missionplan.studies.anchor.sizing import AnchorSizer
+from missionplan.studies.anchor.trim_check import trim_states
 from missionplan.studies.arguments import check_arguments
+from missionplan.studies.held_vehicle import held_vehicle
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.record_cover import check_cover
 
@@ -129,7 +131,13 @@ def _anchor_sizing(
         notes=(),
         required=required,
     )
-    return replace(sizing, notes=sizer.notes(sizing.to_build))
+    chosen = sizing.to_build
+    return replace(
+        sizing,
+        notes=sizer.notes(chosen),
+        held=held_vehicle(sizer.means, sizer.moor, chosen.wet_weight),
+        trim=trim_states(sizer.means, sizer.moor, chosen.wet_weight, chosen.design),
+    )
 
 
 def worst_case_anchor(mission: Mission) -> float:

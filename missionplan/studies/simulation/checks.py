@@ -11,9 +11,11 @@ from missionplan.mission.schema.phases import TransitPhase
 from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
 from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.vehicle_drag import range_notes
+from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.sized_anchor import MooringAnchor
 from missionplan.scenario.anchor_weight import anchor_problem, wet_weight_of
 from missionplan.scenario.scenario import Scenario
+from missionplan.studies.held_vehicle import held_vehicle
 
 if TYPE_CHECKING:
     from missionplan.studies.simulation.block_sequence import MergedBlocks
@@ -119,6 +121,11 @@ def mooring_anchors(mission: Mission, means: Scenario) -> tuple[MooringAnchor, .
             words = tuple(failure.words for failure in failures)
             found.append(MooringAnchor(phase.name, weight, is_sized, words))
     return tuple(found)
+
+
+def held_vehicles(mission: Mission, means: Scenario) -> tuple[HeldVehicle, ...]:
+    """How the vehicle of each mooring stands on its line."""
+    return tuple(held_vehicle(means, phase, float(wet_weight_of(means, phase))) for phase in mission.moors)
 
 
 def run_notices(merged: "MergedBlocks", goal: "Precision | None") -> tuple[str, ...]:

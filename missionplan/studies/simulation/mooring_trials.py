@@ -10,7 +10,7 @@ from missionplan.phases.currents import Current, Span
 from missionplan.phases.mooring.mooring import MoorPlan, MoorRecord, moor
 from missionplan.phases.state import TrialState
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.scenario.held_vehicle import CENTRES_GIVEN
+from missionplan.scenario.held_vehicle import CENTRES_GIVEN, HOLDING_GIVEN
 from missionplan.scenario.mooring import is_too_shallow, moor_plan
 from missionplan.scenario.scenario import STILL_WATER
 from missionplan.scenario.transit_streams import fix_normals
@@ -107,7 +107,7 @@ def _snatch_load(plan: MoorPlan, record: MoorRecord, taut: Flags) -> dict[str, A
 def _hold_failures(block: TrialBlock, dragged: Flags, grounded: Flags) -> dict[str, Flags]:
     """Failures of the hold, where the vehicle file gives what they depend on."""
     given = block.scenario.draws
-    failures = {"anchor dragged": dragged} if "vehicle.anchor.holding_factor" in given else {}
+    failures = {"anchor dragged": dragged} if HOLDING_GIVEN in given else {}
     return failures | ({"grounded in the hold": grounded} if CENTRES_GIVEN in given else {})
 
 

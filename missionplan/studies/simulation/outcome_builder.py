@@ -13,6 +13,7 @@ from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.montecarlo.sensitivity import Influence, sensitivities
 from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic, Statistic
 from missionplan.results.base import Provenance
+from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.simulation import (
     Attrition,
     Histogram,
@@ -54,6 +55,8 @@ class OutcomeBuilder:
     trials_table : bytes or None
     anchors : tuple of MooringAnchor
         As of `Outcome`.
+    held : tuple of HeldVehicle
+        As of `Outcome`.
     """
 
     mission: Mission
@@ -62,6 +65,7 @@ class OutcomeBuilder:
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
     anchors: tuple[MooringAnchor, ...] = ()
+    held: tuple[HeldVehicle, ...] = ()
 
     def outcome(self, provenance: Provenance) -> Outcome:
         """Return the result."""
@@ -78,6 +82,7 @@ class OutcomeBuilder:
             tracks=simulation_tracks(self.mission, self.tracks),
             arrivals=self._sampled("miss:"),
             anchors=self.anchors,
+            held=self.held,
             failed_blocks=self.failed_blocks,
             trials_table=self.trials_table,
         )

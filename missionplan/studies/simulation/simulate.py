@@ -20,7 +20,13 @@ from missionplan.studies.arguments import check_arguments
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence
 from missionplan.studies.simulation.block_statistics import LIMIT
-from missionplan.studies.simulation.checks import check_complete, input_notices, mooring_anchors, run_notices
+from missionplan.studies.simulation.checks import (
+    check_complete,
+    held_vehicles,
+    input_notices,
+    mooring_anchors,
+    run_notices,
+)
 from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.precision import Precision
@@ -111,8 +117,8 @@ def simulate(
         notices=(*notices, *run_notices(merged, goal)),
     )
     table = run.table.parquet() if run.table else None
-    anchors = mooring_anchors(mission, means)
-    return OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors).outcome(provenance)
+    anchors, held = mooring_anchors(mission, means), held_vehicles(mission, means)
+    return OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held).outcome(provenance)
 
 
 def _items(trials: int) -> list[BlockItem]:

@@ -1,4 +1,5 @@
 import json
+import math
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -222,7 +223,7 @@ def test_search_finds_the_lightest_weight_within_the_radius():
             def share(value):
                 return type("Share", (), {"value": value})()
 
-            self.within = share(float(weight >= 10.0))
+            self.within = self.enough = share(float(weight >= 10.0))
             self.struck = share(float(weight >= edge))
             self.good = share(float(10.0 <= weight < edge))
 
@@ -236,6 +237,7 @@ class Shares:
         self.within, self.struck, self.good = (
             SimpleNamespace(value=value) for value in (within, struck, within - struck)
         )
+        self.enough = self.within
 
 
 def test_search_goes_on_where_a_few_strikes_ask_for_more_weight():
@@ -261,3 +263,35 @@ def test_the_worst_case_by_itself_is_the_anchor_sized(mission):
 def test_the_worst_case_by_itself_reports_what_is_missing():
     with pytest.raises(InputError, match="no mooring"):
         worst_case_anchor(load(MISSIONS / "fig8.yaml"))
+
+
+def test_an_anchor_must_hold_where_its_holding_factor_is_given(tmp_path, mission):
+    spoken = altered(tmp_path, vehicle=[("  drag_coefficient: 0.2", "  holding_factor: 0.5\n  drag_coefficient: 0.2")])
+    silent, counted = (size_anchor(each, trials=300, probability=0.6) for each in (mission, spoken))
+    assert silent.anchor.probabilities.holds is None
+    dives = counted.anchor.probabilities
+    assert dives.within.value == silent.anchor.probabilities.within.value
+    assert dives.good.value <= min(dives.within.value, dives.holds.value)
+    assert dives.holds.value < 0.9
+    assert counted.probable.anchor.wet_weight > silent.probable.anchor.wet_weight
+    assert counted.probable.anchor.probabilities.good.value >= 0.6
+    assert "anchor_holds" in counted.summary()["odds"]
+
+
+def test_an_anchor_that_cannot_hold_is_told(tmp_path):
+    slippery = altered(
+        tmp_path, vehicle=[("  drag_coefficient: 0.2", "  holding_factor: 0.02\n  drag_coefficient: 0.2")]
+    )
+    probable = size_anchor(slippery, trials=100, probability=0.6).probable
+    assert probable.anchor is None
+    assert "and holds in" in probable.reason
+
+
+def test_the_vehicle_lies_as_its_centres_say(tmp_path, mission):
+    states = size_anchor(mission, trials=10).trim
+    assert [state.verdict for state in states][1] == "nose-heavy"
+    assert states[1].net_force == pytest.approx(0.89 - 11.7, abs=0.01)
+    centres = "centre_of_gravity: {from_nose: 561 mm, below_axis: 5 mm}\ncentre_of_buoyancy: {from_nose: 560 mm}\nmass:"
+    sealed, _, released = size_anchor(altered(tmp_path, vehicle=[("mass: 10.2", f"{centres} 10.2")]), trials=10).trim
+    assert sealed.pitch == released.pitch == pytest.approx(-math.atan2(1.0, 5.0))
+    assert released.verdict == "tail-heavy"

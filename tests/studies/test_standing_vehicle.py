@@ -1,0 +1,123 @@
+"""How the vehicle stands in the mean and in the worst current, and what would mend what is wrong."""
+
+import copy
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import missionplan
+from missionplan.mission import Mission
+from missionplan.phases.recorded_currents import SeriesCurrent
+from missionplan.report.held_vehicle import hold_section
+from missionplan.report.page import style
+from missionplan.scenario.scenario import Scenario
+from missionplan.studies.held_vehicle import held_vehicle
+from missionplan.studies.simulation.simulate import simulate
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+
+
+def stands(file="chesapeake.yaml", weight=11.8, *, recorded=None, requirements=(), moor=None, vehicle=None, slope=None):
+    data = copy.deepcopy(dict(missionplan.load(MISSIONS / file).raw))
+    data["requirements"] = list(requirements)
+    data["vehicle"] |= vehicle or {}
+    data["site"] |= {"slope": slope} if slope else {}
+    next(phase["moor"] for phase in data["phases"] if "moor" in phase).update(moor or {})
+    mission = Mission.from_data(data)
+    return held_vehicle(Scenario.at_means(mission, recorded), mission.moors[0], weight)
+
+
+def test_the_independent_estimate_for_both_missions():
+    mean, worst = stands().states
+    assert (mean.nose_altitude, mean.excursion) == pytest.approx((4.0, 2.9), abs=0.06)
+    assert (worst.nose_altitude, worst.excursion) == pytest.approx((2.5, 4.4), abs=0.06)
+    fast, _ = stands("anchor-design.yaml").states
+    assert (fast.nose_altitude, fast.excursion) == pytest.approx((0.6, 5.0), abs=0.06)
+
+
+def test_the_worst_current_is_the_design_current():
+    mean, worst = stands("anchor-design.yaml").states
+    assert (mean.speed, worst.speed) == pytest.approx((0.9, 1.13))
+    assert worst.friction_needed > mean.friction_needed
+    assert stands().states[1].speed == pytest.approx(0.4 * 0.514444, rel=1e-5)  # mean + 2 sd of the lower layer
+
+
+def test_the_least_weight_needs_the_holding_factor_that_there_is():
+    state = stands("anchor-design.yaml").states[0]
+    assert state.least_weight > 11.8
+    heavier = stands("anchor-design.yaml", state.least_weight)
+    # an anchor built for it is longer, and so has more drag
+    assert heavier.friction < heavier.states[0].friction_needed < 1.1 * heavier.friction
+
+
+def test_the_line_ends_at_the_nose_and_is_as_long_as_it_is():
+    held = stands(moor={"line_diameter": "4 mm"})
+    for state in held.states:
+        assert state.line[0] == pytest.approx([0.0, 0.0], abs=1e-9)
+        assert state.line[-1] == pytest.approx([state.excursion, state.nose_altitude], abs=1e-4)
+        assert np.hypot(*np.diff(state.line, axis=0).T).sum() == pytest.approx(5.0)
+        assert np.hypot(*(np.array(state.tail) - state.line[-1])) == pytest.approx(held.length, abs=1e-3)
+
+
+def test_an_anchor_that_drags_is_mended_by_a_heavier_one_and_nothing_else():
+    (words,) = stands("anchor-design.yaml", 11.7).remedies
+    assert words.startswith("In the worst current the anchor drags. It would be mended by an anchor of ")
+    needed = float(re.search(r"an anchor of ([\d.]+) N wet instead of 11.7 N wet", words)[1])
+    mended, short = (stands("anchor-design.yaml", factor * needed) for factor in (1.005, 0.98))
+    assert mended.states[1].holding_margin > 0.0 > short.states[1].holding_margin
+    assert mended.remedies == ()
+    assert "No net buoyancy and no line" in words
+
+
+def test_a_nose_too_low_is_mended_by_buoyancy_or_a_longer_line():
+    bound = {"quantity": "moor.nose_altitude", "at_least": "3 m", "probability": 0.9}
+    (words,) = stands(requirements=[bound]).remedies
+    needed = float(re.search(r"net buoyancy of ([\d.]+) N", words)[1])
+    changed = stands(requirements=[bound], vehicle={"net_buoyancy": f"{1.01 * needed} N"})
+    assert changed.remedies == ()
+    assert changed.states[1].nose_altitude == pytest.approx(3.0, abs=0.05)
+    assert re.search(r"a line of 6\.\d+ m instead of 5 m", words)
+
+
+def test_a_watch_circle_too_wide_is_mended_by_a_shorter_line():
+    bound = {"quantity": "moor.excursion", "at_most": "3 m", "probability": 0.9}
+    (words,) = stands(requirements=[bound]).remedies
+    assert re.search(r"a line of 3\.4\d m instead of 5 m", words)
+
+
+def test_a_record_gives_its_fastest_moment_in_the_hold():
+    hours = np.arange(0.0, 4.0) * 3600.0
+    east = np.array([0.05, 0.3, 0.05, 0.05])[:, None] * np.ones(2)
+    held = stands(
+        recorded=SeriesCurrent(hours, np.array([0.0, 12.0]), east, 0.0 * east),
+        moor={"hold": "2 h", "design_current": "1 m/s"},
+    )
+    assert [state.current for state in held.states] == ["current at touchdown", "fastest current of the hold"]
+    assert held.states[1].speed == pytest.approx(0.3, abs=0.02)
+
+
+def test_uphill_is_drawn_and_measured():
+    held = stands(slope={"angle": "10 deg", "toward": "240 deg"})  # the current flows toward 60 deg
+    state = held.states[0]
+    assert state.uphill == pytest.approx(np.tan(np.radians(10.0)))
+    assert state.nose_altitude == pytest.approx(state.line[-1, 1] - state.excursion * state.uphill)
+    with style():
+        assert hold_section(held).blocks
+
+
+def test_the_report_says_what_it_assumed():
+    with style():
+        words = [block for block in hold_section(stands()).blocks if isinstance(block, str)]
+        assert any("holding factor of 0.4 is assumed" in text for text in words)
+        given = replace(stands(), friction_given=True, centres_given=True)
+        assert not any("assumed" in str(block) for block in hold_section(given).blocks if isinstance(block, str))
+
+
+def test_simulate_has_it_in_summary_and_report():
+    outcome = simulate(missionplan.load(MISSIONS / "chesapeake.yaml"), trials=20)
+    (hold,) = outcome.summary()["holds"]
+    assert hold["phase"] == "moor"
+    assert [state["current"] for state in hold["states"]] == ["mean current", "worst current"]
