@@ -174,6 +174,8 @@ class Tracks:
     position : array, shape (points, 2, trials)
         East and north of the origin at the start and at each fix, anchor drop, touchdown and surfacing;
         nan after a trial has ended [m].
+    time : array, shape (points, trials)
+        Since the mission's start, at these points [s].
     phase : array of int, shape (points,)
         Index of the phase that each point belongs to.
     targets : mapping of str to ((east, north), radius)
@@ -185,6 +187,7 @@ class Tracks:
     """
 
     position: Array
+    time: Array
     phase: NDArray[np.int64]
     targets: Mapping[str, tuple[tuple[float, float], float]]
     anchors: Array

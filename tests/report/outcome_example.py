@@ -143,4 +143,5 @@ def _tracks(draw: Callable[..., np.ndarray], in_error, anchor, arrived, origin) 
     position = np.concatenate((inward, seabed[None], surfaced[None], outward))
     phase = np.repeat([0, 1, 2], [POINTS, 2, POINTS])
     targets = {"ingress": ((1600.0, 0.0), 15.0), "moor": ((1600.0, 0.0), 22.86), "egress": ((0.0, 0.0), 25.0)}
-    return Tracks(position, phase, targets, seabed, origin)
+    time = np.where(np.isfinite(position[:, 0]), 120.0 * np.arange(len(position))[:, None], np.nan)
+    return Tracks(position, time, phase, targets, seabed, origin)

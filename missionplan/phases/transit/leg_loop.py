@@ -76,6 +76,7 @@ class LegLoop:
         self._set_moving(state.alive & (self._left >= plan.arrival_radius))
         self._tracked = tracked
         self._track: list[Array] = []
+        self._track_time: list[Array] = []
         self._mark(self._moving)
         self._allocate()
 
@@ -120,6 +121,10 @@ class LegLoop:
     def track(self) -> Array | None:
         """Return the tracks of the first trials; None where none are kept."""
         return np.stack(self._track, axis=1) if self._track else None
+
+    def track_time(self) -> Array | None:
+        """Return when the tracked trials were at those points; None where no tracks are kept."""
+        return np.stack(self._track_time) if self._track_time else None
 
     def _allocate(self) -> None:
         trials = self._left.size
@@ -239,13 +244,17 @@ class LegLoop:
         return self._clock + under_way + self._surfacings * self._plan.surfacing_time
 
     def _mark(self, moving: Array | None) -> None:
-        """Record where the tracked trials are, nan for those that have arrived."""
+        """Record where the tracked trials are and when, nan for those that have arrived."""
         if not self._tracked:
             return
         place = self._x[:, : self._tracked] + self._goal[:, : self._tracked]
+        time = np.array(np.broadcast_to(self._now(), self._left.shape)[: self._tracked])
         if self._track and moving is not None:
-            place[:, moving[: self._tracked] == 0.0] = np.nan
+            ended = moving[: self._tracked] == 0.0
+            place[:, ended] = np.nan
+            time[ended] = np.nan
         self._track.append(place)
+        self._track_time.append(time)
 
 
 def _completed(aim: _Aim, surfaced: Array, fix: Array, duration: Array, course: Array) -> CompletedLeg:

@@ -210,6 +210,8 @@ class TransitRecord:
     track : array, shape (2, m, k), or None
         True positions of the first k trials: the start, then for each leg where the vehicle surfaced and dived again;
         nan after arrival [m].
+    track_time : array, shape (m, k), or None
+        Since the mission's start, at the points of the track [s].
     """
 
     duration: Array
@@ -221,3 +223,4 @@ class TransitRecord:
     outrun: NDArray[np.bool_]
     left_record: NDArray[np.bool_]
     track: Array | None = field(default=None, repr=False)
+    track_time: Array | None = field(default=None, repr=False)

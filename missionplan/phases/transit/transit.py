@@ -65,6 +65,7 @@ def transit(
         outrun=end.outrun,
         left_record=lost,
         track=legs.track(),
+        track_time=legs.track_time(),
     )
     goal = column(plan.goal)
     clock, used = state.clock + record.duration, state.energy + energy

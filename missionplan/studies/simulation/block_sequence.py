@@ -46,7 +46,7 @@ class BlockResult:
     def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "BlockResult":
         """Read what `to_arrays` wrote."""
         rows, tracks = with_prefix(flat, "row/"), with_prefix(flat, "shown/")
-        return cls(BlockStatistics.from_arrays(flat), rows, MapTracks.from_arrays(tracks) if tracks else None)
+        return cls(BlockStatistics.from_arrays(flat), rows, MapTracks.from_arrays(tracks) if "time" in tracks else None)
 
 
 @dataclass(frozen=True)

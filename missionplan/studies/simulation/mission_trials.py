@@ -47,6 +47,8 @@ class MapTracks:
     ----------
     position : array, shape (points, 2, k)
         Tracks [m].
+    time : array, shape (points, k)
+        Since the mission's start, at the points of the tracks [s].
     points : integers, shape (phases,)
         Points of the tracks that are each phase's.
     anchors : array, shape (2, m)
@@ -56,6 +58,7 @@ class MapTracks:
     """
 
     position: Array
+    time: Array
     points: NDArray[np.int64]
     anchors: Array
     goals: Array
@@ -65,6 +68,7 @@ class MapTracks:
         """Read the fields from arrays of their names."""
         return cls(
             position=np.asarray(flat["position"], dtype=float),
+            time=np.asarray(flat["time"], dtype=float),
             points=np.asarray(flat["points"], dtype=np.int64),
             anchors=np.asarray(flat["anchors"], dtype=float),
             goals=np.asarray(flat["goals"], dtype=float),
@@ -76,6 +80,7 @@ class MapTracks:
         phases = trials.phases
         return cls(
             position=np.concatenate([phase.track for phase in phases]),
+            time=np.concatenate([phase.track_time for phase in phases]),
             points=np.array([len(phase.track) for phase in phases]),
             anchors=np.concatenate([phase.anchor for phase in phases], axis=1),
             goals=np.array([(*phase.goal.mean(axis=1), np.mean(phase.radius)) for phase in phases], dtype=float),

@@ -66,6 +66,7 @@ def mooring_trials(
     taut = begun & ~shallow
     parted = taut & record.line_parted
     points = (record.anchor, record.surfaced_at, after.position)
+    times = _times(plan, state, record)
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
@@ -89,6 +90,7 @@ def mooring_trials(
         },
         miss=where_reached(moored, record.anchor - goal),
         track=np.stack([np.where(after.alive, point, np.nan)[:, : block.tracked] for point in points]),
+        track_time=np.stack([np.where(after.alive, time, np.nan)[: block.tracked] for time in times]),
         anchor=where_reached(moored, record.anchor),
         goal=goal,
         radius=plan.radius,
@@ -109,6 +111,12 @@ def _hold_failures(block: TrialBlock, dragged: Flags, grounded: Flags) -> dict[s
     given = block.scenario.draws
     failures = {"anchor dragged": dragged} if HOLDING_GIVEN in given else {}
     return failures | ({"grounded in the hold": grounded} if CENTRES_GIVEN in given else {})
+
+
+def _times(plan: MoorPlan, before: TrialState, record: MoorRecord) -> tuple[Array, Array, Array]:
+    """When the anchor touches down, the vehicle surfaces, and it takes its last fix, since the mission's start [s]."""
+    descent, end = record.descent, before.clock + record.duration
+    return before.clock + descent.release_time + descent.descent_time, end - plan.surfacing_time, end
 
 
 def _is_covered(plan: MoorPlan, current: Current, before: TrialState, after: TrialState, record: MoorRecord) -> Flags:

@@ -196,6 +196,7 @@ def simulation_tracks(mission: Mission, tracks: MapTracks) -> Tracks:
     origin = mission.site.origin if mission.site else None
     return Tracks(
         position=tracks.position,
+        time=tracks.time,
         phase=np.repeat(np.arange(len(tracks.points)), tracks.points),
         targets={
             phase.name: ((float(east), float(north)), float(radius))

@@ -70,6 +70,8 @@ class PhaseTrials:
         From the phase's goal to where it ended, of the vehicle or its anchor [m].
     track : array, shape (points, 2, k)
         Of the first trials, nan after the phase has ended for them [m].
+    track_time : array, shape (points, k)
+        Since the mission's start, at the points of the track [s].
     anchor : array, shape (2, n) or (2, 0)
         On the seafloor; none in a transit [m].
     goal : array, shape (2, 1) or (2, n)
@@ -90,6 +92,7 @@ class PhaseTrials:
     failures: Mapping[str, Flags]
     miss: Array
     track: Array
+    track_time: Array
     anchor: Array
     goal: Array
     radius: Scalars

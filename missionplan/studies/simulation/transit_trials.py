@@ -55,6 +55,7 @@ def transit_trials(block: TrialBlock, phase: TransitPhase, state: TrialState) ->
         failures=_failures(state, record, environment, aground) | {OUT_OF_ENERGY: exhausted},
         miss=where_reached(arrived, after.position - goal),
         track=np.empty((0, 2, 0)) if record.track is None else record.track.transpose(1, 0, 2),
+        track_time=np.empty((0, 0)) if record.track_time is None else record.track_time,
         anchor=np.empty((2, 0)),
         goal=goal,
         radius=plan.arrival_radius,

@@ -64,6 +64,7 @@ def transition_trials(block: TrialBlock, phase: TransitionPhase, state: TrialSta
         failures={"did not come to hover": state.alive & ~hovering, OUT_OF_ENERGY: exhausted},
         miss=np.full((2, state.trials), np.nan),
         track=where_reached(hovering, state.position)[None, :, : block.tracked],
+        track_time=where_reached(hovering, after.clock)[None, : block.tracked],
         anchor=np.empty((2, 0)),
         goal=state.position,
         radius=0.0,
