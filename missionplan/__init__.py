@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from missionplan.studies.identification.identify import identify
     from missionplan.studies.leg_length.plan_legs import plan_legs
     from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+    from missionplan.studies.mission_plan.export import export
     from missionplan.studies.simulation.simulate import simulate
     from missionplan.studies.transition.sweep_transition import sweep_transition
 
@@ -27,6 +28,7 @@ __all__ = [
     "Mission",
     "__version__",
     "diagnose",
+    "export",
     "identify",
     "import_logs",
     "load",
@@ -40,6 +42,7 @@ __all__ = [
 _MODULES = {
     "Mission": "missionplan.mission",
     "diagnose": "missionplan.diagnosis.diagnose",
+    "export": "missionplan.studies.mission_plan.export",
     "identify": "missionplan.studies.identification.identify",
     "import_logs": "missionplan.importers.importing",
     "load": "missionplan.mission",

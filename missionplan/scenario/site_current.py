@@ -1,5 +1,6 @@
 """The site's current where a mission reads it from a file."""
 
+import hashlib
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -45,6 +46,14 @@ def current_file(mission: Mission) -> Path | None:
     """Return the path of the current's file; None where the mission has none."""
     written = mission.site.current if mission.site else ()
     return Path(written.file) if isinstance(written, CurrentFile) else None
+
+
+def with_contents_named(text: str, mission: Mission) -> str:
+    """Return text about a mission with the contents of its current's file in place of the file's path."""
+    source = current_file(mission)
+    if source is None:
+        return text
+    return text.replace(str(source), f"{source.name} (SHA-256 {hashlib.sha256(source.read_bytes()).hexdigest()})")
 
 
 def _outside(mission: Mission) -> Outside:

@@ -65,8 +65,7 @@ def mooring_trials(
     holds, grounded = moored & record.hold.anchor_holds, moored & record.hold.grounded
     taut = begun & ~shallow
     parted = taut & record.line_parted
-    points = (record.anchor, record.surfaced_at, after.position)
-    times = _times(plan, state, record)
+    track, times = _track(plan, state, after, record, block.tracked)
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
@@ -89,8 +88,8 @@ def mooring_trials(
             OUT_OF_ENERGY: exhausted,
         },
         miss=where_reached(moored, record.anchor - goal),
-        track=np.stack([np.where(after.alive, point, np.nan)[:, : block.tracked] for point in points]),
-        track_time=np.stack([np.where(after.alive, time, np.nan)[: block.tracked] for time in times]),
+        track=track,
+        track_time=times,
         anchor=where_reached(moored, record.anchor),
         goal=goal,
         radius=plan.radius,
@@ -113,10 +112,17 @@ def _hold_failures(block: TrialBlock, dragged: Flags, grounded: Flags) -> dict[s
     return failures | ({"grounded in the hold": grounded} if CENTRES_GIVEN in given else {})
 
 
-def _times(plan: MoorPlan, before: TrialState, record: MoorRecord) -> tuple[Array, Array, Array]:
-    """When the anchor touches down, the vehicle surfaces, and it takes its last fix, since the mission's start [s]."""
+def _track(
+    plan: MoorPlan, before: TrialState, after: TrialState, record: MoorRecord, tracked: int
+) -> tuple[Array, Array]:
+    """Anchor on the seafloor, vehicle surfacing, last fix: where, shape (3, 2, k) [m], and when, shape (3, k) [s]."""
     descent, end = record.descent, before.clock + record.duration
-    return before.clock + descent.release_time + descent.descent_time, end - plan.surfacing_time, end
+    points = (record.anchor, record.surfaced_at, after.position)
+    times = (before.clock + descent.release_time + descent.descent_time, end - plan.surfacing_time, end)
+    return (
+        np.stack([np.where(after.alive, point, np.nan)[:, :tracked] for point in points]),
+        np.stack([np.where(after.alive, time, np.nan)[:tracked] for time in times]),
+    )
 
 
 def _is_covered(plan: MoorPlan, current: Current, before: TrialState, after: TrialState, record: MoorRecord) -> Flags:

@@ -1,6 +1,5 @@
 """Will the mission work? With what probability, how long, how much energy, and why it fails when it does."""
 
-import hashlib
 import time
 from collections.abc import Generator, Sequence
 from importlib.metadata import version
@@ -12,7 +11,7 @@ from missionplan.montecarlo.streams import BLOCK, block_count, block_size
 from missionplan.results.base import Provenance, to_yaml
 from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.site_current import current_file, recorded_current
+from missionplan.scenario.site_current import recorded_current, with_contents_named
 from missionplan.store.checkpoints import Checkpoints, Identity
 from missionplan.store.paths import as_path
 from missionplan.store.trials_table import TrialsTable
@@ -150,9 +149,6 @@ def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLO
 def _identity(task: BlockTask) -> Identity:
     """Everything that a finished block depends on; not how many blocks there are."""
     data = {key: value for key, value in task.means.mission.raw.items() if key != "monte_carlo"}
-    text, source = to_yaml(data), current_file(task.means.mission)
-    if source is not None:
-        digest = hashlib.sha256(source.read_bytes()).hexdigest()
-        text = text.replace(str(source), f"{source.name} (SHA-256 {digest})")
+    text = with_contents_named(to_yaml(data), task.means.mission)
     options = f"seed: {task.seed}\nkeep_trials: {task.keep_trials}\n"
     return Identity(text, options, version("missionplan"))

@@ -1,0 +1,71 @@
+"""What every file says of itself: which mission it is the plan of, and what it cannot hold."""
+
+import re
+import unicodedata
+from collections.abc import Sequence
+
+from missionplan.results.plan import Plan, PlannedTransit
+
+NO_CORRECTION = "the correction of the course for drift from fix to fix"
+NO_REMAINING_LEGS = "further legs where the last one ends outside the arrival radius"
+
+
+def header(plan: Plan, title: str, lost: Sequence[str]) -> tuple[str, ...]:
+    """Return the lines of a file's header.
+
+    Parameters
+    ----------
+    plan : Plan
+    title : str
+        Of the format.
+    lost : sequence of str
+        What the format cannot hold, in words.
+    """
+    return tuple(
+        one_line(line)
+        for line in (
+            f"Plan of the mission {plan.mission or 'without a name'} as {title}",
+            f"Written by missionplan {plan.version}; SHA-256 of the mission: {plan.digest}",
+            *(f"Note: {note}" for note in plan.notes),
+            *(f"Not in this file: {words}" for words in lost),
+        )
+    )
+
+
+def one_interval(plan: Plan) -> tuple[str, ...]:
+    """Say what a format loses that holds one interval between surfacings for each transit."""
+    return tuple(_lost_table(transit) for transit in plan.transits if transit.surfacing.table)
+
+
+def _lost_table(transit: PlannedTransit) -> str:
+    rule = transit.surfacing
+    words = f"the table of legs of {transit.name}; in its place the interval that costs least, {rule.interval:.0f} m"
+    if rule.extra_time != rule.extra_time:  # not compared
+        return f"{words.replace('that costs least', 'of its longest leg')}, whose cost is not known"
+    return f"{words}, at {rule.extra_time / 60.0:.2f} ± {rule.extra_time_error / 60.0:.2f} minutes more on average"
+
+
+def unheld_moorings(plan: Plan, what: str = "the mooring") -> tuple[str, ...]:
+    """Say of each mooring that a format cannot hold it, with the numbers that the crew needs."""
+    return tuple(
+        f"{what} {mooring.name} (release {mooring.release_time:.1f} s after the fix on arrival, by "
+        f"{mooring.release_time_p99:.1f} s in 99 % of cases; hold {mooring.hold:.0f} s; galvanic release "
+        f"{mooring.galvanic_release:.0f} s; line {mooring.line_length:.2f} m)"
+        for mooring in plan.moorings
+    )
+
+
+def one_line(text: str) -> str:
+    """Return a text without line breaks."""
+    return " ".join(text.split())
+
+
+def plain(text: str) -> str:
+    """Return a text in ASCII, for vehicles that read nothing else."""
+    text = text.replace("±", "+-").replace("–", "-").replace("·", ".")
+    return unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+
+
+def token(number: int, name: str) -> str:
+    """Return a name that holds letters, digits and underscores alone, unlike that of any other number."""
+    return f"{number}_{re.sub('[^A-Za-z0-9]+', '_', plain(name)).strip('_') or 'phase'}"

@@ -1,0 +1,87 @@
+"""GeoJSON (RFC 7946) with simplestyle colours: course, waypoints, arrival and mooring circles."""
+
+import json
+from collections.abc import Iterator
+
+from missionplan.exporters.header import header, one_interval
+from missionplan.exporters.maps.colours import simplestyle
+from missionplan.exporters.maps.geometry import Origin, circle, course_line, longitude_latitude, longitudes_latitudes
+from missionplan.exporters.rows import mooring_row, waypoint_row
+from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
+
+TITLE = "GeoJSON"
+NEEDS_ORIGIN = True
+
+Feature = dict[str, object]
+
+
+def lost(plan: Plan) -> tuple[str, ...]:
+    """Say what the form cannot hold."""
+    return one_interval(plan)
+
+
+def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
+    """Write one file."""
+    collection = {
+        "type": "FeatureCollection",
+        "name": plan.mission,
+        "mission_sha256": plan.digest,
+        "header": list(header(plan, TITLE, lost(plan))),
+        "features": list(features(plan)),
+    }
+    return {f"{stem}.geojson": json.dumps(collection, ensure_ascii=False, allow_nan=False, indent=1) + "\n"}
+
+
+def features(plan: Plan) -> Iterator[Feature]:
+    """Yield the features of a plan with an origin."""
+    origin = plan.origin or (0.0, 0.0)
+    for phase in plan.phases:
+        yield from _mooring(phase, origin) if isinstance(phase, PlannedMooring) else _transit(phase, origin)
+
+
+def _transit(transit: PlannedTransit, origin: Origin) -> Iterator[Feature]:
+    rule = transit.surfacing
+    if len(transit.waypoints) > 1:
+        line = longitudes_latitudes(course_line(transit.waypoints), origin)
+        yield feature(
+            "LineString",
+            line,
+            "planned track",
+            name=f"{transit.name}: planned track",
+            phase=transit.name,
+            depth_m=transit.depth,
+            speed_m_s=transit.speed,
+            surfacing_interval_m=rule.interval,
+            surfacing_interval_s=round(rule.interval_time, 1),
+            surface_time_s=rule.surface_time,
+            time_out_s=transit.time_out,
+        )
+    for waypoint in transit.waypoints:
+        row = {**waypoint_row(transit, waypoint), "waypoint": waypoint.kind}
+        del row["kind"]
+        yield feature("Point", longitude_latitude(waypoint, origin), "waypoint", **row)
+    yield _circle(
+        transit.name, "arrival circle", (transit.goal.east, transit.goal.north), transit.arrival_radius, origin
+    )
+
+
+def _mooring(mooring: PlannedMooring, origin: Origin) -> Iterator[Feature]:
+    row = mooring_row(mooring)
+    del row["kind"]
+    yield feature("Point", longitude_latitude(mooring, origin), "mooring", **row)
+    yield _circle(mooring.name, "mooring circle", (mooring.east, mooring.north), mooring.radius, origin)
+
+
+def _circle(phase: str, kind: str, centre: tuple[float, float], radius: float, origin: Origin) -> Feature:
+    ring = longitudes_latitudes(circle(centre, radius), origin)
+    return feature("Polygon", [ring], kind, name=f"{phase}: {kind}, {radius:.3g} m", phase=phase, radius_m=radius)
+
+
+def feature(geometry: str, coordinates: object, kind: str, **properties: object) -> Feature:
+    """Return a feature, with its kind and its colours."""
+    shape = {"type": geometry, "coordinates": coordinates}
+    return {
+        "type": "Feature",
+        "geometry": shape,
+        "properties": {"kind": kind, **properties, **simplestyle(kind, geometry)},
+    }

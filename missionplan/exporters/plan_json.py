@@ -1,0 +1,100 @@
+"""The whole plan as JSON, for programs; `plan.schema.json` beside this module says what each key is."""
+
+import math
+from dataclasses import asdict
+
+from missionplan.exporters.rows import known, place, waypoint_row
+from missionplan.results.base import to_json
+from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
+
+TITLE = "JSON, all of the plan"
+NEEDS_ORIGIN = False
+
+_UNITS = {"interval": "_m", "table": "_m"}
+"""Of the fields of a rule for surfacing; others are times."""
+_WAYPOINT_KEYS = (
+    "name",
+    "kind",
+    "east_m",
+    "north_m",
+    "latitude_deg",
+    "longitude_deg",
+    "course_deg",
+    "leg_m",
+    "duration_s",
+    "duration_p99_s",
+    "time_out_s",
+    "elapsed_s",
+)
+
+
+def lost(plan: Plan) -> tuple[str, ...]:
+    """Say what the form cannot hold: nothing."""
+    del plan
+    return ()
+
+
+def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
+    """Write one file."""
+    return {f"{stem}.plan.json": plan_json(plan)}
+
+
+def plan_json(plan: Plan) -> str:
+    """Write the plan; what is not known is null."""
+    return to_json(plan_data(plan))
+
+
+def plan_data(plan: Plan) -> dict[str, object]:
+    """Return the whole plan by the keys of `plan.json`: SI units that end the key, angles in degrees."""
+    return {
+        "format": "missionplan plan",
+        "format_version": 1,
+        "mission": plan.mission,
+        "mission_sha256": plan.digest,
+        "missionplan": plan.version,
+        "start_utc": plan.start.isoformat() if plan.start else None,
+        "origin": None
+        if plan.origin is None
+        else {"latitude_deg": math.degrees(plan.origin[0]), "longitude_deg": math.degrees(plan.origin[1])},
+        "phases": [_mooring(phase) if isinstance(phase, PlannedMooring) else _transit(phase) for phase in plan.phases],
+        "notes": list(plan.notes),
+    }
+
+
+def _transit(transit: PlannedTransit) -> dict[str, object]:
+    rule = transit.surfacing
+    return {
+        "name": transit.name,
+        "kind": "transit",
+        "depth_m": transit.depth,
+        "speed_m_s": transit.speed,
+        "arrival_radius_m": transit.arrival_radius,
+        "duration_p99_s": known(transit.duration_p99, 1),
+        "time_out_s": transit.time_out,
+        "surfacing": {f"{key}{_UNITS.get(key, '_s')}": _rounded(value) for key, value in asdict(rule).items()},
+        "waypoints": [
+            {key: value for key, value in waypoint_row(transit, waypoint).items() if key in _WAYPOINT_KEYS}
+            for waypoint in transit.waypoints
+        ],
+    }
+
+
+def _mooring(mooring: PlannedMooring) -> dict[str, object]:
+    return {
+        "name": mooring.name,
+        "kind": "mooring",
+        **place(mooring),
+        "radius_m": mooring.radius,
+        "water_depth_m": known(mooring.water_depth, 3),
+        "line_length_m": mooring.line_length,
+        "anchor_wet_weight_n": known(mooring.anchor_wet_weight, 3),
+        "release_time_s": round(mooring.release_time, 2),
+        "release_time_p99_s": round(mooring.release_time_p99, 2),
+        "hold_s": mooring.hold,
+        "galvanic_release_s": mooring.galvanic_release,
+        "elapsed_s": known(mooring.elapsed, 1),
+    }
+
+
+def _rounded(value: object) -> object:
+    return round(value, 3) if isinstance(value, float) else value

@@ -1,0 +1,82 @@
+"""OceanServer/L3Harris Iver: a VectorMap mission (`.mis`) with a waypoint at the end of each planned leg.
+
+A waypoint is a line `number; latitude; longitude; distance; heading; commands; 0;-1`: decimal degrees, metres and
+degrees from true north, then D (depth, feet), P (time to park at the surface, minutes), VC (cameras, off) and S
+(speed, knots). Conventions after the mission files that VectorMap and Neptus write and that the perls library of
+the University of Michigan reads ("Iver2 Mission Planning Manual", rev. 1.2).
+"""
+
+import math
+from collections.abc import Iterator
+
+from missionplan.exporters.header import NO_CORRECTION, NO_REMAINING_LEGS, header, plain, token, unheld_moorings
+from missionplan.results.plan import Plan, PlannedTransit, Waypoint
+
+TITLE = "mission for Iver (VectorMap)"
+NEEDS_ORIGIN = True
+
+FOOT = 0.3048
+"""[m]"""
+KNOT = 1852.0 / 3600.0
+"""[m/s]"""
+_COLUMNS = (
+    "2X ;WP Number; Latitude; Longitude; Distance(m); Heading; Depth(ft) (D:depth from surface, H: Height from bottom, "
+    "U:undulate); P:Parking(mins) VC:Video Camera S:Speed(kn) SS:Sidescan MB:Multibeam"
+)
+
+
+def lost(plan: Plan) -> tuple[str, ...]:
+    """Say what the file cannot hold."""
+    times = {transit.surfacing.surface_time for transit in plan.transits}
+    parked = ", ".join(f"{_minutes(time)} min for {time:.0f} s" for time in sorted(times))
+    return (
+        f"times at the surface but in whole minutes ({parked})",
+        "time-outs of legs",
+        "legs that begin where the vehicle surfaces: it parks at the ends of the planned legs",
+        NO_CORRECTION,
+        NO_REMAINING_LEGS,
+        *unheld_moorings(plan),
+    )
+
+
+def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
+    """Write a file for each transit, so that no vehicle turns back before it has moored."""
+    several = len(plan.transits) > 1
+    names = [f"{stem}-{token(number, each.name)}" if several else stem for number, each in enumerate(plan.transits, 1)]
+    return {f"{name}.mis": _mission(plan, transit, name) for name, transit in zip(names, plan.transits, strict=True)}
+
+
+def _mission(plan: Plan, transit: PlannedTransit, name: str) -> str:
+    park = _minutes(transit.surfacing.surface_time)
+    lines = ["MISSION FILE VERSION V1.1", _COLUMNS, "MISSION NAME", plain(name), "START"]
+    lines += [_line(number, transit, waypoint, park) for number, waypoint in enumerate(transit.waypoints, start=1)]
+    lines += ["END", "WP TIMING", *_timing(transit, park), "END WP TIMING"]
+    lines += ["START NOTES", *(plain(line) for line in header(plan, TITLE, lost(plan))), "END NOTES"]
+    lines += ["START VEHICLE", f"UVC=WPRadius={transit.arrival_radius:.0f}", "END VEHICLE"]
+    return "\r\n".join(lines) + "\r\n"
+
+
+def _line(number: int, transit: PlannedTransit, waypoint: Waypoint, park: int) -> str:
+    at_start = waypoint.kind == "start"
+    depth = 0.0 if at_start else transit.depth / FOOT
+    heading = 0.0 if at_start else math.degrees(waypoint.course)
+    return (
+        f"{number}; {math.degrees(waypoint.latitude):.7f}; {math.degrees(waypoint.longitude):.7f}; "
+        f"{waypoint.length:.3f}; {heading:.2f}; D{depth:.2f} P{0 if at_start else park} "
+        f"VC1,0,0,1000,0,VC2,0,0,1000,0 S{transit.speed / KNOT:.3f}; 0;-1"
+    )
+
+
+def _timing(transit: PlannedTransit, park: int) -> Iterator[str]:
+    time = distance = 0.0
+    for number, waypoint in enumerate(transit.waypoints, start=1):
+        time += waypoint.duration + (60.0 * park if number > 1 else 0.0)
+        distance += waypoint.length
+        yield f"WP{number};Time={time:.1f};Dist={distance:.1f}"
+    hours, rest = divmod(round(time), 3600)
+    yield f"Total Time = {hours:02d}:{rest // 60:02d}:{rest % 60:02d};Total Distance = {distance:.2f}"
+
+
+def _minutes(seconds: float) -> int:
+    """Whole minutes, at least one where there is a surfacing at all."""
+    return max(round(seconds / 60.0), 1) if seconds > 0.0 else 0

@@ -1,0 +1,133 @@
+"""Neptus and DUNE (LSTS): a zipped mission (`.nmisz`) with a plan for each transit.
+
+A plan is a graph of manoeuvres: a Goto to the end of each planned leg, then a PopUp there for the fix. Latitudes and
+longitudes are decimal degrees, z is a depth, speeds are metres a second, times whole seconds. The elements are those
+that Neptus writes itself (`MissionType`, `GraphType`, `Goto` and `PopUp` of its sources).
+"""
+
+import io
+import math
+import zipfile
+from xml.etree import ElementTree
+
+from missionplan.exporters.header import NO_CORRECTION, NO_REMAINING_LEGS, header, token, unheld_moorings
+from missionplan.exporters.xml import Element, add, document
+from missionplan.results.plan import Plan, PlannedTransit, Waypoint
+
+TITLE = "mission for Neptus"
+NEEDS_ORIGIN = True
+
+VEHICLE = "lauv-xplore-1"
+"""Neptus ties a plan to a vehicle that it knows; the crew chooses its own after loading."""
+_WRITTEN = (1980, 1, 1, 0, 0, 0)
+"""Time of the file inside the archive, so that a plan gives the same bytes whenever it is written."""
+
+
+def lost(plan: Plan) -> tuple[str, ...]:
+    """Say what the file cannot hold."""
+    return (
+        f"the vehicle: plans name {VEHICLE} until another is chosen in Neptus",
+        "legs that begin where the vehicle surfaces: manoeuvres go through the ends of the planned legs",
+        NO_CORRECTION,
+        NO_REMAINING_LEGS,
+        *unheld_moorings(plan),
+    )
+
+
+def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
+    """Write one archive that holds `mission.nmis`."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(zipfile.ZipInfo("mission.nmis", _WRITTEN), _mission(plan, stem))
+    return {f"{stem}.nmisz": content.getvalue()}
+
+
+def _mission(plan: Plan, stem: str) -> str:
+    root = ElementTree.Element("mission-def")
+    about, lines = add(root, "header"), header(plan, TITLE, lost(plan))
+    add(about, "id", token(1, stem))
+    add(about, "name", plan.mission or stem)
+    add(about, "type", "Test")
+    add(about, "description", lines[1])
+    notes = add(about, "notes")
+    for line in lines:
+        add(notes, "note", line)
+    definitions = add(root, "definitions")
+    vehicle = add(add(definitions, "vehicles"), "vehicle")
+    add(vehicle, "id", VEHICLE)
+    add(vehicle, "name", VEHICLE)
+    add(definitions, "maps")
+    add(definitions, "checklists")
+    home = add(definitions, "home-reference")
+    add(home, "id", "home")
+    add(home, "name", "home")
+    origin, place = add(home, "origin"), plan.origin or (0.0, 0.0)
+    _place(origin, *place)
+    add(origin, "depth", "0.0")
+    body = add(root, "body")
+    for number, transit in enumerate(plan.transits, start=1):
+        _plan(body, number, transit)
+    return document(root)
+
+
+def _plan(body: Element, number: int, transit: PlannedTransit) -> None:
+    graph = add(add(body, "plan", id=token(number, transit.name), vehicle=VEHICLE), "graph")
+    names: list[str] = []
+    for leg_number, leg in enumerate(transit.legs, start=1):
+        names += [f"Goto{leg_number}", f"PopUp{leg_number}"]
+        _goto(_node(graph, names[-2], leg.time_out, first=leg_number == 1), transit, leg)
+        surfaced = math.ceil(2.0 * transit.surfacing.surface_time_p99 + 60.0)  # the ascent is in it
+        _pop_up(_node(graph, names[-1], surfaced, first=False), transit, leg)
+    for index in range(len(names) - 1):
+        edge = add(graph, "edge")
+        add(edge, "id", f"{names[index]}-{names[index + 1]}")
+        add(edge, "source", names[index])
+        add(edge, "target", names[index + 1])
+        add(edge, "guard", "ManeuverIsDone")
+
+
+def _node(graph: Element, name: str, longest: float, *, first: bool) -> Element:
+    node = add(graph, "node", start="true" if first else "false", xPos="0", yPos="0")
+    add(node, "id", name)
+    manoeuvre = add(node, "maneuver")
+    add(manoeuvre, "minTime", "0")
+    add(manoeuvre, "maxTime", f"{longest:.0f}")
+    return manoeuvre
+
+
+def _goto(manoeuvre: Element, transit: PlannedTransit, leg: Waypoint) -> None:
+    goto = add(manoeuvre, "Goto", kind="automatic")
+    _final_point(goto, transit, leg)
+    _speed(goto, transit)
+    add(add(goto, "trajectoryTolerance"), "radiusTolerance", f"{transit.arrival_radius:g}")
+
+
+def _pop_up(manoeuvre: Element, transit: PlannedTransit, leg: Waypoint) -> None:
+    """Surface where the vehicle is (CurrPos) and stay for the surfacing time (WaitAtSurface)."""
+    pop_up = add(manoeuvre, "PopUp", kind="automatic")
+    _final_point(pop_up, transit, leg)
+    add(pop_up, "duration", f"{transit.surfacing.surface_time:.0f}")
+    _speed(pop_up, transit)
+    add(pop_up, "flags", CurrPos="true", WaitAtSurface="true")
+
+
+def _final_point(manoeuvre: Element, transit: PlannedTransit, leg: Waypoint) -> None:
+    final = add(manoeuvre, "finalPoint", type="pointType")
+    point = add(final, "point")
+    add(point, "id", leg.name)
+    add(point, "name", leg.name)
+    coordinate = add(point, "coordinate")
+    _place(coordinate, leg.latitude, leg.longitude)
+    add(coordinate, "height", "0.0")
+    add(point, "z", f"{transit.depth:g}")
+    add(point, "zunits", "DEPTH")
+    add(final, "radiusTolerance", f"{transit.arrival_radius:g}")
+
+
+def _place(parent: Element, latitude: float, longitude: float) -> None:
+    add(parent, "latitude", f"{math.degrees(latitude):.8f}")
+    add(parent, "longitude", f"{math.degrees(longitude):.8f}")
+
+
+def _speed(manoeuvre: Element, transit: PlannedTransit) -> None:
+    add(manoeuvre, "speed", f"{transit.speed:.4g}", type="float", unit="MPS")

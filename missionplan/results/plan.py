@@ -1,0 +1,215 @@
+"""The plan as a vehicle takes it: where to go, how deep, how fast, when to surface, when to release the anchor."""
+
+import math
+from dataclasses import dataclass
+from datetime import datetime
+
+TIME_OUT_MARGIN = 1.1
+"""Time-out over the 99 % duration."""
+
+
+@dataclass(frozen=True)
+class Waypoint:
+    """A point of the course, with the leg that leads to it.
+
+    Attributes
+    ----------
+    name : str
+        Such as ``ingress 2``.
+    kind : str
+        ``start``, ``surfacing`` (where a planned leg ends) or ``arrival``.
+    east, north : float
+        Of the origin [m].
+    latitude, longitude : float
+        [rad]; nan where the mission has no origin.
+    course : float
+        Of the leg over ground, clockwise from true north [rad]; nan at a start.
+    length : float
+        Of the leg [m].
+    duration, duration_p99 : float
+        Time under way: length over speed, with the acceleration from rest; and what 99 % of the trials take at most
+        for the leg of this number, course corrections included [s].
+    elapsed : float
+        Since the mission's start, nominally [s].
+    """
+
+    name: str
+    kind: str
+    east: float
+    north: float
+    latitude: float
+    longitude: float
+    course: float
+    length: float
+    duration: float
+    duration_p99: float
+    elapsed: float
+
+    @property
+    def time_out(self) -> float:
+        """Time after which the leg has failed, in whole seconds: the longer of its durations and a tenth [s]."""
+        return time_out(self.duration, self.duration_p99)
+
+
+@dataclass(frozen=True)
+class SurfacingRule:
+    """When the vehicle surfaces between a start and an arrival.
+
+    Attributes
+    ----------
+    interval : float
+        Greatest length of a leg; with a table, the one that costs least in its place [m].
+    interval_time : float
+        Time under way of such a leg in still water [s].
+    surface_time, surface_time_p99 : float
+        At the surface, mean and 99 % quantile [s].
+    table : tuple of (float, float)
+        Distance left and length of the leg, linear between; empty where one length holds throughout [m].
+    extra_time, extra_time_error : float
+        Mean time that the one interval costs beyond the table, and its standard error; zero without a table [s].
+    """
+
+    interval: float
+    interval_time: float
+    surface_time: float
+    surface_time_p99: float
+    table: tuple[tuple[float, float], ...] = ()
+    extra_time: float = 0.0
+    extra_time_error: float = 0.0
+
+
+@dataclass(frozen=True)
+class PlannedTransit:
+    """A transit.
+
+    Attributes
+    ----------
+    name : str
+    depth, speed : float
+        Run depth, and speed through the water [m, m/s].
+    arrival_radius : float
+        [m]
+    surfacing : SurfacingRule
+    waypoints : tuple of Waypoint
+        The start, where each planned leg ends, and the goal last.
+    duration_p99 : float
+        Time that 99 % of the trials that arrive take, from the first dive to the fix on arrival [s].
+    """
+
+    name: str
+    depth: float
+    speed: float
+    arrival_radius: float
+    surfacing: SurfacingRule
+    waypoints: tuple[Waypoint, ...]
+    duration_p99: float
+
+    @property
+    def start(self) -> Waypoint:
+        """Where it begins."""
+        return self.waypoints[0]
+
+    @property
+    def goal(self) -> Waypoint:
+        """Where it ends."""
+        return self.waypoints[-1]
+
+    @property
+    def legs(self) -> tuple[Waypoint, ...]:
+        """The waypoints that a leg leads to."""
+        return self.waypoints[1:]
+
+    @property
+    def time_out(self) -> float:
+        """Time after which the transit has failed, surfacings included, whole seconds [s]."""
+        nominal = self.goal.elapsed - self.start.elapsed + self.surfacing.surface_time
+        return time_out(nominal, self.duration_p99)
+
+
+@dataclass(frozen=True)
+class PlannedMooring:
+    """A mooring, about the fix on arrival.
+
+    Attributes
+    ----------
+    name : str
+    east, north, latitude, longitude : float
+        Where the transit before it ends [m, rad].
+    radius : float
+        Within which the anchor is to lie [m].
+    water_depth : float
+        [m]; nan where the mission has none.
+    line_length : float
+        [m]
+    anchor_wet_weight : float
+        [N]; nan where it is to be sized.
+    release_time, release_time_p99 : float
+        From the last fix until the anchor separates, mean and 99 % quantile [s].
+    hold, galvanic_release : float
+        Time on the bottom until the release is commanded, and until the link has corroded, means [s].
+    elapsed : float
+        Mission time of the last fix before it, nominally [s].
+    """
+
+    name: str
+    east: float
+    north: float
+    latitude: float
+    longitude: float
+    radius: float
+    water_depth: float
+    line_length: float
+    anchor_wet_weight: float
+    release_time: float
+    release_time_p99: float
+    hold: float
+    galvanic_release: float
+    elapsed: float
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The plan of a mission, its uncertain quantities at their means.
+
+    Attributes
+    ----------
+    mission : str
+        The mission's name.
+    digest : str
+        SHA-256 of the mission's data as `mission.yaml` of a report has them, in hexadecimal digits; of a current's file
+        the contents count, not the path.
+    version : str
+        Of missionplan.
+    start : datetime or None
+        UTC.
+    origin : (float, float) or None
+        Latitude and longitude of the local plane [rad].
+    phases : tuple of PlannedTransit or PlannedMooring
+        In the mission's order.
+    notes : tuple of str
+        What the reader is to know of every form of the plan.
+    """
+
+    mission: str
+    digest: str
+    version: str
+    start: datetime | None
+    origin: tuple[float, float] | None
+    phases: tuple[PlannedTransit | PlannedMooring, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def transits(self) -> tuple[PlannedTransit, ...]:
+        """The transits among the phases."""
+        return tuple(phase for phase in self.phases if isinstance(phase, PlannedTransit))
+
+    @property
+    def moorings(self) -> tuple[PlannedMooring, ...]:
+        """The moorings among the phases."""
+        return tuple(phase for phase in self.phases if isinstance(phase, PlannedMooring))
+
+
+def time_out(nominal: float, p99: float) -> float:
+    """Return the time-out of a duration, whole seconds [s]."""
+    longest = nominal if math.isnan(p99) else max(nominal, p99)
+    return float(math.ceil(TIME_OUT_MARGIN * longest - 1e-9))

@@ -1,0 +1,212 @@
+"""From a mission to its plan: nominal legs, their time-outs, the rule for surfacing, the moorings."""
+
+import hashlib
+import math
+from collections.abc import Iterator
+from importlib.metadata import version
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.errors import InputError
+from missionplan.mission import Mission
+from missionplan.mission.geodesy import to_geographic
+from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
+from missionplan.mission.views import TransitMission
+from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
+from missionplan.results.base import to_yaml
+from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
+from missionplan.scenario.scenario import Scenario, leg_table
+from missionplan.scenario.site_current import recorded_current, with_contents_named
+from missionplan.studies.mission_plan.durations import SHARE, TransitDurations, transit_durations
+from missionplan.studies.mission_plan.single_interval import SingleInterval, single_interval
+
+SHORTEST_LEG = 1e-3
+"""A leg that is shorter is none [m]."""
+
+
+def mission_plan(mission: Mission, *, seed: int | None = None, means: Scenario | None = None) -> Plan:
+    """Build the plan of a mission with at least one transit.
+
+    Parameters
+    ----------
+    mission : Mission
+    seed : int, optional
+        Of the trials from which the time-outs are taken; default: the mission's.
+    means : Scenario, optional
+        The mission at its means, where it is made already.
+
+    Raises
+    ------
+    InputError
+        When the mission has no transit, or lacks what transits need.
+    """
+    TransitMission.of(mission)
+    builder = _Builder(
+        means or Scenario.at_means(mission, recorded_current(mission)),
+        mission.monte_carlo.seed if seed is None else seed,
+    )
+    phases = tuple(builder.phases())
+    origin = mission.site.origin if mission.site else None
+    return Plan(
+        mission=mission.name,
+        digest=hashlib.sha256(with_contents_named(to_yaml(mission.raw), mission).encode()).hexdigest(),
+        version=version("missionplan"),
+        start=mission.start,
+        origin=(origin.latitude, origin.longitude) if origin else None,
+        phases=phases,
+        notes=(*_notes(mission), *builder.notes),
+    )
+
+
+class _Builder:
+    """Goes through the phases of a mission at its means, with the place and the time in between."""
+
+    def __init__(self, means: Scenario, seed: int) -> None:
+        self._means, self._seed = means, seed
+        self._place, self._elapsed = np.zeros(2), 0.0
+        self.notes: list[str] = []
+
+    def phases(self) -> Iterator[PlannedTransit | PlannedMooring]:
+        for phase in self._means.mission.phases:
+            if isinstance(phase, TransitPhase):
+                yield self._transit(phase)
+            elif isinstance(phase, MoorPhase):
+                yield self._mooring(phase)
+            else:
+                self.notes.append(f"{phase.name}, slowing down to hover, is no part of the course and is left out")
+
+    def _transit(self, phase: TransitPhase) -> PlannedTransit:
+        means = self._means
+        if phase.start is not None:
+            self._place = means.position(phase.start, f"{phase.name}.from")
+        start, begins = self._place, self._elapsed
+        durations = transit_durations(means, phase, start, begins, self._seed)
+        waypoints = tuple(self._waypoints(phase, durations))
+        self._elapsed += float(means.surfacing_time) if len(waypoints) > 1 else 0.0
+        return PlannedTransit(
+            name=phase.name,
+            depth=float(means[f"{phase.name}.depth"]),
+            speed=float(means[f"{phase.name}.speed"]),
+            arrival_radius=float(means[f"{phase.name}.arrival_radius"]),
+            surfacing=self._rule(phase),
+            waypoints=waypoints,
+            duration_p99=durations.whole,
+        )
+
+    def _waypoints(self, phase: TransitPhase, durations: TransitDurations) -> Iterator[Waypoint]:
+        """Yield the start and the ends of the nominal legs (Briggs et al., Eqs. 18–20); moves on in place and time."""
+        means, name = self._means, phase.name
+        goal, plan = means.position(phase.to, f"{name}.to"), means.transit_plan(phase)
+        vector = goal - self._place
+        left = float(np.hypot(*vector))
+        towards = vector / left if left > 0.0 else vector
+        yield self._waypoint(f"{name} 0", "start", math.nan, 0.0, (0.0, math.nan))
+        for number in range(plan.max_legs):
+            if left < SHORTEST_LEG:
+                break
+            length = _leg_length(phase, means, left)
+            left = max(left - length, 0.0)
+            nominal = float(plan.time_under_way(np.array(length), np.array(1.0)))
+            self._place = goal - left * towards
+            self._elapsed += nominal + (float(means.surfacing_time) if number else 0.0)
+            kind = "surfacing" if left >= SHORTEST_LEG else "arrival"
+            course = math.atan2(towards[0], towards[1]) % (2.0 * math.pi)
+            yield self._waypoint(f"{name} {number + 1}", kind, course, length, (nominal, durations.leg(number)))
+        self._place = goal
+
+    def _waypoint(self, name: str, kind: str, course: float, length: float, durations: tuple[float, float]) -> Waypoint:
+        latitude, longitude = self._on_earth(self._place)
+        return Waypoint(
+            name=name,
+            kind=kind,
+            east=float(self._place[0]),
+            north=float(self._place[1]),
+            latitude=latitude,
+            longitude=longitude,
+            course=course,
+            length=length,
+            duration=durations[0],
+            duration_p99=durations[1],
+            elapsed=self._elapsed,
+        )
+
+    def _rule(self, phase: TransitPhase) -> SurfacingRule:
+        means, table = self._means, phase.d_max
+        if isinstance(table, LegTableSection):
+            single = self._single(phase, table)
+        else:
+            single = SingleInterval(float(means[f"{phase.name}.d_max"]), 0.0, 0.0)
+        plan, time = means.transit_plan(phase), means.navigation.surfacing_time
+        return SurfacingRule(
+            interval=single.length,
+            interval_time=float(plan.time_under_way(np.array(single.length), np.array(1.0))),
+            surface_time=mean_of(time),
+            surface_time_p99=_quantile(time),
+            table=table.table if isinstance(table, LegTableSection) else (),
+            extra_time=single.extra_time,
+            extra_time_error=single.standard_error,
+        )
+
+    def _single(self, phase: TransitPhase, table: LegTableSection) -> SingleInterval:
+        try:
+            return single_interval(self._means, phase, leg_table(table), self._seed)
+        except InputError as error:
+            reason = error.problems[0].message
+            self.notes.append(f"{phase.name}: no interval in place of the table could be compared with it ({reason})")
+            return SingleInterval(max(length for _, length in table.table), math.nan, math.nan)
+
+    def _mooring(self, phase: MoorPhase) -> PlannedMooring:
+        means, site = self._means, self._means.mission.site
+        latitude, longitude = self._on_earth(self._place)
+        weight = phase.anchor_wet_weight
+        begun = self._elapsed
+        times = [float(means[f"{phase.name}.{key}"]) for key in ("release_time", "hold", "galvanic_release")]
+        self._elapsed += sum(times) + float(means.surfacing_time)
+        return PlannedMooring(
+            name=phase.name,
+            east=float(self._place[0]),
+            north=float(self._place[1]),
+            latitude=latitude,
+            longitude=longitude,
+            radius=float(means[f"{phase.name}.radius"]),
+            water_depth=float(means["site.depth"]) if site and site.depth is not None else math.nan,
+            line_length=float(means[f"{phase.name}.line_length"]),
+            anchor_wet_weight=math.nan if isinstance(weight, str) else mean_of(weight),
+            release_time=times[0],
+            release_time_p99=_quantile(phase.release_time),
+            hold=times[1],
+            galvanic_release=times[2],
+            elapsed=begun,
+        )
+
+    def _on_earth(self, place: Array) -> tuple[float, float]:
+        site = self._means.mission.site
+        if site is None or site.origin is None:
+            return math.nan, math.nan
+        latitude, longitude = to_geographic(place[:1], place[1:], site.origin)
+        return float(latitude[0]), float(longitude[0])
+
+
+def _leg_length(phase: TransitPhase, means: Scenario, left: float) -> float:
+    """Length of the nominal leg at a distance left (Eq. 19) [m]."""
+    if isinstance(phase.d_max, LegTableSection):
+        return float(leg_table(phase.d_max)(np.array(left)))
+    return min(left, float(means[f"{phase.name}.d_max"]))
+
+
+def _quantile(quantity: Quantity) -> float:
+    return quantity.quantile(SHARE) if isinstance(quantity, Distribution) else float(quantity)
+
+
+def _notes(mission: Mission) -> Iterator[str]:
+    way = mission.navigation.drift_compensation if mission.navigation else "none"
+    if way != "none":
+        yield (
+            f"the mission corrects its course for drift ({way}) from fix to fix; courses and waypoints here are those "
+            "without drift, and the vehicle's own navigation has to correct them"
+        )
+    names = {phase.name for phase in mission.phases}
+    uncertain = [path for path in mission.uncertain() if path.split(".")[0] in names]
+    if uncertain:
+        yield f"uncertain quantities are at their means: {', '.join(uncertain)}"

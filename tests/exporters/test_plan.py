@@ -1,0 +1,116 @@
+"""The plan: nominal legs in closed form, time-outs from trials, the interval in place of a table, the hash."""
+
+import copy
+import hashlib
+import json
+from importlib.resources import files
+
+import jsonschema
+import numpy as np
+import pytest
+from planned_missions import TABLE, by_table, chesapeake, starter
+
+from missionplan.exporters.plan_json import plan_data, plan_json
+from missionplan.mission import Mission
+from missionplan.results.base import to_yaml
+from missionplan.results.plan import time_out
+from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+from missionplan.studies.mission_plan.build import mission_plan
+from missionplan.studies.simulation.simulate import simulate, simulate_block
+
+SCHEMA = json.loads((files("missionplan") / "exporters" / "plan.schema.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return mission_plan(chesapeake())
+
+
+def test_nominal_legs_are_those_of_d_max(plan):
+    ingress, egress = plan.transits
+    assert [leg.length for leg in ingress.legs] == pytest.approx([350.0] * 4 + [200.0])
+    assert [leg.east for leg in ingress.waypoints] == pytest.approx([0.0, 350.0, 700.0, 1050.0, 1400.0, 1600.0])
+    assert {np.degrees(leg.course) for leg in ingress.legs} == {90.0}
+    assert {round(np.degrees(leg.course), 9) for leg in egress.legs} == {270.0}
+    assert [leg.duration for leg in ingress.legs] == pytest.approx([350.0 / 1.5] * 4 + [200.0 / 1.5])
+
+
+def test_nominal_time_adds_legs_and_surfacings(plan):
+    ingress, egress = plan.transits
+    (moor,) = plan.moorings
+    assert ingress.goal.elapsed == pytest.approx(1600.0 / 1.5 + 4 * 90.0)
+    assert moor.elapsed == pytest.approx(ingress.goal.elapsed + 90.0)
+    held = moor.release_time + moor.hold + moor.galvanic_release + 90.0
+    assert egress.start.elapsed == pytest.approx(moor.elapsed + held)
+
+
+def test_the_moor_is_where_the_transit_ends_with_its_release_time(plan):
+    (moor,) = plan.moorings
+    assert (moor.east, moor.north, moor.radius) == pytest.approx((1600.0, 0.0, 75 * 0.3048))
+    assert moor.release_time == pytest.approx(10.0, abs=0.01)
+    assert moor.release_time_p99 == pytest.approx(10.0 + 3.0 * 2.3263, abs=0.02)
+
+
+def test_p99_of_a_leg_is_that_of_its_trials(plan):
+    """The second leg out: its durations in the trials of the mission itself."""
+    trials = simulate_block(chesapeake(), seed=1, block=0, trials=1024)
+    outcome = simulate(chesapeake(), trials=300, seed=1)
+    time = outcome.tracks.time[outcome.tracks.phase == 0]
+    second = time[3] - time[2]
+    assert plan.transits[0].legs[1].duration_p99 == pytest.approx(np.nanquantile(second, 0.99), abs=3.0)
+    whole = trials.phases[0].quantities["duration_s"]
+    assert plan.transits[0].duration_p99 == pytest.approx(np.quantile(whole[np.isfinite(whole)], 0.99))
+
+
+def test_a_time_out_is_never_below_the_nominal_time():
+    assert time_out(100.0, 80.0) == 110.0
+    assert time_out(100.0, 140.0) == 154.0
+    assert time_out(100.0, float("nan")) == 110.0
+
+
+def test_one_interval_in_place_of_a_table_costs_least_and_its_cost_is_that_of_a_sweep():
+    mission = by_table()
+    rule = mission_plan(mission).transits[0].surfacing
+    sweep = sweep_dmax(mission, trials=4096, seed=5, method="monte-carlo")
+    (curve,) = sweep.curves
+    found = min(curve.points, key=lambda point: abs(point.d_max - rule.interval))
+    nominal = sweep.distance / sweep.speed
+    assert found.cost <= curve.recommended.cost + 4.0 * np.hypot(found.standard_error, curve.recommended.standard_error)
+    extra = (found.cost - curve.table.cost) * nominal
+    surfacing_error = 4.0 * nominal * np.hypot(found.standard_error, curve.table.standard_error)
+    assert rule.extra_time == pytest.approx(extra, abs=surfacing_error + 4.0 * rule.extra_time_error)
+
+
+def test_legs_by_a_table_are_as_long_as_it_says():
+    legs = mission_plan(by_table()).transits[0].legs
+    left = np.hypot(6000.0, 4000.0)
+    for leg in legs:
+        assert leg.length == pytest.approx(min(left, np.interp(left, [200.0, 1500.0, 8000.0], [180.0, 1400.0, 3000.0])))
+        left -= leg.length
+    assert left == pytest.approx(0.0, abs=2e-3)
+
+
+def test_the_hash_is_that_of_the_report_s_mission(plan):
+    mission = chesapeake()
+    assert plan.digest == hashlib.sha256(to_yaml(mission.raw).encode()).hexdigest()
+    changed = copy.deepcopy(dict(mission.raw))
+    changed["phases"][0]["transit"]["d_max"] = "351 m"
+    assert mission_plan(Mission.from_data(changed)).digest != plan.digest
+
+
+def test_plans_follow_their_schema(plan, tmp_path):
+    local = {key: value for key, value in TABLE.items() if key != "site"}
+    for each in (
+        plan,
+        mission_plan(starter(tmp_path)),
+        mission_plan(by_table()),
+        mission_plan(Mission.from_data(local)),
+    ):
+        jsonschema.validate(json.loads(plan_json(each)), SCHEMA)
+
+
+def test_the_schema_refuses_what_is_no_plan(plan):
+    for key in SCHEMA["required"]:
+        data = {name: value for name, value in plan_data(plan).items() if name != key}
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(data, SCHEMA)
