@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Scalars
-from missionplan.mission.schema.phases import MoorPhase
+from missionplan.arrays import Array, Scalars
+from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.phases.mooring.forces import Dive, LineSpring
 from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
 from missionplan.phases.mooring.mooring import MoorPlan
@@ -98,3 +98,19 @@ def _tied(scenario: Scenario, weight: Scalars, anchor_mass: Scalars) -> TiedBodi
 def is_too_shallow(scenario: Scenario, dive: Dive) -> NDArray[np.bool_]:
     """Whether the anchor lies on the seafloor before line and vehicle are under water, shape broadcasting to (n,)."""
     return np.atleast_1d(dive.line_length + scenario["vehicle.hull.length"] >= dive.site_depth)
+
+
+def start_of(scenario: Scenario, phase: MoorPhase) -> tuple[Array, float]:
+    """Planned position [m] and time [s] of a mooring's last fix: the goal of the transits before, at their speeds."""
+    place, time = np.zeros(2), 0.0
+    means = scenario.means
+    for earlier in scenario.mission.phases:
+        if earlier is phase:
+            break
+        if isinstance(earlier, TransitPhase):
+            if earlier.start is not None:
+                place = means.position(earlier.start, f"{earlier.name}.from").reshape(2)
+            goal = means.position(earlier.to, f"{earlier.name}.to").reshape(2)
+            time += float(np.hypot(*(goal - place))) / float(means[f"{earlier.name}.speed"])
+            place = goal
+    return place, time

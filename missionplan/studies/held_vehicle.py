@@ -16,8 +16,8 @@ from missionplan.physics.line_statics import LayersAbove, held_pose, line_shape
 from missionplan.results.held_vehicle import HeldState, HeldVehicle
 from missionplan.scenario.anchor_weight import anchor_length, design_current
 from missionplan.scenario.held_vehicle import CENTRES_GIVEN, HOLDING_GIVEN, hold_of
+from missionplan.scenario.mooring import start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
-from missionplan.studies.anchor.dive_trials import start_of
 
 _FACTORS: Array = np.geomspace(0.05, 20.0, 401)
 """Factors on a quantity that are tried as remedies; 1 is among them."""

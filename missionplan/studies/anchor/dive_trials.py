@@ -5,9 +5,8 @@ from functools import partial, reduce
 
 import numpy as np
 
-from missionplan.arrays import Array
 from missionplan.mission import Mission
-from missionplan.mission.schema.phases import MoorPhase, TransitPhase
+from missionplan.mission.schema.phases import MoorPhase
 from missionplan.montecarlo.parallel_blocks import Backend, run_blocks
 from missionplan.montecarlo.statistics import Count, RunningStatistic
 from missionplan.montecarlo.streams import block_count, block_size, stream
@@ -17,7 +16,7 @@ from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.hold import hold_vehicle, lifted
 from missionplan.results.sized_anchor import DiveProbabilities
 from missionplan.scenario.held_vehicle import HOLDING_GIVEN, hold_of
-from missionplan.scenario.mooring import dive_of, is_too_shallow
+from missionplan.scenario.mooring import dive_of, is_too_shallow, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 
 STEP = 0.2
@@ -143,19 +142,3 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
         RunningStatistic.of(offset),
         RunningStatistic.of(np.where(landed, record.lowest_altitude, np.nan)),
     )
-
-
-def start_of(scenario: Scenario, phase: MoorPhase) -> tuple[Array, float]:
-    """Planned position [m] and time [s] of a mooring's last fix: the goal of the transits before, at their speeds."""
-    place, time = np.zeros(2), 0.0
-    means = scenario.means
-    for earlier in scenario.mission.phases:
-        if earlier is phase:
-            break
-        if isinstance(earlier, TransitPhase):
-            if earlier.start is not None:
-                place = means.position(earlier.start, f"{earlier.name}.from").reshape(2)
-            goal = means.position(earlier.to, f"{earlier.name}.to").reshape(2)
-            time += float(np.hypot(*(goal - place))) / float(means[f"{earlier.name}.speed"])
-            place = goal
-    return place, time

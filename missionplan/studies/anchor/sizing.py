@@ -14,9 +14,9 @@ from missionplan.physics.vehicle_drag import DragBuildUp, QuadraticDrag, anchor_
 from missionplan.results.anchor import DesignLayer, ProbableAnchor
 from missionplan.results.sized_anchor import SizedAnchor
 from missionplan.scenario.anchor_weight import anchor_problem, design_current
-from missionplan.scenario.mooring import dive_of
+from missionplan.scenario.mooring import dive_of, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
-from missionplan.studies.anchor.dive_trials import AnchorTrials, start_of
+from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import lightest_anchor
 
 
