@@ -60,6 +60,7 @@ def dive_of(scenario: Scenario, phase: MoorPhase, weight: Scalars | None = None)
         site_depth=scenario["site.depth"],
         tied=_tied(scenario, weight, anchor_mass) if phase.lateral == "coupled" else None,
         spring=_spring(scenario, phase) if phase.line_stiffness is not None else None,
+        flooding_time=scenario.get("vehicle.anchor.flooding_time", 0.0),
     )
 
 

@@ -82,6 +82,8 @@ class Anchor(FileSection):
     added_mass: q.Mass | None = None
     construction: ConstructionSection | None = None
     holding_factor: q.PositiveNumber | None = None
+    flooding_time: q.Duration | None = None
+    premature_flooding: q.Probability = 0.0
 
 
 class Centre(FileSection):

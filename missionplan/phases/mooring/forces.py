@@ -54,6 +54,8 @@ class Dive:
         What ties the horizontal drift of the two bodies together; None: each goes with its layer of the current.
     spring : LineSpring or None
         For the peak tension of the snatch; None: it is not computed.
+    flooding_time : float or array
+        From the separation until the anchor is full of water [s].
     """
 
     wet_weight: Scalars
@@ -68,6 +70,19 @@ class Dive:
     site_depth: Scalars
     tied: TiedBodies | None = None
     spring: LineSpring | None = None
+    flooding_time: Scalars = 0.0
+
+    def weight_at(self, since_separation: Scalars) -> Scalars:
+        """Wet weight of the anchor at a time since its separation [s] [N].
+
+        It separates neutral (Eq. 17) and floods through openings under a head that falls as it fills (Torricelli), to
+        the wet weight of Eq. 15. Its mass is taken as that of the full anchor throughout.
+        """
+        if isinstance(self.flooding_time, float) and self.flooding_time == 0.0:
+            return self.wet_weight
+        time = np.asarray(self.flooding_time)
+        empty = np.where(time > 0.0, np.maximum(1.0 - since_separation / np.maximum(time, 1e-9), 0.0), 0.0)
+        return self.wet_weight * (1.0 - empty * empty)
 
     @property
     def lone_mass(self) -> Scalars:
@@ -171,7 +186,7 @@ class LoneFall:
     def acceleration(self, t: Scalars, depth: Array, speed: Array) -> Array:
         """Of the anchor [m/s²]."""
         dive = self._dive
-        weight = dive.wet_weight * self._hooks.wet_weight_factor(t)
+        weight = dive.weight_at(t) * self._hooks.wet_weight_factor(t)
         return np.asarray((weight - self._drag_factor * dive.anchor_drag(speed)) / dive.lone_mass)
 
 
@@ -191,7 +206,8 @@ class PullDown:
     def pull(self, t: Scalars, depth: Array) -> Array:
         """Net downward force without drag [N], at a time since the line went taut [s] and the vehicle's depth [m]."""
         dive, hooks = self._dive, self._hooks
-        weight = dive.wet_weight * hooks.wet_weight_factor(self._taut_at + t)
+        since = self._taut_at + t
+        weight = dive.weight_at(since) * hooks.wet_weight_factor(since)
         return np.asarray(weight - dive.net_buoyancy - hooks.lift(depth))
 
     def acceleration(self, t: float, depth: Array, speed: Array) -> Array:

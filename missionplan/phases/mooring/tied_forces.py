@@ -112,7 +112,8 @@ class TiedForces:
         vehicle = rate[2] - self.water_velocity
         anchor = vehicle + turning[2]
         lifted = dive.net_buoyancy + hooks.lift(place[2]) + self._drag(t, dive.vehicle_drag, vehicle)
-        weight = dive.wet_weight * hooks.wet_weight_factor(self._taut_at + t)
+        since = self._taut_at + t
+        weight = dive.weight_at(since) * hooks.wet_weight_factor(since)
         sinking = -lifted * self._per_vehicle[2]
         apart = (weight - self._drag(t, dive.anchor_drag, anchor)) * self._per_anchor[2] - sinking
         tension = (line[2] * apart + _dot(turning, turning)) / self._mobility(line)

@@ -16,6 +16,7 @@ _FAILURES = {
     "struck the seafloor": "strikes on the seafloor",
     "anchor dragged": "anchors that drag",
     "grounded in the hold": "vehicles that touch the seafloor in the hold",
+    "anchor flooded before its release": "anchors that flood before their release, which sink the vehicle nose first",
     "line parted": "lines that part",
     "did not surface": "vehicles that do not surface",
     "out of energy": "empty batteries",

@@ -18,6 +18,7 @@ from missionplan.scenario.mooring import dive_of, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 from missionplan.studies.anchor.dive_trials import AnchorTrials
 from missionplan.studies.anchor.lightest_anchor import lightest_anchor
+from missionplan.studies.flooding import flooding_notice
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,8 @@ class AnchorSizer:
         """Sentences on where the model leaves its range for an anchor."""
         fineness = anchor.design.length / (2.0 * anchor.design.problem.radius) if anchor.design else None
         notes = range_notes(self.means.vehicle_drag, anchor.terminal_velocity, fineness)
+        if words := flooding_notice(self.means, self.moor, anchor.wet_weight):
+            notes = (*notes, words)
         buoyancy = float(self.means["vehicle.net_buoyancy"])
         if anchor.wet_weight > buoyancy:
             return notes

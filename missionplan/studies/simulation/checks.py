@@ -15,6 +15,7 @@ from missionplan.results.held_vehicle import HeldVehicle
 from missionplan.results.sized_anchor import MooringAnchor
 from missionplan.scenario.anchor_weight import anchor_problem, wet_weight_of
 from missionplan.scenario.scenario import Scenario
+from missionplan.studies.flooding import flooding_notice
 from missionplan.studies.held_vehicle import held_vehicle
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
         *(words for phase in mission.transits if (words := _drift_notice(means, phase))),
         *_effect_notices(mission),
         *_anchor_notices(mission),
+        *(words for phase in mission.moors if (words := flooding_notice(means, phase))),
     )
 
 

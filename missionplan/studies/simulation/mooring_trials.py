@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import scipy
 
 from missionplan.arrays import Array
 from missionplan.mission.schema.phases import MoorPhase
@@ -15,6 +16,7 @@ from missionplan.scenario.mooring import is_too_shallow, moor_plan
 from missionplan.scenario.scenario import STILL_WATER
 from missionplan.scenario.transit_streams import fix_normals
 from missionplan.studies.simulation.phase_trials import (
+    FLOODED_EARLY,
     LEFT_RECORD,
     LINE_PARTED,
     OUT_OF_ENERGY,
@@ -46,16 +48,17 @@ def mooring_trials(
     """
     scenario, begun = block.scenario, state.alive
     plan, current = moor_plan(scenario, phase), scenario.current or STILL_WATER
-    shallow = begun & is_too_shallow(scenario, plan.dive)
+    prevented = _prevented(block, phase, plan, begun)
+    taut = begun & ~np.logical_or.reduce(list(prevented.values()))
     after, record = moor(
         plan,
-        replace(state, alive=begun & ~shallow),
+        replace(state, alive=taut),
         fix_normals(f"{phase.name}.fix", block.source, state.trials),
         current,
         effects=scenario.descent_effects,
         surface_effects=scenario.transit_effects,
     )
-    moored = begun & ~shallow & record.descent.touched_down
+    moored = taut & record.descent.touched_down
     left = moored & ~_is_covered(plan, current, state, after, record)
     lost = left & current.is_binding
     after = replace(after, alive=after.alive & ~lost)
@@ -63,7 +66,6 @@ def mooring_trials(
     moored, ended = moored & ~lost, after.alive & ~exhausted
     within, struck = moored & record.within_radius, moored & record.struck
     holds, grounded = moored & record.hold.anchor_holds, moored & record.hold.grounded
-    taut = begun & ~shallow
     parted = taut & record.line_parted
     track, times = _track(plan, state, after, record, block.tracked)
     found = PhaseTrials(
@@ -76,7 +78,7 @@ def mooring_trials(
         start=where_reached(begun, state.clock),
         end=where_reached(ended, after.clock),
         failures={
-            TOO_SHALLOW: shallow,
+            **prevented,
             LEFT_RECORD: lost,
             LINE_PARTED: parted,
             TOO_LIGHT: begun & ~moored & (record.descent.terminal_velocity <= 0.0),
@@ -96,6 +98,16 @@ def mooring_trials(
         inputs={},
     )
     return continuing, found
+
+
+def _prevented(block: TrialBlock, phase: MoorPhase, plan: MoorPlan, begun: Flags) -> dict[str, Flags]:
+    """Trials in which the dive cannot be, by what prevents it."""
+    prevented = {TOO_SHALLOW: begun & is_too_shallow(block.scenario, plan.dive)}
+    anchor = block.scenario.mission.vehicle.anchor if block.scenario.mission.vehicle else None
+    if anchor is not None and anchor.premature_flooding > 0.0:
+        normals = block.source.once(f"{phase.name}.premature_flooding")[: begun.size]
+        prevented[FLOODED_EARLY] = begun & (scipy.special.ndtr(normals) < anchor.premature_flooding)
+    return prevented
 
 
 def _snatch_load(plan: MoorPlan, record: MoorRecord, taut: Flags) -> dict[str, Array]:

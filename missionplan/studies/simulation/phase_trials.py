@@ -22,6 +22,7 @@ OUTRUN = "current faster than the vehicle"
 AGROUND = "ran aground"
 TOO_SHALLOW = "line and vehicle longer than the water is deep"
 TOO_LIGHT = "anchor too light to sink the vehicle"
+FLOODED_EARLY = "anchor flooded before its release"
 LINE_PARTED = "line parted"
 LIMIT_FAILURES = (LEFT_RECORD, OUTRUN, AGROUND, TOO_SHALLOW, TOO_LIGHT)
 """Failures where the world sets a limit: reported where some trial met it."""

@@ -117,6 +117,7 @@ LIMITS: dict[str, Limit] = {
         (0.1, 1.5),
         "DNV-RP-F109: 0.2 on clay, 0.6 on sand; one that digs in holds more than its weight",
     ),
+    "vehicle.anchor.flooding_time": Limit("s", (0.0, HOUR), (0.0, 120.0), "1 L enters through a hole of 8 mm in 20 s"),
     "vehicle.anchor.construction.front.mass": _part_mass,
     "vehicle.anchor.construction.back.mass": _part_mass,
     "vehicle.anchor.construction.front.density": _density,
