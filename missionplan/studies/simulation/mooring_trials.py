@@ -65,27 +65,24 @@ def mooring_trials(
     continuing, exhausted = end_exhausted(after, scenario.capacity)
     moored, ended = moored & ~lost, after.alive & ~exhausted
     within, struck = moored & record.within_radius, moored & record.struck
-    holds, grounded = moored & record.hold.anchor_holds, moored & record.hold.grounded
-    parted = taut & record.line_parted
     track, times = _track(plan, state, after, record, block.tracked)
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
         quantities=_quantities(record, goal, moored, after.alive, ended) | _snatch_load(plan, record, taut),
-        events={"within_radius": within, "struck_seafloor": struck, "anchor_holds": holds, "grounded": grounded}
-        | ({"line_parts": parted} if f"{phase.name}.line_strength" in scenario.draws else {}),
+        events={"within_radius": within, "struck_seafloor": struck, **_line_events(block, phase, record, taut, moored)},
         limits=limit_events(current, left_record=left),
         start=where_reached(begun, state.clock),
         end=where_reached(ended, after.clock),
         failures={
             **prevented,
             LEFT_RECORD: lost,
-            LINE_PARTED: parted,
+            LINE_PARTED: taut & record.line_parted,
             TOO_LIGHT: begun & ~moored & (record.descent.terminal_velocity <= 0.0),
             "anchor did not reach the seafloor": begun & ~moored,
             "anchor outside the radius": moored & ~within,
             "struck the seafloor": struck,
-            **_hold_failures(block, moored & ~record.hold.anchor_holds, grounded),
+            **_hold_failures(block, record, moored),
             "did not surface": moored & ~record.surfaced,
             OUT_OF_ENERGY: exhausted,
         },
@@ -117,11 +114,21 @@ def _snatch_load(plan: MoorPlan, record: MoorRecord, taut: Flags) -> dict[str, A
     return quantities_reached({"snatch_tension_n": (taut, record.descent.snatch_tension)})
 
 
-def _hold_failures(block: TrialBlock, dragged: Flags, grounded: Flags) -> dict[str, Flags]:
+def _line_events(
+    block: TrialBlock, phase: MoorPhase, record: MoorRecord, taut: Flags, moored: Flags
+) -> dict[str, Flags]:
+    """Events of the line and of what hangs on it; that the line parts where the mission gives its strength."""
+    events = {"anchor_holds": moored & record.hold.anchor_holds, "grounded": moored & record.hold.grounded}
+    if f"{phase.name}.line_strength" in block.scenario.draws:
+        events["line_parts"] = taut & record.line_parted
+    return events
+
+
+def _hold_failures(block: TrialBlock, record: MoorRecord, moored: Flags) -> dict[str, Flags]:
     """Failures of the hold, where the vehicle file gives what they depend on."""
-    given = block.scenario.draws
-    failures = {"anchor dragged": dragged} if HOLDING_GIVEN in given else {}
-    return failures | ({"grounded in the hold": grounded} if CENTRES_GIVEN in given else {})
+    given, hold = block.scenario.draws, record.hold
+    failures = {"anchor dragged": moored & ~hold.anchor_holds} if HOLDING_GIVEN in given else {}
+    return failures | ({"grounded in the hold": moored & hold.grounded} if CENTRES_GIVEN in given else {})
 
 
 def _track(
