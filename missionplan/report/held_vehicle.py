@@ -60,7 +60,7 @@ def _numbers(held: HeldVehicle) -> Table:
         ("Anchor's own drag", *(f"{state.anchor_drag:.2f} N" for state in held.states)),
         ("Holding factor that it needs", *(_needed(state.friction_needed) for state in held.states)),
         (f"Holding margin with {held.friction:g}", *(f"{state.holding_margin:.2f}" for state in held.states)),
-        ("Wet weight that just holds", *(_weight(state.least_weight) for state in held.states)),
+        ("Wet weight of this size that just holds", *(_weight(state.least_weight) for state in held.states)),
     ]
     return Table(("", *(state.current for state in held.states)), rows)
 
