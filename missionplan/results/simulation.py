@@ -13,6 +13,7 @@ from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
 from missionplan.results.base import Provenance, Result, to_csv
 from missionplan.results.held_vehicle import HeldVehicle
+from missionplan.results.plan import Plan
 from missionplan.results.sized_anchor import MooringAnchor
 
 
@@ -223,6 +224,8 @@ class Outcome(Result):
         Blocks of trials that failed numerically, with seed and block; left out of everything above.
     trials_table : bytes or None
         Parquet, one row per trial, on request.
+    plan : Plan or None
+        As vehicles take it; None where the mission has no transit, or more legs than it allows.
     """
 
     report: ClassVar[str] = "simulation.page"
@@ -240,6 +243,7 @@ class Outcome(Result):
     held: tuple[HeldVehicle, ...] = ()
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
+    plan: Plan | None = None
 
     @property
     def requirements_met(self) -> bool:

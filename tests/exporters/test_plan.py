@@ -7,9 +7,11 @@ from importlib.resources import files
 
 import jsonschema
 import numpy as np
+import pandas as pd
 import pytest
 from planned_missions import TABLE, by_table, chesapeake, starter
 
+from missionplan.errors import InputError
 from missionplan.exporters.plan_json import plan_data, plan_json
 from missionplan.mission import Mission
 from missionplan.results.base import to_yaml
@@ -114,3 +116,28 @@ def test_the_schema_refuses_what_is_no_plan(plan):
         data = {name: value for name, value in plan_data(plan).items() if name != key}
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(data, SCHEMA)
+
+
+def test_simulate_writes_the_plan_without_an_origin_too(tmp_path):
+    local = {key: value for key, value in TABLE.items() if key != "site"}
+    mission = Mission.from_data(local)
+    simulate(mission, trials=50, seed=1).save(tmp_path / "report")
+    data = json.loads((tmp_path / "report" / "plan.json").read_text())
+    jsonschema.validate(data, SCHEMA)
+    assert data == json.loads(plan_json(mission_plan(mission, seed=1)))
+    table = pd.read_csv(tmp_path / "report" / "waypoints.csv", comment="#")
+    assert table["east_m"].iloc[-1] == 6000.0
+    assert table["latitude_deg"].isna().all()
+    assert not (tmp_path / "report" / "track.geojson").exists()
+    assert hashlib.sha256((tmp_path / "report" / "mission.yaml").read_bytes()).hexdigest() == data["mission_sha256"]
+
+
+def test_a_course_of_more_legs_than_the_mission_allows_is_no_plan():
+    short = copy.deepcopy(TABLE)
+    short["phases"][0]["transit"]["d_max"] = "100 m"
+    short["navigation"]["max_legs"] = 60
+    short["site"]["current"] = [{"down_to": "50 m", "speed": "0.6 m/s", "toward": "56 deg"}]  # with it 60 may do
+    mission = Mission.from_data(short)
+    with pytest.raises(InputError, match="max_legs: given 60, but way <out> & up is 1211 m from its goal"):
+        mission_plan(mission)
+    assert simulate(mission, trials=20, seed=1).plan is None

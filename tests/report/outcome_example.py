@@ -18,6 +18,7 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
+from missionplan.studies.mission_plan.build import mission_plan
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 TRIALS = 4000
@@ -86,6 +87,7 @@ def example(*, origin: bool = True, name: str | None = None, seed: int = 1, shif
             ]
         ),
         sensitivities=tuple(Sensitivity(**vars(influence)) for influence in found),
+        plan=mission_plan(load(MISSIONS / "chesapeake.yaml")) if origin else None,
         tracks=_tracks(draw, in_error, anchor, arrived, (0.6501, -1.3331) if origin else None),
         arrivals={
             "ingress": in_error[:, :1000],

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from outcome_example import example
 
-from missionplan.report.geography.plan_view import area, circle, circular_error, ellipse, median_trial, rings, track
+from missionplan.exporters.maps.geometry import circle
+from missionplan.report.geography.plan_view import area, circular_error, ellipse, median_trial, rings, track
 from missionplan.results.simulation import Tracks
 
 

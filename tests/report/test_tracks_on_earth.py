@@ -1,7 +1,10 @@
 """GeoJSON by its schema (RFC 7946), KML by the order of elements that its schema (OGC 07-147r2) asks for."""
 
+import io
 import json
 import math
+from dataclasses import replace
+from datetime import UTC, datetime
 from xml.etree import ElementTree
 
 import jsonschema
@@ -10,8 +13,12 @@ import pytest
 from outcome_example import example
 from pyproj import Geod
 
-from missionplan.report.geography.geojson import SAMPLES, longitudes_latitudes, track_geojson
+from missionplan.exporters.maps.colours import COLOURS
+from missionplan.exporters.maps.geometry import longitudes_latitudes
+from missionplan.report.geography.geojson import track_geojson
 from missionplan.report.geography.kml import track_kml
+from missionplan.report.geography.track_points import SAMPLES, sample_trials, track_points
+from missionplan.report.page import BLUE, GREEN, ORANGE, PINK, SKY, YELLOW
 
 POSITION = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number"}}
 LINE = {"type": "array", "minItems": 2, "items": POSITION}
@@ -53,8 +60,15 @@ ORDER = {
     "kml": ["Document"],
     "Document": ["name", "description", "Style", "Folder"],
     "Folder": ["name", "Placemark"],
-    "Placemark": ["name", "styleUrl", "LineString", "Polygon", "Point"],
-    "Style": ["LineStyle", "PolyStyle"],
+    "Placemark": [
+        *("name", "TimeStamp", "TimeSpan", "styleUrl", "ExtendedData", "LineString", "Polygon", "Point"),
+    ],
+    "TimeStamp": ["when"],
+    "TimeSpan": ["begin", "end"],
+    "ExtendedData": ["Data"],
+    "Data": ["value"],
+    "Style": ["IconStyle", "LineStyle", "PolyStyle"],
+    "IconStyle": ["color", "scale"],
     "LineStyle": ["color", "width"],
     "PolyStyle": ["fill"],
     "LineString": ["tessellate", "coordinates"],
@@ -139,3 +153,72 @@ def test_kml_styles_exist_and_names_and_coordinates_are_filled(outcome):
 def test_a_name_that_xml_cannot_hold_is_mended():
     root = ElementTree.fromstring(track_kml(example(name="a <b> & \x00c\x1b ]]> \ud800")))
     assert root.find(f"{KML}Document/{KML}name").text == "a <b> & \ufffdc\ufffd ]]> \ufffd"
+
+
+def test_colours_are_those_of_the_figures():
+    shown = {"median track": ORANGE, "sample track": SKY, "CEP": BLUE, "mooring ellipse": PINK}
+    shown |= {"arrival circle": GREEN, "mooring circle": YELLOW}
+    assert {kind: COLOURS[kind] for kind in shown} == {kind: colour.lower() for kind, colour in shown.items()}
+
+
+def test_the_median_track_has_times_and_its_fixes_are_points(outcome, collection):
+    median, _ = sample_trials(outcome)
+    points = track_points(outcome, median)
+    (line,) = features(collection, "median track")
+    assert len(line["geometry"]["coordinates"]) == len(line["properties"]["elapsed_s"]) == len(points)
+    assert line["properties"]["elapsed_s"] == sorted(line["properties"]["elapsed_s"])
+    assert "coordTimes" not in line["properties"]  # the mission has no start
+    surfacings = features(collection, "surfacing")
+    assert len(surfacings) == sum(point.kind == "surfacing" for point in points) > 2
+    assert {feature["properties"]["depth_m"] for feature in surfacings if "depth_m" in feature["properties"]} == {
+        2.0,
+        12.192,
+    }
+    assert len(features(collection, "anchor")) == 1
+
+
+def test_planned_tracks_and_waypoints_are_there(collection):
+    tracks = features(collection, "planned track")
+    assert [track["properties"]["name"] for track in tracks] == ["ingress: planned track", "egress: planned track"]
+    assert [track["properties"]["time_out_s"] > 1000.0 for track in tracks] == [True, True]
+    assert len(features(collection, "waypoint")) == 12
+    assert all(feature["properties"]["marker-color"].startswith("#") for feature in features(collection, "waypoint"))
+
+
+def test_a_mission_with_a_start_has_times_in_utc(outcome):
+    start = datetime(2026, 6, 1, 12, 0, tzinfo=UTC)
+    dated = replace(outcome, plan=replace(outcome.plan, start=start))
+    (line,) = features(json.loads(track_geojson(dated)), "median track")
+    times = [datetime.fromisoformat(text) for text in line["properties"]["coordTimes"]]
+    elapsed = [(time - start).total_seconds() for time in times]
+    assert np.allclose(elapsed, line["properties"]["elapsed_s"], atol=1.0)
+    fastkml = pytest.importorskip("fastkml")
+    kml = fastkml.KML.from_string(track_kml(dated).encode(), strict=True)
+    marks = [mark for folder in kml.features[0].features for mark in folder.features]
+    (track,) = (mark for mark in marks if mark.name.startswith("median track"))
+    assert (track.begin.dt, track.end.dt) == (times[0], times[-1])
+    surfaced = [mark.time_stamp.dt for mark in marks if ": surfacing" in mark.name]
+    assert set(surfaced) <= set(times)
+    assert len(surfaced) > 2
+
+
+def test_other_programs_read_both(outcome):
+    geopandas, fastkml = pytest.importorskip("geopandas"), pytest.importorskip("fastkml")
+    frame = geopandas.read_file(io.StringIO(track_geojson(outcome)))
+    assert frame.geometry.is_valid.all()
+    assert {"planned track", "median track", "sample track", "surfacing", "fix", "CEP", "mooring ellipse"} <= set(
+        frame["kind"]
+    )
+    names = set(frame["name"])
+    assert {"ingress: arrival circle, 15 m", "moor: mooring ellipse 95 %"} <= names
+    kml = fastkml.KML.from_string(track_kml(outcome).encode(), strict=True)
+    (document,) = kml.features
+    assert outcome.plan.digest in document.description
+    marks = {mark.name for folder in document.features for mark in folder.features}
+    assert {"ingress: planned track", "ingress: surfacing 1", "ingress: arrival circle, 15 m"} <= marks
+    assert {name for name in names if "CEP" in name} == {name for name in marks if "CEP" in name} != set()
+
+
+def test_a_mission_without_an_origin_has_no_tracks_on_earth():
+    assert track_geojson(example(origin=False)) is None
+    assert track_kml(example(origin=False)) is None

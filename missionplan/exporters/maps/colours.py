@@ -12,6 +12,10 @@ COLOURS = {
     "waypoint": "#666666",
     "surfacing": "#d55e00",
     "mooring": "#cc79a7",
+    "start": "#222222",
+    "fix": "#009e73",
+    "anchor": "#cc79a7",
+    "hover": "#d55e00",
 }
 """By kind, as #rrggbb."""
 WIDTHS = {"planned track": 2.0, "median track": 3.0, "sample track": 1.0}

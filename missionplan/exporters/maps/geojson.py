@@ -32,11 +32,18 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     return {f"{stem}.geojson": json.dumps(collection, ensure_ascii=False, allow_nan=False, indent=1) + "\n"}
 
 
-def features(plan: Plan) -> Iterator[Feature]:
-    """Yield the features of a plan with an origin."""
+def features(plan: Plan, *, circles: bool = True) -> Iterator[Feature]:
+    """Yield the features of a plan with an origin, with or without arrival and mooring circles."""
     origin = plan.origin or (0.0, 0.0)
     for phase in plan.phases:
-        yield from _mooring(phase, origin) if isinstance(phase, PlannedMooring) else _transit(phase, origin)
+        if isinstance(phase, PlannedMooring):
+            yield from _mooring(phase, origin)
+            centre, radius, kind = (phase.east, phase.north), phase.radius, "mooring circle"
+        else:
+            yield from _transit(phase, origin)
+            centre, radius, kind = (phase.goal.east, phase.goal.north), phase.arrival_radius, "arrival circle"
+        if circles:
+            yield _circle(phase.name, kind, centre, radius, origin)
 
 
 def _transit(transit: PlannedTransit, origin: Origin) -> Iterator[Feature]:
@@ -60,16 +67,12 @@ def _transit(transit: PlannedTransit, origin: Origin) -> Iterator[Feature]:
         row = {**waypoint_row(transit, waypoint), "waypoint": waypoint.kind}
         del row["kind"]
         yield feature("Point", longitude_latitude(waypoint, origin), "waypoint", **row)
-    yield _circle(
-        transit.name, "arrival circle", (transit.goal.east, transit.goal.north), transit.arrival_radius, origin
-    )
 
 
 def _mooring(mooring: PlannedMooring, origin: Origin) -> Iterator[Feature]:
     row = mooring_row(mooring)
     del row["kind"]
     yield feature("Point", longitude_latitude(mooring, origin), "mooring", **row)
-    yield _circle(mooring.name, "mooring circle", (mooring.east, mooring.north), mooring.radius, origin)
 
 
 def _circle(phase: str, kind: str, centre: tuple[float, float], radius: float, origin: Origin) -> Feature:

@@ -33,15 +33,15 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     return {f"{stem}.kml": document(root)}
 
 
-def plan_folders(container: Element, plan: Plan) -> None:
-    """Add a folder for each phase of a plan with an origin."""
+def plan_folders(container: Element, plan: Plan, *, circles: bool = True) -> None:
+    """Add a folder for each phase of a plan with an origin, with or without arrival and mooring circles."""
     for phase in plan.phases:
         folder = add(container, "Folder")
         add(folder, "name", f"{phase.name}: plan")
         if isinstance(phase, PlannedMooring):
-            _mooring(folder, plan, phase)
+            _mooring(folder, plan, phase, circles=circles)
         else:
-            _transit(folder, plan, phase)
+            _transit(folder, plan, phase, circles=circles)
 
 
 def styles(container: Element, kinds: Iterable[str]) -> None:
@@ -62,10 +62,29 @@ def style_id(kind: str) -> str:
     return kind.replace(" ", "-")
 
 
-def placemark(folder: Element, name: str, kind: str, data: Mapping[str, object] | None = None) -> Element:
-    """Add a placemark without its geometry, which comes next; the data are those that are known."""
+def placemark(
+    folder: Element, name: str, kind: str, data: Mapping[str, object] | None = None, times: tuple[str, ...] = ()
+) -> Element:
+    """Add a placemark without its geometry, which comes next.
+
+    Parameters
+    ----------
+    folder : Element
+    name, kind : str
+        The kind gives the style.
+    data : mapping, optional
+        What viewers show; None is left out.
+    times : tuple of str
+        When, or begin and end; ISO 8601, empty where not known.
+    """
     mark = add(folder, "Placemark")
     add(mark, "name", name)
+    if all(times) and len(times) == 1:
+        add(add(mark, "TimeStamp"), "when", times[0])
+    elif all(times) and times:
+        span = add(mark, "TimeSpan")
+        add(span, "begin", times[0])
+        add(span, "end", times[1])
     add(mark, "styleUrl", f"#{style_id(kind)}")
     known = {key: value for key, value in (data or {}).items() if value is not None}
     if known:
@@ -100,7 +119,7 @@ def coordinates(points: Iterable[Iterable[float]]) -> str:
     return " ".join(",".join(f"{value:.7f}" for value in place) for place in points)
 
 
-def _transit(folder: Element, plan: Plan, transit: PlannedTransit) -> None:
+def _transit(folder: Element, plan: Plan, transit: PlannedTransit, *, circles: bool) -> None:
     origin, rule = plan.origin or (0.0, 0.0), transit.surfacing
     if len(transit.waypoints) > 1:
         data = {
@@ -116,15 +135,19 @@ def _transit(folder: Element, plan: Plan, transit: PlannedTransit) -> None:
     for waypoint in transit.waypoints:
         row = waypoint_row(transit, waypoint)
         point(placemark(folder, waypoint.name, "waypoint", row), longitude_latitude(waypoint, origin))
+    if not circles:
+        return
     name = f"{transit.name}: arrival circle, {transit.arrival_radius:.3g} m"
     ring = circle((transit.goal.east, transit.goal.north), transit.arrival_radius)
     polygon(placemark(folder, name, "arrival circle"), longitudes_latitudes(ring, origin))
 
 
-def _mooring(folder: Element, plan: Plan, mooring: PlannedMooring) -> None:
+def _mooring(folder: Element, plan: Plan, mooring: PlannedMooring, *, circles: bool) -> None:
     origin = plan.origin or (0.0, 0.0)
     row = mooring_row(mooring)
     point(placemark(folder, mooring.name, "mooring", row), longitude_latitude(mooring, origin))
+    if not circles:
+        return
     name = f"{mooring.name}: mooring circle, {mooring.radius:.3g} m"
     ring = circle((mooring.east, mooring.north), mooring.radius)
     polygon(placemark(folder, name, "mooring circle"), longitudes_latitudes(ring, origin))

@@ -1,103 +1,74 @@
-"""Tracks and circles of error as KML 2.2 (OGC 07-147r2), for Google Earth and other programs."""
+"""Tracks, fixes, circles of error and the plan as KML 2.2 (OGC 07-147r2), for Google Earth and other programs."""
 
-import re
 from xml.etree import ElementTree
 
 import numpy as np
 
-from missionplan.arrays import Array
-from missionplan.report.geography.geojson import describe, longitudes_latitudes, sample_trials
-from missionplan.report.geography.plan_view import Ring, rings, track
+from missionplan.exporters.maps.colours import COLOURS
+from missionplan.exporters.maps.geometry import Origin, longitudes_latitudes
+from missionplan.exporters.maps.kml import NAMESPACE, line, placemark, plan_folders, point, polygon, styles
+from missionplan.exporters.xml import Element, add, document
+from missionplan.report.geography.plan_view import describe, rings
+from missionplan.report.geography.track_points import TrackPoint, sample_trials, track_points
 from missionplan.results.simulation import Outcome
-
-Element = ElementTree.Element
-
-_NAMESPACE = "http://www.opengis.net/kml/2.2"
-_STYLES = {
-    "sample-track": ("66b27200", 1.0),
-    "median-track": ("ff005ed5", 3.0),
-    "arrival-circle": ("ff739e00", 2.0),
-    "mooring-circle": ("ff739e00", 2.0),
-    "CEP": ("ffe9b456", 2.0),
-    "mooring-ellipse": ("ffa779cc", 2.0),
-}
-"""Colour (alpha, blue, green, red, as in KML) and width of the lines, by what they show."""
-_NOT_IN_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def track_kml(outcome: Outcome) -> str | None:
-    """Write the median and sample tracks, goals, arrival circles, CEP and mooring ellipses, clamped to the surface.
+    """Write the planned, median and sample tracks, fixes, goals, circles and ellipses, clamped to the surface.
 
-    Returns None when the mission has no origin.
+    Returns None when the mission has no origin. Placemarks have times where the mission has a start.
     """
     origin = outcome.tracks.origin
     if origin is None:
         return None
-    root = ElementTree.Element("kml", xmlns=_NAMESPACE)
-    document = _add(root, "Document")
-    _add(document, "name", outcome.provenance.mission)
-    _add(document, "description", f"missionplan, seed {outcome.provenance.seed}, {outcome.provenance.trials} trials")
-    for name, (colour, width) in _STYLES.items():
-        _style(document, name, colour, width)
-    _tracks(document, outcome, origin)
-    _goals(document, outcome, origin)
-    ElementTree.indent(root, " ")
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+    root = ElementTree.Element("kml", xmlns=NAMESPACE)
+    container = add(root, "Document")
+    add(container, "name", outcome.provenance.mission)
+    of_plan = f", SHA-256 of the mission {outcome.plan.digest}" if outcome.plan else ""
+    run = f"missionplan, seed {outcome.provenance.seed}, {outcome.provenance.trials} trials{of_plan}"
+    add(container, "description", run)
+    styles(container, COLOURS)
+    if outcome.plan is not None:
+        plan_folders(container, outcome.plan, circles=False)
+    _tracks(container, outcome, origin)
+    _fixes(container, outcome, origin)
+    _goals(container, outcome, origin)
+    return document(root)
 
 
-def _tracks(document: Element, outcome: Outcome, origin: tuple[float, float]) -> None:
+def _tracks(container: Element, outcome: Outcome, origin: Origin) -> None:
     median, samples = sample_trials(outcome)
-    folder = _add(document, "Folder")
-    _add(folder, "name", "Tracks")
+    folder = add(container, "Folder")
+    add(folder, "name", "Tracks")
     for trial, kind in [(median, "median track"), *((trial, "sample track") for trial in samples)]:
-        points = track(outcome.tracks, trial)
-        if points.shape[1] > 1:
-            line = _add(_placemark(folder, f"{kind}, trial {trial}", kind.replace(" ", "-")), "LineString")
-            _add(line, "tessellate", "1")
-            _add(line, "coordinates", _coordinates(points, origin))
+        points = track_points(outcome, trial)
+        if len(points) > 1:
+            span = {"begin_s": round(points[0].time, 1), "end_s": round(points[-1].time, 1)}
+            times = (points[0].utc, points[-1].utc)
+            mark = placemark(folder, f"{kind}, trial {trial}", kind, span, times)
+            line(mark, longitudes_latitudes(np.array([point.position for point in points]).T, origin))
 
 
-def _goals(document: Element, outcome: Outcome, origin: tuple[float, float]) -> None:
+def _fixes(container: Element, outcome: Outcome, origin: Origin) -> None:
+    """Where the median trial is at each fix, and its anchor."""
+    median, _ = sample_trials(outcome)
+    folder = add(container, "Folder")
+    add(folder, "name", f"Fixes, trial {median}")
+    for each in track_points(outcome, median):
+        _fix(folder, each, origin)
+
+
+def _fix(folder: Element, fix: TrackPoint, origin: Origin) -> None:
+    (place,) = longitudes_latitudes(np.array(fix.position)[:, None], origin)
+    point(placemark(folder, fix.name, fix.kind, fix.data(), (fix.utc,)), place)
+
+
+def _goals(container: Element, outcome: Outcome, origin: Origin) -> None:
     drawn = list(rings(outcome))
     for phase, (goal, _) in outcome.tracks.targets.items():
-        folder = _add(document, "Folder")
-        _add(folder, "name", phase)
+        folder = add(container, "Folder")
+        add(folder, "name", phase)
         for ring in (ring for ring in drawn if ring.phase == phase):
-            _ring(folder, ring, origin)
-        point = _add(_placemark(folder, f"{phase}: goal"), "Point")
-        _add(point, "coordinates", _coordinates(np.array(goal)[:, None], origin))
-
-
-def _ring(folder: Element, ring: Ring, origin: tuple[float, float]) -> None:
-    polygon = _add(_placemark(folder, describe(ring), ring.kind.replace(" ", "-")), "Polygon")
-    _add(polygon, "tessellate", "1")
-    boundary = _add(_add(polygon, "outerBoundaryIs"), "LinearRing")
-    _add(boundary, "coordinates", _coordinates(ring.line, origin))
-
-
-def _style(document: Element, name: str, colour: str, width: float) -> None:
-    style = ElementTree.SubElement(document, "Style", id=name)
-    line = _add(style, "LineStyle")
-    _add(line, "color", colour)
-    _add(line, "width", f"{width:g}")
-    _add(_add(style, "PolyStyle"), "fill", "0")
-
-
-def _placemark(folder: Element, name: str, style: str = "") -> Element:
-    placemark = _add(folder, "Placemark")
-    _add(placemark, "name", name)
-    if style:
-        _add(placemark, "styleUrl", f"#{style}")
-    return placemark
-
-
-def _coordinates(points: Array, origin: tuple[float, float]) -> str:
-    return " ".join(f"{longitude:.7f},{latitude:.7f}" for longitude, latitude in longitudes_latitudes(points, origin))
-
-
-def _add(parent: Element, tag: str, text: str | None = None) -> Element:
-    """Add an element; characters that XML cannot hold are replaced."""
-    child = ElementTree.SubElement(parent, tag)
-    if text is not None:
-        child.text = _NOT_IN_XML.sub("\ufffd", text)
-    return child
+            polygon(placemark(folder, describe(ring), ring.kind), longitudes_latitudes(ring.line, origin))
+        (place,) = longitudes_latitudes(np.array(goal)[:, None], origin)
+        point(placemark(folder, f"{phase}: goal", "goal"), place)

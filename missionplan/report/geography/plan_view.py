@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.exporters.maps.geometry import circle
 from missionplan.results.simulation import Outcome, Tracks
 
 SHARES = (0.5, 0.95)
@@ -58,6 +59,13 @@ def rings(outcome: Outcome) -> Iterator[Ring]:
                 yield Ring("CEP", name, share, cep, circle(goal, cep))
 
 
+def describe(ring: Ring) -> str:
+    """Describe a ring: ``ingress: CEP 50 %, 7.1 m``."""
+    share = "" if math.isnan(ring.share) else f" {100.0 * ring.share:.0f} %"
+    radius = "" if ring.kind == "mooring ellipse" else f", {ring.radius:.3g} m"
+    return f"{ring.phase}: {ring.kind}{share}{radius}"
+
+
 def finite(points: Array) -> Array:
     """Return the points, shape (2, n), that have both coordinates."""
     return np.asarray(points[:, np.all(np.isfinite(points), axis=0)])
@@ -66,12 +74,6 @@ def finite(points: Array) -> Array:
 def circular_error(misses: Array, share: float) -> float:
     """Return the radius about the goal that holds `share` of the misses, shape (2, n) [m]."""
     return float(np.quantile(np.hypot(*misses), share))
-
-
-def circle(centre: tuple[float, float], radius: float, points: int = 72) -> Array:
-    """Return a closed circle, shape (2, points + 1), counter-clockwise."""
-    angle = np.linspace(0.0, 2.0 * math.pi, points + 1)
-    return np.array(centre)[:, None] + radius * np.array([np.cos(angle), np.sin(angle)])
 
 
 def ellipse(points: Array, share: float) -> Array:

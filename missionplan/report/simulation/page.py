@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterator, Mapping
 
+from missionplan.exporters.plan_json import plan_json
+from missionplan.exporters.table import waypoints_csv
 from missionplan.report.geography.geojson import track_geojson
 from missionplan.report.geography.kml import track_kml
 from missionplan.report.held_vehicle import hold_section
@@ -57,8 +59,14 @@ def terminal(outcome: Outcome) -> Terminal:
 
 
 def _files(outcome: Outcome) -> dict[str, str]:
-    """Return `track.geojson` and `track.kml` where the mission has an origin on Earth."""
-    written = {"track.geojson": track_geojson(outcome), "track.kml": track_kml(outcome)}
+    """Return the plan where there is one, `track.geojson` and `track.kml` where the mission has an origin on Earth."""
+    plan = outcome.plan
+    written = {
+        "waypoints.csv": waypoints_csv(plan) if plan else None,
+        "plan.json": plan_json(plan) if plan else None,
+        "track.geojson": track_geojson(outcome),
+        "track.kml": track_kml(outcome),
+    }
     return {name: text for name, text in written.items() if text is not None}
 
 

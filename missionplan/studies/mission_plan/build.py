@@ -8,7 +8,7 @@ from importlib.metadata import version
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.errors import InputError
+from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_geographic
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, TransitPhase
@@ -39,7 +39,7 @@ def mission_plan(mission: Mission, *, seed: int | None = None, means: Scenario |
     Raises
     ------
     InputError
-        When the mission has no transit, or lacks what transits need.
+        When the mission has no transit, or lacks what transits need, or allows fewer legs than its course has.
     """
     TransitMission.of(mission)
     builder = _Builder(
@@ -57,6 +57,14 @@ def mission_plan(mission: Mission, *, seed: int | None = None, means: Scenario |
         phases=phases,
         notes=(*_notes(mission), *builder.notes),
     )
+
+
+def plan_if_any(mission: Mission, means: Scenario, seed: int) -> Plan | None:
+    """Build the plan; None where the mission has no transit, or more nominal legs than it allows."""
+    try:
+        return mission_plan(mission, seed=seed, means=means) if mission.transits else None
+    except InputError:
+        return None
 
 
 class _Builder:
@@ -113,6 +121,9 @@ class _Builder:
             kind = "surfacing" if left >= SHORTEST_LEG else "arrival"
             course = math.atan2(towards[0], towards[1]) % (2.0 * math.pi)
             yield self._waypoint(f"{name} {number + 1}", kind, course, length, (nominal, durations.leg(number)))
+        if left >= SHORTEST_LEG:
+            message = f"given {plan.max_legs}, but {name} is {left:.4g} m from its goal after so many nominal legs"
+            raise InputError([Problem(message, means.mission.file, key="navigation.max_legs")])
         self._place = goal
 
     def _waypoint(self, name: str, kind: str, course: float, length: float, durations: tuple[float, float]) -> Waypoint:

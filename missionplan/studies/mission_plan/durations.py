@@ -14,6 +14,8 @@ from missionplan.scenario.transit_streams import deployed, transit_normals
 TRIALS = 1024
 """Trials from which the 99 % durations are taken."""
 SHARE = 0.99
+_MOST_POINTS = 2_000_000
+"""Points of tracks that are kept at once, which bounds the memory."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,7 @@ def transit_durations(
         Mission time of the first dive [s].
     seed, trials : int
     """
+    trials = min(trials, max(_MOST_POINTS // means.navigation.max_legs, 1))
     drawn = means.sampled(seed=seed, block=0, size=trials)
     source = BlockStreams(seed, 0)
     state = replace(deployed(drawn, phase, start, source, trials), clock=np.full(trials, begins))

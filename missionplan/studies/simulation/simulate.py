@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Generator, Sequence
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from missionplan.store.checkpoints import Checkpoints, Identity
 from missionplan.store.paths import as_path
 from missionplan.store.trials_table import TrialsTable
 from missionplan.studies.arguments import check_arguments
+from missionplan.studies.mission_plan.build import plan_if_any
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence
 from missionplan.studies.simulation.block_statistics import LIMIT
@@ -117,7 +119,8 @@ def simulate(
     )
     table = run.table.parquet() if run.table else None
     anchors, held = mooring_anchors(mission, means), held_vehicles(mission, means)
-    return OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held).outcome(provenance)
+    built = OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held).outcome(provenance)
+    return replace(built, plan=plan_if_any(mission, means, seed))
 
 
 def _items(trials: int) -> list[BlockItem]:
