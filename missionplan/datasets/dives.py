@@ -1,6 +1,7 @@
 """Dive logs: depth against time."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import UTC
 from functools import partial
 from pathlib import Path
 
@@ -29,6 +30,8 @@ class DescentSettings(DivesSettings):
     noise: DepthNoise = DepthNoise()
 
 
+EPOCH_SCALE = 1e8
+"""Times above this are seconds since 1970, not since the separation [s]."""
 HIGHEST = -2.0
 """Readings above it are no depths [m]: waves and the offset of a sensor stay within."""
 BELOW_SEAFLOOR = 4.0
@@ -41,7 +44,7 @@ IGNORED = ("pitch_deg", "density_kg_m3")
 DESCENT = DatasetFormat(
     "descent",
     DescentSettings,
-    Columns((("run", "t_s", "depth_m"),), optional=IGNORED, text=("run",)),
+    Columns((("run", "t_s", "depth_m"),), optional=IGNORED, text=("run",), times=("t_s",)),
 )
 
 
@@ -115,15 +118,37 @@ def read_descent(folder: Path, mission: Mission) -> DescentData:
         All problems of the folder at once.
     """
     raw = read_dataset(folder, DESCENT)
+    raw, undated = _from_separations(raw)
     runs = {str(name): run for name, run in raw.table.groupby("run", sort=False)}
     problems = [problem for name, run in runs.items() for problem in _check_run(name, run, raw)]
     conditions, incomplete = conditions_of_runs(_described(raw), raw, mission)
     known = [_measured(name, run, conditions[name]) for name, run in runs.items() if name in conditions]
     over = [problem for dive in known for check in _CHECKS for problem in check(dive, raw.file)]
-    settings = raw.checked([*problems, *incomplete, *over])
+    settings = raw.checked([*undated, *problems, *incomplete, *over])
     unused = [f"{column} is not used by the diagnosis of depths" for column in IGNORED if column in raw.table]
     notices = (*raw.notices, *unused)
     return DescentData(raw.name, raw.source, raw.file, tuple(known), settings.noise.depth, notices)
+
+
+def _from_separations(
+    raw: RawDataset[DescentSettings],
+) -> tuple[RawDataset[DescentSettings], list[Problem]]:
+    """Count times of the day from the run's separation; those that are seconds from it already are left as they are."""
+    dated = raw.table["t_s"] > EPOCH_SCALE
+    if not dated.any() or raw.settings is None:
+        return raw, []
+    problems, t = [], raw.table["t_s"].copy()
+    for name, rows in raw.table[dated].groupby("run", sort=False):
+        run = raw.settings.runs.get(str(name))
+        if run is not None and run.separation is not None:
+            moment = run.separation
+            zero = moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)
+            t[rows.index] -= zero.timestamp()
+        else:
+            message = f"{name}: its times are of the day; say in runs: when its anchor separated"
+            hint = "separation: 2026-05-01T10:20:30Z"
+            problems.append(Problem(message, raw.file, int(rows.index[0]), "t_s", hint))
+    return replace(raw, table=raw.table.assign(t_s=t)), problems
 
 
 def _measured(name: str, run: pd.DataFrame, own: DiveConditions) -> MeasuredDive:

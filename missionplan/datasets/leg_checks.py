@@ -47,7 +47,10 @@ def _check_durations(legs: pd.DataFrame, file: str) -> list[Problem]:
     surface = legs["surface_s"].fillna(0.0) if "surface_s" in legs else pd.Series(0.0, index=legs.index)
     short = legs.index[legs["t_end_s"] - legs["t_start_s"] - surface <= 0.0]
     negative = legs.index[surface < 0.0]
+    stated = legs["fix_sd_m"] if "fix_sd_m" in legs else pd.Series(1.0, index=legs.index)
+    poor = legs.index[stated <= 0.0]
     return [
+        *_at(poor, "expected more than 0 m", file, "fix_sd_m"),
         *_at(short, "the leg ends before it has begun", file, "t_end_s"),
         *_at(negative, "is negative", file, "surface_s"),
     ]

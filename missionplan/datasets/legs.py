@@ -33,15 +33,18 @@ class TransitSettings(DatasetSettings):
 
 
 TIMES = ("t_start_s", "t_end_s")
+STAMPS = ("t_start", "t_end")
+"""Columns of times by ISO 8601."""
 PLANAR = ("x_start_m", "y_start_m", "x_dr_m", "y_dr_m", "x_end_m", "y_end_m")
 GEOGRAPHIC = ("lat_start", "lon_start", "lat_dr_end", "lon_dr_end", "lat_end", "lon_end")
 TRANSIT = DatasetFormat(
     "transit",
     TransitSettings,
     Columns(
-        ((*TIMES, *PLANAR), (*TIMES, *GEOGRAPHIC)),
-        optional=("leg", "run", "surface_s", "speed_m_s", "heading_deg"),
+        tuple((*times, *places) for times in (TIMES, STAMPS) for places in (PLANAR, GEOGRAPHIC)),
+        optional=("leg", "run", "surface_s", "speed_m_s", "heading_deg", "fix_sd_m"),
         text=("leg", "run"),
+        times=(*TIMES, *STAMPS),
     ),
 )
 
@@ -83,6 +86,8 @@ class TransitData:
         Treatments the reader should know of.
     epoch : float or None
         Seconds since 1970 of the times' zero, where the log says.
+    leg_fix_sd : array, shape (n,), or None
+        Standard deviation of the fix after each leg, each axis, where the log states it [m].
     """
 
     name: str
@@ -100,6 +105,7 @@ class TransitData:
     has_surface_time: bool
     notices: tuple[str, ...]
     epoch: float | None = None
+    leg_fix_sd: Array | None = None
 
     @property
     def n(self) -> int:
@@ -121,6 +127,18 @@ class TransitData:
         """Position error on surfacing over the time under way, shape (2, n) [m/s]."""
         return (self.end - self.dead_reckoned) / self.under_way
 
+    @property
+    def typical_fix_sd(self) -> float | None:
+        """Standard deviation of a fix, each axis: the median of those stated leg by leg, else that of all [m]."""
+        return self.fix_sd if self.leg_fix_sd is None else float(np.median(self.leg_fix_sd))
+
+    @property
+    def fix_scale(self) -> Array:
+        """Standard deviation of the fix after each leg over the typical one, shape (n,); 1 where it is not stated."""
+        if self.leg_fix_sd is None:
+            return np.ones(self.n)
+        return np.asarray(self.leg_fix_sd / np.median(self.leg_fix_sd))
+
     def subset(self, keep: NDArray[np.bool_] | NDArray[np.int_]) -> "TransitData":
         """Keep some of the legs."""
         return replace(
@@ -133,6 +151,7 @@ class TransitData:
             start=self.start[:, keep],
             dead_reckoned=self.dead_reckoned[:, keep],
             end=self.end[:, keep],
+            leg_fix_sd=None if self.leg_fix_sd is None else self.leg_fix_sd[keep],
         )
 
 
@@ -155,6 +174,7 @@ def read_transit(folder: Path, mission: Mission) -> TransitData:
         All problems of the folder at once.
     """
     raw = read_dataset(folder, TRANSIT)
+    raw = replace(raw, table=raw.table.rename(columns=dict(zip(STAMPS, TIMES, strict=True))))
     settings = raw.checked(check_legs(raw.table, raw.file))
     notices = list(raw.notices)
     legs = _in_order(raw.table, notices)
@@ -179,8 +199,16 @@ def read_transit(folder: Path, mission: Mission) -> TransitData:
         bool(np.any(surface > 0.0)),
         tuple(notices),
         epoch,
+        _leg_fix_sd(legs),
     )
     return _without_wrong_fixes(data)
+
+
+def _leg_fix_sd(legs: pd.DataFrame) -> Array | None:
+    """Stated standard deviations of the fixes after the legs; the median of them where one is blank [m]."""
+    if "fix_sd_m" not in legs or legs["fix_sd_m"].isna().all():
+        return None
+    return np.asarray(legs["fix_sd_m"].fillna(legs["fix_sd_m"].median()), dtype=float)
 
 
 def _in_order(legs: pd.DataFrame, notices: list[str]) -> pd.DataFrame:

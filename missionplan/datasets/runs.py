@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Annotated
 
 from missionplan.datasets.reading import DatasetSettings, RawDataset
@@ -15,16 +16,18 @@ from missionplan.montecarlo.distributions import mean_of
 Weight = Annotated[float, ReadBy(QuantityParser("N", low=0.0, open_low=True, fixed=True))]
 
 
+_CONDITIONS = ("anchor_wet_weight", "line_length", "depth")
 DEEPEST = 11_000.0
 """Of the sea [m]."""
 
 
 class RunSection(FileSection):
-    """What differed from the mission in one run."""
+    """What differed from the mission in one run, and when its anchor separated, where its times are of the day."""
 
     anchor_wet_weight: Weight | None = None
     line_length: q.FixedLength | None = None
     depth: q.FixedLength | None = None
+    separation: datetime | None = None
 
 
 class DivesSettings(DatasetSettings):
@@ -68,7 +71,7 @@ def conditions_of_runs(
     for name in names:
         run = raw.settings.runs.get(name, RunSection())
         given = default | run.model_dump(exclude_none=True)
-        missing = [key for key in RunSection.model_fields if key not in given]
+        missing = [key for key in _CONDITIONS if key not in given]
         messages = [f"needs {key}: neither the run nor the mission has it" for key in missing]
         if not missing:
             conditions[name] = DiveConditions(given["anchor_wet_weight"], given["line_length"], given["depth"])

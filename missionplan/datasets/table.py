@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.datasets.csv_cells import BLANKS, check_file, long_rows, read_cells, read_header
+from missionplan.datasets.times import epoch_seconds
 from missionplan.errors import UNPRINTABLE, InputError, Problem
 
 MAX_SHOWN = 5
@@ -40,6 +41,8 @@ class Columns:
         Those of the optional columns whose numbers a row needs too, where the column is there.
     text : tuple of str
         Columns of any of these that hold text.
+    times : tuple of str
+        Columns of any of these that hold seconds, or times by ISO 8601, which become seconds since 1970.
     max_bytes : int
         Size of the largest file that is read.
     """
@@ -48,6 +51,7 @@ class Columns:
     optional: tuple[str, ...] = ()
     complete: tuple[str, ...] = ()
     text: tuple[str, ...] = ()
+    times: tuple[str, ...] = ()
     max_bytes: int = MAX_BYTES
 
     def nearest_to(self, header: Sequence[str]) -> tuple[str, ...]:
@@ -99,7 +103,7 @@ def read_table(path: Path, columns: Columns) -> CsvTable:
     used = [name for name in (*needed, *columns.optional, "ok") if name in header]
     rows = read_cells(path, header, used, columns.text) if used else pd.DataFrame()
     rows, marked = _without_marked(rows)
-    rows, bad_cells = _as_numbers(rows, columns.text, file)
+    rows, bad_cells = _as_numbers(rows, columns, file)
     problems = [
         *_check_header(header, needed, used, file),
         *problems_at(long_rows(path, len(header)), lambda line: Problem(LONG_ROW, file, line)),
@@ -145,7 +149,7 @@ def _without_marked(rows: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
     return rows[~marked], [f"{_count(count)} left out as marked (ok = 0)"] if count else []
 
 
-def _as_numbers(rows: pd.DataFrame, text: Sequence[str], file: str) -> tuple[pd.DataFrame, list[Problem]]:
+def _as_numbers(rows: pd.DataFrame, columns: Columns, file: str) -> tuple[pd.DataFrame, list[Problem]]:
     """Turn all columns but text into floats; cells that hold no finite number become nan, and problems."""
     problems: list[Problem] = []
     converted: dict[str, pd.Series[float] | pd.Series[str]] = {}
@@ -156,22 +160,25 @@ def _as_numbers(rows: pd.DataFrame, text: Sequence[str], file: str) -> tuple[pd.
             problems += _problems_of_size(cells, file, name)
             continue
         words = cells.fillna("").astype(str).str.strip()
-        if name in text:
+        if name in columns.text:
             hidden = words.str.contains(UNPRINTABLE)
             problems += problems_at(rows.index[hidden], partial(_hidden_character, words, file, name))
             converted[name] = words
             continue
         blank = words.isin(BLANKS)
         numbers = pd.to_numeric(words.mask(blank), errors="coerce").astype(float)
+        if name in columns.times:
+            numbers = numbers.fillna(epoch_seconds(words))
         bad = (numbers.isna() & ~blank) | np.isinf(numbers)
-        problems += problems_at(rows.index[bad], partial(_bad_cell, words, file, name))
+        problems += problems_at(rows.index[bad], partial(_bad_cell, words, file, name, name in columns.times))
         converted[name] = numbers = numbers.mask(bad)
         problems += _problems_of_size(numbers, file, name)
     return pd.DataFrame(converted, index=rows.index).drop(columns="ok", errors="ignore"), problems
 
 
-def _bad_cell(words: "pd.Series[str]", file: str, name: str, line: int) -> Problem:
-    return Problem(f"given {words[line]!r}, expected a number", file, line, name)
+def _bad_cell(words: "pd.Series[str]", file: str, name: str, is_time: bool, line: int) -> Problem:
+    expected = "seconds, or a time such as 2026-05-01T10:20:30Z" if is_time else "a number"
+    return Problem(f"given {words[line]!r}, expected {expected}", file, line, name)
 
 
 def _problems_of_size(numbers: "pd.Series[float]", file: str, name: str) -> list[Problem]:

@@ -2,6 +2,8 @@
 
 from datetime import UTC, datetime
 
+import pandas as pd
+
 
 def epoch_of(text: str) -> float:
     """Read a time as seconds since 1970; without a zone it is UTC.
@@ -17,3 +19,9 @@ def epoch_of(text: str) -> float:
     except ValueError:
         moment = datetime.fromisoformat(words)
     return (moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)).timestamp()
+
+
+def epoch_seconds(words: "pd.Series[str]") -> "pd.Series[float]":
+    """Read times by ISO 8601 as seconds since 1970, nan where a cell holds none; without a zone they are UTC."""
+    moments = pd.to_datetime(words, format="ISO8601", errors="coerce", utc=True)
+    return (moments - pd.Timestamp(0, tz="UTC")).dt.total_seconds()

@@ -81,10 +81,11 @@ def import_logs(
     track = with_declination(track)
     if shift_origin is not None:
         track = shifted(track, *shift_origin)
+    read = set(log.read)
     reading = Reading(
         track=track,
         name=name or track.name,
-        sources=tuple(SourceEntry(each.path.name, each.checksum) for each in found.files if each.path in log.read),
+        sources=tuple(SourceEntry(each.path.name, each.checksum) for each in found.files if each.path in read),
         passed_over=tuple(str(each) for each in (*log.passed_over, *found.passed_over)),
         options=_options(track, kind, rules, names, shift_origin),
         began=began,

@@ -73,3 +73,18 @@ def test_impossible_dives_are_refused_each_at_its_first_line(folder, descent_mis
     places = [(problem.line, str(problem)) for problem in excinfo.value.problems]
     assert [line for line, _ in places] == [202, 402]
     assert [name in text for name, (_, text) in zip(("dive-2", "dive-3"), places, strict=True)] == [True, True]
+
+
+def test_times_of_the_day_count_from_the_separation(folder, descent_mission):
+    plain = read_descent(folder(KIND, dives()), descent_mission)
+    table = dives().reset_index(drop=True)
+    moments = pd.to_datetime(table["t_s"] + 1.7e9, unit="s")
+    dated = table.assign(t_s=moments.dt.strftime("%Y-%m-%dT%H:%M:%S.%f") + "Z")
+    separation = {"separation": "2023-11-14T22:13:20Z"}
+    runs = {name: {**keys, **separation} for name, keys in RUNS.items()}
+    data = read_descent(folder({**KIND, "runs": runs}, dated), descent_mission)
+    for ours, wanted in zip(data.dives, plain.dives, strict=True):
+        np.testing.assert_allclose(ours.t, wanted.t, atol=1e-5)
+    del runs["dive-2"]["separation"]
+    with pytest.raises(InputError, match="dive-2: its times are of the day; say in runs: when its anchor separated"):
+        read_descent(folder({**KIND, "runs": runs}, dated), descent_mission)

@@ -1,6 +1,7 @@
 """Navigation logs: units, order, outliers, and every problem of a file at once."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from missionplan.datasets.legs import read_transit
@@ -128,3 +129,38 @@ def test_seconds_since_1970_count_from_the_first_fix(folder, transit_mission, le
     data = read_transit(folder(KIND, table), transit_mission)
     assert data.t_start[0] == 0.0
     assert data.epoch == 1.6e9
+
+
+def test_the_accuracy_of_each_fix_is_read(folder, transit_mission, legs):
+    table = legs().assign(fix_sd_m=5.0)
+    table.loc[3, "fix_sd_m"] = 20.0
+    table.loc[4, "fix_sd_m"] = np.nan
+    data = read_transit(folder(KIND, table), transit_mission)
+    assert data.typical_fix_sd == 5.0
+    np.testing.assert_allclose(data.fix_scale[:6], [1.0, 1.0, 1.0, 4.0, 1.0, 1.0])
+    assert data.subset(np.arange(3, 20)).fix_scale[0] == 4.0
+    assert np.all(read_transit(folder(KIND, legs()), transit_mission).fix_scale == 1.0)
+    with pytest.raises(InputError, match="fix_sd_m: expected more than 0 m"):
+        read_transit(folder(KIND, legs().assign(fix_sd_m=0.0)), transit_mission)
+
+
+@pytest.mark.parametrize("names", [("t_start", "t_end"), ("t_start_s", "t_end_s")])
+@pytest.mark.parametrize("zone", ["Z", "", "+02:00"])
+def test_times_may_be_iso_8601(folder, transit_mission, legs, names, zone):
+    table = legs()
+    shift = 7200.0 if zone == "+02:00" else 0.0
+    stamps = table.drop(columns=["t_start_s", "t_end_s"])
+    for name, seconds in zip(names, ("t_start_s", "t_end_s"), strict=True):
+        moments = pd.to_datetime(table[seconds] + 1.7e9 + shift, unit="s")
+        stamps[name] = moments.dt.strftime("%Y-%m-%dT%H:%M:%S.%f") + zone
+    plain, iso = (read_transit(folder(KIND, each), transit_mission) for each in (table, stamps))
+    assert iso.epoch == pytest.approx(1.7e9 + table["t_start_s"].min(), abs=1e-3)
+    np.testing.assert_allclose(np.diff(iso.t_start), np.diff(plain.t_start), atol=1e-4)
+    np.testing.assert_allclose(iso.under_way, plain.under_way, atol=1e-4)
+
+
+def test_a_time_that_is_none_is_said(folder, transit_mission, legs):
+    table = legs().astype({"t_start_s": str})
+    table.loc[2, "t_start_s"] = "yesterday"
+    with pytest.raises(InputError, match="given 'yesterday', expected seconds, or a time such as 2026-05-01T10:20:30Z"):
+        read_transit(folder(KIND, table), transit_mission)

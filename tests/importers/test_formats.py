@@ -1,5 +1,6 @@
 """Each format, written from one made track, gives the legs of that track."""
 
+import inspect
 from dataclasses import replace
 
 import numpy as np
@@ -366,7 +367,8 @@ def bag(request, log, tmp_path_factory):
             header(track.reckoned.t[k]), "base", pose, t["geometry_msgs/msg/TwistWithCovariance"](twist, np.zeros(36))
         )
 
-    writer = Writer1(folder / "made.bag") if first else Writer2(folder / "made", version=9)
+    newest = {"version": 9} if "version" in inspect.signature(Writer2).parameters else {}
+    writer = Writer1(folder / "made.bag") if first else Writer2(folder / "made", **newest)
     serialize = store.serialize_ros1 if first else store.serialize_cdr
     with writer:
         topics = {"/fix": "sensor_msgs/msg/NavSatFix", "/odom": "nav_msgs/msg/Odometry"}

@@ -57,9 +57,11 @@ def _mean_heading(track: Track, t: Array) -> Array:
 
 
 def _at_turning(heading: Series, t: Array) -> Array:
-    """Interpolate a heading, the short way round [deg]."""
-    unwrapped = np.degrees(np.unwrap(np.radians(heading.values)))
-    return np.asarray(np.interp(t, heading.t, unwrapped))
+    """Interpolate a heading, the short way round [deg]; times increase."""
+    first = max(int(np.searchsorted(heading.t, t[0], side="right")) - 1, 0)
+    about = slice(first, int(np.searchsorted(heading.t, t[-1])) + 1)
+    unwrapped = np.degrees(np.unwrap(np.radians(heading.values[about])))
+    return np.asarray(np.interp(t, heading.t[about], unwrapped))
 
 
 def true_from_logged(track: Track, t: Array) -> Array:

@@ -55,7 +55,7 @@ class TransitCovariance(TransitMean):
             Oscillations whose amplitude and phase change slowly.
         """
         sigma = math.sqrt(max(0.5 * float(np.trace(self.covariance)), 1e-6))
-        stated = self.data.fix_sd or self.fix_error
+        stated = self.data.typical_fix_sd or self.fix_error
         fix, spread = (stated, FIX_LOG_SD) if stated > 0.0 else FIX_UNSTATED
         found = [
             Hyperparameter("", "sigma_v", math.log(sigma), SIGMA_LOG_SD),
@@ -101,7 +101,17 @@ class TransitCovariance(TransitMean):
         same_run = data.run[legs[1:]] == data.run[legs[:-1]]
         elapsed = np.append(np.nan, np.where(same_run, np.diff(data.middle[legs]), np.nan))
         shares_fix = self._shares_fix[legs] & np.append(False, np.diff(legs) == 1)
-        return MarkovCovariance(data.under_way[legs], since, elapsed, shares_fix)
+        start, end = self._fix_scales
+        return MarkovCovariance(data.under_way[legs], since, elapsed, shares_fix, start[legs], end[legs])
+
+    @cached_property
+    def _fix_scales(self) -> tuple[Array, Array]:
+        """Standard deviation of the fix before and after each leg over the typical one, shape (n,) each.
+
+        The log states that of the fix after; the one before is the same fix where they share it, else a typical one.
+        """
+        end = self.data.fix_scale
+        return np.where(self._shares_fix, np.append(1.0, end[:-1]), 1.0), end
 
     @cached_property
     def _all_legs(self) -> MarkovCovariance:
@@ -132,7 +142,8 @@ class TransitCovariance(TransitMean):
                 total[np.ix_(own, own)] = process.covariance(self.data.middle[own])
         here, after = np.arange(n), np.flatnonzero(legs.shares_fix)
         total[here, here] += fix**2 * legs.fix_variance()
-        shared = fix**2 / (legs.under_way[after - 1] * legs.under_way[after])
+        start, _ = self._fix_scales
+        shared = (fix * start[after]) ** 2 / (legs.under_way[after - 1] * legs.under_way[after])
         total[after - 1, after] -= shared
         total[after, after - 1] -= shared
         return np.asarray(total + white[:, None, None] * np.eye(n))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import MarkovProcess
 
 LegSelection = slice | NDArray[np.int_]
@@ -34,16 +34,20 @@ class MarkovCovariance:
         Time since the middle of the previous selected leg; nan where a run begins [s].
     shares_fix : array of bool, shape (n,)
         Whether a leg starts from the same fix with which the previous selected leg ended.
+    start_scale, end_scale : array, shape (n,), or float
+        Standard deviation of the fix before and after each leg, over the typical one.
     """
 
     under_way: Array
     since: Array
     elapsed: Array
     shares_fix: NDArray[np.bool_]
+    start_scale: Scalars = 1.0
+    end_scale: Scalars = 1.0
 
     def fix_variance(self) -> Array:
-        """Variance of a leg's velocity error for independent fix errors of 1 m, shape (n,) [1/s²]."""
-        return np.asarray(2.0 / self.under_way**2)
+        """Variance of a leg's velocity error for independent fix errors, 1 m typically, shape (n,) [1/s²]."""
+        return np.asarray((self.start_scale**2 + self.end_scale**2) / self.under_way**2)
 
     def gram(self, values: Array, white: Array, fix_sd: float, process: MarkovProcess | None) -> tuple[Array, float]:
         """Inner products of whitened columns, both axes together.
@@ -90,7 +94,8 @@ class MarkovCovariance:
     def _unshared_fix_variance(self) -> Array:
         """Variance of a leg's velocity error from fixes of 1 m that no other leg shares, shape (n,) [1/s²]."""
         ends = np.append(self.shares_fix[1:], False)
-        return np.asarray((2.0 - self.shares_fix - ends) / self.under_way**2)
+        starts, ends = self.start_scale**2 * (1.0 - self.shares_fix), self.end_scale**2 * (1.0 - ends)
+        return np.asarray((starts + ends) / self.under_way**2)
 
     def _state_terms(
         self, weighted: Array, variance: Array, fix_sd: float, prior: "_ProcessPrecision"
@@ -101,7 +106,8 @@ class MarkovCovariance:
         """
         n = len(variance)
         loads = fix_sd / self.under_way
-        start, end = -loads * self.shares_fix, loads * np.append(self.shares_fix[1:], False)
+        start = -loads * self.start_scale * self.shares_fix
+        end = loads * self.end_scale * np.append(self.shares_fix[1:], False)
         band = np.zeros((3, 2 * n))
         band[0, ::2] = prior.diagonal + prior.present / variance
         band[2, 0 : 2 * n - 2 : 2] = prior.off_diagonal
