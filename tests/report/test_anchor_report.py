@@ -36,7 +36,10 @@ def test_the_sentence_that_a_field_engineer_wants(sizing):
         "An anchor of 11.7 N wet, 1.60 kg dry, 183 mm long, ring of 0.39 kg at 107 mm: at the seafloor 19 s after "
         "separation, 20 m from the last fix; the vehicle stops 1.7 m above the bottom. "
     )
-    assert worst.endswith("of dives stay within 22.9 m and clear of the bottom.")
+    assert worst.endswith(
+        "of dives stay within 22.9 m and clear of the bottom. With an assumed holding factor of 0.4 the anchor to build "
+        "would drag in the mean current, 0.90 m/s, which is not counted."
+    )
 
 
 def test_an_anchor_that_misses_the_radius_is_no_good_news(sizing):

@@ -13,6 +13,8 @@ from missionplan.mission import Mission
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.report.held_vehicle import hold_section
 from missionplan.report.page import style
+from missionplan.report.simulation.page import answer
+from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.held_vehicle import held_vehicle
 from missionplan.studies.simulation.simulate import simulate
@@ -121,3 +123,28 @@ def test_simulate_has_it_in_summary_and_report():
     (hold,) = outcome.summary()["holds"]
     assert hold["phase"] == "moor"
     assert [state["current"] for state in hold["states"]] == ["mean current", "worst current"]
+
+
+def test_an_anchor_that_drags_is_told_where_it_does_not_count():
+    silent = simulate(missionplan.load(MISSIONS / "anchor-design.yaml"), trials=300)
+    words = answer(silent).replace("\u00a0", " ")
+    dragged = 1.0 - silent.phases[0].events["anchor_holds"].value
+    assert 0.6 < dragged < 0.9
+    assert f"with an assumed holding factor of 0.4 the anchor (moor) drags in {100 * dragged:.0f} % of the" in words
+    assert "drags" not in answer(simulate(missionplan.load(MISSIONS / "chesapeake.yaml"), trials=50))
+
+
+def test_requirements_may_name_what_the_hold_gives():
+    data = copy.deepcopy(dict(missionplan.load(MISSIONS / "chesapeake.yaml").raw))
+    wanted = {
+        "moor.nose_altitude": {"at_least": "2 m"},
+        "moor.excursion": {"at_most": "4.5 m"},
+        "moor.line_tension": {"at_most": "2 N"},
+        "moor.holding_margin": {"at_least": 0.5},
+        "moor.touchdown_speed": {"at_most": "2 m/s"},
+        "moor.anchor_holds": {},
+    }
+    data["requirements"] = [{"quantity": name, **bound, "probability": 0.9} for name, bound in wanted.items()]
+    outcome = simulate(Mission.from_data(data), trials=200)
+    assert outcome.requirements_met
+    assert "at most 2\u00a0N" in requirement_in_words(outcome, outcome.requirements[2])

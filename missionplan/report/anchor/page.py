@@ -55,6 +55,11 @@ def _verdict(sizing: AnchorSizing) -> str:
 
 
 def answer(sizing: AnchorSizing) -> str:
+    """Write which anchor to build and what it achieves, what that of the worst case would, and whether it drags."""
+    return f"{_which(sizing)}{_drags_in_words(sizing)}"
+
+
+def _which(sizing: AnchorSizing) -> str:
     """Write which anchor to build and what it achieves, then what that of the worst case would."""
     built = f"{_anchor_in_words(sizing.to_build)} {_achieved(sizing, sizing.to_build)}"
     probable = sizing.probable
@@ -67,6 +72,18 @@ def answer(sizing: AnchorSizing) -> str:
         built += f" For {required}, {probable.lighter:.2f}\u00a0N would do, but these parts make no lighter anchor."
     worst = f"The worst-case anchor of Eq. 1, {sections.weight_in_words(sizing.anchor)} wet, reaches "
     return f"{built} {worst}{percent(sizing.anchor.probabilities.good)}."
+
+
+def _drags_in_words(sizing: AnchorSizing) -> str:
+    """Write that the anchor would drag, where the mission does not say how it holds."""
+    held = sizing.held
+    if held is None or held.friction_given or all(state.holding_margin >= 0.0 for state in held.states):
+        return ""
+    state = next(state for state in held.states if state.holding_margin < 0.0)
+    return (
+        f" With an assumed holding factor of {held.friction:g} the anchor to build would drag in the {state.current}, "
+        f"{state.speed:.2f}\u00a0m/s, which is not counted."
+    )
 
 
 def _achieved(sizing: AnchorSizing, anchor: SizedAnchor) -> str:

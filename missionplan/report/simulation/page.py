@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 
 from missionplan.exporters.plan_json import plan_json
 from missionplan.exporters.table import waypoints_csv
+from missionplan.montecarlo.statistics import wilson
 from missionplan.report.geography.geojson import track_geojson
 from missionplan.report.geography.kml import track_kml
 from missionplan.report.held_vehicle import hold_section
@@ -75,10 +76,34 @@ def answer(outcome: Outcome) -> str:
     parts = (
         _success_in_words(outcome),
         *_anchors_in_words(outcome),
+        *_holds_in_words(outcome),
         *_limits_in_words(outcome),
         requirements_in_words(outcome),
     )
     return " ".join(part for part in parts if part)
+
+
+_WORTH_TELLING = 0.01
+"""Share of the trials from which on the answer tells of what fails no trial."""
+
+
+def _holds_in_words(outcome: Outcome) -> Iterator[str]:
+    """Write how often anchors drag and hulls touch the seafloor where, for want of data, that fails no trial."""
+    for held in outcome.held:
+        phase = next(phase for phase in outcome.phases if phase.name == held.phase)
+        moored, trials = phase.quantities["holding_margin"].count, outcome.provenance.trials
+        dragged = wilson(moored - round(phase.events["anchor_holds"].value * trials), trials)
+        grounded = phase.events["grounded"]
+        if not held.friction_given and dragged.value > _WORTH_TELLING:
+            yield (
+                f"Not counted as failures: with an assumed holding factor of {held.friction:g} the anchor "
+                f"({held.phase}) drags in {share(dragged)} of the trials."
+            )
+        if not held.centres_given and grounded.value > _WORTH_TELLING:
+            yield (
+                f"Not counted as failures: with its centres assumed the hull touches the seafloor ({held.phase}) in "
+                f"{share(grounded)} of the trials."
+            )
 
 
 _SURE = 0.9

@@ -22,7 +22,7 @@ from missionplan.report.simulation.quantities import (
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.simulation import Outcome, PhaseOutcome
 
-_ALWAYS_DRAWN = {"moor": ("offset_m", "lowest_altitude_m"), "total": ("duration_s", "energy_wh")}
+_ALWAYS_DRAWN = {"moor": ("offset_m", "lowest_altitude_m", "nose_altitude_m"), "total": ("duration_s", "energy_wh")}
 """Quantities whose distribution is drawn even without a requirement on them, by kind of phase."""
 
 

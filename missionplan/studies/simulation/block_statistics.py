@@ -29,7 +29,10 @@ SCALES = {"J": 1.0 / JOULES_PER_WATT_HOUR}
 """From that SI unit to the results' where they differ."""
 KEY_FIGURES = {
     "transit": ("duration_s", "arrival_error_m", "energy_wh", "arrived"),
-    "moor": ("offset_m", "target_offset_m", "lowest_altitude_m", "terminal_velocity_m_s", "within_radius"),
+    "moor": (
+        *("offset_m", "target_offset_m", "lowest_altitude_m", "terminal_velocity_m_s", "within_radius"),
+        *("nose_altitude_m", "holding_margin"),
+    ),
     "transition": ("depth_excursion_m", "energy_wh", "hovering"),
     "total": ("duration_s", "energy_wh", "success"),
 }
