@@ -1,8 +1,57 @@
-"""Peak tension of a mooring line when it goes taut between a falling anchor and a vehicle at rest."""
+"""The snatch, in which a line goes taut between a falling anchor and a vehicle at rest: bodies and peak tension."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from missionplan.arrays import Scalars
+
+
+@dataclass(frozen=True)
+class LineSpring:
+    """What bears the snatch; each number is a float or an array over trials, shape (n,).
+
+    Attributes
+    ----------
+    stiffness : float or array
+        Of the whole line [N/m].
+    nose_mass : float or array
+        Effective mass of the level vehicle at its nose (`mass_at_nose`) [kg].
+    strength : float or array
+        Tension at which the line, or the galvanic link in it, parts [N].
+    """
+
+    stiffness: Scalars
+    nose_mass: Scalars
+    strength: Scalars = np.inf
+
+
+@dataclass(frozen=True)
+class PitchingBody:
+    """The vehicle as a rigid body that pitches; each number is a float or an array over trials, shape (n,).
+
+    Attributes
+    ----------
+    lateral_mass, inertia : float or array
+        Across its axis [kg], and about its centre of mass [kg m²], added masses included.
+    length, centre : float or array
+        Of the body, and from its nose to the centre of mass [m].
+    ahead, below : float or array
+        Of the centre of buoyancy, ahead of the centre of mass along the axis and below it [m].
+    buoyancy : float or array
+        Of the whole body [N].
+    drag_per_length : float or array
+        ½ ρ C_d d of the flow across it [N s²/m³].
+    """
+
+    lateral_mass: Scalars
+    inertia: Scalars
+    length: Scalars
+    centre: Scalars
+    ahead: Scalars
+    below: Scalars
+    buoyancy: Scalars
+    drag_per_length: Scalars
 
 
 def mass_at_nose(lateral_mass: Scalars, length: Scalars, centre: Scalars | None = None) -> Scalars:

@@ -21,6 +21,8 @@ _PHRASES = {
     "excursion": "radius of the watch circle",
     "line_tension": "greatest line tension in the hold",
     "snatch_tension": "peak tension of the snatch",
+    "nose_down_time": "time from the taut line to nose down",
+    "depth_lost": "depth lost in the pitch-over",
     "line_parts": "parting of the line",
     "touchdown_speed": "speed at touchdown",
     "holding_margin": "least holding margin of the anchor",

@@ -5,17 +5,17 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
-from missionplan.phases.mooring.forces import Dive, LineSpring
+from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodies
 from missionplan.phases.mooring.mooring import MoorPlan
 from missionplan.physics.added_mass import anchor_added_mass, lamb_lateral_coefficient
 from missionplan.physics.buoyancy import STANDARD_GRAVITY
 from missionplan.physics.line_statics import CROSSFLOW_COEFFICIENT
 from missionplan.physics.seafloor import lateral_coefficient
-from missionplan.physics.snatch import mass_at_nose
+from missionplan.physics.snatch import LineSpring, PitchingBody, mass_at_nose
 from missionplan.physics.vehicle_drag import anchor_drag
 from missionplan.scenario.anchor_weight import anchor_flooded_mass, anchor_length, wet_weight_of
-from missionplan.scenario.held_vehicle import hold_of
+from missionplan.scenario.held_vehicle import CENTRES_GIVEN, hold_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.vehicle import surge_added_mass, sway_added_mass
 
@@ -60,7 +60,26 @@ def dive_of(scenario: Scenario, phase: MoorPhase, weight: Scalars | None = None)
         site_depth=scenario["site.depth"],
         tied=_tied(scenario, weight, anchor_mass) if phase.lateral == "coupled" else None,
         spring=_spring(scenario, phase) if phase.line_stiffness is not None else None,
+        pitching=_pitching(scenario) if CENTRES_GIVEN in scenario.draws else None,
         flooding_time=scenario.get("vehicle.anchor.flooding_time", 0.0),
+    )
+
+
+def _pitching(scenario: Scenario) -> PitchingBody:
+    """Return the vehicle as a rigid body that pitches, of a vehicle file that gives its centres."""
+    hull, draws = scenario.vehicle_drag.hull, scenario.draws
+    lateral = scenario["vehicle.mass"] + sway_added_mass(hull, draws)
+    gravity, buoyancy = "vehicle.centre_of_gravity", "vehicle.centre_of_buoyancy"
+    coefficient = scenario.get("vehicle.hull.crossflow_drag", CROSSFLOW_COEFFICIENT)
+    return PitchingBody(
+        lateral_mass=lateral,
+        inertia=lateral * hull.length**2 / 12.0,
+        length=hull.length,
+        centre=scenario[f"{gravity}.from_nose"],
+        ahead=scenario[f"{gravity}.from_nose"] - scenario[f"{buoyancy}.from_nose"],
+        below=scenario[f"{buoyancy}.below_axis"] - scenario[f"{gravity}.below_axis"],
+        buoyancy=scenario["vehicle.mass"] * STANDARD_GRAVITY + scenario["vehicle.net_buoyancy"],
+        drag_per_length=0.5 * scenario.water.density * coefficient * hull.diameter,
     )
 
 

@@ -99,6 +99,18 @@ def test_grounding_fails_the_mission_only_where_the_centres_are_given():
     assert "grounded in the hold" not in failures(changed(moor=short))[0].failures
 
 
+def test_a_vehicle_with_centres_pitches_over_after_the_snatch():
+    plain, _ = failures(changed())
+    assert "nose_down_time_s" not in plain.quantities
+    pitched, _ = failures(changed(vehicle=CENTRES))
+    time, lost = (pitched.quantities[key] for key in ("nose_down_time_s", "depth_lost_m"))
+    done = np.isfinite(pitched.quantities["offset_m"])
+    assert ((time[done] > 1.0) & (time[done] < 2.0)).all()
+    assert ((lost[done] > 0.0) & (lost[done] < 0.3)).all()
+    later = pitched.quantities["descent_time_s"][done] - plain.quantities["descent_time_s"][done]
+    assert ((later > 0.1) & (later < 0.5)).all()
+
+
 def test_a_holding_factor_may_vary_and_leaves_other_draws_alone():
     plain, varied = (
         failures(changed("anchor-design.yaml", anchor=anchor))

@@ -16,9 +16,9 @@ from missionplan.phases.currents import Current
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks, Dive, FreeVehicle, LoneFall, PullDown
 from missionplan.phases.mooring.horizontal_drift import CrossFlowFall, HorizontalDrift
+from missionplan.phases.mooring.pitch_over import PitchOver, depth_lost, pitch_over, snatch_tension
 from missionplan.phases.mooring.tied_pull_down import TiedPullDown, pull_down_tied
-from missionplan.phases.mooring.vertical_motion import STEP, Integration, Stage, Stop, integrate_stage
-from missionplan.physics.snatch import peak_tension
+from missionplan.phases.mooring.vertical_motion import STEP, Followed, Integration, Stage, Stop, integrate_stage
 from missionplan.physics.vehicle_drag import terminal_velocity
 
 MIN_MEAN_SPEED = 0.1
@@ -41,6 +41,8 @@ class DescentStages:
         Horizontal motion of the lone anchor where the bodies' drift is tied.
     tied : TiedPullDown or None
         The pull-down in three dimensions, as above.
+    pitched : PitchOver or None
+        How the vehicle came nose down, which `pull_down` holds, where that is simulated.
     """
 
     lone: Stage
@@ -49,6 +51,7 @@ class DescentStages:
     delay: Array
     fall: CrossFlowFall | None = None
     tied: TiedPullDown | None = None
+    pitched: PitchOver | None = None
 
     @property
     def taut_at(self) -> Array:
@@ -83,6 +86,9 @@ class DescentRecord:
         Least height of the vehicle's nose above the seafloor; where negative, how deep it would have gone into it [m].
     touched_down, struck : array of bool
         Whether the anchor reached the seafloor with the vehicle on its line, and whether the vehicle did.
+    nose_down_time, depth_lost : array
+        From the taut line to nose down [s], and the depth that the vehicle would have gained by being so at once [m];
+        nan where the pitch-over is not simulated, or the vehicle does not turn over.
     snatch_tension : array
         Peak tension of the line as it goes taut; nan where its stiffness is not known [N].
     parted : array of bool
@@ -100,6 +106,8 @@ class DescentRecord:
     struck: NDArray[np.bool_]
     snatch_tension: Array
     parted: NDArray[np.bool_]
+    nose_down_time: Array
+    depth_lost: Array
 
     @property
     def offset_distance(self) -> Array:
@@ -152,13 +160,21 @@ def descent_stages(
     until -= float(np.min(lone.time))
     tied = None
     how = Integration(min(limit, until), step, keep)
+    deepest = np.where(taut, bottom - line, 0.0)
+    pitched = pitch_over(dive, dive.pitching, hooks, lone, deepest, how) if dive.pitching is not None else None
+    begun = pitched.stage if pitched is not None else None
     if drift is not None and dive.tied is not None and isinstance(falling, CrossFlowFall):
         drift.wait(lone.time, rest)  # the vehicle's, afloat
-        tied = pull_down_tied(dive, dive.tied, hooks, lone, falling, drift, taut, how)
+        if begun is not None:
+            falling.stage()(lone.time, begun.time, line + 0.5 * begun.depth)
+            drift.wait(begun.time, rest)
+        tied = pull_down_tied(dive, dive.tied, hooks, (lone, begun), falling, drift, taut, how)
         pull_down = tied.stage
         drift.position = tied.end.anchor[:2]
     else:
-        pull_down = _pull_down(dive, hooks, lone, drift, taut, how)
+        pull_down = _pull_down(dive, hooks, (lone, begun), drift, deepest, how)
+    if begun is not None:
+        pull_down = Followed.by(begun, pull_down)
     until -= float(np.min(pull_down.time))
     coast = run(
         FreeVehicle(dive, hooks, pull_down.time),
@@ -167,7 +183,9 @@ def descent_stages(
         Stop(deepest=2.0 * bottom, at_rest=True),  # a vehicle without buoyancy would sink without end
         time_limit=min(limit, until),
     )
-    return DescentStages(lone, pull_down, coast, delay, falling if isinstance(falling, CrossFlowFall) else None, tied)
+    return DescentStages(
+        lone, pull_down, coast, delay, falling if isinstance(falling, CrossFlowFall) else None, tied, pitched
+    )
 
 
 def _lone_drift(dive: Dive, drift: HorizontalDrift | None, keep: bool) -> HorizontalDrift | CrossFlowFall | None:
@@ -181,28 +199,29 @@ def _lone_drift(dive: Dive, drift: HorizontalDrift | None, keep: bool) -> Horizo
 def _pull_down(
     dive: Dive,
     hooks: DescentHooks,
-    lone: Stage,
+    before: tuple[Stage, Stage | None],
     drift: HorizontalDrift | None,
-    taut: NDArray[np.bool_],
+    deepest: Array,
     how: Integration,
 ) -> Stage:
     """Pull the vehicle down by a vertical line, the anchor carried by its layer."""
-    rest = np.zeros(lone.time.size)
-    line = over_trials(dive.line_length, rest.size)
+    lone, begun = before
+    line, depth = over_trials(dive.line_length, lone.time.size), np.zeros(lone.time.size)
     if drift is not None:
         drift.advance(lone.time)
-    # the snatch conserves momentum over the ground: moving water needs the bodies' time constant to act on them
-    snatched = dive.lone_mass * lone.speed / (dive.joint_mass * hooks.mass_factor)
-    return integrate_stage(
-        PullDown(dive, hooks, lone.time),
-        rest,
-        np.where(taut, snatched - hooks.water_velocity, 0.0),
-        Stop(deepest=np.where(taut, over_trials(dive.site_depth, rest.size) - line, 0.0)),
-        time_limit=how.time_limit,
-        step=how.step,
-        keep=how.keep,
-        on_step=drift.stage(below=line) if drift else None,
-    )
+    if begun is None:
+        # the snatch conserves momentum over the ground: moving water needs the bodies' time constant to act on them
+        snatched = dive.lone_mass * lone.speed / (dive.joint_mass * hooks.mass_factor)
+        speed = np.where(deepest > 0.0, snatched - hooks.water_velocity, 0.0)
+        forces = PullDown(dive, hooks, lone.time)
+    else:
+        depth, speed = begun.depth, begun.speed
+        if drift is not None:
+            drift.wait(begun.time, line + 0.5 * depth)
+        forces = PullDown(dive, hooks.later(begun.time), lone.time + begun.time)
+    on_step = drift.stage(below=line) if drift else None
+    stop, limit = Stop(deepest=deepest), how.time_limit
+    return integrate_stage(forces, depth, speed, stop, time_limit=limit, step=how.step, keep=how.keep, on_step=on_step)
 
 
 def descend(
@@ -245,7 +264,11 @@ def descend(
     drift.wait(release_time, np.zeros(trials), extra=surface_velocity)
     stages = descent_stages(dive, hooks, trials, step=step, drift=drift)
     reaches_seafloor = over_trials(dive.line_length, trials) >= over_trials(dive.site_depth, trials)
-    tension = _snatch_tension(dive, hooks, stages.lone)
+    tension = snatch_tension(dive, hooks, stages.lone)
+    turning = np.full((2, trials), np.nan)
+    if (pitched := stages.pitched) is not None:
+        lost = depth_lost(dive, hooks, stages.lone, pitched)
+        turning = np.where(pitched.turned, np.stack((pitched.stage.time, lost)), np.nan)
     parted = tension > dive.spring.strength if dive.spring is not None else np.zeros(trials, dtype=bool)
     # a longer line leaves the vehicle afloat
     down = stages.lone.ended & stages.pull_down.ended & ~reaches_seafloor & ~parted
@@ -263,16 +286,9 @@ def descend(
         struck=lowest <= 0.0,
         snatch_tension=tension,
         parted=parted,
+        nose_down_time=turning[0],
+        depth_lost=turning[1],
     )
-
-
-def _snatch_tension(dive: Dive, hooks: DescentHooks, lone: Stage) -> Array:
-    """Peak tension of the line as it goes taut, shape (n,) [N]."""
-    if dive.spring is None:
-        return np.full(lone.time.size, np.nan)
-    fall = LoneFall(dive, hooks).acceleration(lone.time, lone.depth, lone.speed) * dive.lone_mass
-    masses = dive.lone_mass, dive.spring.nose_mass
-    return np.asarray(peak_tension(dive.spring.stiffness, lone.speed, masses, fall, dive.net_buoyancy))
 
 
 def _balance_speed(dive: Dive, hooks: DescentHooks, stages: DescentStages) -> Array:

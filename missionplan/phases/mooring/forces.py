@@ -1,6 +1,7 @@
 """Forces of each stage of a descent (Briggs et al., section III, made dynamic), with the effects' hooks combined."""
 
 from collections.abc import Callable, Iterable
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,26 +9,8 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.horizontal_drift import TiedBodies
+from missionplan.physics.snatch import LineSpring, PitchingBody
 from missionplan.physics.vehicle_drag import DragLaw
-
-
-@dataclass(frozen=True)
-class LineSpring:
-    """What bears the snatch; each number is a float or an array over trials, shape (n,).
-
-    Attributes
-    ----------
-    stiffness : float or array
-        Of the whole line [N/m].
-    nose_mass : float or array
-        Effective mass of the level vehicle at its nose (`physics.snatch.mass_at_nose`) [kg].
-    strength : float or array
-        Tension at which the line, or the galvanic link in it, parts [N].
-    """
-
-    stiffness: Scalars
-    nose_mass: Scalars
-    strength: Scalars = np.inf
 
 
 @dataclass(frozen=True)
@@ -54,6 +37,8 @@ class Dive:
         What ties the horizontal drift of the two bodies together; None: each goes with its layer of the current.
     spring : LineSpring or None
         For the peak tension of the snatch; None: it is not computed.
+    pitching : PitchingBody or None
+        For the pitch-over after the snatch; None: the vehicle is nose down at once.
     flooding_time : float or array
         From the separation until the anchor is full of water [s].
     """
@@ -70,6 +55,7 @@ class Dive:
     site_depth: Scalars
     tied: TiedBodies | None = None
     spring: LineSpring | None = None
+    pitching: PitchingBody | None = None
     flooding_time: Scalars = 0.0
 
     def weight_at(self, since_separation: Scalars) -> Scalars:
@@ -108,6 +94,7 @@ class DescentHooks:
 
     def __init__(self, effects: Iterable[DescentEffect] = ()) -> None:
         effects = tuple(effects)
+        self._later: Scalars = 0.0
 
         def refined(name: str) -> list[Callable[..., Scalars]]:
             return [getattr(effect, name) for effect in effects if effect.refines(name)]
@@ -116,6 +103,12 @@ class DescentHooks:
         self._weight, self._lift, self._mass = refined("wet_weight_factor"), refined("lift"), refined("mass_factor")
         self._water, self._delay = refined("water_velocity"), refined("delay")
         self._reading = [effect.reading for effect in effects if effect.refines("reading")]
+
+    def later(self, elapsed: Array) -> "DescentHooks":
+        """Return the hooks for a clock that starts some time after the line went taut, shape (n,) [s]."""
+        hooks = copy(self)
+        hooks._later = elapsed
+        return hooks
 
     @property
     def lone_drag_factor(self) -> Scalars:
@@ -139,7 +132,7 @@ class DescentHooks:
 
     def drag_factor(self, since_taut: Scalars, speed: Scalars) -> Scalars:
         """Factor on both bodies' drag, at a time since the line went taut [s] and a speed [m/s]."""
-        return _product(hook(since_taut, speed) for hook in self._drag)
+        return _product(hook(since_taut + self._later, speed) for hook in self._drag)
 
     def wet_weight_factor(self, since_separation: Scalars) -> Scalars:
         """Factor on the anchor's wet weight, at a time since its separation [s]."""

@@ -102,6 +102,7 @@ def simulate_profile(
     if stages.tied is not None:
         line = stages.tied.end.place[5]
         hanging = stages.tied.anchor_depth_at(since[:, 0] - stages.lone.time)[:, None]
+        hanging = np.where(since < stages.lone.time + stages.tied.after, vehicle + line, hanging)
         anchor = np.where(since < stages.lone.time, np.minimum(falling, hanging), hanging)
     anchor = np.where(since > down, stages.pull_down.depth + line, anchor)
     waiting = np.arange(0.0, events["free fall"], step)

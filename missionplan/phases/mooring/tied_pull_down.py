@@ -36,19 +36,22 @@ class TiedPullDown:
         At the anchor's touchdown.
     places : array, shape (m, 6, n)
         On the grid of the stage; no rows unless kept [m].
+    after : array, shape (n,)
+        When it begins, since the line went taut [s].
     """
 
     stage: Stage
     end: TiedState
     places: Array
+    after: Array
 
     @property
     def times(self) -> Array:
-        """Times of the places on the stage's clock, shape (m,) [s]."""
-        return self.stage.step * np.arange(len(self.places), dtype=np.float64)
+        """Times of the one trial's places since the line went taut, shape (m,) [s]."""
+        return float(self.after[0]) + self.stage.step * np.arange(len(self.places), dtype=np.float64)
 
     def anchor_depth_at(self, t: Array) -> Array:
-        """Depth of the one trial's anchor at times of the stage's clock, shape (k,) [m]; needs a kept history."""
+        """Depth of the one trial's anchor at times since the line went taut, shape (k,) [m]; needs a kept history."""
         return np.interp(t, self.times, self.places[:, 2, 0] + self.places[:, 5, 0])
 
 
@@ -82,7 +85,7 @@ def pull_down_tied(
     dive: Dive,
     bodies: TiedBodies,
     hooks: DescentHooks,
-    lone: Stage,
+    before: tuple[Stage, Stage | None],
     falling: CrossFlowFall,
     afloat: HorizontalDrift,
     taut: NDArray[np.bool_],
@@ -99,27 +102,36 @@ def pull_down_tied(
     dive : Dive
     bodies : TiedBodies
     hooks : DescentHooks
-    lone : Stage
-        Of the anchor.
+    before : tuple of Stage
+        The anchor's lone fall, and how the vehicle came nose down, where that is simulated.
     falling, afloat : CrossFlowFall, HorizontalDrift
-        Where anchor and vehicle are when the line goes taut.
+        Where anchor and vehicle are then.
     taut : array of bool, shape (n,)
         Trials in which the line pulls.
     how : Integration
         Its step is doubled up to `LONGEST_STEP`, so that two bodies cost less than twice as much as one.
     """
+    lone, begun = before
     trials = lone.time.size
     rest = np.zeros((1, trials))
     line, bottom = (over_trials(value, trials) for value in (dive.line_length, dive.site_depth))
     toward = np.concatenate((falling.position - afloat.position, line[None]))
     toward *= line / np.sqrt(np.sum(toward * toward, axis=0))
     water = afloat.water(rest[0])
-    rate = np.concatenate((water, rest, falling.velocity - water, lone.speed[None]))
-    forces = TiedForces(dive, bodies, hooks, lone.time)
-    start = forces.snatched(TiedState(np.concatenate((afloat.position, rest, toward)), rate))
+    if begun is None:
+        forces = TiedForces(dive, bodies, hooks, lone.time)
+        rate = np.concatenate((water, rest, falling.velocity - water, lone.speed[None]))
+        start = forces.snatched(TiedState(np.concatenate((afloat.position, rest, toward)), rate))
+    else:
+        forces = TiedForces(dive, bodies, hooks.later(begun.time), lone.time + begun.time)
+        sinking = (begun.speed + hooks.water_velocity)[None]
+        rate = np.concatenate((water, sinking, falling.velocity - water, rest))
+        start = TiedState(np.concatenate((afloat.position, begun.depth[None], toward)), rate)
+        forces.tighten(start.place, start.rate)
     about = TiedWater(afloat.current, (bodies.vehicle.centre, bodies.anchor.centre), afloat.clock)
     how = replace(how, step=min(2.0 * how.step, LONGEST_STEP))
-    return integrate_tied(forces, about, start, bottom, taut, how)
+    pulled = integrate_tied(forces, about, start, bottom, taut, how)
+    return pulled if begun is None else replace(pulled, after=begun.time)
 
 
 def integrate_tied(
@@ -167,7 +179,7 @@ def integrate_tied(
     time, end = ends.touchdown(step)
     places, rates = (np.stack(part) if how.keep else np.empty((0, *place.shape)) for part in zip(*kept, strict=True))
     stage = Stage(step, time, end.place[2], end.rate[2] - forces.water_velocity, ended, places[:, 2], rates[:, 2])
-    return TiedPullDown(stage, end, places)
+    return TiedPullDown(stage, end, places, np.zeros_like(time))
 
 
 def _rk4(forces: TiedForces, t: float, place: Array, rate: Array, step: float) -> tuple[Array, Array]:

@@ -11,6 +11,7 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from missionplan.arrays import Array, Scalars, row_and_next
 
@@ -89,6 +90,30 @@ class Stage:
         index = np.minimum(inside.astype(np.intp), len(self.depths) - 2)
         (z0, z1), (r0, r1) = (row_and_next(grid, index) for grid in (self.depths, self.rates))
         return hermite(inside - index, z0, self.step * r0, z1, self.step * r1)
+
+
+@dataclass(frozen=True)
+class Followed(Stage):
+    """Two stages, one after the other, as one; the histories are those of the second.
+
+    Attributes
+    ----------
+    first, second : Stage
+    """
+
+    first: Stage
+    second: Stage
+
+    @classmethod
+    def by(cls, first: Stage, second: Stage) -> "Followed":
+        """Return a stage and the one that follows it."""
+        time, own = first.time + second.time, second
+        return cls(own.step, time, own.depth, own.speed, own.ended, own.depths, own.rates, first=first, second=second)
+
+    @override
+    def depth_at(self, t: Array) -> Array:
+        since = t - self.first.time
+        return np.where(since < 0.0, self.first.depth_at(t), self.second.depth_at(since))
 
 
 def integrate_stage(

@@ -69,7 +69,7 @@ def mooring_trials(
     found = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
-        quantities=_quantities(record, goal, moored, after.alive, ended) | _snatch_load(plan, record, taut),
+        quantities=_quantities(record, goal, moored, after.alive, ended) | _snatch(plan, record, taut),
         events={"within_radius": within, "struck_seafloor": struck, **_line_events(block, phase, record, taut, moored)},
         limits=limit_events(current, left_record=left),
         start=where_reached(begun, state.clock),
@@ -107,11 +107,15 @@ def _prevented(block: TrialBlock, phase: MoorPhase, plan: MoorPlan, begun: Flags
     return prevented
 
 
-def _snatch_load(plan: MoorPlan, record: MoorRecord, taut: Flags) -> dict[str, Array]:
-    """Peak tension of the snatch, also of lines that part then, where the line's stiffness is known."""
-    if plan.dive.spring is None:
-        return {}
-    return quantities_reached({"snatch_tension_n": (taut, record.descent.snatch_tension)})
+def _snatch(plan: MoorPlan, record: MoorRecord, taut: Flags) -> dict[str, Array]:
+    """What the mission and vehicle files let be known of the snatch, also of lines that part then."""
+    descent, found = record.descent, {}
+    if plan.dive.spring is not None:
+        found["snatch_tension_n"] = (taut, descent.snatch_tension)
+    if plan.dive.pitching is not None:
+        down = taut & descent.touched_down
+        found |= {"nose_down_time_s": (down, descent.nose_down_time), "depth_lost_m": (down, descent.depth_lost)}
+    return quantities_reached(found)
 
 
 def _line_events(
