@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass
 
-from missionplan.arrays import Array, Scalars
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Scalars
 from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
@@ -13,9 +16,9 @@ class CompassBias(TransitEffect):
 
     angle: Scalars = 0.0
 
-    def velocity(self, leg: Leg) -> Array:
-        """Return the velocity error of each leg, shape (2, n) [m/s]."""
-        return leg.turned(self.angle)
+    def course_factor(self, leg: Leg) -> NDArray[np.complex128]:
+        """Return the turn of each leg's course, shape (n,)."""
+        return np.exp(-1j * np.asarray(self.angle))
 
 
 INFO = EffectInfo(

@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Scalars
 from missionplan.effects.info import EffectInfo, Instrument, LegRecord, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
@@ -17,10 +18,11 @@ class CompassDeviation(TransitEffect):
     amplitude: Scalars = 0.0
     phase: Scalars = 0.0
 
-    def velocity(self, leg: Leg) -> Array:
-        """Return the velocity error of each leg, shape (2, n) [m/s]."""
+    def course_factor(self, leg: Leg) -> NDArray[np.complex128]:
+        """Return the turn of each leg's course, shape (n,)."""
         east, north = leg.along
-        return leg.turned(self.amplitude * (np.cos(self.phase) * north + np.sin(self.phase) * east))
+        angle = self.amplitude * (np.cos(self.phase) * north + np.sin(self.phase) * east)
+        return np.exp(-1j * np.asarray(angle))
 
 
 MAX_MEAN_HEADING = 2.0 / math.pi

@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Scalars
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
@@ -15,9 +13,9 @@ class SpeedScale(TransitEffect):
 
     fraction: Scalars = 0.0
 
-    def velocity(self, leg: Leg) -> Array:
-        """Return the velocity error of each leg, shape (2, n) [m/s]."""
-        return np.asarray(self.fraction * leg.speed * leg.along)
+    def course_factor(self, leg: Leg) -> Scalars:
+        """Return the true speed of each leg over the assumed one, shape (n,)."""
+        return 1.0 + self.fraction
 
 
 INFO = EffectInfo(

@@ -12,6 +12,7 @@ from math import inf
 from typing import Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 
@@ -41,11 +42,10 @@ class Leg:
     speed: Scalars
     latitude: float = float("nan")
 
-    def turned(self, angle: Scalars) -> Array:
-        """Velocity error when the courses made are turned clockwise by an angle [rad], shape (2, n) [m/s]."""
-        east, north = self.along
-        sine, less = np.sin(angle), np.cos(angle) - 1.0
-        return self.speed * np.stack([north * sine + east * less, north * less - east * sine])
+    @property
+    def through_water(self) -> NDArray[np.complex128]:
+        """Velocity through the water as complex numbers, east + i north, shape (n,) [m/s]."""
+        return np.asarray(self.speed * (self.along[0] + 1j * self.along[1]))
 
 
 @dataclass(frozen=True)
@@ -105,6 +105,15 @@ class TransitEffect:
         """Mean velocity error over the leg, unknown to the vehicle, shape (2, n) [m/s]."""
         return 0.0
 
+    def course_factor(self, leg: Leg) -> NDArray[np.complex128] | Scalars:
+        """Factor on the velocity through the water, complex as `Leg.through_water`, shape (n,)."""
+        return 1.0
+
+    @property
+    def changes_course(self) -> bool:
+        """Whether the effect refines `course_factor`."""
+        return type(self).course_factor is not TransitEffect.course_factor
+
     def surface_velocity(self, t: Array, duration: Array, position: Array) -> Array | float:
         """Drift velocity at the surface beyond the site's current, shape (2, n) [m/s]."""
         return 0.0
@@ -152,6 +161,29 @@ class TransitEffect:
             Memory for the next leg (trials last), and this leg's velocity error [m/s].
         """
         return memory, 0.0
+
+
+def velocity_error(effects: Iterable[TransitEffect], leg: Leg) -> Array:
+    """Combine the effects' mean velocity errors: factors on the velocity through the water multiply, velocities add.
+
+    Parameters
+    ----------
+    effects : iterable of TransitEffect
+    leg : Leg
+        n legs.
+
+    Returns
+    -------
+    array, shape (2, n)
+        [m/s]
+    """
+    factor = np.ones(leg.along.shape[1], dtype=complex)
+    velocity = np.zeros(leg.along.shape)
+    for effect in effects:
+        factor = factor * effect.course_factor(leg)
+        velocity = velocity + effect.velocity(leg)
+    changed = (factor - 1.0) * leg.through_water
+    return velocity + np.stack([changed.real, changed.imag])
 
 
 def surface_velocity(effects: Iterable[TransitEffect], t: Array, duration: Array, position: Array) -> Array:

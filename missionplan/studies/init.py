@@ -1,5 +1,6 @@
 """`init`: a starter folder with a commented mission, vehicle and data set that run as they stand."""
 
+import cmath
 import math
 from importlib.resources import files
 from pathlib import Path
@@ -13,7 +14,6 @@ from missionplan.mission import Mission, load
 from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.streams import stream
-from missionplan.phases.hooks import Leg
 from missionplan.results.base import to_csv
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.folder import write_atomically
@@ -98,8 +98,8 @@ def sea_trial(mission: Mission, *, legs: int = LEGS, compass_bias: float = COMPA
         dived = position + fixes[leg, 0]
         planned = corners[leg % 4] - dived
         duration = float(np.hypot(*planned)) / speed
-        sailed = Leg(*_columns(time, duration, position, planned / np.hypot(*planned)), speed)
-        error = sailed.turned(compass_bias)[:, 0] + errors[leg] + under_way
+        changed = (cmath.exp(-1j * compass_bias) - 1.0) * complex(*planned) / duration
+        error = np.array([changed.real, changed.imag]) + errors[leg] + under_way
         position = position + planned + error * duration
         rows.append((leg + 1, time, time + duration, *dived, *(dived + planned), *(position + fixes[leg, 1])))
         position = position + surface * pause
@@ -114,8 +114,3 @@ def _mean_current(mission: Mission, depth: float) -> Array:
     if current is None:
         return np.zeros(2)
     return np.broadcast_to(current.velocity(0.0, depth, np.zeros((2, 1))), (2, 1))[:, 0]
-
-
-def _columns(time: float, duration: float, start: Array, along: Array) -> tuple[Array, Array, Array, Array]:
-    """One leg as arrays over legs, shape (1,) and (2, 1)."""
-    return np.array([time]), np.array([duration]), start[:, None], along[:, None]

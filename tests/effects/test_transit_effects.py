@@ -10,10 +10,11 @@ from missionplan.effects.compass_bias import CompassBias
 from missionplan.effects.compass_deviation import CompassDeviation
 from missionplan.effects.current_shear import CurrentShear
 from missionplan.effects.inertial_current import InertialCurrent
+from missionplan.effects.mean_current import MeanCurrent
 from missionplan.effects.speed_scale import SpeedScale
 from missionplan.effects.surface_drift import SurfaceDrift
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent, resolvable_constituents
-from missionplan.phases.hooks import Leg
+from missionplan.phases.hooks import Leg, velocity_error
 
 
 def leg(t=0.0, duration=1000.0, start=(0.0, 0.0), heading=0.0, speed=1.5, latitude=np.nan):
@@ -27,27 +28,41 @@ def leg(t=0.0, duration=1000.0, start=(0.0, 0.0), heading=0.0, speed=1.5, latitu
     )
 
 
+def error(effect, legs):
+    return velocity_error((effect,), legs)
+
+
 def test_compass_bias_turns_clockwise():
-    northward = CompassBias(np.radians(90.0)).velocity(leg(speed=2.0))
+    northward = error(CompassBias(np.radians(90.0)), leg(speed=2.0))
     np.testing.assert_allclose(np.array([[0.0], [2.0]]) + northward, [[2.0], [0.0]], atol=1e-12)
 
 
 @given(st.floats(-0.5, 0.5), st.floats(0.0, 6.28))
 def test_compass_bias_keeps_the_speed(angle, heading):
     one = leg(heading=heading)
-    made = one.speed * one.along + CompassBias(angle).velocity(one)
+    made = one.speed * one.along + error(CompassBias(angle), one)
     assert np.hypot(*made)[0] == pytest.approx(1.5)
 
 
 def test_deviation_is_a_cosine_of_the_heading():
     deviation = CompassDeviation(0.1, phase=np.radians(30.0))
-    at_phase = deviation.velocity(leg(heading=np.radians(30.0)))
-    np.testing.assert_allclose(at_phase, CompassBias(0.1).velocity(leg(heading=np.radians(30.0))))
-    np.testing.assert_allclose(deviation.velocity(leg(heading=np.radians(120.0))), 0.0, atol=1e-12)
+    at_phase = error(deviation, leg(heading=np.radians(30.0)))
+    np.testing.assert_allclose(at_phase, error(CompassBias(0.1), leg(heading=np.radians(30.0))))
+    np.testing.assert_allclose(error(deviation, leg(heading=np.radians(120.0))), 0.0, atol=1e-12)
 
 
 def test_speed_scale_is_along_the_course():
-    np.testing.assert_allclose(SpeedScale(0.1).velocity(leg(heading=np.pi / 2)), [[0.15], [0.0]], atol=1e-12)
+    np.testing.assert_allclose(error(SpeedScale(0.1), leg(heading=np.pi / 2)), [[0.15], [0.0]], atol=1e-12)
+
+
+@given(*(st.floats(-0.5, 0.5) for _ in range(3)), st.floats(0.0, 6.28), st.permutations(range(4)))
+def test_turns_and_scales_of_the_course_multiply_and_currents_add(angle, amplitude, fraction, heading, order):
+    one = leg(heading=heading)
+    effects = (CompassBias(angle), CompassDeviation(amplitude, 0.3), SpeedScale(fraction), MeanCurrent(0.2, -0.1))
+    made = one.speed * one.along + velocity_error([effects[index] for index in order], one)
+    course = heading + angle + amplitude * np.cos(heading - 0.3)
+    expected = (1.0 + fraction) * 1.5 * np.array([np.sin(course), np.cos(course)]) + [0.2, -0.1]
+    np.testing.assert_allclose(made[:, 0], expected, atol=1e-12)
 
 
 def test_inertial_current_turns_clockwise_in_the_north_with_the_period_of_the_latitude():

@@ -15,8 +15,8 @@ from missionplan.diagnosis.inference.laplace import Laplace, laplace
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS, Grams, TransitCovariance
 from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, log_prior, values_of
+from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection
-from missionplan.diagnosis.legs.likelihood.mean import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.modulation import variance_of_mean
 from missionplan.effects import CATALOGUE
 from missionplan.results.evidence import Causes, ParameterEstimate

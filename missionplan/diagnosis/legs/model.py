@@ -17,7 +17,7 @@ from missionplan.diagnosis.legs.axes import transit_axes
 from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_further_legs
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS
-from missionplan.diagnosis.legs.likelihood.mean import LinearisedLegs
+from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.effects import CATALOGUE, exclusive_groups
 from missionplan.results.evidence import Causes
 

@@ -95,10 +95,5 @@ def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario, name
 
 def _with_given_effects(model: TransitModel, mission: Mission) -> Array:
     """Velocity error that the mission expects, its own effects at their means included, shape (2, n) [m/s]."""
-    base = model.base.copy()
-    data, leg = model.data, model.leg
-    for effect in given_effects(mission):
-        if isinstance(effect, TransitEffect):
-            drift = effect.surface_velocity(data.t_start + data.under_way, data.surface, data.end)
-            base = base + effect.velocity(leg) + drift * data.surface / data.under_way
-    return base
+    effects = [effect for effect in given_effects(mission) if isinstance(effect, TransitEffect)]
+    return model.base + model.velocity_error(effects)

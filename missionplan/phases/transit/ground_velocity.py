@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.currents import Span
-from missionplan.phases.hooks import Leg
+from missionplan.phases.hooks import Leg, velocity_error
 from missionplan.phases.transit.plan import Environment, Normals, TransitNormals, TransitPlan, VelocityError
 
 
@@ -57,7 +57,8 @@ class GroundVelocity:
             own = source.leg(number)[:, : t.size] if source is not None else np.zeros((2, t.size))
             velocity = velocity * effect.error_scale(own)
             self._memory[index], carried = effect.step(self._memory[index], elapsed, own, leg)
-            persistent = persistent + carried + effect.velocity(leg)
+            persistent = persistent + carried
+        persistent = persistent + velocity_error(effects, leg)
         self._mid_leg = mid_leg
         velocity = velocity + plan.velocity_error.mean + persistent
         drift = plan.velocity_error.mean + persistent

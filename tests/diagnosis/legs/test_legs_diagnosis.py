@@ -11,6 +11,7 @@ from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError
 from missionplan.mission import Mission
+from missionplan.phases.hooks import velocity_error
 from missionplan.report.render import render_report
 
 KIND = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
@@ -24,8 +25,17 @@ def test_columns_are_the_effects_own_hooks(folder, transit_mission, legs):
     bound = model(folder, transit_mission, legs())
     columns = bound.columns(np.zeros(len(bound.coordinates)))
     at = [coordinate.effect for coordinate in bound.coordinates].index("speed-scale")
-    expected = CATALOGUE["speed-scale"].make({"fraction": 1.0}).velocity(bound.leg)
+    expected = velocity_error((CATALOGUE["speed-scale"].make({"fraction": 1.0}),), bound.leg)
     np.testing.assert_allclose(columns[:, :, at], expected, rtol=1e-9)
+
+
+def test_a_scale_of_the_speed_acts_on_the_course_that_is_made(folder, transit_mission, legs):
+    bound = model(folder, transit_mission, legs())
+    names, about = [coordinate.effect for coordinate in bound.coordinates], np.zeros(len(bound.coordinates))
+    about[names.index("compass-bias")] = 0.3
+    east, north = bound.leg.speed * bound.leg.along
+    made = [np.cos(0.3) * east + np.sin(0.3) * north, np.cos(0.3) * north - np.sin(0.3) * east]
+    np.testing.assert_allclose(bound.columns(about)[:, :, names.index("speed-scale")], made, rtol=1e-9)
 
 
 def test_noise_of_independent_legs_is_the_contracts(folder, transit_mission, legs):

@@ -17,8 +17,9 @@ from missionplan.diagnosis.legs.likelihood.hyperparameters import (
     slab_scale,
     values_of,
 )
+from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection, MarkovCovariance
-from missionplan.diagnosis.legs.likelihood.mean import LinearisedLegs, TransitMean
+from missionplan.diagnosis.legs.likelihood.mean import TransitMean
 from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.phases.hooks import MarkovProcess, TransitEffect

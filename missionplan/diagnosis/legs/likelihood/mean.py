@@ -1,7 +1,7 @@
 """Mean of a navigation log's velocity errors: linear in the causes' coordinates, through the effects' own hooks."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import cast
@@ -12,75 +12,19 @@ from missionplan.arrays import Array
 from missionplan.datasets.legs import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
 from missionplan.diagnosis.given_effects import GivenEffect, held
-from missionplan.diagnosis.inference.marginal_likelihood import Marginal
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
-from missionplan.diagnosis.legs.likelihood.hyperparameters import SLAB_SCALE, HyperparameterValues
+from missionplan.diagnosis.legs.likelihood.linearised import CoordinatePrior, LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.modulation import Modulation, modulated_columns, smooth_functions
 from missionplan.effects import CATALOGUE, EffectInfo, effects_of
 from missionplan.effects.info import LegRecord
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
-from missionplan.phases.hooks import Leg, TransitEffect
+from missionplan.phases.hooks import Leg, TransitEffect, surface_velocity, velocity_error
 from missionplan.results.evidence import Causes
 
 LEGS_OF_A_DESCRIPTION = 20
 """Legs below which the errors are not described statistically: so few look persistent by chance."""
 DIFFERENCE_STEP = 1e-3
 """Step of the central differences, in slabs (prior standard deviations of a cause)."""
-
-
-@dataclass(frozen=True)
-class LinearisedLegs:
-    """Linearised model of a set of causes: y ≈ columns·coefficients + noise, coefficients ~ N(0, 1) and independent.
-
-    Attributes
-    ----------
-    about : array, shape (k,)
-        Coordinates about which it is linearised.
-    prior : CoordinatePrior
-        Of the k coordinates, which are its mean plus its factor times the first k coefficients.
-    y : array, shape (2, n)
-        Velocity errors less those at the prior means, on the principal axes [m/s].
-    columns : array, shape (2, n, k + m)
-        Of the coefficients: k for the coordinates, then m of the functions that modulate oscillations.
-    slabs : mapping
-        By cause, the coefficients whose prior standard deviation its slab scale multiplies.
-    modulations : tuple of Modulation
-        Whose functions follow the coordinates, in their order.
-    """
-
-    about: Array
-    prior: "CoordinatePrior"
-    y: Array
-    columns: Array
-    slabs: Mapping[str, list[int]]
-    modulations: tuple[Modulation, ...]
-
-    def prior_sd(self, values: HyperparameterValues) -> Array:
-        """Prior standard deviations of the coefficients, 1 but for slabs and modulations, shape (k + m,)."""
-        sd = np.ones(len(self.about))
-        for effect, places in self.slabs.items():
-            sd[places] = values.get((effect, SLAB_SCALE), 1.0)
-        of_functions = [each.sd(*(values[key] for key in each.keys)) for each in self.modulations]
-        return np.concatenate([sd, *of_functions])
-
-    @cached_property
-    def joined(self) -> Array:
-        """Columns and, last, data, shape (2, n, k + m + 1)."""
-        return np.concatenate([self.columns, self.y[:, :, None]], axis=2)
-
-
-@dataclass(frozen=True)
-class CoordinatePrior:
-    """Normal prior of k coordinates: mean, shape (k,), and lower factor L of the covariance L Lᵀ, shape (k, k)."""
-
-    mean: Array
-    factor: Array
-
-    def posterior(self, marginal: Marginal) -> tuple[Array, Array]:
-        """Return mean (k,) and covariance (k, k) of the coordinates from those of the standardised coefficients."""
-        k = len(self.mean)
-        mean = self.mean + self.factor @ marginal.mean[:k]
-        return mean, self.factor @ marginal.covariance[:k, :k] @ self.factor.T
 
 
 @dataclass(frozen=True)
@@ -222,9 +166,7 @@ class TransitMean:
 
     def mean_error(self, values: Array) -> Array:
         """Velocity errors caused by the effects in the mean, on the principal axes, shape (2, n) [m/s]."""
-        return self.axes.T @ sum(
-            (self._error(own, values) for own in self.by_effect.values()), np.zeros((2, self.data.n))
-        )
+        return self.axes.T @ self._error(tuple(self.by_effect), values)
 
     @cached_property
     def by_effect(self) -> dict[str, list[int]]:
@@ -234,21 +176,32 @@ class TransitMean:
             found.setdefault(coordinate.effect, []).append(index)
         return found
 
-    def _error(self, own: list[int], values: Array) -> Array:
-        """Velocity errors east and north caused by one effect, shape (2, n) [m/s]."""
-        data = self.data
-        ((name, parameters),) = parameters_from([self.coordinates[i] for i in own], values[own]).items()
-        effect = cast(TransitEffect, CATALOGUE[name].make(parameters))
-        drift = effect.surface_velocity(data.t_start + data.under_way, data.surface, data.end)
-        return effect.velocity(self.leg) + drift * data.surface / data.under_way
+    def velocity_error(self, effects: Iterable[TransitEffect]) -> Array:
+        """Mean velocity errors of effects together, drift at the surface included, shape (2, n) [m/s]."""
+        data, effects = self.data, tuple(effects)
+        drift = surface_velocity(effects, data.t_start + data.under_way, data.surface, data.end)
+        return velocity_error(effects, self.leg) + drift * data.surface / data.under_way
+
+    def _error(self, names: Sequence[str], values: Array) -> Array:
+        """Velocity errors east and north that some effects cause together, shape (2, n) [m/s]."""
+        own = [index for name in names for index in self.by_effect[name]]
+        made = parameters_from([self.coordinates[index] for index in own], values[own])
+        return self.velocity_error(cast(TransitEffect, CATALOGUE[name].make(each)) for name, each in made.items())
+
+    @cached_property
+    def _on_course(self) -> tuple[str, ...]:
+        """Effects whose factors on the velocity through the water multiply, so that one changes another's column."""
+        made = {name: cast(TransitEffect, CATALOGUE[name].make({})) for name in self.by_effect}
+        return tuple(name for name, effect in made.items() if effect.changes_course)
 
     def columns(self, about: Array) -> Array:
         """Columns of the coordinates, by central differences of the effects' hooks, shape (2, n, k)."""
         columns = []
         for index, coordinate in enumerate(self.coordinates):
-            own, step = self.by_effect[coordinate.effect], np.zeros(len(about))
+            together = self._on_course if coordinate.effect in self._on_course else (coordinate.effect,)
+            step = np.zeros(len(about))
             step[index] = DIFFERENCE_STEP * coordinate.slab
-            ahead, behind = (self._error(own, about + sign * step) for sign in (1.0, -1.0))
+            ahead, behind = (self._error(together, about + sign * step) for sign in (1.0, -1.0))
             columns.append(self.axes.T @ (ahead - behind) / (2.0 * step[index]))
         return np.stack(columns, axis=2)
 
@@ -302,7 +255,7 @@ class TransitMean:
         own = self.by_effect[name]
         quadrature = about.copy()
         quadrature[own[::2]], quadrature[own[1::2]] = -about[own[1::2]], about[own[::2]]
-        in_phase, in_quadrature = (self._error(own, values) for values in (about, quadrature))
+        in_phase, in_quadrature = (self._error((name,), values) for values in (about, quadrature))
         modulation, functions = smooth_functions(name, self.data.middle)
         columns = modulated_columns(functions, in_phase, in_quadrature)
         return modulation, np.asarray(np.einsum("ij,jnm->inm", self.axes.T, columns))

@@ -1,0 +1,67 @@
+"""A set of causes linearised about given coordinates, as the likelihood of a log takes it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.inference.marginal_likelihood import Marginal
+from missionplan.diagnosis.legs.likelihood.hyperparameters import SLAB_SCALE, HyperparameterValues
+from missionplan.diagnosis.legs.likelihood.modulation import Modulation
+
+
+@dataclass(frozen=True)
+class CoordinatePrior:
+    """Normal prior of k coordinates: mean, shape (k,), and lower factor L of the covariance L Lᵀ, shape (k, k)."""
+
+    mean: Array
+    factor: Array
+
+    def posterior(self, marginal: Marginal) -> tuple[Array, Array]:
+        """Return mean (k,) and covariance (k, k) of the coordinates from those of the standardised coefficients."""
+        k = len(self.mean)
+        mean = self.mean + self.factor @ marginal.mean[:k]
+        return mean, self.factor @ marginal.covariance[:k, :k] @ self.factor.T
+
+
+@dataclass(frozen=True)
+class LinearisedLegs:
+    """Linearised model of a set of causes: y ≈ columns·coefficients + noise, coefficients ~ N(0, 1) and independent.
+
+    Attributes
+    ----------
+    about : array, shape (k,)
+        Coordinates about which it is linearised.
+    prior : CoordinatePrior
+        Of the k coordinates, which are its mean plus its factor times the first k coefficients.
+    y : array, shape (2, n)
+        Velocity errors less those at the prior means, on the principal axes [m/s].
+    columns : array, shape (2, n, k + m)
+        Of the coefficients: k for the coordinates, then m of the functions that modulate oscillations.
+    slabs : mapping
+        By cause, the coefficients whose prior standard deviation its slab scale multiplies.
+    modulations : tuple of Modulation
+        Whose functions follow the coordinates, in their order.
+    """
+
+    about: Array
+    prior: CoordinatePrior
+    y: Array
+    columns: Array
+    slabs: Mapping[str, list[int]]
+    modulations: tuple[Modulation, ...]
+
+    def prior_sd(self, values: HyperparameterValues) -> Array:
+        """Prior standard deviations of the coefficients, 1 but for slabs and modulations, shape (k + m,)."""
+        sd = np.ones(len(self.about))
+        for effect, places in self.slabs.items():
+            sd[places] = values.get((effect, SLAB_SCALE), 1.0)
+        of_functions = [each.sd(*(values[key] for key in each.keys)) for each in self.modulations]
+        return np.concatenate([sd, *of_functions])
+
+    @cached_property
+    def joined(self) -> Array:
+        """Columns and, last, data, shape (2, n, k + m + 1)."""
+        return np.concatenate([self.columns, self.y[:, :, None]], axis=2)
