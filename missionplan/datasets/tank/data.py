@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
@@ -94,7 +95,7 @@ def read_tank_data(folder: str | Path) -> TankData:
     folder = as_path(folder, "dataset")
     form = TANK_FORMATS[dataset_kind(folder, TANK_FORMATS)]
     raw = read_dataset(folder, form)
-    problems = _at_rest(raw)
+    problems = [*_at_rest(raw), *_unmoved(raw)]
     compared = _compared(folder, raw, form.columns, problems)
     settings = raw.checked(problems)
     columns, labels = _split(raw.table)
@@ -117,6 +118,15 @@ def _at_rest(raw: RawDataset[Settings]) -> list[Problem]:
     rows = raw.table.index[raw.table["speed_m_s"] <= 0.0]
     hint = "subtract what the gauge reads at rest, and leave its row out (ok = 0)"
     return problems_at(rows, lambda line: Problem("expected more than 0", raw.file, line, "speed_m_s", hint))
+
+
+def _unmoved(raw: RawDataset[Settings]) -> list[Problem]:
+    """Find a thruster that is never told to turn: its record holds no constant of it."""
+    if raw.document.data.get("kind") != THRUSTER.kind:
+        return []
+    commands = [name for name in ("voltage_v", "rpm") if name in raw.table]
+    idle = [name for name in commands if len(raw.table) and not np.any(raw.table[name])]
+    return [Problem("is 0 on every row: the thruster stands still", raw.file, key=name) for name in idle]
 
 
 def _compared(folder: Path, raw: RawDataset[Settings], columns: Columns, problems: list[Problem]) -> CsvTable | None:

@@ -109,6 +109,12 @@ def test_thruster_constants_and_deadband(tmp_path, deadband):
     assert ("deadband" in result.fits[0]) == (deadband > 0)
 
 
+def test_a_thruster_that_stands_still_is_refused(tmp_path):
+    rows = {"voltage_v": np.zeros(5), "thrust_n": np.linspace(-2.0, 2.0, 5)}
+    with pytest.raises(InputError, match=r"voltage_v: is 0 on every row"):
+        identify(write(tmp_path / "still", {"kind": "thruster"}, rows))
+
+
 def tunnel(rng, decay, position, centre):
     """Force and moment by the paper's Eqs. 1 to 4, written out."""
     rpm, speed = (grid.ravel() for grid in np.meshgrid([1200.0, 1800.0, 2400.0], [0.0, 0.4, 0.6, 0.8, 1.0]))
