@@ -113,7 +113,7 @@ def size_anchor(
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Size the anchor that takes the vehicle down within the radius: weight, length, trim ring, and its dive."""
-    from missionplan.results.anchor import AnchorSizing
+    from missionplan.results.mooring.sizing import AnchorSizing
 
     def study(loaded: "Mission", _progress: Progress) -> AnchorSizing:
         from missionplan.studies.anchor.size_anchor import size_anchor

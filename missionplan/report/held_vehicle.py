@@ -1,7 +1,7 @@
 """Section and figure of a mooring's vehicle on its line: body, line and anchor to scale."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,7 +10,7 @@ from matplotlib.patches import Polygon
 
 from missionplan.arrays import Array
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, SKY, Block, Figure, PageSection, Table, to_figure
-from missionplan.results.held_vehicle import HeldState, HeldVehicle
+from missionplan.results.mooring.held_vehicle import HeldState, HeldVehicle
 
 _CAP = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 24)
 
@@ -44,25 +44,26 @@ def _assumptions(held: HeldVehicle) -> Iterator[str]:
         )
 
 
+_ROWS: tuple[tuple[str, Callable[[HeldState], str]], ...] = (
+    ("Current at the anchor", lambda state: f"{state.speed:.3f} m/s"),
+    ("Nose above the seafloor", lambda state: f"{state.nose_altitude:.2f} m"),
+    ("Tail above the seafloor", lambda state: f"{state.tail_altitude:.2f} m"),
+    ("Nose from the anchor", lambda state: f"{state.excursion:.2f} m"),
+    ("Pitch, nose down", lambda state: f"{math.degrees(state.pitch):.0f} °"),
+    ("Line from the vertical, at the anchor", lambda state: f"{math.degrees(state.line_angle):.0f} °"),
+    ("Line tension at the nose", lambda state: f"{state.tension_at_nose:.2f} N"),
+    ("Line tension at the anchor", lambda state: f"{state.tension_at_anchor:.2f} N"),
+    ("Anchor's own drag", lambda state: f"{state.anchor_drag:.2f} N"),
+    ("Holding factor that it needs", lambda state: _needed(state.friction_needed)),
+    ("Holding margin", lambda state: f"{state.holding_margin:.2f}"),
+    ("Wet weight of this size that just holds", lambda state: _weight(state.least_weight)),
+)
+
+
 def _numbers(held: HeldVehicle) -> Table:
-    rows = [
-        ("Current at the anchor", *(f"{state.speed:.3f} m/s" for state in held.states)),
-        ("Nose above the seafloor", *(f"{state.nose_altitude:.2f} m" for state in held.states)),
-        ("Tail above the seafloor", *(f"{state.tail_altitude:.2f} m" for state in held.states)),
-        ("Nose from the anchor", *(f"{state.excursion:.2f} m" for state in held.states)),
-        ("Pitch, nose down", *(f"{math.degrees(state.pitch):.0f} °" for state in held.states)),
-        (
-            "Line from the vertical, at the anchor",
-            *(f"{math.degrees(state.line_angle):.0f} °" for state in held.states),
-        ),
-        ("Line tension at the nose", *(f"{state.tension_at_nose:.2f} N" for state in held.states)),
-        ("Line tension at the anchor", *(f"{state.tension_at_anchor:.2f} N" for state in held.states)),
-        ("Anchor's own drag", *(f"{state.anchor_drag:.2f} N" for state in held.states)),
-        ("Holding factor that it needs", *(_needed(state.friction_needed) for state in held.states)),
-        (f"Holding margin with {held.friction:g}", *(f"{state.holding_margin:.2f}" for state in held.states)),
-        ("Wet weight of this size that just holds", *(_weight(state.least_weight) for state in held.states)),
-    ]
-    return Table(("", *(state.current for state in held.states)), rows)
+    rows = [(label, *map(cell, held.states)) for label, cell in _ROWS]
+    caption = f"With an anchor of {held.anchor_weight:.3g}\u00a0N wet and a holding factor of {held.friction:g}."
+    return Table(("", *(state.current for state in held.states)), rows, caption)
 
 
 def _needed(friction: float) -> str:

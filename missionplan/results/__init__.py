@@ -1,4 +1,4 @@
 """Results of the studies as frozen data classes, with their summaries and tables.
 
-`base` has what all results share; every other module holds the result of one study.
+`base` has what all results share; every other module holds the result of one study, `mooring` those of anchors.
 """

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
 from missionplan.results.base import Provenance, Result, to_csv
-from missionplan.results.held_vehicle import HeldVehicle
+from missionplan.results.mooring.held_vehicle import HeldVehicle
+from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.plan import Plan
-from missionplan.results.sized_anchor import MooringAnchor
 
 
 @dataclass(frozen=True)

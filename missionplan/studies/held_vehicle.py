@@ -13,7 +13,7 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.mooring.hold import Hold, HoldRecord, extreme_moments, layers_above, lifted, record_at_once
 from missionplan.physics.line_statics import LayersAbove, held_pose, line_shape
-from missionplan.results.held_vehicle import HeldState, HeldVehicle
+from missionplan.results.mooring.held_vehicle import HeldState, HeldVehicle
 from missionplan.scenario.anchor_weight import anchor_length, design_current
 from missionplan.scenario.held_vehicle import CENTRES_GIVEN, HOLDING_GIVEN, hold_of
 from missionplan.scenario.mooring import start_of

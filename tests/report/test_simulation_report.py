@@ -15,8 +15,8 @@ from missionplan.report.page import Figure, style
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
 from missionplan.report.simulation.requirements import judged
+from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.simulation import Attrition, Outcome, RequirementOutcome
-from missionplan.results.sized_anchor import MooringAnchor
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.patches import Circle
 
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, PINK, SKY, Figure, to_figure
-from missionplan.results.anchor import AnchorSizing
+from missionplan.results.mooring.sizing import AnchorSizing
 
 _DASHED = (0, (4, 3))
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.arrays import Array
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, SKY, Figure, to_figure
-from missionplan.results.sized_anchor import SizedAnchor
+from missionplan.results.mooring.sized_anchor import SizedAnchor
 
 
 def drag_bars(anchor: SizedAnchor) -> Figure:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from missionplan.physics.anchor import AnchorDesign
 from missionplan.report.numbers import percent
-from missionplan.results.anchor import AnchorSizing
-from missionplan.results.sized_anchor import SizedAnchor
+from missionplan.results.mooring.sized_anchor import SizedAnchor
+from missionplan.results.mooring.sizing import AnchorSizing
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from missionplan.report.anchor.numbers_table import numbers_table
 from missionplan.report.held_vehicle import hold_section
 from missionplan.report.numbers import percent
 from missionplan.report.page import Figure, Page, Terminal
-from missionplan.results.anchor import AnchorSizing
-from missionplan.results.sized_anchor import SizedAnchor
+from missionplan.results.mooring.sized_anchor import SizedAnchor
+from missionplan.results.mooring.sizing import AnchorSizing
 
 
 def page(sizing: AnchorSizing) -> Page:

@@ -14,7 +14,7 @@ from missionplan.phases.currents import Current
 from missionplan.phases.hooks import surface_velocity
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.hold import hold_vehicle, lifted
-from missionplan.results.sized_anchor import DiveProbabilities
+from missionplan.results.mooring.sized_anchor import DiveProbabilities
 from missionplan.scenario.held_vehicle import HOLDING_GIVEN, hold_of
 from missionplan.scenario.mooring import dive_of, is_too_shallow, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario

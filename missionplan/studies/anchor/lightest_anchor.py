@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from missionplan.results.sized_anchor import DiveProbabilities
+from missionplan.results.mooring.sized_anchor import DiveProbabilities
 
 MAX_WEIGHT_RATIO = 10.0
 """Heaviest anchor tried over the worst-case one; it sinks three times as fast, so that drift before the descent is

@@ -8,9 +8,9 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel_blocks import Backend
-from missionplan.results.anchor import AnchorSizing, ProbableAnchor
 from missionplan.results.base import Provenance
-from missionplan.results.sized_anchor import SizedAnchor
+from missionplan.results.mooring.sized_anchor import SizedAnchor
+from missionplan.results.mooring.sizing import AnchorSizing, ProbableAnchor
 from missionplan.scenario.anchor_weight import worst_case_weight
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current

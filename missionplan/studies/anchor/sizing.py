@@ -11,8 +11,8 @@ from missionplan.physics.anchor import AnchorDesign, solve_anchor
 from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
 from missionplan.physics.mooring import required_terminal_velocity, required_terminal_velocity_vector
 from missionplan.physics.vehicle_drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
-from missionplan.results.anchor import DesignLayer, ProbableAnchor
-from missionplan.results.sized_anchor import SizedAnchor
+from missionplan.results.mooring.sized_anchor import SizedAnchor
+from missionplan.results.mooring.sizing import DesignLayer, ProbableAnchor
 from missionplan.scenario.anchor_weight import anchor_problem, design_current
 from missionplan.scenario.mooring import dive_of, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario

@@ -11,8 +11,8 @@ from missionplan.mission.schema.phases import TransitPhase
 from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
 from missionplan.physics.anchor import solve_anchor
 from missionplan.physics.vehicle_drag import range_notes
-from missionplan.results.held_vehicle import HeldVehicle
-from missionplan.results.sized_anchor import MooringAnchor
+from missionplan.results.mooring.held_vehicle import HeldVehicle
+from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.scenario.anchor_weight import anchor_problem, wet_weight_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.flooding import flooding_notice

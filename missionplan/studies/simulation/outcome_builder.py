@@ -13,7 +13,8 @@ from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.montecarlo.sensitivity import Influence, sensitivities
 from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic, Statistic
 from missionplan.results.base import Provenance
-from missionplan.results.held_vehicle import HeldVehicle
+from missionplan.results.mooring.held_vehicle import HeldVehicle
+from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.simulation import (
     Attrition,
     Histogram,
@@ -23,7 +24,6 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
-from missionplan.results.sized_anchor import MooringAnchor
 from missionplan.studies.simulation.block_statistics import (
     LIMIT,
     BlockStatistics,

@@ -9,8 +9,8 @@ import pandas as pd
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.trim import TrimState
 from missionplan.results.base import Provenance, Result, to_csv
-from missionplan.results.held_vehicle import HeldVehicle
-from missionplan.results.sized_anchor import SizedAnchor
+from missionplan.results.mooring.held_vehicle import HeldVehicle
+from missionplan.results.mooring.sized_anchor import SizedAnchor
 
 
 @dataclass(frozen=True)
