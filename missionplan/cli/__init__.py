@@ -47,7 +47,7 @@ def main() -> None:
     status: object = 0
     try:
         with answering():
-            status = app(standalone_mode=False)
+            status = app(args=planning.with_default_event(sys.argv[1:]), standalone_mode=False)
     except MissionplanError as error:
         note(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{_in_options(error)}")
         status = error.exit_status

@@ -1,5 +1,6 @@
 """Commands that plan: sweep-dmax, plan-legs, size-anchor, simulate, sweep-transition."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
@@ -137,10 +138,36 @@ _Resume = Annotated[bool, typer.Option("--resume", help="Go on with the finished
 _KeepTrials = Annotated[bool, typer.Option("--keep-trials", help="Write trials.parquet, one row per trial.")]
 
 
+_Rare = Annotated[
+    str | None,
+    typer.Option(
+        metavar="[EVENT]",
+        help="Estimate the probability of a rare failure instead, and how it comes about: 'not total.success' "
+        "(where no event is given), moor.struck_seafloor, 'moor.offset > 30 m'. --trials: at most; --precision: "
+        "coefficient of variation, default 10%.",
+        show_default=False,
+    ),
+]
+
+
+def with_default_event(arguments: Sequence[str]) -> list[str]:
+    """Add the event that `--rare` stands for where it is given without one: typer's options need their values."""
+    given = list(arguments)
+    for place in reversed([place for place, argument in enumerate(given) if argument == "--rare"]):
+        if place + 1 == len(given) or given[place + 1].startswith("-"):
+            given.insert(place + 1, FAILS)
+    return given
+
+
+FAILS = "not total.success"
+"""Event of `--rare` where none is given."""
+
+
 def simulate(
     mission: o.MissionFile,
     *,
     run: o.MonteCarloOptions,
+    rare: _Rare = None,
     precision: _Precision = None,
     resume: _Resume = False,
     keep_trials: _KeepTrials = False,
@@ -148,6 +175,16 @@ def simulate(
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Simulate the whole mission: will it work, how long will it take, how much energy, and what makes it fail."""
+    if rare is not None:
+        _refuse_with_rare(resume=resume, keep_trials=keep_trials)
+
+        def study(loaded: "Mission", progress: Progress) -> "Result":
+            from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
+
+            return find_rare_failure(loaded, event=rare, precision=precision, progress=progress, **run.arguments())
+
+        run_study(mission, "simulate", study, output, allow_outside=allow_outside)
+        return
     from missionplan.mission import load
     from missionplan.store.folder import check_holds_no_input, check_new_folder
     from missionplan.studies.simulation.simulate import simulate
@@ -171,6 +208,20 @@ def simulate(
     deliver(outcome, folder, replace(output, force=True))
     if not outcome.requirements_met or not outcome.can_be_built:
         raise typer.Exit(REQUIREMENT_NOT_MET)
+
+
+def _refuse_with_rare(*, resume: bool, keep_trials: bool) -> None:
+    """Refuse options of the plain simulation that a search for a rare failure does not have."""
+    from missionplan.errors import InputError, Problem
+
+    given = {"resume": resume, "keep_trials": keep_trials}
+    problems = [
+        Problem("does not go with --rare, which writes failures.csv and starts anew", key=name)
+        for name, is_given in given.items()
+        if is_given
+    ]
+    if problems:
+        raise InputError(problems)
 
 
 _Transition = Annotated[

@@ -137,7 +137,7 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
         "total.success": trials.success,
         **_events(trials),
         **_limits(trials),
-        **_failures_by_step(trials),
+        **failures_by_step(trials),
         **_requirements(mission, columns),
     }
     counts = {name: Count.of(trial) for name, trial in happened.items()}
@@ -200,7 +200,7 @@ def _limits(trials: MissionTrials) -> dict[str, Flags]:
     return found
 
 
-def _failures_by_step(trials: MissionTrials) -> dict[str, Flags]:
+def failures_by_step(trials: MissionTrials) -> dict[str, Flags]:
     """Trials that fail at each step of the mission and at none before it."""
     good = np.ones(trials.success.size, dtype=bool)
     steps = {}

@@ -1,0 +1,170 @@
+"""Report of a rare failure: how probable it is, and how it comes about."""
+
+import math
+from collections.abc import Iterator
+
+from missionplan.report.numbers import number
+from missionplan.report.page import Block, Page, PageSection, Table, Terminal
+from missionplan.report.simulation.quantities import failure_in_words
+from missionplan.report.wording import in_words
+from missionplan.results.rare_failure import Cause, FailureMode, RareFailure
+
+_DEGREES = 180.0 / math.pi
+
+
+def page(found: RareFailure) -> Page:
+    """Build the page of a rare failure."""
+    return Page(
+        title=f"Rare failure: {found.provenance.mission or found.provenance.file}",
+        answer=answer(found),
+        figure=None,
+        numbers=_numbers(found),
+        sections=[*_how(found), *_precision(found)],
+        rerun=_rerun(found),
+    )
+
+
+def terminal(found: RareFailure) -> Terminal:
+    """Build the terminal's view: the answer, and the ways to fail."""
+    rows = [(_way(mode), _percent(mode.share)) for mode in found.modes]
+    return Terminal(answer(found), ("way to fail", "of the failures"), rows)
+
+
+def answer(found: RareFailure) -> str:
+    """Write how probable the failure is, and how it comes about."""
+    if not found.reached:
+        low = f"none of {number(found.provenance.trials)} trials that were led towards it failed"
+        return (
+            f"No failure ({found.event}) was found: {low}. By plain trials alone its probability is at most "
+            f"{_power(found.probability.high)}."
+        )
+    chance = f"{_power(found.probability.value)} ({_power(found.probability.low)} to {_power(found.probability.high)})"
+    words = f"{_event(found)} with probability {chance}: {_one_in(found.probability.value)}."
+    modes = [mode for mode in found.modes if mode.step]
+    if not modes:
+        return words
+    way, causes = failure_in_words(modes[0].step), _causes_in_words(modes[0])
+    how = f" with {causes}" if causes else ""
+    return f"{words} {_percent(modes[0].share)} of these are {way}{how}."
+
+
+def _event(found: RareFailure) -> str:
+    return "This mission fails" if found.event == "not total.success" else f"Of this mission, {found.event} happens"
+
+
+def _way(mode: FailureMode) -> str:
+    return failure_in_words(mode.step) if mode.step else "missions that succeed all the same"
+
+
+def _causes_in_words(mode: FailureMode) -> str:
+    return ", ".join(
+        f"{'high' if cause.shift > 0.0 else 'low'} {in_words(cause.source)} ({_value(cause, cause.mean)} where "
+        f"{_value(cause, cause.usual)} is usual)"
+        for cause in mode.causes[:3]
+    )
+
+
+def _value(cause: Cause, value: float) -> str:
+    """Write a value in SI; an angle in degrees."""
+    is_angle = cause.source.endswith((".toward", ".angle"))
+    size, unit = (_DEGREES, "°") if is_angle else (1.0, _unit(cause.source))
+    return f"{number(size * value, 0.05 * size * cause.usual_sd)}{unit}"
+
+
+def _unit(source: str) -> str:
+    """Unit of the inputs whose names tell it."""
+    name = source.rpartition("velocity_error" if "velocity_error" in source else ".")[2]
+    if "velocity_error" in source or name.endswith(("speed", "east", "north")):
+        return "\u00a0m/s"
+    if "fix_error" in source or name.endswith(("length", "depth", "diameter", "down_to")):
+        return "\u00a0m"
+    if name.endswith(("time", "hold", "galvanic_release")):
+        return "\u00a0s"
+    return "\u00a0N" if name.endswith(("weight", "buoyancy", "strength")) else ""
+
+
+def _how(found: RareFailure) -> Iterator[PageSection]:
+    """Say of each way to fail how often it is, and what is not as usual in it."""
+    if not found.modes:
+        return
+    blocks: list[Block] = []
+    for mode in found.modes:
+        causes = _causes_in_words(mode)
+        blocks.append(
+            f"{_percent(mode.share)} of the failures are {_way(mode)}"
+            + (f", with {causes}." if causes else "; no input is far from usual in them.")
+        )
+    rows = [
+        (
+            _way(mode),
+            in_words(cause.source),
+            _value(cause, cause.mean),
+            _value(cause, cause.usual),
+            f"{cause.shift:+.1f}",
+        )
+        for mode in found.modes
+        for cause in mode.causes
+    ]
+    if rows:
+        columns = ("way to fail", "input", "mean where it fails", "usual mean", "shift (sd)")
+        caption = (
+            "SI units; shift in standard deviations of all trials. Velocity errors are means over a transit's legs."
+        )
+        blocks.append(Table(columns, rows, caption, text_columns=2))
+    blocks.append("failures.csv has trials that fail, each as likely as any other, with all that was drawn in them.")
+    yield PageSection(f"How it fails: {_way(found.modes[0])}", blocks)
+
+
+def _precision(found: RareFailure) -> Iterator[PageSection]:
+    if not found.reached:
+        near = f"The nearest trials have a probability of about {_power(found.nearest)}."
+        yield PageSection("Nothing led to a failure", [near])
+        return
+    yield PageSection(
+        f"Known to {100.0 * found.variation:.0f} % from {number(found.provenance.trials)} trials",
+        [
+            f"{found.repetitions} independent repetitions of subset simulation with {found.levels} levels each; the "
+            "interval follows from their scatter (Student's t on the logarithm). A plain Monte Carlo would know the "
+            f"probability as well after {_power(found.plain_trials)} trials.",
+            "The probability is that of the model: what the mission file leaves out is not in it, and one in a million "
+            "is to be believed only as far as the tails of the distributions given.",
+        ],
+    )
+
+
+def _numbers(found: RareFailure) -> list[tuple[str, str]]:
+    if not found.reached:
+        return []
+    low, high = _power(found.probability.low), _power(found.probability.high)
+    return [
+        ("Probability", _power(found.probability.value)),
+        ("95 % interval", f"{low} to {high}"),
+        ("Coefficient of variation", f"{100.0 * found.variation:.1f} %"),
+    ]
+
+
+def _rerun(found: RareFailure) -> str:
+    options = found.provenance.options
+    more = "".join(f" --{name} {options[name]}" for name in ("trials", "precision") if options.get(name) is not None)
+    return f"missionplan simulate mission.yaml --rare '{found.event}' --seed {found.provenance.seed}{more}"
+
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _power(value: float) -> str:
+    """Write a probability or a number of trials in two digits: ``0.046``, ``1.2·10⁻⁶``, ``3.4·10⁸``."""
+    if value <= 0.0 or not math.isfinite(value):
+        return "0" if value <= 0.0 else "∞"
+    if 1e-3 <= value < 1e4:
+        return f"{value:.2g}" if value < 100.0 else f"{value:.0f}"
+    digits, exponent = f"{value:.1e}".split("e")
+    return f"{digits}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+
+
+def _one_in(value: float) -> str:
+    return f"about one mission in {number(float(f'{1.0 / value:.1e}'))}" if value < 0.5 else "more often than not"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f}\u00a0%"

@@ -1,0 +1,130 @@
+"""How near each trial came to each way to fail: what leads subset simulation to the failures.
+
+Each margin is in the unit of its quantity; `scaled_margin` divides it by its standard deviation over plain trials,
+so that margins of lengths, energies and counts can be compared: roughly, in standard deviations from failure.
+"""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from missionplan.arrays import Array, Scalars
+from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.scenario.scenario import Scenario
+from missionplan.studies.rare_failure.event import RareEvent
+from missionplan.studies.simulation.mission_trials import MissionTrials
+from missionplan.studies.simulation.phase_trials import (
+    AGROUND,
+    LINE_PARTED,
+    OUT_OF_ENERGY,
+    TOO_LIGHT,
+    TOO_SHALLOW,
+    Flags,
+    PhaseTrials,
+)
+
+LEAST = 1e-9
+"""Margin of a trial that does not fail though none of its margins is positive [standard deviations]."""
+_NOT_ARRIVED, _OUTSIDE, _STRUCK = "not arrived", "anchor outside the radius", "struck the seafloor"
+_DRAGGED, _GROUNDED = "anchor dragged", "grounded in the hold"
+_REASONS = {
+    "arrived": (_NOT_ARRIVED, AGROUND, OUT_OF_ENERGY),
+    "within_radius": (_OUTSIDE, TOO_SHALLOW, TOO_LIGHT, LINE_PARTED),
+    "struck_seafloor": (_STRUCK,),
+    "anchor_holds": (_DRAGGED, TOO_SHALLOW, TOO_LIGHT, LINE_PARTED),
+    "grounded": (_GROUNDED,),
+    "line_parts": (LINE_PARTED,),
+    "hovering": (OUT_OF_ENERGY,),
+}
+"""Ways in which a phase's event fails, by the event."""
+
+
+def margins(event: RareEvent, trials: MissionTrials, scenario: Scenario) -> dict[str, Array]:
+    """Return the margins that matter for an event, by the way to fail; nan where a trial never came so far.
+
+    Parameters
+    ----------
+    event : RareEvent
+    trials : MissionTrials
+    scenario : Scenario
+        With the draws of these trials.
+    """
+    if event.is_quantity:
+        values = np.asarray(trials.columns()[event.key], dtype=float)
+        return {event.text: event.sign * (event.limit - values)}
+    found: dict[str, Array] = {}
+    spent: Scalars = 0.0
+    for phase, done in zip(scenario.mission.phases, trials.phases, strict=True):
+        spent = spent + done.quantities["energy_wh"] if "energy_wh" in done.quantities else spent
+        own = dict(_of_phase(phase, done, scenario, spent))
+        ends_here = phase.name == event.phase
+        chosen = _REASONS[event.name] if ends_here else tuple(own) if event.negated else ()
+        found |= {f"{phase.name}: {reason}": own[reason] for reason in chosen if reason in own}
+        if ends_here:
+            break
+    return found
+
+
+def _of_phase(phase: Phase, done: PhaseTrials, scenario: Scenario, spent: Scalars) -> Iterator[tuple[str, Array]]:
+    """Margins of one phase; `spent` until its end [W h]."""
+    if isinstance(phase, TransitPhase):
+        yield from _of_transit(phase, done, scenario)
+    elif isinstance(phase, MoorPhase):
+        yield from _of_mooring(phase, done, scenario)
+    left = scenario.capacity / JOULES_PER_WATT_HOUR - spent
+    if np.all(np.isfinite(scenario.capacity)):
+        yield OUT_OF_ENERGY, _each(left, done)
+
+
+def _of_transit(phase: TransitPhase, done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
+    """Legs left on arrival, less the share of the arrival radius used up: a trial just inside nearly needed another."""
+    used = done.quantities["surfacings"] + np.minimum(done.quantities["arrival_error_m"] / done.radius, 1.0)
+    yield _NOT_ARRIVED, scenario.navigation.max_legs + 1.0 - used
+    if "site.depth" in scenario.draws:
+        yield AGROUND, _each(scenario["site.depth"] - scenario[f"{phase.name}.depth"], done)
+
+
+def _of_mooring(phase: MoorPhase, done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
+    found, name = done.quantities, phase.name
+    above_line = scenario["site.depth"] - scenario[f"{name}.line_length"]
+    yield TOO_SHALLOW, _each(above_line - scenario["vehicle.hull.length"], done)
+    yield TOO_LIGHT, found["terminal_velocity_m_s"]
+    yield _OUTSIDE, done.radius - found["offset_m"]
+    yield _STRUCK, found["lowest_altitude_m"]
+    yield _DRAGGED, found["holding_margin"]
+    yield _GROUNDED, found["nose_altitude_m"]
+    if f"{name}.line_strength" in scenario.draws:
+        tension = np.fmax(found["line_tension_n"], found.get("snatch_tension_n", found["line_tension_n"]))
+        yield LINE_PARTED, scenario[f"{name}.line_strength"] - tension
+
+
+def _each(values: Scalars, done: PhaseTrials) -> Array:
+    """One value a trial that reached the phase; nan for the others."""
+    return np.where(np.isnan(done.start), np.nan, values)
+
+
+def scales(found: Mapping[str, Array]) -> dict[str, float]:
+    """Standard deviation of each margin over plain trials; without those that do not vary or were never reached."""
+    spreads = {way: values[np.isfinite(values)] for way, values in found.items()}
+    deviations = {way: float(np.std(values)) for way, values in spreads.items() if values.size > 1}
+    return {
+        way: deviation
+        for way, deviation in deviations.items()
+        if deviation > 1e-9 * (1.0 + float(np.max(np.abs(spreads[way]))))
+    }
+
+
+def scaled_margin(found: Mapping[str, Array], sizes: Mapping[str, float], failed: Flags) -> Array:
+    """Return the least of the scaled margins of each trial: zero where it fails, positive elsewhere; inf without any.
+
+    Parameters
+    ----------
+    found : mapping of str to array, shape (n,)
+    sizes : mapping of str to float
+    failed : array of bool, shape (n,)
+    """
+    least = np.full(failed.shape, np.inf)
+    for way, size in sizes.items():
+        least = np.fmin(least, found[way] / size)
+    return np.where(failed, 0.0, np.maximum(least, LEAST))

@@ -1,0 +1,175 @@
+"""Rare failures of missions whose probability is known otherwise."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typing_extensions import override
+
+import missionplan
+from missionplan.arrays import Array
+from missionplan.errors import InputError
+from missionplan.mission import Mission
+from missionplan.montecarlo.rare_events.population import Key, NormalPopulation
+from missionplan.montecarlo.streams import BLOCK, LegNormals, stream
+from missionplan.scenario.scenario import Scenario
+from missionplan.studies.rare_failure.driven_trials import DrivenMission
+from missionplan.studies.rare_failure.event import RareEvent
+from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
+from missionplan.studies.simulation.simulate import simulate
+from missionplan.studies.simulation.trial_block import run_block
+
+STARTER = Path(missionplan.__file__).parent / "starter" / "mission.yaml"
+TRANSIT = """
+name: Legs to the goal
+navigation:
+  velocity_error: {{sigma: {sigma} m/s}}
+  surfacing_time: 60 s
+  max_legs: {legs}
+phases:
+  - transit: {{from: [0 m, 0 m], to: [800 m, 0 m], speed: 1.5 m/s, d_max: {d_max} m, arrival_radius: {radius} m}}
+monte_carlo: {{trials: 1000, seed: 1}}
+"""
+
+
+def transit(folder: Path, *, sigma: float, legs: int, d_max: float, radius: float) -> Mission:
+    path = folder / "transit.yaml"
+    path.write_text(TRANSIT.format(sigma=sigma, legs=legs, d_max=d_max, radius=radius), encoding="utf-8")
+    return missionplan.load(path)
+
+
+def missed_after_four_legs(sigma: float, trials: int, seed: int) -> int:
+    """Count the trials of Eqs. 18–20 that are not within 15 m of a goal 800 m away after four legs of 300 m."""
+    generator, missed = np.random.default_rng(seed), 0
+    for done in range(0, trials, 200_000):
+        place = np.zeros((2, min(200_000, trials - done)))
+        place[0] = -800.0
+        for _ in range(4):
+            left = np.hypot(*place)
+            place = place[:, left >= 15.0]
+            left = left[left >= 15.0]
+            length = np.minimum(left, 300.0)
+            place = place * (1.0 - length / left) + generator.standard_normal(place.shape) * (sigma * length / 1.5)
+        missed += int(np.count_nonzero(np.hypot(*place) >= 15.0))
+    return missed
+
+
+def test_one_leg_in_a_million_misses_as_often_as_rayleigh_says(tmp_path: Path) -> None:
+    sigma, radius = 0.03, 84.1
+    truth = math.exp(-0.5 * (radius / (sigma * 800.0 / 1.5)) ** 2)
+    assert 0.9e-6 < truth < 1.1e-6
+    found = find_rare_failure(transit(tmp_path, sigma=sigma, legs=1, d_max=1000.0, radius=radius), trials=200_000)
+    assert found.provenance.trials <= 200_000
+    assert found.variation <= 0.10
+    assert found.probability.value == pytest.approx(truth, rel=3.0 * found.variation)
+    assert [mode.step for mode in found.modes] == ["transit: not arrived"]
+    assert found.plain_trials > 5e7
+
+
+def test_legs_that_depend_on_each_other_miss_as_often_as_in_a_plain_loop(tmp_path: Path) -> None:
+    missed = missed_after_four_legs(0.14, 1_000_000, seed=1)
+    found = find_rare_failure(transit(tmp_path, sigma=0.14, legs=4, d_max=300.0, radius=15.0), trials=120_000)
+    error = math.hypot(1.0 / math.sqrt(missed), found.variation)
+    assert found.probability.value * 1e6 / missed == pytest.approx(1.0, abs=3.0 * error)
+
+
+@pytest.mark.slow
+def test_one_in_a_million_agrees_with_a_hundred_million_plain_trials(tmp_path: Path) -> None:
+    missed = missed_after_four_legs(0.097, 100_000_000, seed=7)
+    mission = transit(tmp_path, sigma=0.097, legs=4, d_max=300.0, radius=15.0)
+    runs = [find_rare_failure(mission, seed=seed, trials=200_000, precision="0.5%") for seed in range(1, 9)]
+    assert np.mean([each.variation for each in runs]) <= 0.10
+    mean = float(np.mean([each.probability.value for each in runs]))
+    assert mean * 1e8 / missed == pytest.approx(1.0, abs=0.2 + 1.0 / math.sqrt(missed))
+
+
+def test_a_failure_that_is_not_rare_is_the_plain_simulation_s() -> None:
+    mission = missionplan.load(STARTER)
+    plain = simulate(mission, trials=4096).total.events["success"]
+    found = find_rare_failure(mission, trials=20_000)
+    assert 1.0 - plain.high < found.probability.value < 1.0 - plain.low
+    assert found.modes[0].step == "moor: anchor outside the radius"
+
+
+def test_neither_processes_nor_threads_change_the_result(tmp_path: Path) -> None:
+    mission = transit(tmp_path, sigma=0.14, legs=4, d_max=300.0, radius=15.0)
+    one = find_rare_failure(mission, trials=60_000)
+    two = find_rare_failure(mission, trials=60_000, jobs=2, backend="threading")
+    assert one.summary()["rare"] == two.summary()["rare"]
+    assert one.sample.equals(two.sample)
+    assert find_rare_failure(mission, trials=60_000, seed=2).probability != one.probability
+
+
+class _OfStreams(NormalPopulation):
+    """The normals of the first block of a run."""
+
+    @override
+    def _draw(self, key: Key, rows: int) -> Array:
+        name, leg = key
+        if name.endswith(" by leg"):
+            return LegNormals(1, name.removesuffix(" by leg"), 0).leg(leg)
+        return stream(1, name, 0).standard_normal((rows, BLOCK))
+
+
+def test_a_mission_driven_by_a_run_s_own_normals_repeats_the_run() -> None:
+    means = Scenario.at_means(missionplan.load(STARTER))
+    driven = DrivenMission(means, RareEvent("not total.success", "total.success", negated=True), {})
+    _, trials = driven.run(_OfStreams(BLOCK, np.random.default_rng(0)), inputs=True)
+    plain = run_block(means.sampled(seed=1, block=0), 1, 0, BLOCK)
+    for name, values in plain.columns().items():
+        assert np.array_equal(values, trials.columns()[name], equal_nan=values.dtype.kind == "f"), name
+
+
+@pytest.mark.parametrize(
+    ("event", "expected"),
+    [
+        ("total.success", "not total.success"),
+        ("not moor.struck_seafloor", "expected moor.struck_seafloor"),
+        ("moor.ofset > 3 m", "offset"),
+        ("moor.offset", "give the limit"),
+        ("moor.offset > 3", "unit"),
+        ("total.success > 3", "has no limit"),
+        ("morr.offset > 3 m", "moor"),
+        ("", "such as"),
+    ],
+)
+def test_an_event_that_is_no_failure_is_refused(event: str, expected: str) -> None:
+    with pytest.raises(InputError) as caught:
+        RareEvent.parse(event, missionplan.load(STARTER))
+    assert expected in str(caught.value)
+
+
+def test_a_quantity_beyond_its_limit_is_found(tmp_path: Path) -> None:
+    mission = transit(tmp_path, sigma=0.1, legs=400, d_max=300.0, radius=15.0)
+    found = find_rare_failure(mission, event="transit.duration > 15 min", trials=60_000)
+    assert found.sample["transit.duration_s"].min() > 900.0
+    assert 0.0 < found.probability.value < 0.02
+
+
+def test_a_failure_to_which_nothing_leads_is_not_made_up(tmp_path: Path) -> None:
+    found = find_rare_failure(transit(tmp_path, sigma=0.001, legs=400, d_max=300.0, radius=15.0))
+    assert not found.reached
+    assert found.probability.value == 0.0
+    assert found.probability.high > 1e-4
+    assert "No failure" in missionplan.rendering.render(found).html
+
+
+def test_the_command_writes_the_report_and_refuses_what_does_not_apply(tmp_path: Path) -> None:
+    transit(tmp_path, sigma=0.14, legs=4, d_max=300.0, radius=15.0)
+    command = [sys.executable, "-m", "missionplan", "simulate", "transit.yaml", "--jobs", "1", "--trials", "60000"]
+    run = subprocess.run(
+        [*command, "--json", "--out", "out", "--rare"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    summary = json.loads(run.stdout)
+    assert summary["rare"]["event"] == "not total.success"
+    assert {"report.html", "summary.json", "rare.csv", "failures.csv"} <= {p.name for p in (tmp_path / "out").iterdir()}
+    refused = subprocess.run(
+        [*command, "--rare", "--resume"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert refused.returncode == 2
+    assert "--resume" in refused.stderr
