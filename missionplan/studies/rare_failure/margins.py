@@ -59,7 +59,7 @@ def margins(event: RareEvent, trials: MissionTrials, scenario: Scenario) -> dict
         spent = spent + done.quantities["energy_wh"] if "energy_wh" in done.quantities else spent
         own = dict(_of_phase(phase, done, scenario, spent))
         ends_here = phase.name == event.phase
-        chosen = _REASONS[event.name] if ends_here else tuple(own) if event.negated else ()
+        chosen = _REASONS.get(event.name, ()) if ends_here else tuple(own) if event.negated else ()
         found |= {f"{phase.name}: {reason}": own[reason] for reason in chosen if reason in own}
         if ends_here:
             break
