@@ -24,12 +24,16 @@ def register(app: typer.Typer) -> None:
 
 def init(
     folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="Folder to write to.")] = Path(),
+    data: Annotated[
+        str | None, typer.Option(metavar="KIND", help="Write a data set of this kind instead.", show_default=False)
+    ] = None,
     quiet: o.Quiet = False,
 ) -> None:
     """Write a commented starter mission, vehicle and data set; no file is overwritten."""
     from missionplan.studies.init import init
+    from missionplan.studies.starter_data import init_data
 
-    written = init(folder)
+    written = init(folder) if data is None else init_data(data, folder)
     if not quiet:
         for path in written:
             typer.echo(str(path))
