@@ -6,6 +6,7 @@ from scipy.stats import multivariate_normal
 
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
+from missionplan.diagnosis.legs.designs import with_further_legs
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.diagnosis.pipeline import run_pipeline
 from missionplan.effects import CATALOGUE
@@ -52,6 +53,20 @@ def test_legs_that_share_a_fix_share_its_error(folder, transit_mission, legs):
     duration = bound.data.under_way
     assert noise.shape == (2, 48, 48)
     np.testing.assert_allclose(noise[0, 0, 1], -25.0 / (duration[0] * duration[1]))
+
+
+def test_a_poor_fix_counts_less_and_so_does_the_leg_that_it_begins(folder, transit_mission, legs):
+    table = legs().assign(fix_sd_m=5.0)
+    table.loc[1:, ["x_start_m", "y_start_m"]] = table[["x_end_m", "y_end_m"]].to_numpy()[:-1]
+    table.loc[3, "fix_sd_m"] = 50.0
+    bound = model(folder, transit_mission, table)
+    noise = bound.noise({("", "sigma_v"): 0.03, ("", "fix_sd"): 5.0})[0]
+    duration = bound.data.under_way
+    expected = np.array([50.0, 5.0**2 + 50.0**2, 50.0**2 + 5.0**2, 50.0])
+    np.testing.assert_allclose(np.diag(noise)[2:6] - 0.03**2, expected / duration[2:6] ** 2)
+    np.testing.assert_allclose(noise[3, 4], -(50.0**2) / (duration[3] * duration[4]))
+    further = with_further_legs(bound.data, 0)
+    assert len(further.leg_fix_sd) == further.n > bound.data.n
 
 
 def test_persistence_is_the_effects_own_covariance(folder, transit_mission, legs):
