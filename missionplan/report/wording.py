@@ -43,7 +43,9 @@ def in_words(name: str) -> str:
         layer, _, rest = quantity.removeprefix("site.current[").partition("].")
         return f"current {rest} in layer {int(layer) + 1}"
     phase, _, own = quantity.partition(".")
-    if quantity in _PHRASES or not own or phase.partition("[")[0] in _WHOLES:
+    if not own:
+        return _spaced(quantity)
+    if phase.partition("[")[0] in _WHOLES:
         return _PHRASES.get(quantity, _spaced(quantity))
     return f"{_PHRASES.get(own, _spaced(own))} ({phase})"
 
