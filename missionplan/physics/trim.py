@@ -49,7 +49,7 @@ class TrimState:
         """How the vehicle lies."""
         if self.pitch is None:
             if not self.centres_known:
-                return "nose-heavy" if self.moment > 0.0 else "not known without the vehicle's centres"
+                return "nose-heavy" if self.moment > 0.0 else "not known"
             return "turns over: its centre of gravity is not below that of buoyancy"
         if abs(self.pitch) <= _LEVEL:
             return "level"
