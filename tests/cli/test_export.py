@@ -87,7 +87,10 @@ def test_places_on_earth_need_an_origin(monkeypatch, tmp_path, capsys) -> None:
     mission.write_text(LOCAL)
     for name in set(FORMATS) - {"csv", "json", "moos"}:
         assert run(monkeypatch, str(mission), "--to", name, "--out", str(tmp_path / "x")) == 2
-        assert re.search(r"local.yaml: site.origin: missing; .* latitude and longitude", capsys.readouterr().err)
+        assert re.search(
+            r"local.yaml: site.origin: missing; positions on Earth, which the format \w+ has, need it",
+            capsys.readouterr().err,
+        )
     assert run(monkeypatch, str(mission), "--to", "csv", "--out", str(tmp_path / "x.csv"), "-q") == 0
     assert not (tmp_path / "x").exists()
 

@@ -141,3 +141,8 @@ def test_a_course_of_more_legs_than_the_mission_allows_is_no_plan():
     with pytest.raises(InputError, match="max_legs: given 60, but way <out> & up is 1211 m from its goal"):
         mission_plan(mission)
     assert simulate(mission, trials=20, seed=1).plan is None
+
+
+@pytest.mark.parametrize("start", ["2026-06-01T14:00:00+02:00", "2026-06-01T12:00:00", "2026-06-01T12:00:00Z"])
+def test_the_start_is_in_utc(start):
+    assert plan_data(mission_plan(by_table({"start": start})))["start_utc"] == "2026-06-01T12:00:00+00:00"

@@ -70,4 +70,4 @@ def _point(parent: Element, tag: str, row: dict[str, Cell]) -> None:
 def _extensions(parent: Element, values: Mapping[str, Cell]) -> None:
     extensions = add(parent, "extensions")
     for key, value in values.items():
-        add(extensions, f"mp:{key}", f"{value:g}" if isinstance(value, float) else str(value))
+        add(extensions, f"mp:{key}", f"{value:.10g}" if isinstance(value, float) else str(value))

@@ -49,7 +49,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
 
 
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
-    """Write for each transit a list with its goal, two surfacing behaviours and a yo at its depth."""
+    """Write for each transit a list with its goal, two surfacing behaviours, and a yo at its depth if it has one."""
     del stem  # the glider knows its files by number
     if len(plan.transits) > _MOST:
         words = f"the mission has {len(plan.transits)} transits; the files of a glider have numbers for {_MOST}"
@@ -61,7 +61,8 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
         written[f"surfac{name}.ma"] = _behaviour(plan, "surface", f"surfac{one}.ma", _every(transit))
         arrival = AT_WAYPOINT + number
         written[f"surfac{arrival}.ma"] = _behaviour(plan, "surface", f"surfac{arrival}.ma", _on_arrival(transit))
-        written[f"yo{name}.ma"] = _behaviour(plan, "yo", f"yo{one}.ma", _yo(transit))
+        if transit.depth > 0.0:
+            written[f"yo{name}.ma"] = _behaviour(plan, "yo", f"yo{one}.ma", _yo(transit))
     return written
 
 

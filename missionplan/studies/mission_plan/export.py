@@ -6,7 +6,7 @@ from pathlib import Path
 from missionplan.errors import InputError, Problem
 from missionplan.exporters.formats import FORMATS, format_named
 from missionplan.mission import Mission
-from missionplan.mission.views import required_origin
+from missionplan.mission.views import TransitMission, required_origin
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.store.folder import write_atomically
@@ -67,9 +67,10 @@ def export(
     """
     check_arguments(mission, seed=seed, one_of={"to": (to, tuple(FORMATS))})
     check_complete(mission)
+    TransitMission.of(mission)
     form = format_named(to)
     if form.NEEDS_ORIGIN:
-        required_origin(mission, f"{form.TITLE} has positions by latitude and longitude")
+        required_origin(mission, f"positions on Earth, which the format {to} has, need it")
     means = Scenario.at_means(mission, recorded_current(mission))
     check_cover(mission, means)
     plan = mission_plan(mission, seed=seed, means=means)

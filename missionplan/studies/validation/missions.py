@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from missionplan.mission import Mission
-from missionplan.mission.views import MooringMission, TransitionMission
+from missionplan.mission.views import MooringMission, TransitionMission, TransitMission
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
@@ -35,6 +35,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
     legs = needs(lambda: SweepScenario.of(mission, means))
     table = (
         Readiness("simulate", simulation),
+        Readiness("export", needs(lambda: TransitMission.of(mission)), _origin(mission)),
         Readiness("sweep-dmax", legs),
         Readiness("plan-legs", legs),
         Readiness("size-anchor", needs(lambda: MooringMission.of(mission)), _construction(mission)),
@@ -42,6 +43,11 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
     )
     summary = f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
     return Validated(path, summary, table, tuple(notices) or mission.notices())
+
+
+def _origin(mission: Mission) -> str:
+    placed = mission.site is not None and mission.site.origin is not None
+    return "" if placed else "site.origin for formats with positions on Earth"
 
 
 def _construction(mission: Mission) -> str:
