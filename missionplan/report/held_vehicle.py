@@ -35,12 +35,12 @@ def _assumptions(held: HeldVehicle) -> Iterator[str]:
     if not held.friction_given:
         yield (
             f"The holding factor of {held.friction:g} is assumed (0.2 on clay to 0.6 on sand); with "
-            "`anchor.holding_factor` in the vehicle file an anchor that drags fails the mission."
+            "“anchor.holding_factor” in the vehicle file an anchor that drags fails the mission."
         )
     if not held.centres_given:
         yield (
-            "The net buoyancy is assumed to act at mid-length, on the axis: `centre_of_gravity` and "
-            "`centre_of_buoyancy` in the vehicle file say where it does."
+            "The net buoyancy is assumed to act at mid-length, on the axis: “centre_of_gravity” and "
+            "“centre_of_buoyancy” in the vehicle file say where it does."
         )
 
 

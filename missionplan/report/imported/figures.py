@@ -11,6 +11,7 @@ from missionplan.arrays import Array
 from missionplan.report.page import BLUE, GREY, ORANGE, PINK, SKY, Figure, to_figure
 from missionplan.results.imported import ImportedData
 
+_HOUR = 3600.0
 _WIDTH = 6.0
 _KM = 5000.0
 """Extent from which maps are drawn in kilometres [m]."""
@@ -103,14 +104,17 @@ def histograms(result: ImportedData) -> Figure:
 
 
 def depth_figure(result: ImportedData) -> Figure | None:
-    """Draw the depth against time, if one was logged."""
-    lines = result.lines
-    if len(lines.depth) < 2:
+    """Draw the depth against time while the vehicle dived, if it was logged: a clock that was wrong is not drawn."""
+    lines, dives = result.lines, result.dives
+    begin, end = float(dives["t_start_s"].min()), float(dives["t_end_s"].max())
+    during = (lines.depth_t >= begin - _HOUR) & (lines.depth_t <= end + _HOUR)
+    if np.count_nonzero(during) < 2:
         return None
-    hours = (lines.depth_t - lines.depth_t[0]) / 3600.0
     figure = MatplotlibFigure(figsize=(_WIDTH, 2.2))
     axes = figure.add_subplot()
-    axes.plot(hours, lines.depth, color=BLUE, linewidth=0.7)
-    axes.set(xlabel="time since the first reading (h)", ylabel="depth (m)")
+    axes.plot((lines.depth_t[during] - begin) / _HOUR, lines.depth[during], color=BLUE, linewidth=0.7)
+    axes.set(xlabel="time since the first dive (h)", ylabel="depth (m)")
     axes.invert_yaxis()
-    return to_figure(figure, "depth", f"Depth against time over {hours[-1]:.1f} h.")
+    left = np.count_nonzero(~during)
+    outside = f"{left} readings more than an hour from every dive are not drawn." if left else ""
+    return to_figure(figure, "depth", f"Depth against time over {(end - begin) / _HOUR:.1f} h.", outside)
