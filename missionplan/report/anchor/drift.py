@@ -26,7 +26,15 @@ def drift_figure(sizing: AnchorSizing) -> Figure:
             f"with the allowed radius of {sizing.radius:.1f} m"
         ),
         caption="The nominal dive with the mean currents, which carry both bodies. Cross: the anchor.",
+        caption=f"The nominal dive with the mean currents: {_how(sizing)}. Cross: the anchor.",
     )
+
+
+def _how(sizing: AnchorSizing) -> str:
+    """Say how the bodies drift."""
+    if sizing.to_build.dive.tied is None:
+        return "each body drifts with its layer"
+    return "the line ties the drift of both bodies"
 
 
 def _until_touchdown(sizing: AnchorSizing) -> int:

@@ -155,6 +155,17 @@ class SizedAnchor:
             "problems": self.problems,
         }
 
+    @property
+    def snatch(self) -> dict[str, float]:
+        """Peak tension of the snatch [N], time to nose down [s] and depth lost [m], as far as they can be known."""
+        record = self.profile.record
+        found = {
+            "snatch_tension_n": float(record.snatch_tension[0]),
+            "nose_down_time_s": float(record.nose_down_time[0]),
+            "depth_lost_m": float(record.depth_lost[0]),
+        }
+        return {key: value for key, value in found.items() if math.isfinite(value)}
+
     def descent_summary(self) -> dict[str, float]:
         """Return the section `descent` of ``summary.json``."""
         record = self.profile.record
@@ -167,6 +178,7 @@ class SizedAnchor:
             "release_time_s": float(record.release_time[0]),
             "payout_time_s": self.payout_time,
             "struck_seafloor": bool(record.struck[0]),
+            **self.snatch,
         }
 
     def numbers(self) -> dict[str, float]:

@@ -127,6 +127,9 @@ class AnchorSizer:
         """Sentences on where the model leaves its range for an anchor."""
         fineness = anchor.design.length / (2.0 * anchor.design.problem.radius) if anchor.design else None
         notes = range_notes(self.means.vehicle_drag, anchor.terminal_velocity, fineness)
+        if anchor.profile.record.parted[0]:
+            load = anchor.snatch["snatch_tension_n"]
+            notes = (*notes, f"The line parts in the nominal dive: the snatch loads it with {load:.0f} N.")
         if words := flooding_notice(self.means, self.moor, anchor.wet_weight):
             notes = (*notes, words)
         buoyancy = float(self.means["vehicle.net_buoyancy"])

@@ -295,3 +295,19 @@ def test_the_vehicle_lies_as_its_centres_say(tmp_path, mission):
     sealed, _, released = size_anchor(altered(tmp_path, vehicle=[("mass: 10.2", f"{centres} 10.2")]), trials=10).trim
     assert sealed.pitch == released.pitch == pytest.approx(-math.atan2(1.0, 5.0))
     assert released.verdict == "tail-heavy"
+
+
+def test_the_report_holds_the_snatch_where_the_files_let_it_be_known(tmp_path):
+    stiff = ("line_length: 5 m", "line_length: 5 m\n      line_stiffness: 10 kN/m\n      line_strength: 300 N")
+    centres = (
+        "mass: 10.2 kg ",
+        "centre_of_gravity: {from_nose: 0.56 m}\ncentre_of_buoyancy: {from_nose: 0.56 m}\nmass: 10.2 kg ",
+    )
+    plain = size_anchor(altered(tmp_path), trials=100).summary()["descent"]
+    assert not {"snatch_tension_n", "nose_down_time_s", "depth_lost_m"} & set(plain)
+    found = size_anchor(altered(tmp_path, stiff, vehicle=[centres]), trials=100)
+    summary = found.summary()
+    assert summary["descent"]["snatch_tension_n"] == pytest.approx(440.0, abs=2.0)
+    assert 1.0 < summary["descent"]["nose_down_time_s"] < 2.0
+    assert any("line parts in the nominal dive" in note for note in summary["notes"])
+    assert summary["odds"]["within_radius"]["value"] == 0.0
