@@ -25,7 +25,6 @@ def drift_figure(sizing: AnchorSizing) -> Figure:
             f"Drift of anchor and vehicle from the last fix to touchdown: {sizing.to_build.offset:.1f} m, "
             f"with the allowed radius of {sizing.radius:.1f} m"
         ),
-        caption="The nominal dive with the mean currents, which carry both bodies. Cross: the anchor.",
         caption=f"The nominal dive with the mean currents: {_how(sizing)}. Cross: the anchor.",
     )
 
