@@ -1,5 +1,8 @@
 """The whole way: plan → export → a vehicle that shares nothing with the model → its log → import → diagnosis."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from simulated_vehicle import Order, Vehicle, orders_of_bhv, orders_of_nmisz, write_alog, write_lsf
@@ -81,6 +84,13 @@ def test_neptus_a_speed_log_that_is_off(tmp_path):
     assert found.causes == ("speed-scale",)
     (value,) = (each.value for each in found.ranking[0].parameters)
     assert value == pytest.approx(-0.04, abs=0.01)
+
+
+def test_the_vehicle_shares_nothing_with_the_model():
+    source = (Path(__file__).parent / "simulated_vehicle.py").read_text()
+    imported = {line.split()[1].split(".")[0] for line in source.splitlines() if re.match(r"\s*(from|import) ", line)}
+    assert "missionplan" not in imported
+    assert {"numpy", "pyproj", "imcpy"} <= imported
 
 
 def _angle(found) -> float:

@@ -78,5 +78,5 @@ def _timing(transit: PlannedTransit, park: int) -> Iterator[str]:
 
 
 def _minutes(seconds: float) -> int:
-    """Whole minutes, at least one where there is a surfacing at all."""
-    return max(round(seconds / 60.0), 1) if seconds > 0.0 else 0
+    """Whole minutes, at least one: without a time to park the vehicle does not surface."""
+    return max(round(seconds / 60.0), 1)
