@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Scalars
-from missionplan.effects.info import EffectInfo, Instrument, LegRecord, Parameter
+from missionplan.effects.info import EffectInfo, Instrument, LegRecord, Likeness, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
 
@@ -49,5 +49,8 @@ INFO = EffectInfo(
     polar=(("amplitude", "phase"),),
     linear=False,
     lacking=_lacking,
+    likeness=Likeness(
+        "amplitude", math.radians(10.0), "an error that depends on heading, as a compass deviation would"
+    ),
     instrument=Instrument("a swing of the compass on land, all round", "amplitude", 0.009),
 )

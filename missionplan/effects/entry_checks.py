@@ -60,6 +60,8 @@ def _reference_problems(info: EffectInfo) -> Iterator[str]:
     yield from (f"polar: {name} is no parameter" for pair in info.polar for name in pair if name not in info.parameters)
     if info.instrument is not None and info.instrument.parameter not in info.parameters:
         yield f"instrument: {info.instrument.parameter} is no parameter"
+    if info.likeness is not None and info.likeness.parameter not in info.parameters:
+        yield f"likeness: {info.likeness.parameter} is no parameter"
     if info.is_modulated and not (
         info.polar and issubclass(info.effect, Oscillation) and {*MODULATION_PARAMETERS} <= {*info.parameters}
     ):

@@ -85,6 +85,24 @@ class Instrument:
 
 
 @dataclass(frozen=True)
+class Likeness:
+    """What is said of an effect that is found larger than it can be: the errors are like it, their cause is another.
+
+    Attributes
+    ----------
+    parameter : str
+    size : float
+        Beyond this [the parameter's unit].
+    words : str
+        In the place of the effect's name.
+    """
+
+    parameter: str
+    size: float
+    words: str
+
+
+@dataclass(frozen=True)
 class TankEffect:
     """Neutral base of effects seen only in a tank.
 
@@ -218,6 +236,8 @@ class EffectInfo:
         Whether it is the sensor's lag, a part of which is a pure delay.
     instrument : Instrument, optional
         What measures it directly.
+    likeness : Likeness, optional
+        What to say of it where it is found too large to be true.
     tank : tuple of str
         Kinds of tank data that could show it.
     lacking_in_tank : callable
@@ -249,6 +269,7 @@ class EffectInfo:
     scatter: Scatter = ""
     is_sensor_lag: bool = False
     instrument: Instrument | None = None
+    likeness: Likeness | None = None
     tank: tuple[TankKind, ...] = ()
     lacking_in_tank: Callable[[TankRecord], str] = lacks_nothing
     vehicle_key: VehicleKey = ""

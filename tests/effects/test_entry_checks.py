@@ -79,6 +79,7 @@ def test_the_projects_own_entries_are_in_order():
         ({"polar": (("strength", "phase"),)}, "phase is no parameter"),
         ({"is_modulated": True}, "needs an effect derived from Oscillation"),
         ({"instrument": Instrument("a log", "speed", 0.1)}, "speed is no parameter"),
+        ({"likeness": Likeness("speed", 0.1, "like a log")}, "likeness: speed is no parameter"),
         ({"effect": Gusts}, 'must declare part="covariance"'),
         ({"part": "covariance"}, "needs a median and a factor"),
         ({"part": "covariance", "parameters": SHAPED}, "refine fix_variance or tail_dof"),

@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 
 from missionplan.effects import CATALOGUE
-from missionplan.report.diagnosis.causes import causes_section, names
+from missionplan.report.diagnosis.causes import causes_section, found_causes, names
+from missionplan.results.evidence import ParameterEstimate
 
 
 def diagnosed(*causes: str, rivals: tuple[tuple[str, ...], ...] = ()) -> Any:
@@ -31,3 +32,15 @@ def test_causes_that_would_do_as_well_follow_once_each() -> None:
 
 def test_nothing_is_described_where_nothing_is_claimed() -> None:
     assert causes_section(diagnosed()) == []
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "words"),
+    [
+        (0.15, "compass deviation and mean current"),
+        (0.2, "an error that depends on heading, as a compass deviation would and mean current"),
+    ],
+)
+def test_a_deviation_beyond_ten_degrees_is_not_called_that_of_a_compass(amplitude: float, words: str) -> None:
+    found = ParameterEstimate("compass-deviation", "amplitude", amplitude, 0.02, amplitude - 0.03, amplitude, "rad")
+    assert found_causes(("compass-deviation", "mean-current"), (found,)) == words

@@ -1,17 +1,35 @@
 """What the causes of a diagnosis are, as the catalogue has them: what happens, its usual size, what it looks like."""
 
+from collections.abc import Iterable, Mapping, Sequence
+
 from missionplan.effects import CATALOGUE
 from missionplan.report.page import PageSection
 from missionplan.results.diagnosis import Diagnosis
-from missionplan.results.evidence import Causes
+from missionplan.results.evidence import Causes, ParameterEstimate
 
 _DESCRIBED = 5
 
 
 def names(causes: Causes) -> str:
     """Write a set of causes in words."""
-    plain = [cause.replace("-", " ") for cause in causes]
-    return plain[0] if len(plain) == 1 else ", ".join(plain[:-1]) + f" and {plain[-1]}" if plain else "no cause"
+    return _enumerated([cause.replace("-", " ") for cause in causes])
+
+
+def found_causes(causes: Causes, found: Iterable[ParameterEstimate]) -> str:
+    """Write a set of causes in words, of their sizes as found: one too large to be true is said to be like it."""
+    sizes = {(parameter.effect, parameter.name): abs(parameter.value) for parameter in found}
+    return _enumerated([_found(cause, sizes) for cause in causes])
+
+
+def _found(cause: str, sizes: Mapping[tuple[str, str], float]) -> str:
+    likeness = CATALOGUE[cause].likeness
+    if likeness is not None and sizes.get((cause, likeness.parameter), 0.0) > likeness.size:
+        return likeness.words
+    return names((cause,))
+
+
+def _enumerated(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + f" and {words[-1]}" if words else "no cause"
 
 
 def causes_section(diagnosis: Diagnosis) -> list[PageSection]:

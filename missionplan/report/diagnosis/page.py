@@ -4,7 +4,7 @@ import math
 import shlex
 
 from missionplan.effects import CATALOGUE
-from missionplan.report.diagnosis.causes import causes_section, names
+from missionplan.report.diagnosis.causes import causes_section, found_causes, names
 from missionplan.report.diagnosis.discrepancy import discrepancy_section, resemblance
 from missionplan.report.diagnosis.evidence import (
     claimed_parameters,
@@ -90,7 +90,8 @@ def _coverage_words(coverage: Coverage | None) -> str:
 
 
 def _verdict_words(diagnosis: Diagnosis) -> str:
-    named, left = names(diagnosis.causes), resemblance(diagnosis.discrepancy)
+    named = found_causes(diagnosis.causes, claimed_parameters(diagnosis))
+    left = resemblance(diagnosis.discrepancy)
     if diagnosis.verdict == "adequate":
         return (
             f"The mission's model is adequate for these data: nothing in them asks for a cause.{_confirmed(diagnosis)}"
