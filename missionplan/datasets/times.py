@@ -1,8 +1,11 @@
 """Times as data write them: ISO 8601, or seconds since 1970."""
 
+import math
 from datetime import UTC, datetime
+from typing import TYPE_CHECKING
 
-import pandas as pd
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def epoch_of(text: str) -> float:
@@ -23,5 +26,11 @@ def epoch_of(text: str) -> float:
 
 def epoch_seconds(words: "pd.Series[str]") -> "pd.Series[float]":
     """Read times by ISO 8601 as seconds since 1970, nan where a cell holds none; without a zone they are UTC."""
-    moments = pd.to_datetime(words, format="ISO8601", errors="coerce", utc=True)
-    return (moments - pd.Timestamp(0, tz="UTC")).dt.total_seconds()
+    return words.map(_epoch_or_nan).astype(float)
+
+
+def _epoch_or_nan(text: object) -> float:
+    try:
+        return epoch_of(text) if isinstance(text, str) else math.nan
+    except (ValueError, OverflowError):
+        return math.nan
