@@ -69,10 +69,11 @@ Block = str | Figure | Table | Listing
 
 @dataclass(frozen=True)
 class PageSection:
-    """A heading that states a finding, and the blocks that show it."""
+    """A heading that states a finding, and the blocks that show it; a sheet is printed on a page of its own."""
 
     heading: str
     blocks: Sequence[Block]
+    is_sheet: bool = False
 
 
 @dataclass(frozen=True)

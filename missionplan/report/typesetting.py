@@ -49,7 +49,8 @@ def typeset_page(page: Page) -> Page:
         figure=_figure(page.figure) if page.figure else None,
         numbers=[(typeset(label), typeset(value)) for label, value in page.numbers],
         sections=[
-            PageSection(typeset(each.heading), [_block(block) for block in each.blocks]) for each in page.sections
+            PageSection(typeset(each.heading), [_block(block) for block in each.blocks], each.is_sheet)
+            for each in page.sections
         ],
     )
 

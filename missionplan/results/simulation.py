@@ -14,6 +14,7 @@ from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_
 from missionplan.results.base import Provenance, Result, to_csv
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import MooringAnchor
+from missionplan.results.overdue import Overdue
 from missionplan.results.plan import Plan
 
 
@@ -226,6 +227,8 @@ class Outcome(Result):
         Parquet, one row per trial, on request.
     plan : Plan or None
         As vehicles take it; None where the mission has no transit, or more legs than it allows.
+    overdue : Overdue or None
+        What to know if the vehicle does not come back; None where too few trials come back.
     """
 
     report: ClassVar[str] = "simulation.page"
@@ -244,6 +247,7 @@ class Outcome(Result):
     failed_blocks: tuple[str, ...] = ()
     trials_table: bytes | None = None
     plan: Plan | None = None
+    overdue: Overdue | None = None
 
     @property
     def requirements_met(self) -> bool:
@@ -273,6 +277,7 @@ class Outcome(Result):
             "holds": [held.summary() for held in self.held],
             "sensitivities": [vars(sensitivity) for sensitivity in self.sensitivities],
             "failed_blocks": list(self.failed_blocks),
+            "overdue": self.overdue.summary() if self.overdue else None,
         }
 
     def to_frame(self) -> pd.DataFrame:
@@ -285,6 +290,7 @@ class Outcome(Result):
         return pd.DataFrame(rows)
 
     def files(self) -> dict[str, str | bytes]:
-        """Return `quantities.csv`, and `trials.parquet` where requested."""
+        """Return `quantities.csv`, `search-areas.csv`, and `trials.parquet` where requested."""
         table = {"trials.parquet": self.trials_table} if self.trials_table is not None else {}
-        return {"quantities.csv": to_csv(self.to_frame()), **table}
+        areas = {"search-areas.csv": to_csv(self.overdue.to_frame())} if self.overdue else {}
+        return {"quantities.csv": to_csv(self.to_frame()), **areas, **table}

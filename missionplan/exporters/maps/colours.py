@@ -16,6 +16,7 @@ COLOURS = {
     "fix": "#009e73",
     "anchor": "#cc79a7",
     "hover": "#d55e00",
+    "search area": "#d55e00",
 }
 """By kind, as #rrggbb."""
 WIDTHS = {"planned track": 2.0, "median track": 3.0, "sample track": 1.0}

@@ -13,6 +13,7 @@ from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Page, Terminal
 from missionplan.report.simulation import sections
 from missionplan.report.simulation.figures import waterfall
+from missionplan.report.simulation.overdue import overdue_section, search_areas_geojson
 from missionplan.report.simulation.quantities import (
     failure_in_words,
     of_those_that_end,
@@ -37,6 +38,7 @@ def page(outcome: Outcome) -> Page:
             *requirements_section(outcome),
             sections.tracks(outcome),
             sections.timeline(outcome),
+            *overdue_section(outcome),
             *(hold_section(held) for held in outcome.held),
             sections.distributions(outcome),
             *sensitivity_sections(outcome),
@@ -67,6 +69,7 @@ def _files(outcome: Outcome) -> dict[str, str]:
         "plan.json": plan_json(plan) if plan else None,
         "track.geojson": track_geojson(outcome),
         "track.kml": track_kml(outcome),
+        "search-areas.geojson": search_areas_geojson(outcome),
     }
     return {name: text for name, text in written.items() if text is not None}
 

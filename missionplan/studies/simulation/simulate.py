@@ -10,6 +10,7 @@ from missionplan.mission import Mission
 from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
 from missionplan.results.base import Provenance, to_yaml
+from missionplan.results.overdue import Overdue
 from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current, with_contents_named
@@ -19,6 +20,7 @@ from missionplan.store.trials_table import TrialsTable
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.mission_plan.build import plan_if_any
 from missionplan.studies.nominal_dive import check_dives
+from missionplan.studies.overdue.overdue import overdue
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence
 from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.checks import (
@@ -33,6 +35,7 @@ from missionplan.studies.simulation.outcome_builder import OutcomeBuilder
 from missionplan.studies.simulation.precision import Precision
 from missionplan.studies.simulation.record_cover import check_cover, check_trials
 from missionplan.studies.simulation.task import BlockTask
+from missionplan.studies.simulation.trial_block import run_block
 
 MAX_TRIALS = 10_000_000
 """Trials after which a run to a given precision ends, unless the number of trials is given."""
@@ -120,7 +123,14 @@ def simulate(
     table = run.table.parquet() if run.table else None
     anchors, held = mooring_anchors(mission, means), held_vehicles(mission, means)
     built = OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held).outcome(provenance)
-    return replace(built, plan=plan_if_any(mission, means, seed))
+    return replace(built, plan=plan_if_any(mission, means, seed), overdue=_overdue(task, merged.first))
+
+
+def _overdue(task: BlockTask, first: BlockItem) -> Overdue | None:
+    """Run the first block once more for the tracks of all its trials, and see where those are that do not end."""
+    block, size = first
+    scenario = task.means.sampled(seed=task.seed, block=block, size=size)
+    return overdue(scenario, run_block(scenario, task.seed, block, size, tracked=size, inputs=False), task.seed)
 
 
 def _items(trials: int) -> list[BlockItem]:

@@ -1,0 +1,183 @@
+"""The sheet for the boat: when the vehicle is expected, when to worry, and where to search."""
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from datetime import datetime, timedelta
+
+import numpy as np
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.exporters.maps.geojson import feature
+from missionplan.exporters.maps.geometry import longitudes_latitudes
+from missionplan.report.numbers import number
+from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figure, PageSection, Table, to_figure
+from missionplan.report.simulation.figures import WIDTH
+from missionplan.report.simulation.quantities import failure_in_words
+from missionplan.results.overdue import ExpectedTime, Overdue, SearchArea
+from missionplan.results.simulation import Outcome
+
+_COLOURS = {
+    "not released": GREEN,
+    "adrift at the surface": ORANGE,
+    "on the seafloor": PINK,
+    "still under way": BLUE,
+}
+
+
+def overdue_section(outcome: Outcome) -> Iterator[PageSection]:
+    """Build the sheet, where enough trials come back to make one."""
+    found = outcome.overdue
+    if found is None:
+        return
+    start = _start(outcome)
+    blocks: list[Block] = [_why(found, start), _times(found, start), _map(found), _areas(outcome, found)]
+    yield PageSection(
+        f"If it does not come back: worry after {_clock(found.worry_after, start)}",
+        [*blocks, _notes(found)],
+        is_sheet=True,
+    )
+
+
+def _start(outcome: Outcome) -> datetime | None:
+    """UTC of the mission's start, where the mission gives it."""
+    written = outcome.provenance.data.get("start")
+    if isinstance(written, datetime):
+        return written
+    try:
+        return datetime.fromisoformat(written) if isinstance(written, str) else None
+    except ValueError:
+        return None
+
+
+def _clock(seconds: float, start: datetime | None) -> str:
+    """Write a time since the start in hours and minutes, rounded up, with the time of day where it is known."""
+    minutes = math.ceil(seconds / 60.0)
+    words = f"{minutes // 60}:{minutes % 60:02d}\u00a0h"
+    return words if start is None else f"{words} ({start + timedelta(minutes=minutes):%d %b %H:%M})"
+
+
+def _why(found: Overdue, start: datetime | None) -> str:
+    back = found.times[-1]
+    words = (
+        f"By {_clock(found.worry_after, start)} after the start, 999 of 1000 missions that come back are back; half "
+        f"are by {_clock(back.p50, None)}."
+    )
+    if not found.missing:
+        return f"{words} In the model every mission comes back: what keeps it away is not in the model."
+    worst = max(found.missing, key=lambda step: found.missing[step])
+    share = 100.0 * sum(found.missing.values())
+    reason = failure_in_words(worst)
+    return f"{words} {number(share, 0.1 * share)} % never do in the model, most of them because of {reason}."
+
+
+def _times(found: Overdue, start: datetime | None) -> Table:
+    has_energy = any(math.isfinite(time.energy_left) for time in found.times)
+    rows = [_time_row(time, start, has_energy=has_energy) for time in found.times]
+    columns = ["at the surface", "trials", "50 %", "95 %", "99 %", "99.9 %"]
+    caption = "Hours and minutes since the start by which that share of the trials is there."
+    if has_energy:
+        columns.append("battery left (W h)")
+        caption += " Battery: all but 5 % have more; use taken as even within each phase."
+    return Table(columns, rows, caption)
+
+
+def _time_row(time: ExpectedTime, start: datetime | None, *, has_energy: bool) -> Sequence[str]:
+    clocks = [_clock(value, None) for value in (time.p50, time.p95, time.p99)]
+    energy = [number(time.energy_left, 0.05 * abs(time.energy_left) + 0.1)] if has_energy else []
+    return (time.name, f"{100.0 * time.share:.0f}\u00a0%", *clocks, _clock(time.p999, start), *energy)
+
+
+def _map(found: Overdue) -> Figure:
+    """Draw the search areas; of the drift, one for each number of hours overdue."""
+    points = np.concatenate([area.line for area in found.areas], axis=1) / 1000.0
+    spread = np.maximum(np.ptp(points, axis=1), 0.05)
+    figure = MatplotlibFigure(figsize=(WIDTH, float(np.clip(WIDTH * spread[1] / spread[0], 2.4, 1.1 * WIDTH)) + 0.6))
+    axes = figure.add_subplot()
+    named: set[str] = set()
+    for area in found.areas:
+        east, north = area.line / 1000.0
+        label = None if area.way in named else area.way
+        named.add(area.way)
+        axes.plot(east, north, color=_COLOURS[area.way], linewidth=1.3, label=label)
+        if area.overdue > 0.0:
+            hours = f"+{area.overdue / 3600.0:.0f}\u00a0h"
+            axes.annotate(hours, (area.centre[0] / 1000.0, area.centre[1] / 1000.0), fontsize=8, ha="center", color=INK)
+    axes.set(xlabel="east (km)", ylabel="north (km)", aspect="equal")
+    axes.margins(0.06)
+    figure.legend(loc="outside upper center", ncols=2)
+    words = "; ".join(f"{area.way}, {_hours(area)}: {_size(area)}" for area in found.areas)
+    return to_figure(
+        figure,
+        "search-areas",
+        f"Map of search areas, each of which holds 95 % of the trials: {words}.",
+        "Each line holds 95 % of the trials. A vehicle adrift is carried by the surface current; its ellipses are for "
+        "the hours overdue.",
+    )
+
+
+def _areas(outcome: Outcome, found: Overdue) -> Table:
+    rows = [
+        (
+            area.way,
+            "assumed" if area.assumed else f"{area.trials} trials failed so",
+            _hours(area),
+            _place(outcome, area),
+            _size(area),
+            number(area.area / 1e6, 0.01 * area.area / 1e6),
+        )
+        for area in found.areas
+    ]
+    columns = ("way to fail", "from", "overdue", "centre", "half axes (m)", "area (km²)")
+    return Table(columns, rows, "Overdue: hours after the time at which to worry.", text_columns=2)
+
+
+def _hours(area: SearchArea) -> str:
+    drifts = area.way == "adrift at the surface"
+    return f"{area.overdue / 3600.0:.0f}\u00a0h" if drifts else "at any time"
+
+
+def _size(area: SearchArea) -> str:
+    if area.half_length == area.half_width:
+        return f"{area.half_length:.0f} (circle)"
+    return f"{area.half_length:.0f} × {area.half_width:.0f}"
+
+
+def _place(outcome: Outcome, area: SearchArea) -> str:
+    origin = outcome.tracks.origin
+    if origin is None:
+        return f"{area.centre[0]:.0f} m E, {area.centre[1]:.0f} m N"
+    ((longitude, latitude),) = longitudes_latitudes(np.array(area.centre)[:, None], origin)
+    return f"{latitude:.4f}°, {longitude:.4f}°"
+
+
+def _notes(found: Overdue) -> str:
+    words = (
+        "Not released: within the circle about the mooring, line and all. Adrift: from a surfacing after the mooring "
+        "on (from any where there is none), or from where the trials that failed were last at a fix. On the "
+        "seafloor, and still under way: on the legs. “Assumed”: too few trials failed so, and all are assumed "
+        "to, at a moment as likely as any other. Wind and waves are not in the drift unless the mission "
+        "has an effect for them."
+    )
+    if found.beyond_record:
+        words += " Beyond the record of the current its last values are held."
+    return words
+
+
+def search_areas_geojson(outcome: Outcome) -> str | None:
+    """Write the search areas as polygons; None without areas or without an origin."""
+    found, origin = outcome.overdue, outcome.tracks.origin
+    if found is None or origin is None:
+        return None
+    features = [
+        feature(
+            "Polygon",
+            [longitudes_latitudes(area.line, origin)],
+            "search area",
+            name=f"{area.way}, {_hours(area)}",
+            **area.row(),
+        )
+        for area in found.areas
+    ]
+    collection = {"type": "FeatureCollection", "name": outcome.provenance.mission, "features": features}
+    return json.dumps(collection, ensure_ascii=False, allow_nan=False, indent=1) + "\n"

@@ -1,0 +1,144 @@
+"""The sheet for the boat, against trials that it was not made from."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.path import Path as Polygon
+
+import missionplan
+from missionplan.mission import Mission
+from missionplan.phases.currents import layers
+from missionplan.rendering import render
+from missionplan.results.simulation import Outcome
+from missionplan.scenario.scenario import Scenario
+from missionplan.studies.overdue.search_areas import Cloud, SurfaceDrift, circle_of, ellipse_of
+from missionplan.studies.simulation.mission_trials import MissionTrials
+from missionplan.studies.simulation.simulate import simulate
+from missionplan.studies.simulation.trial_block import run_block
+
+DRIFTING = """
+name: Ten legs in a current
+start: 2026-06-01T08:00:00
+site:
+  origin: {latitude: 37.25 deg, longitude: -76.38 deg}
+  depth: 30 m
+  current: [{down_to: 30 m, speed: {mean: 0.3 m/s, sd: 0.1 m/s}, toward: 60 deg}]
+navigation:
+  velocity_error: {sigma: 0.08 m/s}
+  surfacing_time: 60 s
+  max_legs: 10
+phases:
+  - transit: {from: [0 m, 0 m], to: [800 m, 0 m], depth: 2 m, speed: 1.5 m/s, d_max: 300 m, arrival_radius: 15 m}
+monte_carlo: {trials: 4096, seed: 1}
+"""
+STARTER = Path(missionplan.__file__).parent / "starter" / "mission.yaml"
+
+
+@pytest.fixture(scope="module")
+def mission(tmp_path_factory: pytest.TempPathFactory) -> Mission:
+    path = tmp_path_factory.mktemp("overdue") / "drifting.yaml"
+    path.write_text(DRIFTING, encoding="utf-8")
+    return missionplan.load(path)
+
+
+@pytest.fixture(scope="module")
+def outcome(mission: Mission) -> Outcome:
+    return simulate(mission)
+
+
+@pytest.fixture(scope="module")
+def others(mission: Mission) -> MissionTrials:
+    """Trials of another seed, tracks and all."""
+    scenario = Scenario.at_means(mission).sampled(seed=2, block=0)
+    return run_block(scenario, 2, 0, 4096, tracked=4096)
+
+
+def test_other_missions_are_back_by_the_times_of_the_sheet(outcome: Outcome, others: MissionTrials) -> None:
+    assert outcome.overdue is not None
+    duration = others.total["duration_s"][others.success]
+    back = outcome.overdue.times[-1]
+    for share, time in ((0.5, back.p50), (0.95, back.p95), (0.99, back.p99), (0.999, back.p999)):
+        assert np.mean(duration <= time) == pytest.approx(
+            share, abs=5.0 * np.sqrt(share * (1.0 - share) / duration.size)
+        )
+    first = outcome.overdue.times[0]
+    assert first.name == "transit, surfacing 1"
+    assert first.p50 == pytest.approx(300.0 / 1.5)
+
+
+def test_the_drift_ellipses_hold_other_trials_that_failed(outcome: Outcome, others: MissionTrials) -> None:
+    assert outcome.overdue is not None
+    adrift = [area for area in outcome.overdue.areas if area.way == "adrift at the surface"]
+    failed = ~others.success
+    assert np.count_nonzero(failed) > 200
+    track, time = others.phases[0].track[-1], others.phases[0].track_time[-1]  # the last fix of those that never arrive
+    east, north = np.sin(np.radians(60.0)), np.cos(np.radians(60.0))
+    for area in adrift:
+        assert not area.assumed
+        elapsed = outcome.overdue.worry_after + area.overdue - time[failed]
+        gone = others.draws["site.current[0].speed"][failed] * np.maximum(elapsed, 0.0)
+        places = track[:, failed] + np.stack((east * gone, north * gone))
+        assert np.mean(Polygon(area.line.T).contains_points(places.T)) == pytest.approx(0.95, abs=0.03)
+    assert [area.overdue / 3600.0 for area in adrift] == [0.0, 1.0, 3.0, 6.0, 12.0, 24.0]
+
+
+def test_the_share_that_never_ends_is_that_of_the_trials(outcome: Outcome) -> None:
+    assert outcome.overdue is not None
+    assert sum(outcome.overdue.missing.values()) == pytest.approx(1.0 - outcome.total.events["success"].value)
+
+
+def test_the_circle_of_a_vehicle_not_released_holds_the_anchors_of_a_mooring() -> None:
+    mission = missionplan.load(STARTER)
+    found = simulate(mission, trials=512)
+    assert found.overdue is not None
+    areas = {area.way: area for area in found.overdue.areas}
+    anchors = run_block(Scenario.at_means(mission).sampled(seed=9, block=0, size=512), 9, 0, 512).phases[1].anchor
+    anchors = anchors[:, np.isfinite(anchors[0])]
+    held = areas["not released"]
+    inside = np.hypot(anchors[0] - held.centre[0], anchors[1] - held.centre[1]) <= held.half_length
+    assert np.mean(inside) >= 0.92
+    assert set(areas) == {"not released", "adrift at the surface", "on the seafloor", "still under way"}
+    names = [time.name for time in found.overdue.times]
+    assert names[-1] == "back"
+    assert "moor, up from the seafloor" in names
+    times = [time.p50 for time in found.overdue.times if time.share > 0.95]
+    assert times == sorted(times)
+    left = [time.energy_left for time in found.overdue.times if time.share > 0.95]
+    assert left == sorted(left, reverse=True)
+
+
+def test_a_vehicle_adrift_goes_with_the_surface_layer() -> None:
+    current = layers([10.0, 30.0], [np.array([0.5, 0.2]), 9.0], [np.pi / 2.0, 0.0])
+    cloud = Cloud("adrift at the surface", np.array([1]), np.array([[5.0], [7.0]]), np.array([100.0]), assumed=False)
+    assert SurfaceDrift(current, (), 2).carried(cloud, 1100.0) == pytest.approx(np.array([[205.0], [7.0]]))
+    assert SurfaceDrift(current, (), 2).carried(cloud, 50.0) == pytest.approx(cloud.position)
+
+
+def test_an_ellipse_and_a_circle_hold_their_share() -> None:
+    points = np.random.default_rng(1).multivariate_normal([3.0, 4.0], [[900.0, 300.0], [300.0, 400.0]], 4000).T
+    _, (length, width), line = ellipse_of(points)
+    assert np.mean(Polygon(line.T).contains_points(points.T)) == pytest.approx(0.95, abs=0.005)
+    assert length > width
+    _, (radius, _), _ = circle_of(points, 5.0)
+    assert np.mean(np.hypot(points[0] - 3.0, points[1] - 4.0) <= radius - 5.0) == pytest.approx(0.95, abs=0.01)
+
+
+def test_the_sheet_is_in_the_report_as_words_table_map_and_geojson(outcome: Outcome) -> None:
+    rendered = render(outcome)
+    assert 'class="sheet"' in rendered.html
+    assert "If it does not come back: worry after" in rendered.html
+    assert "search-areas" in rendered.figures
+    collection = json.loads(rendered.files["search-areas.geojson"])
+    ring = collection["features"][0]["geometry"]["coordinates"][0]
+    assert ring[0] == pytest.approx(ring[-1])
+    assert -76.5 < ring[0][0] < -75.5
+    assert "search-areas.csv" in outcome.files()
+
+
+def test_a_mission_that_never_comes_back_has_no_sheet(mission: Mission) -> None:
+    short = simulate(mission, trials=40)
+    assert short.overdue is None
+    assert "If it does not come back" not in render(replace(short)).html
