@@ -21,6 +21,8 @@ CROSSFLOW_COEFFICIENT = 1.1
 LINE_COEFFICIENT = 1.2
 """C_d of a line across the flow, on its diameter: a smooth cylinder at Re 10³ to 10⁵ (Hoerner 1965, ch. III); one that
 is set swinging by its wake has up to twice as much."""
+_EDGE = 0.1
+"""Thickness over which one layer passes into the next, so that no pull is undecided at an edge [m]."""
 _BODY_SECTIONS = 10
 _LINE_SECTIONS = 20
 _TOLERANCE = 1e-7
@@ -31,7 +33,7 @@ _WEAKEST = 1e-12
 
 @dataclass(frozen=True)
 class LayersAbove:
-    """Layers of the current above the anchor, from the seafloor up.
+    """Layers of the current above the anchor, from the seafloor up, with edges `_EDGE` thick between them.
 
     Attributes
     ----------
@@ -48,8 +50,25 @@ class LayersAbove:
         """Velocity at altitudes of shape (m, n) [m], shape (2, m, n) [m/s]."""
         found = np.broadcast_to(self.velocity[-1][:, None], (2, *altitude.shape))
         for top, velocity in zip(self.tops[-2::-1], self.velocity[-2::-1], strict=True):
-            found = np.where(altitude <= top, velocity[:, None], found)
-        return found
+            share = np.clip((altitude - top) / _EDGE + 0.5, 0.0, 1.0)
+            found = velocity[:, None] + (found - velocity[:, None]) * share
+        return np.asarray(found)
+
+
+@dataclass(frozen=True)
+class ProfileAbove(LayersAbove):
+    """A current that is linear between altitudes at equal distances, `tops`, the first of them 0."""
+
+    def at(self, altitude: Array) -> Array:
+        """Velocity at altitudes of shape (m, n) [m], shape (2, m, n) [m/s]."""
+        last, trials = len(self.tops) - 1, np.arange(altitude.shape[-1])
+        place = np.clip(altitude / self.tops[1], 0.0, last * (1.0 - 1e-12))
+        below = place.astype(np.intp)
+        sides = []
+        for side in (self.velocity[:, 0], self.velocity[:, 1]):
+            low = side[below, trials]
+            sides.append(low + (side[below + 1, trials] - low) * (place - below))
+        return np.stack(sides)
 
 
 @dataclass(frozen=True)
@@ -162,16 +181,26 @@ def held_pose(body: HeldBody, line: HeldLine, current: LayersAbove) -> HeldPose:
 
 @dataclass
 class _Standing:
-    """Height of the line less an assumed altitude of the nose; `pitch` is where the search for it begins [rad]."""
+    """Height of the line less an assumed altitude of the nose [m].
+
+    `pitch` is where the search for it begins [rad]; `before` holds the last altitudes and what they gave, shape (2, n).
+    """
 
     body: HeldBody
     line: HeldLine
     current: LayersAbove
     pitch: Array
+    before: Array | None = None
 
     def evaluate(self, altitude: Array) -> tuple[Array, Array]:
         excess = self._hanging(altitude)[1][2] - altitude
-        return excess, excess  # in a uniform current the altitude does not matter, and this step is the last
+        step = excess  # in a uniform current the altitude does not matter, and this step is the last
+        if self.before is not None:
+            moved, changed = altitude - self.before[0], excess - self.before[1]
+            falls = (moved * changed < 0.0) & (np.abs(changed) > 0.1 * np.abs(moved))
+            step = np.where(falls, -excess * moved / np.where(falls, changed, 1.0), excess)  # the secant's
+        self.before = np.stack((altitude, excess))
+        return excess, step
 
     def take(self, trials: NDArray[np.intp]) -> "_Standing":
         return take_trials(self, trials)

@@ -7,7 +7,14 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, fsolve
 
-from missionplan.physics.line_statics import CROSSFLOW_COEFFICIENT, HeldBody, HeldLine, LayersAbove, held_pose
+from missionplan.physics.line_statics import (
+    CROSSFLOW_COEFFICIENT,
+    HeldBody,
+    HeldLine,
+    LayersAbove,
+    ProfileAbove,
+    held_pose,
+)
 from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, Sail, VehicleDrag
 from missionplan.physics.water import sea_water
 
@@ -148,9 +155,10 @@ def shot(held, line, speed):
 )
 def test_shooting_from_the_anchor_gives_the_same(low, shear, width, righting):
     held, line = body(righting_moment=righting, net_buoyancy=2.0), HeldLine(5.0, width)
-    edges = np.linspace(0.0, 6.5, 1301)
-    layers = stacked(edges[1:-1], low + shear * 0.5 * (edges[1:] + edges[:-1]))
-    pose = held_pose(held, line, layers)
+    heights = np.linspace(0.0, 6.5, 14)
+    east = low + shear * heights
+    profile = ProfileAbove(heights[:, None], np.stack((east, 0.0 * east), axis=1)[..., None])
+    pose = held_pose(held, line, profile)
     east, up, pitch, load = shot(held, line, lambda altitude: low + shear * altitude)
     assert pose.nose[[0, 2], 0] == pytest.approx([east, up], abs=5e-3)
     assert pose.pitch[0] == pytest.approx(pitch, abs=2e-3)

@@ -13,7 +13,7 @@ from missionplan.arrays import Array, Scalars, over_trials
 from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks
-from missionplan.physics.line_statics import HeldBody, HeldLine, HeldPose, LayersAbove, held_pose
+from missionplan.physics.line_statics import HeldBody, HeldLine, HeldPose, LayersAbove, ProfileAbove, held_pose
 from missionplan.physics.seafloor import (
     ROUGHNESS,
     LyingAnchor,
@@ -26,8 +26,8 @@ from missionplan.physics.seafloor import (
 SAMPLE_TIME = 600.0
 MOST_SAMPLES = 300
 """Times of a hold at which the speed of a current that changes is looked at: every ten minutes, at most so many."""
-_SLABS = 12
-"""Layers that stand for a current which changes with depth, over the height of line and vehicle."""
+_NODES = 13
+"""Altitudes at which a current from a record is taken, over the height of line and vehicle; linear between them."""
 
 
 @dataclass(frozen=True)
@@ -159,12 +159,12 @@ def layers_above(hold: Hold, current: Current, anchor: Array, moment: Array) -> 
         velocity = [np.stack([over_trials(side, trials) for side in pair]) for pair in sides]
         return LayersAbove(np.stack([*edges, np.full(trials, np.inf)]), np.stack(velocity))
     reach = over_trials(hold.line.length + hold.body.length, trials)
-    middles = (np.arange(_SLABS) + 0.5) / _SLABS
+    shares = np.linspace(0.0, 1.0, _NODES)
     velocity = [
         np.broadcast_to(current.velocity(moment, np.maximum(depth - share * reach, 0.0), anchor), (2, trials))
-        for share in middles
+        for share in shares
     ]
-    return LayersAbove((middles[:, None] + 0.5 / _SLABS) * reach, np.stack(velocity))
+    return ProfileAbove(shares[:, None] * reach, np.stack(velocity))
 
 
 def _moments(hold: Hold, current: Current, anchor: Array, start: Array, lasting: Array) -> Iterator[Array]:
