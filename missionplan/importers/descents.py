@@ -119,12 +119,20 @@ def separations_by_sinking(depth: Series) -> list[float]:
         still = np.flatnonzero(~sinking[k:])
         stops = k + int(still[0]) if len(still) else n - 1
         if len(deep) and float(depth.at(np.array([depth.t[stops] + STEADY_TIME]))[0]) >= LEAST_DEPTH:
-            found.append(float(depth.t[k]))
+            found.append(float(depth.t[_first_step(depth, k)]))
             after = up[up > deep[0]]
             k = k + 1 + int(after[0]) if len(after) else n
         else:
             k = stops + 1
     return found
+
+
+def _first_step(depth: Series, k: int) -> int:
+    """Reading from which on every next one is deeper, down to the least depth of a dive: waves end before it."""
+    j = k + int(np.argmax(depth.values[k:] >= LEAST_DEPTH))
+    while j > k and depth.values[j] - depth.values[j - 1] >= STEADY * (depth.t[j] - depth.t[j - 1]):
+        j -= 1
+    return j
 
 
 def _end(starts: Sequence[float], k: int) -> float:

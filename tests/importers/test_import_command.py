@@ -171,7 +171,7 @@ def dive_record(separations=(50.0, 400.0), depth=20.0, speed=0.5, step=0.5):
 def test_separations_are_found_by_the_first_steady_sinking():
     record = dive_record()
     found = np.array(separations_by_sinking(record)) - 1_700_000_000.0
-    np.testing.assert_allclose(found, [50.0, 400.0], atol=3.0)
+    np.testing.assert_allclose(found, [50.0, 400.0], atol=1.0)
     assert separations_by_sinking(dive_record(separations=())) == []
 
 

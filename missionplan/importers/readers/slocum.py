@@ -26,6 +26,8 @@ _OF_FLIGHT = (
     "m_present_secs_into_mission",
 )  # fmt: skip
 _OF_SCIENCE = ("sci_water_pressure",)
+_HEADER = 8192
+"""Bytes within which the header of a file ends."""
 _BAR = 10.0
 """Depth over pressure in the sea, to 1 % [m/bar]."""
 _DEGREES = math.degrees(1.0)
@@ -78,7 +80,25 @@ def _link_sensor_lists(folder: Path, files: Sequence[Path], given: Path | None) 
                 link.symlink_to(found.resolve())
 
 
+def _check_header(path: Path) -> None:
+    """Refuse a file whose header is cut off: the library would look for the rest of it for ever.
+
+    Raises
+    ------
+    ValueError
+        When it is.
+    """
+    with path.open("rb") as stream:
+        lines = stream.read(_HEADER).split(b"\n")
+    if not lines[0].startswith(b"dbd_label"):
+        return  # packed, or no such file: the library says so
+    found = next((line.partition(b":")[2] for line in lines if line.startswith(b"num_ascii_tags:")), b"")
+    if not found.strip().isdigit() or int(found) >= len(lines):
+        raise ValueError("its header is cut off")
+
+
 def _add(store: ChannelStore, library: ModuleType, path: Path, cache: str) -> None:
+    _check_header(path)
     file = library.DBD(str(path), cacheDir=cache)
     try:
         names = [name for name in (*_OF_FLIGHT, *_OF_SCIENCE) if name in file.parameterNames]

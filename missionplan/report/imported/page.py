@@ -66,9 +66,7 @@ def _numbers(result: ImportedData) -> list[tuple[str, str]]:
 
 def _what_they_show(result: ImportedData) -> PageSection:
     lacking = sum(verdict.startswith("no") for _, verdict in result.can_show)
-    heading = (
-        "What these data can show" if not lacking else f"What these data can show, and {lacking} things they cannot"
-    )
+    heading = "What these data can show, and what they cannot" if lacking else "What these data can show"
     return PageSection(heading, [Table(("what", "can it be seen?"), result.can_show, text_columns=2)])
 
 
