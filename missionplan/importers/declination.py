@@ -79,7 +79,7 @@ def with_declination(track: Track) -> Track:
     elif abs(own - model) > WRONG:
         notice = (
             f"the vehicle's declination is {own:.1f} deg, but the World Magnetic Model has {model:.1f} deg there and "
-            f"then: its dead reckoning is turned by {own - model:+.1f} deg, which a diagnosis sees as an error of the compass"
+            f"then: its dead reckoning is turned by {own - model:+.1f} deg, which looks like an error of the compass"
         )
     else:
         notice = f"the vehicle's declination, {own:.1f} deg, is that of the World Magnetic Model, {model:.1f} deg"

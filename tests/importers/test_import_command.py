@@ -154,7 +154,7 @@ def test_a_wrong_declination_is_seen_as_what_it_is():
     assert model == pytest.approx(15.8, abs=0.3)  # NOAA's calculator, WMM-2020, June 2022: 15.8 deg east
     wrong = Series(track.fixes.t[:1], np.array([-model]))
     told = with_declination(replace(track, heading_from="magnetic", declination=wrong)).notices
-    assert any("which a diagnosis sees as an error of the compass" in notice for notice in told)
+    assert any("which looks like an error of the compass" in notice for notice in told)
 
 
 def dive_record(separations=(50.0, 400.0), depth=20.0, speed=0.5, step=0.5):
