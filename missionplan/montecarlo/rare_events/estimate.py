@@ -42,8 +42,3 @@ class Estimate:
         variation = float(np.std(repetitions, ddof=1)) / math.sqrt(count) / value
         factor = math.exp(float(scipy.special.stdtrit(count - 1, 0.975)) * variation)
         return cls(value, variation, value / factor, min(1.0, value * factor), count)
-
-    @property
-    def plain_trials(self) -> float:
-        """Trials of a plain Monte Carlo with the same coefficient of variation."""
-        return (1.0 - self.value) / (self.value * self.variation**2) if self.variation > 0.0 else math.inf

@@ -33,19 +33,22 @@ def terminal(found: RareFailure) -> Terminal:
 def answer(found: RareFailure) -> str:
     """Write how probable the failure is, and how it comes about."""
     if not found.reached:
-        low = f"none of {number(found.provenance.trials)} trials that were led towards it failed"
+        near = _power(found.nearest)
         return (
-            f"No failure ({found.event}) was found: {low}. By plain trials alone its probability is at most "
-            f"{_power(found.probability.high)}."
+            f"No failure ({found.event}) was found: of {number(found.provenance.trials)} trials that were led towards "
+            f"it, the nearest have a probability of about {near} and do not fail. As far as the margins lead it is "
+            f"rarer than that; by plain trials alone it is at most {_power(found.probability.high)}."
         )
     chance = f"{_power(found.probability.value)} ({_power(found.probability.low)} to {_power(found.probability.high)})"
     words = f"{_event(found)} with probability {chance}: {_one_in(found.probability.value)}."
-    modes = [mode for mode in found.modes if mode.step]
-    if not modes:
+    if not found.modes:
         return words
-    way, causes = failure_in_words(modes[0].step), _causes_in_words(modes[0])
+    commonest = found.modes[0]
+    causes = _causes_in_words(commonest)
+    if not commonest.step:
+        return f"{words} It comes with {causes}." if causes else words
     how = f" with {causes}" if causes else ""
-    return f"{words} {_percent(modes[0].share)} of these are {way}{how}."
+    return f"{words} {_percent(commonest.share)} of these are {failure_in_words(commonest.step)}{how}."
 
 
 def _event(found: RareFailure) -> str:

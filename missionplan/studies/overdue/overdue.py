@@ -10,7 +10,7 @@ from missionplan.montecarlo.streams import stream
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.results.overdue import ExpectedTime, Overdue
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.overdue.search_areas import DRIFTS, Cloud, SurfaceDrift, Way, search_areas
+from missionplan.studies.overdue.search_areas import DRIFTS, Cloud, FloatingVehicle, Way, search_areas
 from missionplan.studies.simulation.block_statistics import failures_by_step
 from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.phase_trials import AGROUND, FLOODED_EARLY, Flags, PhaseTrials
@@ -46,7 +46,7 @@ def overdue(scenario: Scenario, trials: MissionTrials, seed: int) -> Overdue | N
     times = (*_surfacings(scenario, trials), _time("back", trials, scenario, trials.total["duration_s"]))
     steps = {name: failed & ~back for name, failed in failures_by_step(trials).items()}
     clouds = _clouds(trials, steps, moving, stream(seed, "overdue", 0))
-    drift = SurfaceDrift(scenario.current, scenario.transit_effects, back.size)
+    drift = FloatingVehicle(scenario.current, scenario.transit_effects, back.size)
     reach = max((_reach(phase) for phase in moving if phase.kind == "moor"), default=0.0)
     return Overdue(
         times=times,

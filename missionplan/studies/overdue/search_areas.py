@@ -47,7 +47,7 @@ class Cloud:
 
 
 @dataclass(frozen=True)
-class SurfaceDrift:
+class FloatingVehicle:
     """What carries a vehicle that floats.
 
     Attributes
@@ -85,13 +85,13 @@ class SurfaceDrift:
         return np.asarray(select_trials(place, cloud.trials))
 
 
-def search_areas(clouds: list[Cloud], drift: SurfaceDrift, worry: float, reach: float) -> Iterator[SearchArea]:
+def search_areas(clouds: list[Cloud], drift: FloatingVehicle, worry: float, reach: float) -> Iterator[SearchArea]:
     """Yield the areas of each way to fail, by hours overdue.
 
     Parameters
     ----------
     clouds : list of Cloud
-    drift : SurfaceDrift
+    drift : FloatingVehicle
     worry : float
         When the vehicle is overdue [s].
     reach : float

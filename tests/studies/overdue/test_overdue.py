@@ -14,7 +14,7 @@ from missionplan.phases.currents import layers
 from missionplan.rendering import render
 from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.overdue.search_areas import Cloud, SurfaceDrift, circle_of, ellipse_of
+from missionplan.studies.overdue.search_areas import Cloud, FloatingVehicle, circle_of, ellipse_of
 from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.simulate import simulate
 from missionplan.studies.simulation.trial_block import run_block
@@ -113,8 +113,8 @@ def test_the_circle_of_a_vehicle_not_released_holds_the_anchors_of_a_mooring() -
 def test_a_vehicle_adrift_goes_with_the_surface_layer() -> None:
     current = layers([10.0, 30.0], [np.array([0.5, 0.2]), 9.0], [np.pi / 2.0, 0.0])
     cloud = Cloud("adrift at the surface", np.array([1]), np.array([[5.0], [7.0]]), np.array([100.0]), assumed=False)
-    assert SurfaceDrift(current, (), 2).carried(cloud, 1100.0) == pytest.approx(np.array([[205.0], [7.0]]))
-    assert SurfaceDrift(current, (), 2).carried(cloud, 50.0) == pytest.approx(cloud.position)
+    assert FloatingVehicle(current, (), 2).carried(cloud, 1100.0) == pytest.approx(np.array([[205.0], [7.0]]))
+    assert FloatingVehicle(current, (), 2).carried(cloud, 50.0) == pytest.approx(cloud.position)
 
 
 def test_an_ellipse_and_a_circle_hold_their_share() -> None:
