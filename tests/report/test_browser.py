@@ -1,5 +1,6 @@
 """The page in a real browser: no errors, no requests, figures shown, readable on a telephone, light and dark."""
 
+import base64
 import json
 import os
 import re
@@ -9,6 +10,11 @@ from pathlib import Path
 
 import pytest
 from outcome_example import example
+
+from missionplan.mission import load
+from missionplan.studies.simulation.simulate import simulate
+
+MISSIONS = Path(__file__).parents[2] / "missions"
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 DRIVER = shutil.which("chromedriver")
@@ -138,3 +144,14 @@ def test_text_stands_out_from_the_page_in_light_and_dark(browser, report, scheme
     )
     assert (contrast(paper, "rgb(0, 0, 0)") > 10) == (scheme == "light")
     assert all(contrast(paper, ink) > 4.5 for ink in inks)
+
+
+def test_the_sheet_for_the_boat_is_one_page(browser, tmp_path):
+    report = simulate(load(MISSIONS / "chesapeake.yaml"), trials=200).save(tmp_path / "report") / "report.html"
+    show(browser, report, width=1280)
+    browser.execute_script(
+        "for (const part of document.querySelectorAll('main > *')) if (!part.matches('.sheet')) part.remove();"
+    )
+    printed = base64.b64decode(browser.execute_cdp_cmd("Page.printToPDF", {})["data"])
+    assert len(re.findall(rb"/Type */Page\b", printed)) == 1
+    assert browser.execute_script("return document.querySelectorAll('.sheet table').length") == 2

@@ -92,7 +92,7 @@ def _map(found: Overdue) -> Figure:
     """Draw the search areas; of the drift, one for each number of hours overdue."""
     points = np.concatenate([area.line for area in found.areas], axis=1) / 1000.0
     spread = np.maximum(np.ptp(points, axis=1), 0.05)
-    figure = MatplotlibFigure(figsize=(WIDTH, float(np.clip(WIDTH * spread[1] / spread[0], 2.4, 1.1 * WIDTH)) + 0.6))
+    figure = MatplotlibFigure(figsize=(WIDTH, float(np.clip(WIDTH * spread[1] / spread[0], 2.4, 1.1 * WIDTH)) + 1.3))
     axes = figure.add_subplot()
     named: set[str] = set()
     for area in found.areas:
