@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
+from scipy.special import ive
 from typing_extensions import override
 
 import missionplan
@@ -58,6 +60,24 @@ def missed_after_four_legs(sigma: float, trials: int, seed: int) -> int:
     return missed
 
 
+def rice(distance: Array, mean: Array | float, sd: Array | float) -> Array:
+    """Density of the distance of a place with normal errors `sd` on each axis about one at a distance `mean`."""
+    return distance / sd**2 * np.exp(-0.5 * ((distance - mean) / sd) ** 2) * ive(0, distance * mean / sd**2)
+
+
+def missed_by_quadrature(sigma: float) -> float:
+    """Return the probability of the same miss: each distance from the goal follows Rice's distribution."""
+    scale = sigma / 1.5  # of the error, per metre of the leg
+    first = np.linspace(500.0 - 1800.0 * sigma, 500.0 + 1800.0 * sigma, 1501)
+    second, third = np.linspace(15.0, 500.0, 2000), np.linspace(15.0, 400.0, 2000)
+    density = rice(first, 500.0, 300.0 * scale)
+    density = trapezoid(density * rice(second[:, None], first - 300.0, 300.0 * scale), first)
+    legs = np.minimum(second, 300.0)
+    density = trapezoid(density * rice(third[:, None], second - legs, legs * scale), second)
+    last = np.exp(-0.5 * (15.0 / (third * scale)) ** 2)  # it ends at the goal but for its error
+    return float(trapezoid(density * np.where(third < 300.0, last, 1.0), third))
+
+
 def test_one_leg_in_a_million_misses_as_often_as_rayleigh_says(tmp_path: Path) -> None:
     sigma, radius = 0.03, 84.1
     truth = math.exp(-0.5 * (radius / (sigma * 800.0 / 1.5)) ** 2)
@@ -70,11 +90,21 @@ def test_one_leg_in_a_million_misses_as_often_as_rayleigh_says(tmp_path: Path) -
     assert found.plain_trials > 5e7
 
 
-def test_legs_that_depend_on_each_other_miss_as_often_as_in_a_plain_loop(tmp_path: Path) -> None:
-    missed = missed_after_four_legs(0.14, 1_000_000, seed=1)
+def test_legs_that_depend_on_each_other_miss_as_often_as_in_a_plain_loop_and_by_quadrature(tmp_path: Path) -> None:
+    truth = missed_by_quadrature(0.14)
+    assert missed_after_four_legs(0.14, 1_000_000, seed=1) == pytest.approx(
+        1e6 * truth, abs=3.0 * math.sqrt(1e6 * truth)
+    )
     found = find_rare_failure(transit(tmp_path, sigma=0.14, legs=4, d_max=300.0, radius=15.0), trials=120_000)
-    error = math.hypot(1.0 / math.sqrt(missed), found.variation)
-    assert found.probability.value * 1e6 / missed == pytest.approx(1.0, abs=3.0 * error)
+    assert found.probability.value == pytest.approx(truth, rel=3.0 * found.variation)
+
+
+def test_a_miss_in_two_million_is_found_as_quadrature_has_it(tmp_path: Path) -> None:
+    truth = missed_by_quadrature(0.097)
+    assert 5.1e-7 < truth < 5.3e-7
+    found = find_rare_failure(transit(tmp_path, sigma=0.097, legs=4, d_max=300.0, radius=15.0), trials=200_000, seed=2)
+    assert found.variation <= 0.12
+    assert found.probability.value == pytest.approx(truth, rel=3.0 * found.variation)
 
 
 @pytest.mark.slow
