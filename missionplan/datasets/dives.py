@@ -12,6 +12,7 @@ from missionplan.arrays import Array
 from missionplan.datasets.reading import DatasetFormat, RawDataset, read_dataset
 from missionplan.datasets.runs import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs
 from missionplan.datasets.table import Columns, problems_at
+from missionplan.datasets.times import EPOCH_SCALE
 from missionplan.errors import Problem, did_you_mean
 from missionplan.mission import Mission
 from missionplan.mission.schema import quantities as q
@@ -30,8 +31,6 @@ class DescentSettings(DivesSettings):
     noise: DepthNoise = DepthNoise()
 
 
-EPOCH_SCALE = 1e8
-"""Times above this are seconds since 1970, not since the separation [s]."""
 HIGHEST = -2.0
 """Readings above it are no depths [m]: waves and the offset of a sensor stay within."""
 BELOW_SEAFLOOR = 4.0

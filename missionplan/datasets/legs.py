@@ -12,6 +12,7 @@ from missionplan.arrays import Array
 from missionplan.datasets.leg_checks import MIN_LEGS, NEEDED, check_legs
 from missionplan.datasets.reading import DatasetFormat, DatasetSettings, read_dataset
 from missionplan.datasets.table import Columns
+from missionplan.datasets.times import EPOCH_SCALE
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
@@ -50,8 +51,6 @@ TRANSIT = DatasetFormat(
 
 FARTHEST = 500_000.0
 """Greatest distance of a log from the mission's origin, as of anything in a mission [m]."""
-EPOCH_SCALE = 1e8
-"""Times above this are seconds since 1970, not since the mission's start [s]."""
 IMPOSSIBLE_SPEED = 3.0
 """Velocity error that neither water nor vehicle explains [m/s]."""
 OUTLIER = 15.0

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import pandas as pd
 
+EPOCH_SCALE = 1e8
+"""Times above this are seconds since 1970, not since some start [s]."""
+
 
 def epoch_of(text: str) -> float:
     """Read a time as seconds since 1970; without a zone it is UTC.

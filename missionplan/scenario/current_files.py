@@ -1,5 +1,6 @@
 """Currents from files: a CSV series against time and depth, or a CF NetCDF field. Arrays out, in SI."""
 
+import math
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,6 +12,7 @@ import pandas as pd
 from missionplan.arrays import Array
 from missionplan.datasets.csv_cells import check_file
 from missionplan.datasets.packed_files import open_table
+from missionplan.datasets.times import epoch_seconds
 from missionplan.errors import InputError, Problem
 from missionplan.mission.schema.site import Geographic
 
@@ -60,8 +62,14 @@ class CurrentField:
     north: Array
 
 
-def read_current_csv(path: Path) -> CurrentSeries:
+def read_current_csv(path: Path, start: datetime | None = None) -> CurrentSeries:
     """Read a CSV file with the columns ``t_s, depth_m, east_m_s, north_m_s``, every depth at every time.
+
+    Parameters
+    ----------
+    path : Path
+    start : datetime, optional
+        Of the mission: times by ISO 8601 count from it. Times in seconds count from the mission's start in any case.
 
     Raises
     ------
@@ -84,6 +92,8 @@ def read_current_csv(path: Path) -> CurrentSeries:
         message = f"the column {twice[0]} stands twice" if twice else "has no rows of data"
         raise InputError([Problem(message, shown, 1)])
     values = frame[list(CSV_COLUMNS)].apply(pd.to_numeric, errors="coerce")
+    if not pd.api.types.is_numeric_dtype(frame["t_s"]):
+        values["t_s"] = values["t_s"].fillna(_since(start, frame["t_s"], shown))
     bad = np.flatnonzero(~np.isfinite(values.to_numpy(dtype=float)).all(axis=1))
     problems = [Problem("expected four numbers", shown, int(row) + 2) for row in bad[:20]]
     if problems:
@@ -100,6 +110,16 @@ def read_current_csv(path: Path) -> CurrentSeries:
         table["east_m_s"].to_numpy(dtype=float),
         table["north_m_s"].to_numpy(dtype=float),
     )
+
+
+def _since(start: datetime | None, times: "pd.Series[str]", shown: str) -> "pd.Series[float]":
+    """Times by ISO 8601 as seconds since the mission's start, nan where a cell holds none."""
+    moments = epoch_seconds(times)
+    if start is None:
+        if moments.notna().any() and pd.to_numeric(times, errors="coerce").isna().all():
+            raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", shown)])
+        return moments * math.nan
+    return moments - (start if start.tzinfo is not None else start.replace(tzinfo=UTC)).timestamp()
 
 
 _NAMES = {

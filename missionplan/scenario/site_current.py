@@ -35,7 +35,7 @@ def recorded_current(mission: Mission) -> Current | None:
     from missionplan.scenario.current_files import read_current_csv, read_current_netcdf  # pandas: half a second
 
     if source.suffix.lower() not in NETCDF:
-        series = read_current_csv(source)
+        series = read_current_csv(source, mission.start)
         return SeriesCurrent(series.time, series.depth, series.east, series.north, outside=_outside(mission))
     origin = required_origin(mission, "a NetCDF current is placed by it")
     field = read_current_netcdf(source, mission.start, origin)

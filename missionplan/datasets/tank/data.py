@@ -15,6 +15,7 @@ from missionplan.datasets.tank.drag import DRAG, DragSettings
 from missionplan.datasets.tank.oscillation import FREE_OSCILLATION, OscillationSettings
 from missionplan.datasets.tank.propeller import PROPELLER_TRANSIENT, PropellerSettings
 from missionplan.datasets.tank.thruster import THRUSTER, ThrusterSettings
+from missionplan.datasets.times import EPOCH_SCALE
 from missionplan.errors import Problem
 from missionplan.mission.schema.site import WaterSection
 from missionplan.montecarlo.distributions import mean_of
@@ -140,5 +141,7 @@ def _split(rows: pd.DataFrame) -> tuple[dict[str, Array], dict[str, list[str]]]:
     """Columns of numbers, and columns of text."""
     numbers = rows.select_dtypes("float64")
     columns = {str(name): cells.to_numpy() for name, cells in numbers.items()}
+    if "t_s" in columns and np.nanmin(columns["t_s"], initial=np.inf) > EPOCH_SCALE:
+        columns["t_s"] = columns["t_s"] - np.nanmin(columns["t_s"])
     labels = {str(name): cells.tolist() for name, cells in rows.items() if name not in numbers}
     return columns, labels

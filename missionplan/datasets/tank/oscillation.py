@@ -42,6 +42,7 @@ FREE_OSCILLATION = DatasetFormat(
         (("t_s", "displacement_m"), ("mode", "frequency_hz")),
         optional=("frequency_sd_hz",),
         text=("mode",),
+        times=("t_s",),
         max_bytes=MAX_TABLE_BYTES,
     ),
 )

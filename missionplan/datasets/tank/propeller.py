@@ -40,6 +40,7 @@ PROPELLER_TRANSIENT = DatasetFormat(
     PropellerSettings,
     Columns(
         (("t_s", "rpm", "thrust_n", "speed_m_s"), ("t_s", "shaft_torque_n_m", "thrust_n", "speed_m_s")),
+        times=("t_s",),
         max_bytes=MAX_TABLE_BYTES,
     ),
 )

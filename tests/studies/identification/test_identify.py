@@ -1,5 +1,7 @@
 """`identify` on data made by other means than its own models, and its refusals."""
 
+from datetime import UTC, datetime, timedelta
+
 import numpy as np
 import pytest
 import yaml
@@ -72,6 +74,14 @@ def test_added_mass_and_damping_from_a_record(tmp_path):
         assert abs(result[name].value - truth) < 3.0 * result[name].sd, name
     assert result["added_mass"].sd < 0.05
     assert result["quadratic_damping"].sd < 10.0
+
+
+def test_times_of_a_record_may_be_iso_8601(tmp_path):
+    record = oscillation(np.random.default_rng(2), 60.0)
+    begin = datetime(2026, 5, 1, 12, tzinfo=UTC)
+    dated = record | {"t_s": [(begin + timedelta(seconds=float(t))).isoformat() for t in record["t_s"]]}
+    plain, dated = (identify(write(tmp_path / name, SPRINGS, data)) for name, data in (("s", record), ("iso", dated)))
+    assert dated["added_mass"].value == pytest.approx(plain["added_mass"].value, abs=1e-3)
 
 
 def test_linear_damping_needs_no_quadratic_term(tmp_path):

@@ -1,6 +1,7 @@
 """Every form of the site's current, on every phase that it carries."""
 
 import math
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
@@ -60,6 +61,20 @@ def netcdf(folder, velocity, hours=7, latitudes=(37.18, 37.32), longitudes=(-76.
             field[:, :, :2, :] = -99999.0  # land to the south
             field[:, 4, :, :] = -99999.0  # below the bottom
     return {"site.current": {"file": "cbofs.nc"}, "start": "2026-05-01T12:00:00Z"}
+
+
+def test_a_record_of_dated_times_meets_a_later_start_later(tmp_path):
+    changes = csv(tmp_path, lambda t, depth: (1e-5 * t, 0.0))
+    text = (tmp_path / "current.csv").read_text().splitlines()
+    begin = datetime(2026, 5, 1, 11, 30, tzinfo=UTC)
+    dated = [
+        (begin + timedelta(seconds=float(row.split(",")[0]))).isoformat() + row[row.index(",") :] for row in text[1:]
+    ]
+    (tmp_path / "current.csv").write_text("\n".join([text[0], *dated]) + "\n")
+    found = recorded_current(chesapeake(tmp_path, STEADY | changes | {"start": "2026-05-01T12:00:00Z"}))
+    assert found.velocity(0.0, 2.0, np.zeros((2, 1)))[0] == pytest.approx(1e-5 * 1800.0)
+    with pytest.raises(InputError, match="its times are of the day: the mission needs its `start`"):
+        recorded_current(chesapeake(tmp_path, STEADY | changes))
 
 
 def test_times_that_are_no_dates_are_refused(tmp_path):
