@@ -9,6 +9,7 @@ import typer
 from missionplan.cli import options as o
 from missionplan.cli.running import checked_folder, deliver, progress_bar
 from missionplan.errors import InputError, Problem, shown
+from missionplan.store.paths import exists, is_file
 
 
 def register(app: typer.Typer) -> None:
@@ -79,7 +80,7 @@ def import_(
     from missionplan.importers.mapping import ASSIGNMENT
 
     # `--map lat=A lon=B` leaves the second to the sources
-    entries = [each for each in sources if ASSIGNMENT.fullmatch(each) and not Path(each).exists()]
+    entries = [each for each in sources if ASSIGNMENT.fullmatch(each) and not exists(Path(each))]
     paths = [Path(each) for each in sources if each not in entries]
     if not paths:
         raise InputError([Problem("no log files are named", key="map")])
@@ -90,7 +91,7 @@ def import_(
         _quantity(dive_depth, "dive_depth", "m"),
         take_out_current,
     )
-    folder = checked_folder(output, "", "import", [path for path in paths if path.is_file()])
+    folder = checked_folder(output, "", "import", [path for path in paths if is_file(path)])
     with progress_bar("import", shown=not quiet) as progress:
         result = import_logs(
             paths,

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 MAX_BYTES = 200_000_000
 """Of a CSV file of a current."""
 CSV_COLUMNS = ("t_s", "depth_m", "east_m_s", "north_m_s")
+_MOST = {"t_s": 1e11, "depth_m": 11_000.0, "east_m_s": 12.0, "north_m_s": 12.0}
+"""Sizes beyond which a number of the file is impossible: three thousand years, the deepest sea, Saltstraumen."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ def read_current_csv(path: Path, start: datetime | None = None) -> CurrentSeries
     if not pd.api.types.is_numeric_dtype(frame["t_s"]):
         values["t_s"] = values["t_s"].fillna(_since(start, frame["t_s"], shown))
     bad = np.flatnonzero(~np.isfinite(values.to_numpy(dtype=float)).all(axis=1))
-    problems = [Problem("expected four numbers", shown, int(row) + 2) for row in bad[:20]]
+    problems = [Problem("expected four numbers", shown, int(row) + 2) for row in bad[:20]] or _impossible(values, shown)
     if problems:
         raise InputError(problems)
     table = values.pivot_table(index="t_s", columns="depth_m", values=["east_m_s", "north_m_s"], aggfunc="mean")
@@ -110,6 +112,14 @@ def read_current_csv(path: Path, start: datetime | None = None) -> CurrentSeries
         table["east_m_s"].to_numpy(dtype=float),
         table["north_m_s"].to_numpy(dtype=float),
     )
+
+
+def _impossible(values: pd.DataFrame, shown: str) -> list[Problem]:
+    """Rows with a current, a depth or a time that no sea has: a fill value, or another unit."""
+    too_much = [values[name].abs() > most for name, most in _MOST.items()]
+    rows = np.flatnonzero(np.any(too_much, axis=0))
+    expected = ", ".join(f"{name} at most {most:g} in size" for name, most in _MOST.items())
+    return [Problem(f"is impossible; expected {expected}", shown, int(row) + 2) for row in rows[:20]]
 
 
 def _since(start: datetime | None, times: "pd.Series[str]", shown: str) -> "pd.Series[float]":

@@ -1,6 +1,7 @@
 """Names of files as users give them: looked at without an error for those that no file system takes."""
 
 import os.path
+from collections.abc import Iterable
 from pathlib import Path, PurePath
 
 from missionplan.errors import UNPRINTABLE, InputError, Problem, shown
@@ -40,3 +41,26 @@ def is_folder(path: Path) -> bool:
 def is_file(path: Path) -> bool:
     """Whether there is a file at a path; no error where the name is too long."""
     return os.path.isfile(path)  # noqa: PTH113 - `Path.is_file` raises an OSError
+
+
+def exists(path: Path) -> bool:
+    """Whether there is anything at a path; no error where the name is too long."""
+    return os.path.exists(path)  # noqa: PTH110 - `Path.exists` raises an OSError
+
+
+def vacant(folder: Path, names: Iterable[str]) -> list[Path]:
+    """Return the paths of files to write in a folder, none of which is there yet.
+
+    Raises
+    ------
+    InputError
+        When the folder is a file, or one of the files is there already.
+    """
+    if exists(folder) and not is_folder(folder):
+        raise InputError([Problem("is a file; a folder was expected", str(folder))])
+    paths = [folder / name for name in names]
+    hint = "nothing was written; name another folder"
+    present = [Problem("is there already", str(path), hint=hint) for path in paths if exists(path)]
+    if present:
+        raise InputError(present)
+    return paths

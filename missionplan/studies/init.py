@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, load
 from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import mean_of
@@ -17,7 +16,7 @@ from missionplan.montecarlo.streams import stream
 from missionplan.results.base import to_csv
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.folder import write_atomically
-from missionplan.store.paths import as_path
+from missionplan.store.paths import as_path, vacant
 
 COMPASS_BIAS = math.radians(3.0)
 """Compass error of the sea trial, unknown to the mission: the course made, clockwise of that steered [rad]."""
@@ -51,13 +50,7 @@ def init(folder: str | Path = ".") -> tuple[Path, ...]:
         When the folder cannot be written.
     """
     folder = as_path(folder, "folder")
-    if folder.exists() and not folder.is_dir():
-        raise InputError([Problem("is a file; a folder was expected", str(folder))])
-    paths = [folder / name for name in (*_TEXTS.values(), _LOG)]
-    present = [path for path in paths if path.exists()]
-    if present:
-        hint = "nothing was written; name another folder"
-        raise InputError([Problem("is there already", str(path), hint=hint) for path in present])
+    paths = vacant(folder, (*_TEXTS.values(), _LOG))
     for source, name in _TEXTS.items():
         write_atomically(folder / name, (files("missionplan") / "starter" / source).read_text(encoding="utf-8"))
     write_atomically(folder / _LOG, to_csv(sea_trial(load(folder / "mission.yaml"))))

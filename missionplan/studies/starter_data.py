@@ -13,7 +13,7 @@ from missionplan.mission import load
 from missionplan.montecarlo.streams import stream
 from missionplan.results.base import to_csv
 from missionplan.store.folder import write_atomically
-from missionplan.store.paths import as_path
+from missionplan.store.paths import as_path, vacant
 from missionplan.studies.init import sea_trial
 
 _START = "2026-05-01T08:00:00Z"
@@ -45,18 +45,12 @@ def init_data(kind: str, folder: str | Path = ".") -> tuple[Path, ...]:
         hint = did_you_mean(kind, _TABLES) or f"one of {', '.join(_TABLES)}"
         raise InputError([Problem(f"given {shown(kind)}, expected a kind of data set", key="data", hint=hint)])
     folder = as_path(folder, "folder")
-    if folder.exists() and not folder.is_dir():
-        raise InputError([Problem("is a file; a folder was expected", str(folder))])
     name, table = _TABLES[kind]
-    paths = folder / "dataset.yaml", folder / name
-    present = [path for path in paths if path.exists()]
-    if present:
-        hint = "nothing was written; name another folder"
-        raise InputError([Problem("is there already", str(path), hint=hint) for path in present])
+    paths = vacant(folder, ("dataset.yaml", name))
     text = (files("missionplan") / "starter" / "data" / f"{kind}.yaml").read_text(encoding="utf-8")
     write_atomically(paths[0], text)
     write_atomically(paths[1], to_csv(table()))
-    return paths
+    return tuple(paths)
 
 
 def _noise(kind: str, size: int) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":

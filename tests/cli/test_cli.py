@@ -419,3 +419,12 @@ def test_an_anchor_that_misses_the_missions_requirement_exits_with_3(
     assert "No anchor reaches 99.999" in capsys.readouterr().out
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert (summary["required"], summary["meets_requirement"], summary["succeeds"]) == (0.99999, False, False)
+
+
+@pytest.mark.parametrize("command", [["init"], ["init", "--data", "drag"], ["import", "--out", "data"]])
+def test_a_name_that_is_too_long_is_said(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, command: list[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(monkeypatch, *command, "a" * 300) in (1, 2)
+    assert "a" * 300 in capsys.readouterr().err

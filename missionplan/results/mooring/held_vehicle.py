@@ -1,5 +1,6 @@
 """How the vehicle of a mooring stands on its line in a mean and in a worst current, and what would mend it."""
 
+import math
 from dataclasses import dataclass
 
 from missionplan.arrays import Array
@@ -72,7 +73,7 @@ class HeldState:
             "tension_at_nose_n": self.tension_at_nose,
             "tension_at_anchor_n": self.tension_at_anchor,
             "anchor_drag_n": self.anchor_drag,
-            "friction_needed": self.friction_needed,
+            "friction_needed": self.friction_needed if math.isfinite(self.friction_needed) else None,
             "holding_margin": self.holding_margin,
             "least_wet_weight_n": self.least_weight,
             "grounded": self.clearance <= 0.0,

@@ -10,7 +10,7 @@ from missionplan.mission.views import TransitMission, required_origin
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.store.folder import write_atomically
-from missionplan.store.paths import as_path
+from missionplan.store.paths import as_path, exists, is_file, is_folder
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.mission_plan.build import mission_plan
 from missionplan.studies.simulation.checks import check_complete
@@ -91,7 +91,7 @@ def _places(written: dict[str, str | bytes], to: str, stem: str, out: Path | Non
     (name,) = written
     if out is None:
         return [Path(name)]
-    return [out / name if out.is_dir() else out]
+    return [out / name if is_folder(out) else out]
 
 
 def _check(places: list[Path], mission: Mission, *, force: bool) -> None:
@@ -104,11 +104,11 @@ def _check(places: list[Path], mission: Mission, *, force: bool) -> None:
     ]
     for path in places:
         folder = path.parent
-        if path.exists() and not path.is_file():
+        if exists(path) and not is_file(path):
             problems.append(Problem("is no file that could be written over", str(path)))
-        elif path.exists() and not force:
+        elif exists(path) and not force:
             problems.append(Problem("is there already", str(path), hint="force=True writes over it"))
-        elif folder.exists() and not folder.is_dir():
+        elif exists(folder) and not is_folder(folder):
             problems.append(Problem("is a file; a folder was expected", str(folder)))
     if problems:
         raise InputError(problems)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import solve_ivp, trapezoid
 
 from missionplan.phases.currents import layers
 from missionplan.phases.hooks import DescentEffect
@@ -75,9 +75,9 @@ def reference(dive, body, speed):
         axial = -dive.vehicle_drag(rates[:2] @ along)
         sinking = rates[1] + body.centre * across[1] * rates[2]
         pull = dive.wet_weight - dive.anchor_drag(sinking)
-        force = along * axial + across * np.trapezoid(drag, places) + np.array([0.0, pull - dive.net_buoyancy])
+        force = along * axial + across * trapezoid(drag, places) + np.array([0.0, pull - dive.net_buoyancy])
         buoyant = (body.ahead * along + body.below * across)[0] * body.buoyancy
-        moment = np.trapezoid(places * drag, places) - buoyant + body.centre * across[1] * pull
+        moment = trapezoid(places * drag, places) - buoyant + body.centre * across[1] * pull
         return np.array([*force, moment])
 
     def rate(_, y):

@@ -63,6 +63,16 @@ def netcdf(folder, velocity, hours=7, latitudes=(37.18, 37.32), longitudes=(-76.
     return {"site.current": {"file": "cbofs.nc"}, "start": "2026-05-01T12:00:00Z"}
 
 
+@pytest.mark.parametrize("cell", ["9999", "-1e300", "13"])
+def test_a_current_that_no_sea_has_is_refused(tmp_path, cell):
+    changes = csv(tmp_path, steady)
+    text = (tmp_path / "current.csv").read_text().splitlines()
+    text[4] = text[4].rsplit(",", 2)[0] + f",{cell},0"
+    (tmp_path / "current.csv").write_text("\n".join(text) + "\n")
+    with pytest.raises(InputError, match=r"current.csv:5: is impossible; expected .*east_m_s at most 12"):
+        recorded_current(chesapeake(tmp_path, STEADY | changes))
+
+
 def test_a_record_of_dated_times_meets_a_later_start_later(tmp_path):
     changes = csv(tmp_path, lambda t, depth: (1e-5 * t, 0.0))
     text = (tmp_path / "current.csv").read_text().splitlines()
