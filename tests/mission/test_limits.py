@@ -53,6 +53,7 @@ IMPOSSIBLE = [
     ({"vehicle.hull.length": "44 mm"}, "is impossible"),
     ({"vehicle.hull.diameter": "4.75 ft"}, "more than the hull's length"),
     ({"vehicle.sail.thickness": "6 in"}, "more than the sail's chord"),
+    ({"vehicle.anchor.construction.trim.density": "850 kg/m^3"}, "850 kg/m.* is impossible: .*lighter than water"),
     ({"vehicle.anchor.overlap_volume": "5 L"}, "more than the whole nose that it is a part of"),
     ({"vehicle.anchor.drag_coefficient": 200}, "200 is impossible"),
     ({"vehicle.energy.capacity": "60 GW*h"}, "is impossible"),

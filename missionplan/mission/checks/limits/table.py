@@ -123,7 +123,9 @@ LIMITS: dict[str, Limit] = {
     "vehicle.anchor.construction.front.density": _density,
     "vehicle.anchor.construction.tube.density": _density,
     "vehicle.anchor.construction.back.density": _density,
-    "vehicle.anchor.construction.trim.density": _density,
+    "vehicle.anchor.construction.trim.density": Limit(
+        "kg/m^3", (1100.0, 23_000.0), (2000.0, 20_000.0), "a ring lighter than water adds no wet weight; brass 8500"
+    ),
     "vehicle.propulsion.diameter": Limit("m", (5e-3, 5.0), (0.02, 1.5), "AUV propellers are 0.05 m to 1 m across"),
     "vehicle.thrusters.diameter": Limit("m", (5e-3, 5.0), (0.02, 1.5), "tunnels are 0.05 m to 0.3 m across"),
     "energy.hotel": Limit("W", (0.0, 100_000.0), (0.0, 3000.0), "AUVs draw 1 W to 1 kW besides propulsion"),
