@@ -1,6 +1,7 @@
 """Report of a rare failure: how probable it is, and how it comes about."""
 
 import math
+import shlex
 from collections.abc import Iterator
 
 from missionplan.report.numbers import number
@@ -147,9 +148,11 @@ def _numbers(found: RareFailure) -> list[tuple[str, str]]:
 
 
 def _rerun(found: RareFailure) -> str:
-    options = found.provenance.options
-    more = "".join(f" --{name} {options[name]}" for name in ("trials", "precision") if options.get(name) is not None)
-    return f"missionplan simulate mission.yaml --rare '{found.event}' --seed {found.provenance.seed}{more}"
+    made = found.provenance
+    more = "".join(
+        f" --{name} {made.options[name]}" for name in ("trials", "precision") if made.options.get(name) is not None
+    )
+    return f"missionplan simulate {shlex.quote(made.file)} --rare {shlex.quote(found.event)} --seed {made.seed}{more}"
 
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -198,6 +198,8 @@ def test_the_command_writes_the_report_and_refuses_what_does_not_apply(tmp_path:
     summary = json.loads(run.stdout)
     assert summary["rare"]["event"] == "not total.success"
     assert {"report.html", "summary.json", "rare.csv", "failures.csv"} <= {p.name for p in (tmp_path / "out").iterdir()}
+    again = "missionplan simulate transit.yaml --rare &#39;not total.success&#39; --seed 1 --trials 60000"
+    assert again in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     refused = subprocess.run(
         [*command, "--rare", "--resume"], cwd=tmp_path, capture_output=True, text=True, check=False
     )
