@@ -1,64 +1,89 @@
 """Monte-Carlo mission planning for a self-mooring AUV, and a diagnosis of what the plan's model gets wrong.
 
-Every command of the command line is one public function here. Names are imported when first used, so that
-``import missionplan`` stays quick.
+Every command of the command line is one public function here, which takes a mission or the path of its file. Names are
+imported when first used, so that ``import missionplan`` stays quick.
 """
 
 from importlib import import_module
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
+from missionplan.errors import InputError, MissionplanError, RunError
 from missionplan.rendering import Rendered, register_renderer
 
 if TYPE_CHECKING:
     from missionplan.diagnosis.diagnose import diagnose
     from missionplan.importers.importing import import_logs
+    from missionplan.importers.importing import import_logs as import_log
     from missionplan.mission import Mission, load
     from missionplan.studies.anchor.size_anchor import size_anchor
+    from missionplan.studies.comparison.compare import compare
     from missionplan.studies.identification.identify import identify
+    from missionplan.studies.init import init
     from missionplan.studies.leg_length.plan_legs import plan_legs
     from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
     from missionplan.studies.mission_plan.export import export
+    from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
     from missionplan.studies.simulation.simulate import simulate
     from missionplan.studies.transition.sweep_transition import sweep_transition
+    from missionplan.studies.validation.validate import validate
 
 __version__ = version("missionplan")
 
 __all__ = [
+    "InputError",
     "Mission",
+    "MissionplanError",
+    "RunError",
     "__version__",
+    "compare",
     "diagnose",
     "export",
+    "find_rare_failure",
     "identify",
+    "import_log",
     "import_logs",
+    "init",
     "load",
     "plan_legs",
     "simulate",
     "size_anchor",
     "sweep_dmax",
     "sweep_transition",
+    "validate",
 ]
 
 _MODULES = {
     "Mission": "missionplan.mission",
+    "compare": "missionplan.studies.comparison.compare",
     "diagnose": "missionplan.diagnosis.diagnose",
     "export": "missionplan.studies.mission_plan.export",
+    "find_rare_failure": "missionplan.studies.rare_failure.find_rare_failure",
     "identify": "missionplan.studies.identification.identify",
     "import_logs": "missionplan.importers.importing",
+    "init": "missionplan.studies.init",
     "load": "missionplan.mission",
     "plan_legs": "missionplan.studies.leg_length.plan_legs",
     "simulate": "missionplan.studies.simulation.simulate",
     "size_anchor": "missionplan.studies.anchor.size_anchor",
     "sweep_dmax": "missionplan.studies.leg_length.sweep_dmax",
     "sweep_transition": "missionplan.studies.transition.sweep_transition",
+    "validate": "missionplan.studies.validation.validate",
 }
 """Module of each public name, imported when the name is first used."""
+_ALIASES = {"import_log": "import_logs"}
+"""Second names: of one log or several."""
 
 
 def __getattr__(name: str) -> object:
+    name = _ALIASES.get(name, name)
     if name in _MODULES:
         return getattr(import_module(_MODULES[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
 
 
 def _render(result: object) -> Rendered:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import missionplan
+from missionplan.cli import app
 
 MISSIONS = Path(__file__).parents[1] / "missions"
 
@@ -24,9 +25,16 @@ CALLS: dict[str, Callable[[], object]] = {
     "export": lambda: missionplan.export(mission("fig8"), "csv", out=tempfile.mkdtemp()),
     "import_logs": lambda: missionplan.import_logs([Path(__file__).parent / "importers" / "made.gli"]),
     "identify": lambda: missionplan.identify(MISSIONS / "measured" / "avila-drag"),
+    "import_log": lambda: missionplan.import_log(Path(__file__).parent / "importers" / "made.gli"),
+    "validate": lambda: missionplan.validate([MISSIONS / "fig8.yaml", mission("chesapeake")]),
+    "init": lambda: missionplan.init(tempfile.mkdtemp()),
     "diagnose": lambda: missionplan.diagnose(mission("chesapeake"), MISSIONS / "measured" / "avila-drag", plan=False),
 }
-SLOW = {"plan_legs", "sweep_transition"}
+ELSEWHERE = {"plan_legs", "sweep_transition", "find_rare_failure", "compare"}
+"""Called in tests of their own: they take seconds."""
+CLASSES = {"Mission", "__version__", "InputError", "MissionplanError", "RunError"}
+UNDER_OTHER_NAMES = {"import": "import_log", "effects": "", "simulate --rare": "find_rare_failure"}
+"""Commands whose function has another name, or that have none."""
 
 
 @pytest.mark.parametrize("name", CALLS)
@@ -37,7 +45,29 @@ def test_a_public_function_is_called_twice(name: str) -> None:
 
 
 def test_every_public_function_is_called_here() -> None:
-    assert set(missionplan.__all__) - {"Mission", "__version__"} == {*CALLS, *SLOW}
+    assert set(missionplan.__all__) - CLASSES == {*CALLS, *ELSEWHERE}
+
+
+def test_dir_lists_the_public_names_and_each_can_be_had() -> None:
+    assert dir(missionplan) == sorted(missionplan.__all__)
+    assert all(getattr(missionplan, name) is not None for name in dir(missionplan))
+
+
+def test_every_command_is_a_public_function() -> None:
+    commands = [command.name or command.callback.__name__ for command in app.registered_commands]
+    functions = {UNDER_OTHER_NAMES.get(name, name.replace("-", "_")) for name in commands}
+    assert functions - {""} <= set(missionplan.__all__)
+
+
+@pytest.mark.parametrize("path", [str(MISSIONS / "fig8.yaml"), MISSIONS / "fig8.yaml"])
+def test_a_mission_is_given_by_its_path(path: str | Path) -> None:
+    given = missionplan.sweep_dmax(path, trials=20, seed=1)
+    assert given.to_frame().equals(missionplan.sweep_dmax(mission("fig8"), trials=20, seed=1).to_frame())
+
+
+def test_what_is_neither_a_mission_nor_a_path_is_refused_in_words() -> None:
+    with pytest.raises(missionplan.InputError, match="mission: given 3, expected a Mission, or the path"):
+        missionplan.simulate(3)  # type: ignore[arg-type]
 
 
 def test_no_public_name_is_that_of_a_module() -> None:

@@ -13,7 +13,7 @@ from missionplan.diagnosis.judgement import Judgement, judge
 from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.result_builder import group_scores, ranked_sets
-from missionplan.mission import Mission
+from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.base import Provenance
 from missionplan.results.diagnosis import Diagnosis, PlanGain
 from missionplan.store.paths import as_path
@@ -28,7 +28,7 @@ STAGES = 8
 
 
 def diagnose(
-    mission: Mission,
+    mission: MissionOrPath,
     dataset: str | Path,
     *,
     seed: int | None = None,
@@ -41,7 +41,7 @@ def diagnose(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, str or Path
         The base model.
     dataset : str or Path
         Folder of a data set of any kind.
@@ -63,7 +63,7 @@ def diagnose(
     RunError
         When not even the base model can be fitted.
     """
-    check_arguments(mission, seed=seed, jobs=jobs)
+    mission = check_arguments(mission, seed=seed, jobs=jobs)
     seed = mission.monte_carlo.seed if seed is None else seed
     with (
         threadpool_limits(limits=1),

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Literal
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
@@ -24,7 +24,7 @@ KINDS = ("transit", "descent")
 
 
 def import_logs(
-    sources: Sequence[str | Path],
+    sources: str | Path | Sequence[str | Path],
     *,
     format: str | None = None,
     kind: Literal["transit", "descent"] = "transit",
@@ -40,7 +40,7 @@ def import_logs(
 
     Parameters
     ----------
-    sources : sequence of str or Path
+    sources : str, Path or sequence of them
         Files and folders.
     format : str, optional
         Of the logs; default: as recognised.
@@ -71,7 +71,8 @@ def import_logs(
         message = f"given {shown(kind)}, expected {' or '.join(KINDS)}"
         raise InputError([Problem(message, key="kind", hint=did_you_mean(str(kind), KINDS))])
     mapping = read_mapping(names)
-    paths = [as_path(each, "sources") for each in sources]
+    several = [sources] if isinstance(sources, str | PurePath) else sources
+    paths = [as_path(each, "sources") for each in several]
     found = find_sources(paths, known_importers(), format, otherwise="track" if mapping else None)
     log = SourceLog(progress=progress)
     options = ReadOptions(mapping, None if cache is None else as_path(cache, "cache"))

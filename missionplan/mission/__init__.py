@@ -5,7 +5,7 @@ lines) and `checks` (between sections). `views` are missions with all that one k
 `geodesy` convert.
 """
 
-from missionplan.mission.loading import load
+from missionplan.mission.loading import MissionOrPath, as_mission, load
 from missionplan.mission.mission import Mission
 
-__all__ = ["Mission", "load"]
+__all__ = ["Mission", "MissionOrPath", "as_mission", "load"]

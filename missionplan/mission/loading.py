@@ -1,10 +1,14 @@
 """`load`: a mission file to a `Mission`, or every problem of the file at once."""
 
-from pathlib import Path
+from pathlib import Path, PurePath
 
+from missionplan.errors import InputError, Problem, shown
 from missionplan.mission.mission import Mission
 from missionplan.mission.reading.documents import load_document
 from missionplan.store.paths import as_path
+
+MissionOrPath = Mission | str | Path
+"""A mission, or the path of its file."""
 
 
 def load(path: str | Path, *, allow_outside: bool = False) -> Mission:
@@ -24,3 +28,19 @@ def load(path: str | Path, *, allow_outside: bool = False) -> Mission:
     """
     path = as_path(path, "path")
     return Mission.from_document(load_document(path), path.parent, allow_outside=allow_outside, file=str(path))
+
+
+def as_mission(mission: object) -> Mission:
+    """Return a mission as it is, and load one that is given by the path of its file.
+
+    Raises
+    ------
+    InputError
+        When it is neither, or the file has problems.
+    """
+    if isinstance(mission, Mission):
+        return mission
+    if isinstance(mission, str | PurePath):
+        return load(str(mission))
+    message = f"given {shown(mission)}, expected a Mission, or the path of a mission file"
+    raise InputError([Problem(message, key="mission")])

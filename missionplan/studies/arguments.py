@@ -1,9 +1,10 @@
 """Arguments of the public functions: every wrong one at once, in Python's terms; the command line has its own."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import PurePath
 
 from missionplan.errors import InputError, Problem, shown
-from missionplan.mission import Mission
+from missionplan.mission import Mission, as_mission
 
 MAX_JOBS = 10_000
 
@@ -16,13 +17,13 @@ def check_arguments(
     jobs: object = 1,
     one_of: Mapping[str, tuple[object, Sequence[object]]] | None = None,
     text: Mapping[str, object] | None = None,
-) -> None:
-    """Check the arguments that studies share.
+) -> Mission:
+    """Check the arguments that studies share, and return the mission, loaded where its path is given.
 
     Parameters
     ----------
     mission : object
-        Expected to be a `Mission`.
+        Expected to be a `Mission` or the path of its file.
     trials, seed, jobs : object
         Expected to be whole numbers; None, for the first two, is the mission's.
     one_of : mapping, optional
@@ -33,10 +34,10 @@ def check_arguments(
     Raises
     ------
     InputError
-        With every argument that is wrong.
+        With every argument that is wrong, else every problem of the mission's file.
     """
     kinds = (
-        ("mission", mission, isinstance(mission, Mission), "a Mission, as missionplan.load returns it"),
+        ("mission", mission, isinstance(mission, Mission | str | PurePath), "a Mission, or the path of a mission file"),
         ("trials", trials, trials is None or _is_whole(trials, 1), "a whole number, at least 1"),
         ("seed", seed, seed is None or _is_whole(seed, 0), "a whole number, at least 0"),
         (
@@ -51,6 +52,7 @@ def check_arguments(
     problems = [_wrong(name, value, expected) for name, value, is_right, expected in kinds if not is_right]
     if problems:
         raise InputError(problems)
+    return as_mission(mission)
 
 
 def _choice(known: Sequence[object]) -> str:

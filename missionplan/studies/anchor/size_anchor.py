@@ -4,7 +4,7 @@ import time
 from dataclasses import replace
 
 from missionplan.errors import InputError, Problem, shown
-from missionplan.mission import Mission
+from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel_blocks import Backend
@@ -24,7 +24,7 @@ from missionplan.studies.simulation.record_cover import check_cover
 
 
 def size_anchor(
-    mission: Mission,
+    mission: MissionOrPath,
     *,
     probability: float | None = None,
     phase: str | None = None,
@@ -38,7 +38,7 @@ def size_anchor(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, str or Path
     probability : float, optional
         Also find the lightest anchor that stays within the radius, without the vehicle striking, so often; default:
         what the mission requires of ``within_radius``, where it does.
@@ -55,7 +55,7 @@ def size_anchor(
         When the mission lacks what a descent needs, or the probability is not between 0 and 1.
     """
     started = time.perf_counter()
-    check_arguments(mission, trials=trials, seed=seed, jobs=jobs)
+    mission = check_arguments(mission, trials=trials, seed=seed, jobs=jobs)
     moor = MooringMission.of(mission).mooring(phase)
     _check_probability(probability)
     required = _required(mission, moor)

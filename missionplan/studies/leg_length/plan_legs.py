@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 from missionplan.arrays import Array
-from missionplan.mission import Mission
+from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import block_count
@@ -22,7 +22,7 @@ from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 
 def plan_legs(
-    mission: Mission,
+    mission: MissionOrPath,
     *,
     aim: Aim = "mean",
     trials: int | None = None,
@@ -36,7 +36,7 @@ def plan_legs(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, str or Path
         Its transit is the one that `sweep` names, else the first.
     aim : {'mean', 'p95', 'energy'}
         What to make least: the expected time; the time that 95 % of the trials keep (where the mission requires a
@@ -53,7 +53,7 @@ def plan_legs(
         When the mission has no transit, or no legs can be planned for it.
     """
     started = time.perf_counter()
-    check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of={"aim": (aim, get_args(Aim))})
+    mission = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of={"aim": (aim, get_args(Aim))})
     scenario = replace(SweepScenario.of(mission), sigmas=(None,))
     trials = trials or mission.monte_carlo.trials
     seed = mission.monte_carlo.seed if seed is None else seed

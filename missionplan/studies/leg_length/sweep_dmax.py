@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
-from missionplan.mission import Mission
+from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
@@ -27,7 +27,7 @@ Analytic = Sequence[TransitExpectation]
 
 
 def sweep_dmax(
-    mission: Mission,
+    mission: MissionOrPath,
     *,
     trials: int | None = None,
     seed: int | None = None,
@@ -41,7 +41,7 @@ def sweep_dmax(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, str or Path
     trials, seed : int, optional
         Default: the mission's.
     jobs, backend, scheduler, progress
@@ -57,7 +57,7 @@ def sweep_dmax(
     """
     started = time.perf_counter()
     methods = (method, (None, *get_args(Method)))
-    check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of={"method": methods})
+    mission = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of={"method": methods})
     scenario = SweepScenario.of(mission)
     used = _method(scenario, method)
     trials = 0 if used == "analytic" else trials or mission.monte_carlo.trials

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from missionplan.errors import InputError, Problem
 from missionplan.exporters.formats import FORMATS, format_named
-from missionplan.mission import Mission
+from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.views import TransitMission, required_origin
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
@@ -36,13 +36,13 @@ class ExportedPlan:
 
 
 def export(
-    mission: Mission, to: str, *, out: str | Path | None = None, seed: int | None = None, force: bool = False
+    mission: MissionOrPath, to: str, *, out: str | Path | None = None, seed: int | None = None, force: bool = False
 ) -> ExportedPlan:
     """Write a mission's plan: waypoints with course, depth, speed and time-out, surfacings, moorings.
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, str or Path
         With at least one transit; uncertain quantities are taken at their means.
     to : str
         Name of the format, of `missionplan.exporters.formats.FORMATS`.
@@ -65,7 +65,7 @@ def export(
     RunError
         When a file cannot be written.
     """
-    check_arguments(mission, seed=seed, one_of={"to": (to, tuple(FORMATS))})
+    mission = check_arguments(mission, seed=seed, one_of={"to": (to, tuple(FORMATS))})
     check_complete(mission)
     TransitMission.of(mission)
     form = format_named(to)

@@ -10,7 +10,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
-from missionplan.mission import Mission
+from missionplan.mission import MissionOrPath
 from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.rare_events.estimate import LEAST_REPETITIONS, Estimate
 from missionplan.montecarlo.rare_events.population import NormalPopulation
@@ -58,7 +58,7 @@ class _Usual:
 
 
 def find_rare_failure(
-    mission: Mission,
+    mission: MissionOrPath,
     *,
     event: str = FAILS,
     trials: int | None = None,
@@ -73,7 +73,7 @@ def find_rare_failure(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, str or Path
     event : str
         ``not total.success``, ``moor.struck_seafloor``, ``moor.offset > 30 m``; see `RareEvent.parse`.
     trials, seed : int, optional
@@ -94,7 +94,9 @@ def find_rare_failure(
         When a trial cannot be computed, or a worker dies.
     """
     started = time.perf_counter()
-    check_arguments(mission, trials=trials, seed=seed, jobs=jobs, text={"precision": precision, "event": event})
+    mission = check_arguments(
+        mission, trials=trials, seed=seed, jobs=jobs, text={"precision": precision, "event": event}
+    )
     check_complete(mission)
     wanted, aim = RareEvent.parse(event, mission), _variation(precision)
     seed = mission.monte_carlo.seed if seed is None else seed

@@ -6,7 +6,7 @@ from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
-from missionplan.mission import Mission
+from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
 from missionplan.results.base import Provenance, to_yaml
@@ -42,7 +42,7 @@ MAX_TRIALS = 10_000_000
 
 
 def simulate(
-    mission: Mission,
+    mission: MissionOrPath,
     *,
     trials: int | None = None,
     seed: int | None = None,
@@ -59,7 +59,7 @@ def simulate(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, str or Path
     trials, seed : int, optional
         Default: the mission's. With `precision`, `trials` is the most that are run (default `MAX_TRIALS`).
     jobs, backend, scheduler
@@ -84,7 +84,7 @@ def simulate(
         When every block fails, a worker dies, or the checkpoint cannot be written.
     """
     started = time.perf_counter()
-    check_arguments(mission, trials=trials, seed=seed, jobs=jobs, text={"precision": precision})
+    mission = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, text={"precision": precision})
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     check_complete(mission)
     seed = mission.monte_carlo.seed if seed is None else seed

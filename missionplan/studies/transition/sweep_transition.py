@@ -8,7 +8,7 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from missionplan.errors import InputError, Problem
-from missionplan.mission import Mission
+from missionplan.mission import MissionOrPath
 from missionplan.mission.schema.transition import TransitionGrid
 from missionplan.mission.views import TransitionMission
 from missionplan.phases.transition.plan import Manoeuvre, TransitionVehicle
@@ -26,12 +26,12 @@ LOWEST_SPEED = 0.3
 """Speed down to which point A is sought [m/s]."""
 
 
-def sweep_transition(mission: Mission, *, phase: str | None = None, time_step: float = 0.5) -> TransitionSweep:
+def sweep_transition(mission: MissionOrPath, *, phase: str | None = None, time_step: float = 0.5) -> TransitionSweep:
     """Run the grid of a mission's transition phase, at the means of everything uncertain.
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, str or Path
         With a transition phase and a vehicle with `manoeuvring` and at least one tunnel thruster.
     phase : str, optional
         The transition's name; default the first.
@@ -44,7 +44,7 @@ def sweep_transition(mission: Mission, *, phase: str | None = None, time_step: f
         When the mission lacks what a transition needs.
     """
     started = time.perf_counter()
-    check_arguments(mission)
+    mission = check_arguments(mission)
     transition = TransitionMission.of(mission).transition(phase)
     scenario = Scenario.at_means(mission)
     vehicle = replace(transition_vehicle(scenario, transition), suction_moment=False)

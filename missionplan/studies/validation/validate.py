@@ -1,22 +1,22 @@
 """What a mission, a data set or a folder of them is good for: everything that any command would refuse, at once."""
 
 from collections.abc import Iterable, Iterator
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from missionplan.errors import InputError
-from missionplan.mission import Mission, load
-from missionplan.store.paths import is_folder
+from missionplan.mission import Mission, MissionOrPath, load
+from missionplan.store.paths import as_path, is_folder
 from missionplan.studies.validation.missions import validated_mission
 from missionplan.studies.validation.readiness import Validated
 
 
-def validate(paths: Iterable[Path], *, allow_outside: bool = False) -> tuple[Validated, ...]:
+def validate(paths: MissionOrPath | Iterable[MissionOrPath], *, allow_outside: bool = False) -> tuple[Validated, ...]:
     """Check missions and data sets, and say what each is good for.
 
     Parameters
     ----------
-    paths : iterable of Path
-        Mission files, data sets, and folders: of these all missions and data sets, and what is below.
+    paths : str, Path, Mission or iterable of them
+        Missions, mission files, data sets, and folders: of these all missions and data sets, and what is below.
     allow_outside : bool
         Whether included files may lie outside a mission file's folder, and tables outside their data set's.
 
@@ -25,14 +25,19 @@ def validate(paths: Iterable[Path], *, allow_outside: bool = False) -> tuple[Val
     tuple of Validated
         Missions first; a data set is checked with the first of them that gives it what its runs leave to it.
     """
-    found = [each for path in paths for each in _expanded(path)]
-    missions = [path for path in found if not is_folder(path)]
-    datasets = [path for path in found if is_folder(path)]
+    given = [paths] if isinstance(paths, Mission | str | PurePath) else list(paths)
+    found = [
+        each for one in given for each in ([one] if isinstance(one, Mission) else _expanded(as_path(one, "paths")))
+    ]
+    datasets = [each for each in found if isinstance(each, Path) and is_folder(each)]
     done: list[Validated] = []
     valid: list[Mission] = []
-    for path in missions:
+    for each in found:
+        if each in datasets:
+            continue
+        path = Path(each.file) if isinstance(each, Mission) else each
         try:
-            mission = load(path, allow_outside=allow_outside)
+            mission = each if isinstance(each, Mission) else load(each, allow_outside=allow_outside)
             done.append(validated_mission(path, mission))
         except InputError as error:
             done.append(Validated(path, problems=error.problems))
