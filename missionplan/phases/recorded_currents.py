@@ -4,9 +4,10 @@ Beyond a record's times, depths and places its value at the end is held, or ther
 `covers` tells which trials stay within it.
 """
 
-import itertools
+from bisect import bisect_right
 from dataclasses import dataclass, field
-from typing import Literal
+from functools import cached_property
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -79,9 +80,13 @@ class SeriesCurrent(RecordedCurrent):
     east: Array
     north: Array
 
+    @cached_property
+    def _values(self) -> NDArray[np.complex128]:
+        return _complex(self.east, self.north)
+
     @override
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
-        inside = _interpolated((self.time, self.depth), np.stack((self.east, self.north)), (t, depth))
+        inside = _interpolated((self.time, self.depth), self._values, (t, depth))
         return inside * self._known(t, depth, position)
 
     @override
@@ -98,12 +103,12 @@ class SeriesCurrent(RecordedCurrent):
         steps = 0.5 * (values[:, 1:] + values[:, :-1]) * np.diff(self.time)[:, None]
         travelled = np.concatenate((np.zeros((2, 1, len(self.depth))), np.cumsum(steps, axis=1)), axis=1)
         held = np.clip(t, self.time[0], self.time[-1])
-        before, _, _ = _bracket(self.time, held)
+        before = np.asarray(_bracket(self.time, held).low)
         nodes = np.arange(len(self.time), dtype=float)
-        to_node = _interpolated((nodes, self.depth), travelled, (before.astype(float), depth))
+        to_node = _interpolated((nodes, self.depth), _complex(*travelled), (before.astype(float), depth))
         start, end = (self.velocity(moment, depth, np.zeros((2, 1))) for moment in (self.time[before], held))
         inside = to_node + 0.5 * (start + end) * (held - self.time[before])
-        return inside if self.outside == "zero" else inside + end * (t - held)
+        return np.asarray(inside if self.outside == "zero" else inside + end * (t - held))
 
 
 @dataclass(frozen=True)
@@ -131,10 +136,14 @@ class FieldCurrent(RecordedCurrent):
                 inside = inside & (axis[0] <= value) & (value <= axis[-1])
         return inside
 
+    @cached_property
+    def _values(self) -> NDArray[np.complex128]:
+        return _complex(self.east, self.north)
+
     @override
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
         axes = (self.time, self.depth, self.north_axis, self.east_axis)
-        inside = _interpolated(axes, np.stack((self.east, self.north)), (t, depth, position[1], position[0]))
+        inside = _interpolated(axes, self._values, (t, depth, position[1], position[0]))
         return inside * self._known(t, depth, position)
 
 
@@ -166,24 +175,51 @@ def fill_gaps(values: Array) -> Array:
     return result
 
 
-def _bracket(axis: Array, x: Scalars) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-    """Find the nodes on either side of `x`, which is held at the axis' ends, and the weight of the second."""
-    held = np.clip(x, axis[0], axis[-1])
-    low = np.clip(np.searchsorted(axis, held, side="right") - 1, 0, max(len(axis) - 2, 0))
-    high = np.minimum(low + 1, len(axis) - 1)
-    width = np.where(high > low, axis[high] - axis[low], 1.0)
-    return np.asarray(low), np.asarray(high), (held - axis[low]) / width
+class _Bracket(NamedTuple):
+    """Nodes on either side of points on an axis, and the weight of the second; numbers where there is one point."""
+
+    low: NDArray[np.intp] | int
+    high: NDArray[np.intp] | int
+    share: Scalars
 
 
-def _interpolated(axes: tuple[Array, ...], values: Array, point: tuple[Scalars, ...]) -> Array:
-    """Interpolate linearly in every axis; `values` has shape (2, axis, ...); returns (2, n), or (2, 1) at one point."""
-    brackets = [_bracket(axis, x) for axis, x in zip(axes, point, strict=True)]
-    total: Array = np.zeros((2, 1))
-    for corner in itertools.product((0, 1), repeat=len(axes)):
-        weight: Array = np.ones(1)
-        for (_, _, share), side in zip(brackets, corner, strict=True):
-            weight = weight * (share if side else 1.0 - share)
-        nodes = np.broadcast_arrays(*(bracket[side] for bracket, side in zip(brackets, corner, strict=True)))
-        at = tuple(np.atleast_1d(node) for node in nodes)
-        total = total + np.stack([component[at] for component in values]) * weight
-    return total
+def _bracket(axis: Array, x: Scalars) -> _Bracket:
+    """Find the nodes on either side of `x`, which is held at the axis' ends."""
+    last = len(axis) - 1
+    if np.size(x) == 1:
+        held = min(max(float(np.reshape(x, ())), float(axis[0])), float(axis[-1]))
+        at = min(max(bisect_right(axis, held) - 1, 0), max(last - 1, 0))
+        after = min(at + 1, last)
+        return _Bracket(at, after, (held - axis[at]) / (axis[after] - axis[at] if after > at else 1.0))
+    within = np.minimum(np.maximum(x, axis[0]), axis[-1])
+    low = np.minimum(np.searchsorted(axis, within, side="right") - 1, max(last - 1, 0))
+    high = np.minimum(low + 1, last)
+    width = axis[high] - axis[low]
+    return _Bracket(low, high, (within - axis[low]) / (width if last else 1.0))
+
+
+def _interpolated(axes: tuple[Array, ...], values: NDArray[np.complex128], point: tuple[Scalars, ...]) -> Array:
+    """Interpolate linearly in every axis; returns shape (2, n), or (2, 1) at one point.
+
+    Parameters
+    ----------
+    axes : tuple of array
+    values : array, shape (axis, ...)
+        East, and north as the imaginary part, so that a node is looked up once.
+    point : tuple of float or array, shape (n,)
+    """
+    corners: list[tuple[NDArray[np.intp] | int, Scalars]] = [(0, 1.0)]
+    for axis, x in zip(axes, point, strict=True):
+        low, high, share = _bracket(axis, x)
+        sides = [side for side in ((low, 1.0 - share), (high, share)) if np.ndim(share) or side[1]]
+        corners = [(index * len(axis) + node, weight * part) for index, weight in corners for node, part in sides]
+    flat = values.reshape(-1)
+    total = sum((flat.take(index) * weight for index, weight in corners), start=np.zeros(1, dtype=complex))
+    return np.stack((total.real, total.imag))
+
+
+def _complex(east: Array, north: Array) -> NDArray[np.complex128]:
+    """Return vectors as complex numbers."""
+    values = np.empty(east.shape, dtype=complex)
+    values.real, values.imag = east, north
+    return values
