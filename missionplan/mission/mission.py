@@ -16,6 +16,9 @@ from missionplan.mission.checks.limits.relations import check_relations
 from missionplan.mission.checks.phases import check_phases
 from missionplan.mission.checks.requirements import misspelt_requirements, read_requirements
 from missionplan.mission.checks.site import check_site
+from missionplan.mission.editing.changes import changed_data
+from missionplan.mission.editing.mission_text import MissionText
+from missionplan.mission.editing.yaml_text import dumped
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import include_files
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
@@ -29,6 +32,8 @@ from missionplan.mission.schema.sweep import SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import Distribution, NormalTransform, Quantity
+from missionplan.store.folder import write_atomically
+from missionplan.store.paths import as_path, exists
 
 
 class Mission(FileSection):
@@ -51,11 +56,17 @@ class Mission(FileSection):
     _file: str = PrivateAttr(default="")
     _unusual: tuple[str, ...] = PrivateAttr(default=())
     _sources: tuple[Path, ...] = PrivateAttr(default=())
+    _text: MissionText | None = PrivateAttr(default=None)
 
     @field_validator("effects", mode="plain")
     @classmethod
     def _read_effects(cls, value: object) -> tuple[EffectEntry, ...]:
         return read_effects(value)
+
+    def __repr__(self) -> str:
+        phases = ", ".join(phase.name for phase in self.phases) or "none"
+        where = f" of {self.file}" if self.file else ""
+        return f"<Mission {self.name!r}{where}: phases {phases}; {len(self.uncertain())} uncertain quantities>"
 
     @classmethod
     def from_data(cls, data: Mapping[str, object], *, file: str = "") -> "Mission":
@@ -103,6 +114,7 @@ class Mission(FileSection):
         """
         if not isinstance(document.data, dict):
             raise InputError([document.problem((), "expected a mapping of sections such as `phases:`")])
+        written = copy.deepcopy(document.data)
         problems = include_files(document, folder, allow_outside=allow_outside)
         try:
             mission = cls.model_validate(document.data)
@@ -116,11 +128,68 @@ class Mission(FileSection):
             raise InputError(in_order(problems))
         mission = mission.model_copy(update={"requirements": requirements})
         mission._raw, mission._file = document.data, file
+        mission._text = MissionText.of(document, written, folder)
         mission._unusual = tuple(f"{key_path(notice.path)}: {notice.message}" for notice in limits.notices)
         current = mission.site.current if mission.site else None
         named = [current.file] if isinstance(current, CurrentFile) else []
         mission._sources = tuple(Path(name) for name in (*document.files, *named))
         return mission
+
+    def with_(self, changes: Mapping[str, object] | None = None, /, **keys: object) -> "Mission":
+        """Return the mission with changes, checked as a file is.
+
+        Parameters
+        ----------
+        changes : mapping, optional
+            New values by key. A key is a path (``navigation.velocity_error.sigma``, ``site.current[0].speed``), or one
+            that begins with a phase's name (``ingress.speed``) or an effect (``effects.compass-bias.angle``), or a key
+            alone: ``speed`` is that of every transit. A value is as in a mission file (``"1.2 m/s"``,
+            ``{"mean": "1.2 m/s", "sd": "0.1 m/s"}``); a bare number is in SI; None removes the key. Paths of files are
+            relative to the working directory.
+        **keys : object
+            Keys alone, such as ``trials=1000``.
+
+        Raises
+        ------
+        InputError
+            With every key that is unknown or could be several, or every problem of the changed mission.
+        """
+        if changes is not None and not isinstance(changes, Mapping):
+            raise InputError([Problem(f"given {shown(changes)}, expected values by key", key="changes")])
+        changed = changed_data(self.raw, {**(changes or {}), **keys}, type(self), self.file)
+        mission = type(self).from_data(changed, file=self.file)
+        mission._text, read = self._text, (*self.sources, *mission.sources)
+        mission._sources = tuple(dict.fromkeys(read))
+        return mission
+
+    def to_yaml(self) -> str:
+        """Return the mission as the text of a file: that which it was read from, edited where its data changed."""
+        return self._text.with_data(self.raw) if self._text is not None else dumped(self.raw)
+
+    def save(self, path: str | Path, *, force: bool = False) -> Path:
+        """Write the mission to a file, with the comments of the file that it was read from.
+
+        Into another folder a vehicle's file is written in place of its name.
+
+        Parameters
+        ----------
+        path : str or Path
+        force : bool
+            Overwrite a file that is there.
+
+        Raises
+        ------
+        InputError
+            When the file is there already.
+        RunError
+            When it cannot be written.
+        """
+        path = as_path(path, "path")
+        if exists(path) and not force:
+            raise InputError([Problem("is there already", str(path), hint="force=True overwrites it")])
+        text = self._text.with_data(self.raw, path.parent) if self._text is not None else dumped(self.raw)
+        write_atomically(path, text)
+        return path
 
     def _contradictions(self) -> list[LocalProblem]:
         """List what is wrong between sections that are each valid."""

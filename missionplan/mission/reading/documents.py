@@ -30,10 +30,13 @@ class Document:
         Mappings, lists and scalars.
     marks : dict
         File and line of each key path; empty where the data come from no file.
+    texts : dict
+        Text of each file, by the key path at which its data are.
     """
 
     data: Any
     marks: dict[KeyPath, tuple[str, int | None]] = field(default_factory=dict)
+    texts: dict[KeyPath, str] = field(default_factory=dict)
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -64,6 +67,8 @@ class Document:
         parent[path[-1]] = other.data
         for inner, mark in other.marks.items():
             self.marks[path + inner] = mark
+        for inner, text in other.texts.items():
+            self.texts[path + inner] = text
 
 
 def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
@@ -150,7 +155,7 @@ def load_document(path: Path, name: str | None = None) -> Document:
     if node is None:
         raise InputError([Problem("is empty", name)])
     builder = _Builder(name)
-    document = Document(builder.build(node, ()), builder.marks)
+    document = Document(builder.build(node, ()), builder.marks, {(): text})
     unprintable = [document.located(problem) for problem in unprintable_texts(document.data)]
     if builder.problems or unprintable:
         raise InputError([*builder.problems, *unprintable])

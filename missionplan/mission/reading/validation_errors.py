@@ -2,15 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
-from typing import get_origin
 
 from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
 
 from missionplan.errors import KeyPath, Problem, shown
 from missionplan.mission.reading.documents import Document
-from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import ReadBy
+from missionplan.mission.reading.fields import fields_at, keys_of, parsers_of, section_in
 
 MAX_SHOWN = 100
 """Problems that are looked into one by one: a file with more is something else altogether."""
@@ -87,61 +84,19 @@ def _message(message: str) -> str:
     return message.replace("Input should be", "expected").replace("Field required", "missing")
 
 
-def _fields(path: KeyPath, model: type[BaseModel]) -> dict[str, FieldInfo]:
-    """Fields of the section at `path`, by the names that a file uses; none where no section has that path."""
-    current, names_follow = model, False
-    for part in path:
-        if isinstance(part, int) or names_follow:  # an item of a list, or a name of the user's own
-            names_follow = False
-            continue
-        field = _by_name(current).get(part)
-        section = _section_in(field.annotation) if field is not None else None
-        if field is None or section is None:
-            return {}
-        current, names_follow = section, get_origin(field.annotation) is Mapping
-    return _by_name(current)
-
-
-def _by_name(model: type[BaseModel]) -> dict[str, FieldInfo]:
-    return {field.alias or name: field for name, field in model.model_fields.items() if name != "kind"}
-
-
-def _section_in(annotation: object) -> type[BaseModel] | None:
-    """Return the section that an annotation holds, inside unions, tuples and Annotated."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    for inner in getattr(annotation, "__args__", ()):
-        found = _section_in(inner)
-        if found is not None:
-            return found
-    return None
-
-
 def _unknown_key(path: KeyPath, document: Document, model: type[BaseModel]) -> tuple[Problem, str]:
     """Return the problem of a key that no section has there, and the key that was probably meant."""
-    known = list(_fields(path[:-1], model))
+    known = list(fields_at(path[:-1], model))
     close = get_close_matches(str(path[-1]), known, n=1)
     hint = f"did you mean {close[0]}?" if close else f"known here: {', '.join(known)}"
     return document.problem(path, "unknown key", hint), close[0] if close else ""
 
 
 def _expected(path: KeyPath, model: type[BaseModel]) -> str:
-    field = _fields(path[:-1], model).get(str(path[-1]))
+    field = fields_at(path[:-1], model).get(str(path[-1]))
     if field is None:
         return "a value here"
-    for item in field.metadata:
-        parser = item.read if isinstance(item, ReadBy) else None
-        if isinstance(parser, QuantityParser):
-            return parser.expected
-    section = _section_in(field.annotation)
-    mapping = [f"a mapping with {', '.join(_by_name(section))}"] if section else []
-    return ", or ".join([*_quantities_in(field.annotation), *mapping]) or "a value here"
-
-
-def _quantities_in(annotation: object) -> list[str]:
-    """What the quantities inside a union are."""
-    parsers = (item.read for item in getattr(annotation, "__metadata__", ()) if isinstance(item, ReadBy))
-    found = [parser.expected for parser in parsers if isinstance(parser, QuantityParser)]
-    for inner in getattr(annotation, "__args__", ()):
-        found += [words for words in _quantities_in(inner) if words not in found]
-    return found
+    section = section_in(field.annotation)
+    mapping = [f"a mapping with {', '.join(keys_of(section))}"] if section else []
+    quantities = dict.fromkeys(parser.expected for parser in parsers_of(field))
+    return ", or ".join([*quantities, *mapping]) or "a value here"

@@ -1,6 +1,6 @@
 """Types of the quantities in mission files: each a float in SI or a distribution."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 from missionplan.mission.schema.quantity_parser import QuantityParser
@@ -41,17 +41,25 @@ Efficiency = Annotated[Quantity, ReadBy(QuantityParser("", low=0.0, high=1.0, op
 Probability = Annotated[float, ReadBy(QuantityParser("", low=0.0, high=1.0, fixed=True))]
 
 
-def or_word(parser: QuantityParser, *words: str) -> ReadBy:
-    """Return a validator that takes one of some words, or a quantity."""
+@dataclass(frozen=True)
+class OrWord:
+    """Reads one of some words, or a quantity."""
 
-    def read(value: object) -> Quantity | str:
-        if isinstance(value, str) and value in words:
+    parser: QuantityParser
+    words: tuple[str, ...]
+
+    def __call__(self, value: object) -> Quantity | str:
+        """Read a value as a pydantic validator does."""
+        if isinstance(value, str) and value in self.words:
             return value
         try:
-            return parser.parse(value)
+            return self.parser.parse(value)
         except QuantityError as error:
-            also = f" (or {', '.join(words)})"
+            also = f" (or {', '.join(self.words)})"
             problems = [replace(problem, message=problem.message + also) for problem in error.problems]
             raise all_invalid(problems) from None
 
-    return ReadBy(read)
+
+def or_word(parser: QuantityParser, *words: str) -> ReadBy:
+    """Return a validator that takes one of some words, or a quantity."""
+    return ReadBy(OrWord(parser, words))

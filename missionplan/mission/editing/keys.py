@@ -1,0 +1,155 @@
+"""Keys as people name them in Python: whole paths, paths from a phase's name, or a key alone."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+
+from pydantic import BaseModel
+
+from missionplan.errors import KeyPath, LocalProblem, did_you_mean, key_path
+from missionplan.mission.reading.fields import fields_at, keys_of, section_in
+from missionplan.mission.schema.phases import PhaseEntry
+
+_PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")
+
+
+class UnclearKeyError(ValueError):
+    """A key that names nothing, or more than one thing."""
+
+    def __init__(self, key: str, message: str, hint: str = "") -> None:
+        self.problem = LocalProblem((key,), message, hint)
+        super().__init__(message)
+
+
+def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> list[KeyPath]:
+    """Find the key paths that a key means.
+
+    Parameters
+    ----------
+    key : str
+        A path as messages write it (``navigation.velocity_error.sigma``, ``phases[0].transit.speed``), one that starts
+        with a phase's name (``ingress.speed``) or with ``effects.`` and an effect's id, or a key alone (``speed``):
+        that of every phase that has it, or of the one section that has it.
+    data : mapping
+        The mission's data.
+    model : type
+        Of a mission.
+
+    Raises
+    ------
+    UnclearKeyError
+        When it means nothing, or several things.
+    """
+    names = phase_places(data)
+    for name in sorted(names, key=len, reverse=True):
+        if key.startswith(f"{name}."):
+            return [names[name] + _parts(key[len(name) + 1 :])]
+    path = _parts(key)
+    if path[0] == "effects" and len(path) > 1 and isinstance(path[1], str):
+        return [_effect_path(key, path, data)]
+    if path[0] in keys_of(model):
+        return [path]
+    if len(path) > 1:
+        raise UnclearKeyError(key, "unknown key", did_you_mean(str(path[0]), [*keys_of(model), *names]))
+    return _alone(key, data, model)
+
+
+def phase_places(data: Mapping[str, object]) -> dict[str, KeyPath]:
+    """Key path of each phase's section, by the phase's name, else its kind."""
+    found: dict[str, KeyPath] = {}
+    phases = data.get("phases")
+    for index, entry in enumerate(phases if isinstance(phases, list) else []):
+        for kind, section in entry.items() if isinstance(entry, dict) else ():
+            name = section.get("name", kind) if isinstance(section, dict) else kind
+            found.setdefault(str(name), ("phases", index, str(kind)))
+    return found
+
+
+def _parts(key: str) -> KeyPath:
+    """Split a key path: ``current[0].speed`` is current, 0, speed."""
+    path: list[str | int] = []
+    for part in key.split("."):
+        match = _PART.fullmatch(part)
+        if match is None:
+            raise UnclearKeyError(
+                key, "is not a key path, such as navigation.velocity_error.sigma or site.current[0].speed"
+            )
+        path += [match[1], *(int(index) for index in re.findall(r"\d+", match[2]))]
+    return tuple(path)
+
+
+def _effect_path(key: str, path: KeyPath, data: Mapping[str, object]) -> KeyPath:
+    """Path of an effect that the mission has, by its id."""
+    effects = data.get("effects")
+    entries = [entry for entry in effects if isinstance(entry, dict)] if isinstance(effects, list) else []
+    for index, entry in enumerate(entries):
+        if path[1] in entry:
+            return ("effects", index, *path[1:])
+    known = [name for entry in entries for name in entry]
+    hint = did_you_mean(str(path[1]), known) or f"it has {', '.join(known) or 'none'}"
+    raise UnclearKeyError(key, "the mission has no such effect", hint)
+
+
+def _alone(key: str, data: Mapping[str, object], model: type[BaseModel]) -> list[KeyPath]:
+    """Paths of a key given alone: in phases of one kind, or in one section; what the mission has goes first."""
+    phases = _in_phases(key, data)
+    sections = list(_in_sections(key, model, ()))
+    present = [path for path in sections if _has(data, path[:-1])]
+    groups = [*phases.values(), *([path] for path in present or ([] if phases else sections))]
+    if len(groups) == 1:
+        return groups[0]
+    if not groups:
+        known = {*keys_of(model), *_all_keys(model)}
+        for kind in keys_of(PhaseEntry):
+            known |= set(fields_at((kind,), PhaseEntry))
+        raise UnclearKeyError(key, "unknown key", did_you_mean(key, sorted(known)))
+    meant = [_as_named(path, data) for group in groups for path in group]
+    raise UnclearKeyError(key, f"could be {', '.join(meant)}", "name one of them")
+
+
+def _in_phases(key: str, data: Mapping[str, object]) -> dict[str, list[KeyPath]]:
+    """Paths of a key in the phases that may have it, by the kind of phase."""
+    found: dict[str, list[KeyPath]] = {}
+    for path in phase_places(data).values():
+        kind = str(path[-1])
+        if key in fields_at((kind,), PhaseEntry):
+            found.setdefault(kind, []).append((*path, key))
+    return found
+
+
+def _in_sections(key: str, model: type[BaseModel], path: KeyPath) -> Iterator[KeyPath]:
+    """Paths of a key in sections inside sections; items of lists are left out."""
+    for name, field in keys_of(model).items():
+        if path and name == key:
+            yield (*path, name)
+        section = section_in(field.annotation)
+        if section is not None and not _is_list(field.annotation):
+            yield from _in_sections(key, section, (*path, name))
+
+
+def _all_keys(model: type[BaseModel]) -> Iterator[str]:
+    for name, field in keys_of(model).items():
+        yield name
+        section = section_in(field.annotation)
+        if section is not None and not _is_list(field.annotation):
+            yield from _all_keys(section)
+
+
+def _is_list(annotation: object) -> bool:
+    """Whether a section lies in a tuple, or is one of several by name."""
+    text = str(annotation)
+    return "tuple[" in text or "Mapping[" in text
+
+
+def _has(data: object, path: Sequence[str | int]) -> bool:
+    for part in path:
+        if not isinstance(data, Mapping) or part not in data:
+            return False
+        data = data[part]
+    return True
+
+
+def _as_named(path: KeyPath, data: Mapping[str, object]) -> str:
+    for name, place in phase_places(data).items():
+        if path[: len(place)] == place:
+            return f"{name}.{key_path(path[len(place) :])}"
+    return key_path(path)

@@ -1,0 +1,176 @@
+"""The text of a YAML file with changed data: edited where they differ, so that comments and layout stay elsewhere."""
+
+import re
+import textwrap
+
+import yaml
+
+_WIDTH = 110
+"""Longest line of a value that is written in braces."""
+
+
+def edited(text: str, data: object) -> str:
+    """Return a file's text with other data.
+
+    Parameters
+    ----------
+    text : str
+        Valid YAML.
+    data : object
+        What the text is to hold. Values that it holds already stay as they are written.
+
+    Returns
+    -------
+    str
+        Where the text cannot be edited (anchors, say), the data alone, without comments.
+    """
+    editor, node = _Editor(text), _composed(text)
+    try:
+        editor.compare(node, data, None)
+        result = editor.applied()
+        if yaml.safe_load(result) == data:
+            return result
+    except (yaml.YAMLError, _CannotEditError):
+        pass
+    return dumped(data)
+
+
+def with_inlined(text: str, key: str, inner: str) -> str:
+    """Put the text of a mapping in the place of a key's value, which is the name of the file that holds it."""
+    for key_node, value in _composed(text).value:
+        if key_node.value == key:
+            start = text.index(":", key_node.end_mark.index) + 1
+            rest, newline, below = text[value.end_mark.index :].partition("\n")
+            return text[:start] + rest + "\n" + textwrap.indent(inner.strip("\n"), "  ") + newline + below
+    return text
+
+
+def dumped(data: object) -> str:
+    """Write data as YAML, keys in their order."""
+    return yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=120)
+
+
+def _composed(text: str) -> yaml.Node:
+    node = yaml.compose(text, Loader=yaml.SafeLoader)
+    if node is None:
+        raise ValueError("the text holds nothing")
+    return node
+
+
+class _CannotEditError(ValueError):
+    """A text that edits in place would spoil."""
+
+
+class _Editor:
+    """Collects the edits of a text: each a start, an end and what stands between them afterwards."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self._loader = yaml.SafeLoader("")
+        self._edits: dict[tuple[int, int], str] = {}
+
+    def compare(self, node: yaml.Node, data: object, key: yaml.Node | None, *, in_flow: bool = False) -> None:
+        """Note the edits that give a node other data; `key` is that of its mapping, where it has one."""
+        flow = in_flow or bool(getattr(node, "flow_style", False))
+        if isinstance(node, yaml.MappingNode) and isinstance(data, dict) and data and node.value:
+            given = {inner.value for inner, _ in node.value}
+            if given - set(data) and flow:
+                self._replace(node, data, key, in_flow=in_flow)
+                return
+            for inner_key, value in node.value:
+                if inner_key.value in data:
+                    self.compare(value, data[inner_key.value], inner_key, in_flow=flow)
+                else:
+                    self._remove(inner_key, value)
+            self._append(node, [(name, value) for name, value in data.items() if name not in given], in_flow=flow)
+        elif isinstance(node, yaml.SequenceNode) and isinstance(data, list) and len(data) == len(node.value):
+            for inner, item in zip(node.value, data, strict=True):
+                self.compare(inner, item, None, in_flow=flow)
+        elif not self._holds(node, data):
+            self._replace(node, data, key, in_flow=in_flow)
+
+    def applied(self) -> str:
+        """Return the text with the edits made."""
+        text, last = self.text, len(self.text)
+        for (start, end), new in sorted(self._edits.items(), reverse=True):
+            if end > last:
+                raise _CannotEditError
+            text, last = text[:start] + new + text[end:], start
+        return text
+
+    def _holds(self, node: yaml.Node, data: object) -> bool:
+        held = self._loader.construct_document(node) if not isinstance(node, yaml.ScalarNode) else self._scalar(node)
+        return type(held) is type(data) and held == data
+
+    def _scalar(self, node: yaml.ScalarNode) -> object:
+        return self._loader.construct_object(node)
+
+    def _note(self, start: int, end: int, new: str) -> None:
+        if self._edits.setdefault((start, end), new) != new:
+            raise _CannotEditError
+
+    def _replace(self, node: yaml.Node, data: object, key: yaml.Node | None, *, in_flow: bool) -> None:
+        """Write a value anew; a block after its key begins on the key's line."""
+        start, end = node.start_mark.index, self._end(node)
+        indent = key.start_mark.column if key is not None else node.start_mark.column
+        if key is not None and self._is_block(node):
+            start = self.text.index(":", key.end_mark.index) + 1
+            self._note(start, end, _written(data, indent, in_flow=in_flow, lead=" "))
+        else:
+            before = self.text[:start]
+            kept = len(before) - len(before.rstrip(" ")) if before.endswith(" ") and key is not None else 0
+            new = _written(data, indent, in_flow=in_flow, lead="")
+            self._note(start - kept if new.startswith("\n") else start, end, new)
+
+    def _remove(self, key: yaml.Node, value: yaml.Node) -> None:
+        """Take out the lines of a key; one that shares its first line with a list's dash cannot be."""
+        start = self.text.rfind("\n", 0, key.start_mark.index) + 1
+        if self.text[start : key.start_mark.index].strip():
+            raise _CannotEditError
+        end = self._line_end(self._end(value))
+        self._note(*((start - 1, end) if start else (0, min(end + 1, len(self.text)))), "")
+
+    def _append(self, node: yaml.MappingNode, added: list[tuple[object, object]], *, in_flow: bool) -> None:
+        """Add keys at the end of a mapping."""
+        if not added:
+            return
+        if in_flow:
+            place = self._end(node) - 1
+            new = "".join(f", {name}: {_flow(value)}" for name, value in added)
+            self._note(place, place, new)
+            return
+        column = node.value[0][0].start_mark.column
+        place = self._line_end(self._end(node))
+        lines = (f"\n{' ' * column}{name}:{_written(value, column, in_flow=False, lead=' ')}" for name, value in added)
+        self._note(place, place, "".join(lines))
+
+    def _end(self, node: yaml.Node) -> int:
+        """Where the content of a node ends: what the parser takes for a block's end lies behind its comments."""
+        if self._is_block(node) and node.value:
+            last = node.value[-1]
+            return self._end(last[1] if isinstance(last, tuple) else last)
+        end = int(node.end_mark.index)
+        return end if not isinstance(node, yaml.ScalarNode) else len(self.text[:end].rstrip())
+
+    @staticmethod
+    def _is_block(node: yaml.Node) -> bool:
+        return isinstance(node, yaml.CollectionNode) and not node.flow_style
+
+    def _line_end(self, index: int) -> int:
+        end = self.text.find("\n", index)
+        return len(self.text) if end < 0 else end
+
+
+def _written(value: object, indent: int, *, in_flow: bool, lead: str) -> str:
+    """Write a value after its key: in braces where it fits a line, else as a block below."""
+    flow = _flow(value)
+    if in_flow or not isinstance(value, dict | list) or indent + len(flow) <= _WIDTH:
+        return lead + flow
+    block = yaml.safe_dump(value, sort_keys=False, allow_unicode=True, width=_WIDTH, default_flow_style=None)
+    return "\n" + textwrap.indent(block.rstrip("\n"), " " * (indent + 2))
+
+
+def _flow(value: object) -> str:
+    """Write a value so that it may stand inside braces."""
+    text = yaml.safe_dump([value], default_flow_style=True, sort_keys=False, allow_unicode=True, width=1_000_000)
+    return re.sub(r"^\[|\]\n$", "", text)
