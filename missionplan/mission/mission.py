@@ -22,7 +22,8 @@ from missionplan.mission.editing.yaml_text import dumped
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import include_files
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
-from missionplan.mission.schema.effects import EffectEntry, read_effects
+from missionplan.mission.schema.effect_list import EffectEntry, EffectList, OneOf
+from missionplan.mission.schema.effects import read_effects
 from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarlo, Requirement
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
@@ -31,9 +32,15 @@ from missionplan.mission.schema.site import CurrentFile, Site
 from missionplan.mission.schema.sweep import SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
+<<<<<<< HEAD
 from missionplan.montecarlo.distributions import Distribution, NormalTransform, Quantity
 from missionplan.store.folder import write_atomically
 from missionplan.store.paths import as_path, exists
+=======
+from missionplan.montecarlo.distributions import Distribution, Quantity
+from missionplan.montecarlo.draws import Correlation
+from missionplan.montecarlo.normal_transform import NormalTransform
+>>>>>>> 80dc5e2 (Read explanations in doubt: each trial draws which of several causes holds)
 
 
 class Mission(FileSection):
@@ -50,7 +57,7 @@ class Mission(FileSection):
     energy: EnergyBudget | None = None
     requirements: tuple[Requirement, ...] = ()
     correlations: tuple[CorrelationSection, ...] = ()
-    effects: tuple[EffectEntry, ...] = ()
+    effect_list: EffectList = Field(default=EffectList(), alias="effects")
 
     _raw: dict[str, object] = PrivateAttr(default_factory=dict)
     _file: str = PrivateAttr(default="")
@@ -58,9 +65,9 @@ class Mission(FileSection):
     _sources: tuple[Path, ...] = PrivateAttr(default=())
     _text: MissionText | None = PrivateAttr(default=None)
 
-    @field_validator("effects", mode="plain")
+    @field_validator("effect_list", mode="plain")
     @classmethod
-    def _read_effects(cls, value: object) -> tuple[EffectEntry, ...]:
+    def _read_effects(cls, value: object) -> EffectList:
         return read_effects(value)
 
     def __repr__(self) -> str:
@@ -196,12 +203,12 @@ class Mission(FileSection):
         return [
             *check_phases(self.phases, self.site, self.vehicle, self.navigation, self.sweep),
             *check_site(self.site, self.phases),
-            *check_correlations(self.correlations, self.quantities()),
+            *check_correlations(self.correlations, self.quantities(), self.doubts),
         ]
 
     def _limits(self) -> Findings:
         """List what the world does not allow, and what is unusual."""
-        sections = [(name, value) for name, value in self if name not in ("entries", "effects")]
+        sections = [(name, value) for name, value in self if name not in ("entries", "effect_list")]
         return (
             check_ranges(sections, self.phases)
             + check_effects(self.effects)
@@ -227,6 +234,29 @@ class Mission(FileSection):
     def transitions(self) -> tuple[TransitionPhase, ...]:
         """The transitions among the phases."""
         return tuple(phase for phase in self.phases if isinstance(phase, TransitionPhase))
+
+    @property
+    def effects(self) -> tuple[EffectEntry, ...]:
+        """Every effect of the mission, those of its explanations too."""
+        return self.effect_list.entries
+
+    @property
+    def doubts(self) -> tuple[OneOf, ...]:
+        """Lists of explanations of which one holds."""
+        return self.effect_list.doubts
+
+    def knowing(self, place: str, number: int) -> "Mission":
+        """Return the mission with an explanation of a list that is known to hold; see `EffectList.knowing`.
+
+        The draws of everything else stay as they are.
+        """
+        return self.model_copy(update={"effect_list": self.effect_list.knowing(place, number)})
+
+    @property
+    def correlated(self) -> tuple[Correlation, ...]:
+        """Correlations of the mission and of its explanations."""
+        inside = [correlation for doubt in self.doubts for correlation in doubt.correlations()]
+        return (*(section.pair for section in self.correlations), *inside)
 
     @property
     def budget(self) -> EnergyBudget | None:
@@ -255,6 +285,8 @@ class Mission(FileSection):
             if name == "entries":
                 for phase in self.phases:
                     _collect(phase, phase.name, found)
+            elif name == "effect_list":
+                found |= self.effect_list.quantities()
             elif name != "sweep":
                 _collect(value, name, found)
         return found
@@ -284,13 +316,10 @@ def _collect(value: object, path: str, found: dict[str, Quantity]) -> None:
         return
     if isinstance(value, _QUANTITY):
         found[path] = cast("Quantity", value)
-    elif isinstance(value, EffectEntry):
-        for name, parameter in value.parameters.items():
-            found[f"{path}.{value.effect}.{name}"] = parameter
     elif isinstance(value, BaseModel):
         given = type(value).model_fields
         for name, inner in value:
             _collect(inner, f"{path}.{given[name].alias or name}", found)
     elif isinstance(value, tuple):
         for index, inner in enumerate(value):
-            _collect(inner, path if isinstance(inner, EffectEntry) else f"{path}[{index}]", found)
+            _collect(inner, f"{path}[{index}]", found)

@@ -5,66 +5,24 @@ Drawing through normals makes common random numbers, correlations (a Cholesky fa
 """
 
 import math
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
-from typing import cast
 
 import numpy as np
 import scipy
 from typing_extensions import override
 
 from missionplan.arrays import Array
+from missionplan.montecarlo.normal_transform import NormalTransform, Truncated
 from missionplan.montecarlo.restricted_normal import (
     normal_cdf,
-    normal_quantile,
     restricted_cdf,
     restricted_moments,
     restricted_normal,
     restricted_quantile,
 )
 
-NEGLIGIBLE = 1e-20
-"""Probability of a draw that no run will ever contain."""
-
-
-class NormalTransform(ABC):
-    """Interface of every distribution, beside its `mean` and `sd`, which are those after any truncation."""
-
-    @abstractmethod
-    def from_normal(self, z: Array) -> Array:
-        """Transform standard normals, any shape, into draws of the same shape."""
-
-    @abstractmethod
-    def cdf(self, value: float) -> float:
-        """Probability of a draw at or below a value."""
-
-    def quantile(self, probability: float) -> float:
-        """Value that a draw stays below with a probability, of one number."""
-        return float(self.from_normal(np.array(normal_quantile(probability))))
-
-    @property
-    def mass_cut(self) -> float:
-        """Probability that truncation to the physical range has removed; 0 where there was none."""
-        return 0.0
-
-    def truncated(self, low: float = -math.inf, high: float = math.inf) -> "Distribution":
-        """Truncate to the physical range of a quantity.
-
-        Returns the distribution itself where the probability outside is below `NEGLIGIBLE`; else it is `mass_cut`.
-
-        Raises
-        ------
-        ValueError
-            When no part of the distribution lies inside.
-        """
-        whole = cast("Distribution", self)
-        below, above = _tails(whole, low, high)
-        if below + above < NEGLIGIBLE:
-            return whole
-        if below + above >= 1.0:
-            raise ValueError(f"no part of the distribution lies between {low:g} and {high:g}")
-        return Truncated(whole, low, high)
+ROUNDING = 1e-9
+"""By how much probabilities written in a file may miss their sum."""
 
 
 @dataclass(frozen=True)
@@ -225,7 +183,7 @@ class Choices(NormalTransform):
         return self.cut
 
     @override
-    def truncated(self, low: float = -math.inf, high: float = math.inf) -> "Distribution":
+    def truncated(self, low: float = -math.inf, high: float = math.inf) -> NormalTransform:
         kept = tuple(value for value in self.values if low <= value <= high)
         if not kept:
             raise ValueError(f"no part of the distribution lies between {low:g} and {high:g}")
@@ -233,50 +191,48 @@ class Choices(NormalTransform):
 
 
 @dataclass(frozen=True)
-class Truncated(NormalTransform):
-    """A distribution truncated to the physical range of its quantity."""
+class WhichHolds(NormalTransform):
+    """Which of several explanations of a mission holds, of which one at most does.
 
-    parent: "Distribution"
-    low: float
-    high: float
+    Attributes
+    ----------
+    probabilities : tuple of float
+        Of each explanation; what they leave to 1 is the probability that none holds, drawn as their number.
+    """
 
-    @cached_property
-    def _bounds(self) -> tuple[float, float]:
-        below, above = _tails(self.parent, self.low, self.high)
-        return float(scipy.special.ndtri(below)), -float(scipy.special.ndtri(above))
-
-    @property
-    @override
-    def mass_cut(self) -> float:
-        return sum(_tails(self.parent, self.low, self.high))
+    probabilities: tuple[float, ...]
 
     @property
     def mean(self) -> float:
-        """Mean after any truncation."""
-        return restricted_moments(self.parent.from_normal, *self._bounds)[0]
+        """The likeliest: numbers of explanations have no mean, and a mission at its means must hold one of them."""
+        left = 1.0 - math.fsum(self.probabilities)
+        return float(np.argmax([*self.probabilities, left]))
 
     @property
     def sd(self) -> float:
-        """Standard deviation after any truncation."""
-        return restricted_moments(self.parent.from_normal, *self._bounds)[1]
+        """Standard deviation of the number."""
+        shares = np.array([*self.probabilities, max(1.0 - math.fsum(self.probabilities), 0.0)])
+        numbers = np.arange(len(shares))
+        return float(np.sqrt(np.sum(shares * numbers**2) - np.sum(shares * numbers) ** 2))
 
     @override
     def from_normal(self, z: Array) -> Array:
-        return np.clip(self.parent.from_normal(restricted_normal(z, *self._bounds)), self.low, self.high)
+        return np.searchsorted(self._ends, scipy.special.ndtr(z), side="right").astype(float)
 
     @override
     def cdf(self, value: float) -> float:
-        low, high = self._bounds
-        return restricted_cdf(float(scipy.special.ndtri(self.parent.cdf(value))), low, high)
+        if value < 0.0:
+            return 0.0
+        return self._ends[int(value)] if value < len(self._ends) else 1.0
 
-    @override
-    def quantile(self, probability: float) -> float:
-        below, above = _tails(self.parent, self.low, self.high)
-        value = self.parent.quantile(below + (1.0 - below - above) * probability)
-        return min(max(value, self.low), self.high)
+    @property
+    def _ends(self) -> list[float]:
+        """Cumulative probabilities; of the last 1 where the explanations leave nothing but rounding."""
+        ends = np.cumsum(self.probabilities).tolist()
+        return [*ends[:-1], 1.0 if ends[-1] > 1.0 - ROUNDING else ends[-1]]
 
 
-Distribution = Normal | TruncatedNormal | Uniform | LogNormal | Choices | Truncated
+Distribution = Normal | TruncatedNormal | Uniform | LogNormal | Choices | Truncated | WhichHolds
 """A scalar distribution: one draw per trial."""
 
 Quantity = float | Distribution
@@ -291,10 +247,3 @@ def mean_of(quantity: Quantity) -> float:
 def sd_of(quantity: Quantity) -> float:
     """Return the standard deviation of a distribution; 0 for a number."""
     return quantity.sd if isinstance(quantity, Distribution) else 0.0
-
-
-def _tails(distribution: Distribution, low: float, high: float) -> tuple[float, float]:
-    """Probabilities strictly below `low` and above `high`."""
-    below = distribution.cdf(math.nextafter(low, -math.inf)) if low > -math.inf else 0.0
-    above = 1.0 - distribution.cdf(high) if high < math.inf else 0.0
-    return below, above

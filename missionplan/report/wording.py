@@ -29,6 +29,7 @@ _PHRASES = {
 }
 """Quantities and events of a phase whose names do not read as phrases."""
 _POINT_OR_UNDERSCORE = re.compile(r"\.(?!\d)|_")
+_EXPLAINED = re.compile(r"effects\[\d+\]\.one-of(?:\[(\d+)\]\.(.+))?")
 _WHOLES = ("vehicle", "site", "start", "total", "phases", "monte_carlo", "requirements")
 """First parts of a dotted name that are no phase and read well before the rest: ``vehicle net buoyancy``."""
 
@@ -36,6 +37,10 @@ _WHOLES = ("vehicle", "site", "start", "total", "phases", "monte_carlo", "requir
 def in_words(name: str) -> str:
     """Write a dotted name in words: ``release time (moor)``, ``current speed in layer 2``, ``total energy``."""
     quantity = split_key(name)[0]
+    explained = _EXPLAINED.fullmatch(quantity)
+    if explained:
+        number, parameter = explained.groups()
+        return f"{_spaced(parameter)} (explanation {int(number) + 1})" if parameter else "which explanation holds"
     for root in ("effects.", "navigation."):
         if quantity.startswith(root):
             return _spaced(quantity.removeprefix(root))

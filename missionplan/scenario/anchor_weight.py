@@ -53,7 +53,8 @@ def design_current(means: DrawnMission, phase: MoorPhase) -> tuple[Array, Array]
 def worst_case_weight(means: DrawnMission, phase: MoorPhase) -> float:
     """Return the wet weight that takes the vehicle down within the radius in the worst current (Eqs. 1, 15).
 
-    The layers' currents all flow the same way.
+    The layers' currents all flow the same way. Of a mission's explanations the one that needs the heaviest anchor is
+    taken to hold, those of less than 5 % left out.
 
     Parameters
     ----------
@@ -72,6 +73,10 @@ def worst_case_weight(means: DrawnMission, phase: MoorPhase) -> float:
     InputError
         When there is no current to size the anchor for; see also `design_current`.
     """
+    return max(_weight_at(explained, phase) for explained in means.under_explanations())
+
+
+def _weight_at(means: DrawnMission, phase: MoorPhase) -> float:
     speeds, thicknesses = design_current(means, phase)
     over_ground = float(required_terminal_velocity(speeds, thicknesses, means[f"{phase.name}.radius"]))
     steady = SteadyDescent.at(over_ground, DescentHooks(means.descent_effects), float(means["site.depth"]))

@@ -1,8 +1,10 @@
 """A mission with a value for each of its quantities: what does not depend on which trial or phase is run."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
+from typing import Self
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, Effect
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
+from missionplan.mission.schema.effect_list import EffectEntry
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.site import Geographic, Position
 from missionplan.mission.views import TransitMission, required, required_origin
@@ -18,8 +21,12 @@ from missionplan.phases.hooks import DescentEffect, TransitEffect
 from missionplan.phases.transit.plan import VelocityError
 from missionplan.physics.vehicle_drag import VehicleDrag
 from missionplan.physics.water import Water, sea_water
+from missionplan.scenario.held_effects import where_held
 from missionplan.scenario.propulsion import PropelledVehicle
 from missionplan.scenario.vehicle import propeller, vehicle_drag
+
+LIKELY = 0.05
+"""Least probability of an explanation that the worst case allows for."""
 
 
 @dataclass(frozen=True)
@@ -109,9 +116,9 @@ class DrawnMission:
         return tuple(effect for effect in self._effects if isinstance(effect, TransitEffect))
 
     @property
-    def transit_effect_ids(self) -> tuple[str, ...]:
-        """Their names in the catalogue, in the same order."""
-        return tuple(entry.effect for entry in self.mission.effects if CATALOGUE[entry.effect].phase == "transit")
+    def transit_effect_places(self) -> tuple[str, ...]:
+        """First parts of the key paths of their parameters, in the same order."""
+        return tuple(entry.place for entry in self.mission.effects if CATALOGUE[entry.effect].phase == "transit")
 
     @cached_property
     def descent_effects(self) -> tuple[DescentEffect, ...]:
@@ -161,10 +168,27 @@ class DrawnMission:
     @cached_property
     def _effects(self) -> tuple[Effect, ...]:
         return tuple(
-            CATALOGUE[entry.effect].make({key: self[f"effects.{entry.effect}.{key}"] for key in entry.parameters})
+            self._held(entry)
             for entry in self.mission.effects
             if CATALOGUE[entry.effect].changes_plan  # a clock or a sensor that is off moves no vehicle
         )
+
+    def _held(self, entry: EffectEntry) -> Effect:
+        """Make an effect, of an explanation for the trials in which that holds."""
+        info = CATALOGUE[entry.effect]
+        effect = info.make({key: self[f"{entry.place}.{key}"] for key in entry.parameters})
+        if entry.explanation is None:
+            return effect
+        place, number = entry.explanation
+        return where_held(effect, np.asarray(self[place]) == number)
+
+    def under_explanations(self) -> Iterator[Self]:
+        """Yield the mission under each combination of the explanations that are likely enough to plan for."""
+        doubts = [doubt for doubt in self.mission.doubts if doubt.known is None]
+        likely = [[k for k, share in enumerate(doubt.probabilities) if share >= LIKELY] for doubt in doubts]
+        for numbers in product(*likely):
+            held = {doubt.place: float(number) for doubt, number in zip(doubts, numbers, strict=True)}
+            yield replace(self, draws={**self.draws, **held}) if held else self
 
     @cached_property
     def velocity_error(self) -> VelocityError:

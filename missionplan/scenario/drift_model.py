@@ -74,12 +74,20 @@ def drift_model(
         prior=_prior(states, [sigma for sigma, _ in persistent]) + np.diag(changing),
         tides=tuple(2.0 * np.pi / period for period in periods),
         turning=inertial_frequency(latitude) if turns else 0.0,
-        persistence=float(np.mean(persistent[0][1])) if persistent else 1.0,
+        persistence=_correlation_time(persistent) if persistent else 1.0,
         walk=float(np.sqrt(sum(np.mean(np.square(part.walk)) for part in parts))),
         growth=growth,
         covariance=covariance,
         fix_error=fix_error,
     )
+
+
+def _correlation_time(persistent: Sequence[tuple[Scalars, Scalars]]) -> float:
+    """Correlation time of several persistent velocities, weighted by their mean variances [s]."""
+    if len(persistent) == 1:
+        return float(np.mean(persistent[0][1]))
+    variances = [float(np.mean(np.square(sigma))) for sigma, _ in persistent]
+    return float(np.average([float(np.mean(time)) for _, time in persistent], weights=np.maximum(variances, 1e-12)))
 
 
 def _states(

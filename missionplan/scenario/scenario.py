@@ -70,9 +70,7 @@ class Scenario(DrawnMission):
 
     @cached_property
     def _joint(self) -> JointDistribution:
-        return JointDistribution.of(
-            self.mission.quantities(), [correlation.pair for correlation in self.mission.correlations]
-        )
+        return JointDistribution.of(self.mission.quantities(), self.mission.correlated)
 
     def _with_shaft_speeds(self) -> "Scenario":
         """Add the speeds of the transits that give a shaft rate."""
@@ -179,9 +177,12 @@ class Scenario(DrawnMission):
         )
         way, covariance = navigation.drift_compensation, navigation.velocity_error.covariance
         if way == "filter":
-            sample = self.sampled(seed=0, block=PRIOR)._drift_sample(phase)
-            fix_error = float(np.mean(self.fix_sd))
-            model = drift_model(sample, forecast, covariance=covariance, latitude=self.latitude, fix_error=fix_error)
+            drawn = self.sampled(seed=0, block=PRIOR)
+            in_doubt = bool(self.mission.doubts)  # at the means one explanation holds
+            fix_error = float(np.sqrt(np.mean(np.square(drawn.fix_sd))) if in_doubt else np.mean(self.fix_sd))
+            model = drift_model(
+                drawn._drift_sample(phase), forecast, covariance=covariance, latitude=self.latitude, fix_error=fix_error
+            )
             return DriftFilter(forecast, model)
         return compensation_named(way, forecast, covariance, self.fix_error)
 

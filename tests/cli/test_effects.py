@@ -34,7 +34,7 @@ def test_one_effect_is_shown_with_a_fragment(monkeypatch, capsys):
 
 @pytest.mark.parametrize("info", CATALOGUE.values(), ids=lambda info: info.id)
 def test_every_fragment_is_valid_in_a_mission(info):
-    (entry,) = read_effects(yaml.safe_load(fragment(info))["effects"])
+    (entry,) = read_effects(yaml.safe_load(fragment(info))["effects"]).entries
     assert entry.effect == info.id
     assert set(entry.parameters) == set(info.parameters)
 

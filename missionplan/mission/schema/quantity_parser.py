@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import cast
 
 from missionplan.errors import LocalProblem, shown
 from missionplan.mission.schema.section import all_invalid
@@ -139,7 +140,7 @@ class QuantityParser:
             raise QuantityError(message)
         if self.low == -math.inf and self.high == math.inf:
             return distribution
-        return distribution.truncated(self.low, self.high)
+        return cast("Distribution", distribution.truncated(self.low, self.high))
 
 
 def _build(form: str, numbers: Mapping[str, float]) -> Distribution:

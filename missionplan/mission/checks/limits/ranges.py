@@ -9,9 +9,10 @@ from pydantic import BaseModel
 from missionplan.effects import CATALOGUE
 from missionplan.errors import KeyPath, LocalProblem
 from missionplan.mission.checks.limits.table import EFFECT_SCALES, IN_UNIT, LIMITS, Limit
-from missionplan.mission.schema.effects import EffectEntry
+from missionplan.mission.schema.effect_list import EffectEntry
 from missionplan.mission.schema.phases import Phase
-from missionplan.montecarlo.distributions import NormalTransform, Quantity
+from missionplan.montecarlo.distributions import Quantity
+from missionplan.montecarlo.normal_transform import NormalTransform
 
 _TAIL = 0.01
 """Share of the draws beyond each end."""
@@ -109,7 +110,7 @@ def _compared(path: KeyPath, quantity: Quantity, limit: Limit) -> Findings:
 def check_effects(effects: Sequence[EffectEntry]) -> Findings:
     """Compare the parameters of a mission's effects with the catalogue's plausible sizes."""
     notices = []
-    for index, entry in enumerate(effects):
+    for entry in effects:
         for name, quantity in entry.parameters.items():
             known = CATALOGUE[entry.effect].parameters[name]
             low, high = ends(quantity)
@@ -117,7 +118,7 @@ def check_effects(effects: Sequence[EffectEntry]) -> Findings:
             if known.scale > 0.0 and size > most:
                 given, within = (f"{four_digits(number)} {known.unit}".rstrip() for number in (size, most))
                 message = f"{given} is unusual: the catalogue's plausible sizes are within {within}. Is the unit right?"
-                notices.append(LocalProblem(("effects", index, entry.effect, name), message))
+                notices.append(LocalProblem((*entry.path, entry.effect, name), message))
     return Findings(notices=tuple(notices))
 
 
