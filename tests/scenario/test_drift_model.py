@@ -81,7 +81,7 @@ def leg_at(t):
 def test_variances_of_persistent_errors_and_walks_add_up():
     built = model(PersistentError(sigma=0.03, time=900.0), PersistentError(sigma=0.04, time=100.0), RandomWalk(1e-4))
     assert built.prior[PERSISTENT, PERSISTENT] == pytest.approx(0.05**2)
-    assert built.persistence == 900.0
+    assert built.persistence == pytest.approx((0.03**2 * 900.0 + 0.04**2 * 100.0) / 0.05**2)  # weighted by variance
     assert built.walk == pytest.approx(1e-4)
 
 
