@@ -64,14 +64,16 @@ class CurrentField:
     north: Array
 
 
-def read_current_csv(path: Path, start: datetime | None = None) -> CurrentSeries:
+def read_current_csv(path: Path, start: datetime | None = None, epoch: datetime | None = None) -> CurrentSeries:
     """Read a CSV file with the columns ``t_s, depth_m, east_m_s, north_m_s``, every depth at every time.
 
     Parameters
     ----------
     path : Path
     start : datetime, optional
-        Of the mission: times by ISO 8601 count from it. Times in seconds count from the mission's start in any case.
+        Of the mission: times by ISO 8601 count from it.
+    epoch : datetime, optional
+        From which the record's seconds count (`site.current.start`); default: from the mission's start, whenever it is.
 
     Raises
     ------
@@ -95,6 +97,9 @@ def read_current_csv(path: Path, start: datetime | None = None) -> CurrentSeries
         raise InputError([Problem(message, shown, 1)])
     values = frame[list(CSV_COLUMNS)].apply(pd.to_numeric, errors="coerce")
     if not pd.api.types.is_numeric_dtype(frame["t_s"]):
+        if epoch is not None:
+            message = "its times are dates, which site.current.start does not shift: leave it out, or give seconds"
+            raise InputError([Problem(message, shown)])
         values["t_s"] = values["t_s"].fillna(_since(start, frame["t_s"], shown))
     bad = np.flatnonzero(~np.isfinite(values.to_numpy(dtype=float)).all(axis=1))
     problems = [Problem("expected four numbers", shown, int(row) + 2) for row in bad[:20]] or _impossible(values, shown)
@@ -107,11 +112,25 @@ def read_current_csv(path: Path, start: datetime | None = None) -> CurrentSeries
     if table.isna().to_numpy().any():
         raise InputError([Problem("every depth must be given at every time", shown)])
     return CurrentSeries(
-        table.index.to_numpy(dtype=float),
+        table.index.to_numpy(dtype=float) + _lead(start, epoch, shown),
         table["east_m_s"].columns.to_numpy(dtype=float),
         table["east_m_s"].to_numpy(dtype=float),
         table["north_m_s"].to_numpy(dtype=float),
     )
+
+
+def _lead(start: datetime | None, epoch: datetime | None, shown: str) -> float:
+    """Seconds by which a record's epoch is after the mission's start; 0 where the record has none."""
+    if epoch is None:
+        return 0.0
+    if start is None:
+        raise InputError([Problem("the record has a start: the mission needs its `start` (UTC) too", shown)])
+    return _utc(epoch).timestamp() - _utc(start).timestamp()
+
+
+def _utc(moment: datetime) -> datetime:
+    """A time with its zone, UTC where it has none."""
+    return moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)
 
 
 def _impossible(values: pd.DataFrame, shown: str) -> list[Problem]:
@@ -129,7 +148,7 @@ def _since(start: datetime | None, times: "pd.Series[str]", shown: str) -> "pd.S
         if moments.notna().any() and pd.to_numeric(times, errors="coerce").isna().all():
             raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", shown)])
         return moments * math.nan
-    return moments - (start if start.tzinfo is not None else start.replace(tzinfo=UTC)).timestamp()
+    return moments - _utc(start).timestamp()
 
 
 _NAMES = {

@@ -2,11 +2,13 @@
 
 import hashlib
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.site import CurrentFile, Geographic
@@ -35,8 +37,11 @@ def recorded_current(mission: Mission) -> Current | None:
     from missionplan.scenario.current_files import read_current_csv, read_current_netcdf  # pandas: half a second
 
     if source.suffix.lower() not in NETCDF:
-        series = read_current_csv(source, mission.start)
+        series = read_current_csv(source, mission.start, _epoch(mission))
         return SeriesCurrent(series.time, series.depth, series.east, series.north, outside=_outside(mission))
+    if _epoch(mission) is not None:
+        message = "a NetCDF current has dates of its own; `start` is for a CSV record that counts seconds"
+        raise InputError([Problem(message, mission.file, key="site.current.start")])
     origin = required_origin(mission, "a NetCDF current is placed by it")
     field = read_current_netcdf(source, mission.start, origin)
     return replace(placed(field, origin), outside=_outside(mission))
@@ -54,6 +59,11 @@ def with_contents_named(text: str, mission: Mission) -> str:
     if source is None:
         return text
     return text.replace(str(source), f"{source.name} (SHA-256 {hashlib.sha256(source.read_bytes()).hexdigest()})")
+
+
+def _epoch(mission: Mission) -> datetime | None:
+    written = mission.site.current if mission.site else ()
+    return written.start if isinstance(written, CurrentFile) else None
 
 
 def _outside(mission: Mission) -> Outside:

@@ -1,5 +1,6 @@
 """Where the mission is: origin, depth, water and current."""
 
+from datetime import datetime
 from typing import Annotated, Literal
 
 from pydantic import Discriminator, Tag, model_validator
@@ -59,10 +60,12 @@ class CurrentLayer(FileSection):
 class CurrentFile(FileSection):
     """A current read from a CSV or CF NetCDF file; `outside`: what is beyond its times, depths and places.
 
-    `error`: a trial that leaves the record fails; `hold`: the values at its end; `zero`: no current.
+    `error`: a trial that leaves the record fails; `hold`: the values at its end; `zero`: no current. `start`: when the
+    seconds of a CSV record begin to count, UTC; without it, at the mission's start.
     """
 
     file: str
+    start: datetime | None = None
     outside: Literal["error", "hold", "zero"] = "error"
 
 

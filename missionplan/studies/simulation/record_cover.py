@@ -43,6 +43,9 @@ def check_cover(mission: Mission, means: Scenario) -> None:
     lasts = f"the record lasts from {current.time[0]:.0f} s to {current.time[-1]:.0f} s of the mission's start"
     if current.is_binding and (current.time[-1] < 0.0 or current.time[0] > 0.0):
         problems.append(_problem(mission, f"{lasts}: it does not hold the start"))
+    elif current.time[-1] < 0.0:  # nor may it be held: a mistaken start is likelier than a forecast that long ago
+        message = f"{lasts}: it ends before the mission starts"
+        problems.append(Problem(message, mission.file, key="site.current", hint="see start and site.current.start"))
     elif current.is_binding and not problems:
         problems += _nominal(mission, means, current, lasts)
     if problems:

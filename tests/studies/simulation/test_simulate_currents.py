@@ -87,6 +87,58 @@ def test_a_record_of_dated_times_meets_a_later_start_later(tmp_path):
         recorded_current(chesapeake(tmp_path, STEADY | changes))
 
 
+def ramp(folder, **start):
+    changes = csv(folder, lambda t, depth: (1e-5 * t, 0.0))
+    changes["site.current"] |= {"start": "2026-05-01T11:00:00Z"}
+    return changes | start
+
+
+@pytest.mark.parametrize(("start", "elapsed"), [("2026-05-01T12:30:00Z", 5400.0), ("2026-05-01T10:00:00Z", -3600.0)])
+def test_a_record_with_a_start_meets_a_later_mission_later(tmp_path, start, elapsed):
+    found = recorded_current(chesapeake(tmp_path, STEADY | ramp(tmp_path, start=start)))
+    assert found.time[0] == -elapsed
+    at = max(elapsed, 0.0)  # before the record its first value is held
+    assert found.velocity(0.0, 2.0, np.zeros((2, 1)))[0] == pytest.approx(1e-5 * at)
+
+
+def test_a_later_start_changes_the_mission(tmp_path):
+    early, late = (
+        figures(chesapeake(tmp_path, STEADY | ramp(tmp_path, start=f"2026-05-01T{hour}:00:00Z"))) for hour in (11, 13)
+    )
+    assert late["ingress.duration_s"] < early["ingress.duration_s"], "the course is east, with a current that grows"
+
+
+@pytest.mark.parametrize(
+    ("start", "outside", "message"),
+    [
+        ("2026-05-01T10:00:00Z", "error", "from 3600 s to 25200 s of the mission's start: it does not hold the start"),
+        ("2026-05-02T11:00:00Z", "error", "it does not hold the start"),
+        ("2026-05-02T11:00:00Z", "hold", "it ends before the mission starts"),
+        (None, "hold", "the record has a start: the mission needs its `start`"),
+    ],
+)
+def test_a_record_beside_the_mission_in_time_is_refused(tmp_path, start, outside, message):
+    changes = ramp(tmp_path, **({"start": start} if start else {}))
+    changes["site.current"]["outside"] = outside
+    with pytest.raises(InputError, match=message):
+        simulate(chesapeake(tmp_path, STEADY | changes), trials=2)
+
+
+def test_dates_in_the_record_need_no_start_beside_them(tmp_path):
+    changes = ramp(tmp_path, start="2026-05-01T12:00:00Z")
+    text = (tmp_path / "current.csv").read_text().replace("\n0.0,", "\n2026-05-01T12:00:00Z,")
+    (tmp_path / "current.csv").write_text(text)
+    with pytest.raises(InputError, match=r"its times are dates, which site.current.start does not shift"):
+        recorded_current(chesapeake(tmp_path, STEADY | changes))
+
+
+def test_a_field_has_dates_of_its_own(tmp_path):
+    changes = netcdf(tmp_path, steady)
+    changes["site.current"] |= {"start": "2026-05-01T11:00:00Z"}
+    with pytest.raises(InputError, match=r"site.current.start: a NetCDF current has dates of its own"):
+        recorded_current(chesapeake(tmp_path, STEADY | changes))
+
+
 def test_times_that_are_no_dates_are_refused(tmp_path):
     netCDF4 = pytest.importorskip("netCDF4")
     changes = netcdf(tmp_path, lambda t, depth: (EAST, NORTH))
