@@ -32,15 +32,11 @@ from missionplan.mission.schema.site import CurrentFile, Site
 from missionplan.mission.schema.sweep import SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
-<<<<<<< HEAD
-from missionplan.montecarlo.distributions import Distribution, NormalTransform, Quantity
-from missionplan.store.folder import write_atomically
-from missionplan.store.paths import as_path, exists
-=======
 from missionplan.montecarlo.distributions import Distribution, Quantity
 from missionplan.montecarlo.draws import Correlation
 from missionplan.montecarlo.normal_transform import NormalTransform
->>>>>>> 80dc5e2 (Read explanations in doubt: each trial draws which of several causes holds)
+from missionplan.store.folder import write_atomically
+from missionplan.store.paths import as_path, exists
 
 
 class Mission(FileSection):
