@@ -4,9 +4,8 @@ import copy
 from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
-from typing import cast
 
-from pydantic import BaseModel, Field, PrivateAttr, ValidationError, field_validator
+from pydantic import Field, PrivateAttr, ValidationError, field_validator
 
 from missionplan.effects import FAILED_PLUGINS
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
@@ -19,6 +18,7 @@ from missionplan.mission.checks.site import check_site
 from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.mission_text import MissionText
 from missionplan.mission.editing.yaml_text import dumped
+from missionplan.mission.quantity_paths import collect_quantities
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import include_files
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
@@ -34,7 +34,6 @@ from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import Distribution, Quantity
 from missionplan.montecarlo.draws import Correlation
-from missionplan.montecarlo.normal_transform import NormalTransform
 from missionplan.store.folder import write_atomically
 from missionplan.store.paths import as_path, exists
 
@@ -280,11 +279,11 @@ class Mission(FileSection):
         for name, value in self:
             if name == "entries":
                 for phase in self.phases:
-                    _collect(phase, phase.name, found)
+                    collect_quantities(phase, phase.name, found)
             elif name == "effect_list":
                 found |= self.effect_list.quantities()
             elif name != "sweep":
-                _collect(value, name, found)
+                collect_quantities(value, name, found)
         return found
 
     def notices(self) -> tuple[str, ...]:
@@ -300,22 +299,3 @@ class Mission(FileSection):
     def uncertain(self) -> dict[str, Distribution]:
         """Return the quantities that are distributions, by key path."""
         return {path: value for path, value in self.quantities().items() if isinstance(value, Distribution)}
-
-
-_QUANTITY = (float, NormalTransform)
-"""Base class of every distribution rather than their union: the check runs on every value of a mission."""
-
-
-def _collect(value: object, path: str, found: dict[str, Quantity]) -> None:
-    """Add the quantities in a value of a mission to those found, by key path."""
-    if value is None or isinstance(value, bool | str):
-        return
-    if isinstance(value, _QUANTITY):
-        found[path] = cast("Quantity", value)
-    elif isinstance(value, BaseModel):
-        given = type(value).model_fields
-        for name, inner in value:
-            _collect(inner, f"{path}.{given[name].alias or name}", found)
-    elif isinstance(value, tuple):
-        for index, inner in enumerate(value):
-            _collect(inner, f"{path}[{index}]", found)
