@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from missionplan.studies.mission_plan.export import export
     from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
     from missionplan.studies.simulation.simulate import simulate
+    from missionplan.studies.tide.find_tide import tide
     from missionplan.studies.transition.sweep_transition import sweep_transition
     from missionplan.studies.validation.validate import validate
 
@@ -50,6 +51,7 @@ __all__ = [
     "size_anchor",
     "sweep_dmax",
     "sweep_transition",
+    "tide",
     "validate",
 ]
 
@@ -68,6 +70,7 @@ _MODULES = {
     "size_anchor": "missionplan.studies.anchor.size_anchor",
     "sweep_dmax": "missionplan.studies.leg_length.sweep_dmax",
     "sweep_transition": "missionplan.studies.transition.sweep_transition",
+    "tide": "missionplan.studies.tide.find_tide",
     "validate": "missionplan.studies.validation.validate",
 }
 """Module of each public name, imported when the name is first used."""

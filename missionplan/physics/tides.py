@@ -15,7 +15,7 @@ from functools import cache
 
 import numpy as np
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 
 EPOCH_DAY = 719163.0
 """The 1st of January 1970 in the days of Python's calendar, which UTide counts in [d]."""
@@ -26,15 +26,17 @@ LEAST_LATITUDE = np.radians(5.0)
 
 @dataclass(frozen=True)
 class NodalState:
-    """Constituents at a moment; the tide of one is ``f·A·cos(V + u − g)`` with the Greenwich phase lag g.
+    """Constituents at a moment, or at d of them.
+
+    The tide of one is ``f·A·cos(V + u − g)`` with the Greenwich phase lag g.
 
     Attributes
     ----------
-    factor : array, shape (k,)
+    factor : array, shape (k,) or (k, d)
         f, by which the node changes the amplitude.
-    angle : array, shape (k,)
+    angle : array, shape (k,) or (k, d)
         u, by which the node changes the phase [rad].
-    argument : array, shape (k,)
+    argument : array, shape (k,) or (k, d)
         V, the astronomical argument at Greenwich [rad].
     """
 
@@ -62,7 +64,7 @@ def angular_frequencies(names: Sequence[str]) -> Array:
     return 2.0 * np.pi * cycles_per_hour[_indices(names)] / 3600.0
 
 
-def nodal_state(names: Sequence[str], moment: float, latitude: float) -> NodalState:
+def nodal_state(names: Sequence[str], moment: Scalars, latitude: float) -> NodalState:
     """Nodal corrections and Greenwich arguments of constituents at a moment.
 
     They change by less than 1 % in a month, so that one moment serves a mission.
@@ -71,7 +73,7 @@ def nodal_state(names: Sequence[str], moment: float, latitude: float) -> NodalSt
     ----------
     names : sequence of str
         Such as ``M2``.
-    moment : float
+    moment : float or array, shape (d,)
         Seconds since the start of 1970, UTC.
     latitude : float
         [rad]
@@ -83,11 +85,12 @@ def nodal_state(names: Sequence[str], moment: float, latitude: float) -> NodalSt
     """
     from utide.harmonics import FUV
 
-    day = EPOCH_DAY + moment / DAY
+    days = EPOCH_DAY + np.atleast_1d(moment) / DAY
     south = -1.0 if latitude < 0.0 else 1.0
     north = south * max(abs(latitude), LEAST_LATITUDE)
-    factor, angle, argument = FUV(np.array([day]), day, _indices(names), np.degrees(north), [0, 0, 0, 0])
-    return NodalState(factor[0], 2.0 * np.pi * angle[0], 2.0 * np.pi * argument[0])
+    found = FUV(days, days[0], _indices(names), np.degrees(north), [0, 0, 0, 0])
+    factor, angle, argument = (each.T if np.ndim(moment) else each[0] for each in found)
+    return NodalState(factor, 2.0 * np.pi * angle, 2.0 * np.pi * argument)
 
 
 @cache

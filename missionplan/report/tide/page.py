@@ -1,0 +1,146 @@
+"""Page of `tide`: how much of the current is tide, how well that forecasts, and the fragment of a mission."""
+
+import math
+import shlex
+from datetime import UTC, datetime
+
+from missionplan.report.display_units import Unit
+from missionplan.report.numbers import number, with_error
+from missionplan.report.page import Listing, Page, PageSection, Table, Terminal
+from missionplan.report.tide.figures import ellipses_figure, record_figure
+from missionplan.results.tide import Constituent, DepthTide, TideResult
+
+_NINETY = 1.645
+_AS_IT_IS = Unit("", 1.0)
+
+
+def page(result: TideResult) -> Page:
+    """Build the page of a tidal analysis."""
+    shown = next(each for each in result.depths if each.depth == result.shown_depth)
+    return Page(
+        title=f"Tide: {result.provenance.mission}",
+        answer=answer(result),
+        figure=ellipses_figure(shown),
+        numbers=_numbers(shown),
+        sections=[
+            PageSection("What was measured, and the tide in it", [record_figure(result)]),
+            _how_far(result),
+            _in_a_mission(result),
+            *(_constituents(tide) for tide in result.depths),
+        ],
+        rerun=_rerun(result),
+    )
+
+
+def terminal(result: TideResult) -> Terminal:
+    """Build the terminal's view."""
+    shown = next(each for each in result.depths if each.depth == result.shown_depth)
+    rows = [_row(wave) for wave in shown.constituents]
+    columns = (f"at {shown.depth:g} m", "major (m/s)", "minor (m/s)", "toward (°)", "phase (°)")
+    return Terminal(answer(result), columns, rows)
+
+
+def answer(result: TideResult) -> str:
+    """Say how much of the current is tide, and how well it can be forecast."""
+    shown = next(each for each in result.depths if each.depth == result.shown_depth)
+    where = f"at {shown.depth:g} m"
+    if not shown.constituents:
+        scatter = f"the current scatters by {shown.residual:.2f} m/s about its mean"
+        return f"No tide stands out of this record {where}: {scatter}."
+    largest = shown.constituents[0]
+    first = (
+        f"The tide is {100.0 * shown.tidal_share:.0f} % of the current's variance {where}, {largest.name} the largest "
+        f"with {number(largest.major, largest.major_error)} m/s."
+    )
+    return f"{first} {_forecast_in_words(shown, result.days)}"
+
+
+def _forecast_in_words(tide: DepthTide, days: float) -> str:
+    interval = _NINETY * tide.residual
+    held = tide.held_out
+    told = f"A forecast is within {interval:.2f} m/s of each component nine times in ten"
+    if held is None:
+        return f"{told}, if what is left stays as it was; {days:.0f} days are too few to test it."
+    times = f"{100.0 * held.coverage:.0f} times in 100"
+    return f"{told}: the last quarter of the record, forecast from the rest, was so {times}."
+
+
+def _numbers(tide: DepthTide) -> list[tuple[str, str]]:
+    error = tide.mean_error
+    return [
+        ("mean, east and north", f"{number(tide.east, error)} and {number(tide.north, error)} m/s, each ± {error:.2g}"),
+        ("left, each component", f"{tide.residual:.3f} m/s"),
+        ("what is left lasts", f"{tide.residual_time / 3600.0:.1f} h"),
+    ]
+
+
+def _how_far(result: TideResult) -> PageSection:
+    rows = [
+        (
+            f"{tide.depth:g}",
+            str(tide.samples),
+            f"{100.0 * tide.tidal_share:.0f}",
+            number(tide.east, tide.mean_error),
+            number(tide.north, tide.mean_error),
+            f"{tide.residual:.3f}",
+            f"{tide.residual_time / 3600.0:.1f}",
+            f"{100.0 * tide.held_out.coverage:.0f}" if tide.held_out else "–",
+        )
+        for tide in result.depths
+    ]
+    columns = (
+        "depth (m)", "samples", "tide, % of variance", "mean east (m/s)", "mean north (m/s)", "left (m/s)",
+        "lasts (h)", "last quarter within its 90 % (%)",
+    )  # fmt: skip
+    begins = datetime.fromtimestamp(result.begins, UTC)
+    caption = (
+        f"{result.days:.1f} days from {begins:%Y-%m-%d %H:%M} UTC, at {math.degrees(result.latitude):.2f}° north. What "
+        "is left is one standard deviation of a component, the fit's own errors included."
+    )
+    short = [f"The record is {words}." for words in result.unresolved]
+    return PageSection("How far it can be trusted", [Table(columns, rows, caption, text_columns=0), *short])
+
+
+def _in_a_mission(result: TideResult) -> PageSection:
+    return PageSection(
+        "In a mission",
+        [
+            "tide.yaml, in this folder, is the current of a mission that has a start and an origin:",
+            Listing("site:\n  current: {tide: tide.yaml}"),
+        ],
+    )
+
+
+_COLUMNS = ("constituent", "major (m/s)", "minor (m/s)", "toward (°)", "Greenwich phase (°)")
+
+
+def _constituents(tide: DepthTide) -> PageSection:
+    caption = (
+        "One standard error after ±. A negative minor axis turns clockwise. The direction is that of the major axis, "
+        "clockwise from north."
+    )
+    rows = [_row(wave) for wave in tide.constituents]
+    return PageSection(f"Constituents at {tide.depth:g} m", [Table(_COLUMNS, rows, caption)])
+
+
+def _row(wave: Constituent) -> tuple[str, ...]:
+    pairs = (
+        (wave.major, wave.major_error),
+        (wave.minor, wave.minor_error),
+        (math.degrees(wave.toward), math.degrees(wave.toward_error)),
+        (math.degrees(wave.phase), math.degrees(wave.phase_error)),
+    )
+    name = f"{wave.name} (from {wave.inferred_from})" if wave.inferred_from else wave.name
+    return (name, *(_with_error(value, error) for value, error in pairs))
+
+
+def _with_error(value: float, error: float) -> str:
+    if math.isnan(error):
+        return number(value, 0.01 * abs(value) or 0.001)
+    return with_error(value, error, _AS_IT_IS)
+
+
+def _rerun(result: TideResult) -> str:
+    options = result.provenance.options
+    start = f" --start {options['start']}" if options["start"] else ""
+    return f"missionplan tide {shlex.quote(result.provenance.file)} --latitude '{options['latitude_deg']} deg'{start}"
