@@ -9,7 +9,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 from missionplan.errors import InputError, MissionplanError, RunError
-from missionplan.rendering import Rendered, register_renderer
+from missionplan.rendering import Presenter, register_presenter
 
 if TYPE_CHECKING:
     from missionplan.diagnosis.diagnose import diagnose
@@ -89,14 +89,11 @@ def __dir__() -> list[str]:
     return sorted(__all__)
 
 
-def _render(result: object) -> Rendered:
-    """Render with `missionplan.report`, imported when the first result is saved."""
-    from missionplan.report.render import render_report
-    from missionplan.results.base import Result
+def _presenter() -> Presenter:
+    """Load what presents results, when the first is saved or shown."""
+    from missionplan.report.glance import presenter
 
-    if not isinstance(result, Result):
-        raise TypeError(f"{type(result).__name__} is not the result of a study")
-    return render_report(result)
+    return presenter
 
 
-register_renderer(_render)
+register_presenter(_presenter)

@@ -1,10 +1,14 @@
-"""How a result becomes a report: the package registers its renderer, so that results need not import reports."""
+"""How a result becomes a report: the package registers its presenter, so that results need not import reports."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
 
-Renderer = Callable[[object], "Rendered"]
-"""Renders a result of any study."""
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Plot = Callable[..., "Axes"]
+"""Draws one plot of a result: on the axes `ax`, or on new ones."""
 
 
 @dataclass(frozen=True)
@@ -16,16 +20,32 @@ class Rendered:
     files: dict[str, str] = field(default_factory=dict)
 
 
-_registered: list[Renderer] = []
+class Presenter(Protocol):
+    """All the ways in which a result of any study is shown."""
+
+    def report(self, result: object, /) -> Rendered:
+        """Render the report."""
+
+    def text(self, result: object, /) -> str:
+        """Write one screen of text."""
+
+    def notebook(self, result: object, /) -> str:
+        """Write a part of an HTML page, as a notebook shows it."""
+
+    def plots(self, result: object, /) -> Mapping[str, Plot]:
+        """Return its plots by name, the main one first."""
 
 
-def register_renderer(renderer: Renderer) -> None:
-    """Register the function that renders every result; the last one registered is used."""
-    _registered[:] = [renderer]
+_registered: list[Callable[[], Presenter]] = []
 
 
-def render(result: object) -> Rendered:
-    """Render a result with the registered renderer.
+def register_presenter(load: Callable[[], Presenter]) -> None:
+    """Register the function that loads what presents every result; the last one registered is used."""
+    _registered[:] = [load]
+
+
+def presenter() -> Presenter:
+    """Return what presents results.
 
     Raises
     ------
@@ -33,5 +53,10 @@ def render(result: object) -> Rendered:
         When none is registered.
     """
     if not _registered:
-        raise LookupError("no renderer is registered: import missionplan first")
-    return _registered[0](result)
+        raise LookupError("no presenter is registered: import missionplan first")
+    return _registered[0]()
+
+
+def render(result: object) -> Rendered:
+    """Render the report of a result."""
+    return presenter().report(result)

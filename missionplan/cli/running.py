@@ -70,12 +70,14 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
             _print_summary(result)
         elif not output.quiet:
             _print_result(result)
-    if not output.as_json and not output.quiet:
+    if output.as_json:
+        return
+    if not output.quiet:
         from missionplan.report.typesetting import typeset
 
         for notice in result.provenance.notices:
             note(f"Note: {typeset(notice)}")
-        note(f"Report: {folder / 'report.html'}")
+    note(f"Report: {folder / 'report.html'}")
 
 
 def _print_summary(result: "Result") -> None:
@@ -92,8 +94,8 @@ def _print_summary(result: "Result") -> None:
 def _print_result(result: "Result") -> None:
     from rich.console import Console
     from rich.markup import escape
-    from rich.table import Table
 
+    from missionplan.report.glance.table import laid_out
     from missionplan.report.render import terminal_view
     from missionplan.report.typesetting import wrapped
 
@@ -105,12 +107,8 @@ def _print_result(result: "Result") -> None:
     console = Output(highlight=False)
     style = f"bold {_COLOURS.get(shown.verdict, '')}".strip()
     console.print(f"[{style}]{escape(wrapped(shown.sentence, console.width))}[/]", soft_wrap=True)
-    table = Table(box=None, pad_edge=False, header_style="dim")
-    for index, column in enumerate(shown.columns):
-        table.add_column(escape(column), justify="left" if index == 0 else "right", no_wrap=index > 0)
-    for row in shown.rows:
-        table.add_row(*(escape(cell) for cell in row))
-    console.print(table)
+    for line in laid_out(shown.columns, shown.rows, console.width) if shown.rows else ():
+        console.print(line, markup=False, soft_wrap=True)
 
 
 @contextmanager

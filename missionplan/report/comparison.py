@@ -110,12 +110,29 @@ def _count(items: Sequence[object], noun: str) -> str:
 
 def changes_figure(comparison: Comparison) -> Figure | None:
     """Draw the changes in standard errors, the clearest first; None where no number is noisy."""
-    noisy = [item for item in comparison.differences if item.change is not None and noise_of(item)]
-    shown = sorted(noisy, key=importance, reverse=True)[:_MOST_DOTS]
+    shown = _noisy(comparison)
     if not shown:
         return None
     figure = MatplotlibFigure(figsize=(5.0, 0.7 + 0.42 * len(shown)))
-    axes = figure.add_subplot()
+    draw_changes(figure.add_subplot(), comparison)
+    clearest, score = name_of(comparison, shown[0]), (shown[0].change or 0.0) / noise_of(shown[0])
+    return to_figure(
+        figure,
+        "changes",
+        f"Changes of {len(shown)} numbers in standard errors; the clearest is that of the {clearest} at {score:.1f}.",
+        "Orange: more than noise, all numbers taken together (Holm's correction at 5 %). Band: where 95 % of the "
+        "differences of one number lie by noise alone.",
+    )
+
+
+def _noisy(comparison: Comparison) -> list[ComparedNumber]:
+    noisy = [item for item in comparison.differences if item.change is not None and noise_of(item)]
+    return sorted(noisy, key=importance, reverse=True)[:_MOST_DOTS]
+
+
+def draw_changes(axes: Axes, comparison: Comparison) -> None:
+    """Draw a dot for each of the clearest changes, and the band of noise."""
+    shown = _noisy(comparison)
     axes.axvspan(-1.96, 1.96, color=BLUE, alpha=0.15, linewidth=0.0)
     axes.axvline(0.0, color=INK, linewidth=0.8)
     scores = [(item.change or 0.0) / noise_of(item) for item in shown]
@@ -124,15 +141,6 @@ def changes_figure(comparison: Comparison) -> Figure | None:
     axes.set(yticks=[], ylim=(len(shown) - 0.5, -0.8), xlim=(-reach, reach))
     axes.set_xlabel("second − first, in standard errors of the difference")
     axes.grid(visible=False, axis="y")
-    clearest = name_of(comparison, shown[0])
-    return to_figure(
-        figure,
-        "changes",
-        f"Changes of {len(shown)} numbers in standard errors; "
-        f"the clearest is that of the {clearest} at {scores[0]:.1f}.",
-        "Orange: more than noise, all numbers taken together (Holm's correction at 5 %). Band: where 95 % of the "
-        "differences of one number lie by noise alone.",
-    )
 
 
 def _draw_scores(axes: Axes, scores: Sequence[float], labels: Sequence[tuple[str, bool]]) -> None:

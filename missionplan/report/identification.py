@@ -86,11 +86,12 @@ def panel_figure(panel: FitPanel) -> Figure:
     else:
         top = figure.subplots()
         top.set_xlabel(panel.x_label)
-    _draw_data(top, panel)
+    draw_fit(top, panel)
     return to_figure(figure, panel.name, panel.alt)
 
 
-def _draw_data(axes: Axes, panel: FitPanel) -> None:
+def draw_fit(axes: Axes, panel: FitPanel) -> None:
+    """Draw the data with their errors, and the fitted models over them."""
     many = len(panel.x) > _MANY
     if many or np.all(np.isnan(panel.y_sd)):
         axes.plot(panel.x, panel.y, ".", color=GREY, markersize=3 if many else 7, label="measured", zorder=2)

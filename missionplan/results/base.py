@@ -5,19 +5,25 @@ import math
 import platform
 import threading
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import pandas as pd
 import yaml
 
-from missionplan.rendering import render
+from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.rendering import Plot, presenter, render
 from missionplan.store.folder import check_holds_no_input, new_folder, write_atomically
 from missionplan.store.paths import as_path
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
 
 _rendering = threading.Lock()
 """Figures are drawn one at a time: Matplotlib is not made for threads."""
@@ -98,6 +104,18 @@ class Result(ABC):
     def files(self) -> dict[str, str | bytes]:
         """Tables and other files of the report folder, by name."""
 
+    def __repr__(self) -> str:
+        return presenter().text(self)
+
+    def _repr_html_(self) -> str:
+        with _rendering:
+            return presenter().notebook(self)
+
+    @property
+    def plot(self) -> "Plots":
+        """Plots of the result: ``result.plot()`` is the main one, ``dir(result.plot)`` names the others."""
+        return Plots(self)
+
     def save(self, folder: str | Path, *, force: bool = False) -> Path:
         """Write the report folder: `report.html`, `summary.json`, `mission.yaml`, `figures/` and the tables.
 
@@ -133,6 +151,54 @@ class Result(ABC):
         return folder
 
 
+class Plots:
+    """Plots of a result, by name: ``result.plot.tracks(ax=axes)``; each returns the axes that it drew on."""
+
+    def __init__(self, result: Result) -> None:
+        self._result = result
+
+    def __call__(self, name: str | None = None, /, *, ax: "Axes | None" = None, **options: object) -> "Axes":
+        """Draw a plot.
+
+        Parameters
+        ----------
+        name : str, optional
+            Of the plot; default: the main one.
+        ax : matplotlib Axes, optional
+            To draw on; default: new ones.
+        **options
+            Of the plot's own, such as the quantity of a histogram.
+
+        Raises
+        ------
+        InputError
+            When the result has no such plot.
+        """
+        return self._named(name)(ax=ax, **options)
+
+    def __getattr__(self, name: str) -> Plot:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return self._named(name)
+        except InputError as error:
+            raise AttributeError(str(error)) from None
+
+    def __dir__(self) -> list[str]:
+        return list(presenter().plots(self._result))
+
+    def __repr__(self) -> str:
+        return f"<plots of {type(self._result).__name__}: {', '.join(dir(self)) or 'none'}>"
+
+    def _named(self, name: str | None) -> Plot:
+        plots = presenter().plots(self._result)
+        if plots and (name is None or name in plots):
+            return plots[name if name is not None else next(iter(plots))]
+        known = f"expected one of {', '.join(plots)}" if plots else "the result has no plots"
+        hint = did_you_mean(str(name), plots)
+        raise InputError([Problem(f"given {shown(name)}, {known}", key="plot", hint=hint)])
+
+
 def to_json(summary: Mapping[str, object], *, ascii_only: bool = False) -> str:
     """Write a summary as JSON; a number that is not finite becomes null."""
     return json.dumps(_plain(summary), indent=2, ensure_ascii=ascii_only, allow_nan=False) + "\n"
@@ -141,6 +207,35 @@ def to_json(summary: Mapping[str, object], *, ascii_only: bool = False) -> str:
 def to_yaml(data: Mapping[str, object]) -> str:
     """Write a mission's data as YAML, keys in the order of the file."""
     return yaml.safe_dump(_plain(data), sort_keys=False, allow_unicode=True, width=120)
+
+
+def to_grid(frame: pd.DataFrame, dimensions: Sequence[str], unit: Mapping[str, str]) -> "xarray.Dataset":
+    """Arrange a table whose rows are the cells of a grid as arrays.
+
+    Parameters
+    ----------
+    frame : DataFrame
+    dimensions : sequence of str
+        Columns that tell the cells apart.
+    unit : mapping
+        Unit of each column, written to its attribute ``units``.
+
+    Raises
+    ------
+    InputError
+        When xarray is not installed.
+    """
+    try:
+        import_module("xarray")
+    except ImportError as error:
+        raise InputError(
+            [Problem("needs xarray", key="to_xarray", hint="pip install 'missionplan[netcdf]'")]
+        ) from error
+    grid = frame.set_index(list(dimensions)).to_xarray()
+    for name, words in unit.items():
+        if name in grid.variables:
+            grid[name].attrs["units"] = words
+    return grid
 
 
 def to_csv(frame: pd.DataFrame) -> str:

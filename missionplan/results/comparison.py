@@ -91,7 +91,7 @@ class ComparedNumber:
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison(Result):
     """Two runs of one command, side by side.
 

@@ -51,7 +51,7 @@ class PlanGain:
         return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Diagnosis(Result):
     """What the simulation gets wrong, why, the extended model, the gain.
 

@@ -157,7 +157,7 @@ class TankAnalysis:
     derived: tuple[IdentifiedParameter, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Identification(Result):
     """Result of `identify`.
 

@@ -47,7 +47,7 @@ class TrackLines:
     depth: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ImportedData(Result):
     """Result of `import`.
 

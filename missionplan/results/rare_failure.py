@@ -54,7 +54,7 @@ class FailureMode:
     causes: tuple[Cause, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RareFailure(Result):
     """Result of `simulate --rare`.
 

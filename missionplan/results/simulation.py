@@ -16,6 +16,7 @@ from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.overdue import Overdue
 from missionplan.results.plan import Plan
+from missionplan.store.trials_table import read_trials
 
 
 @dataclass(frozen=True)
@@ -196,7 +197,7 @@ class Tracks:
     origin: tuple[float, float] | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Outcome(Result):
     """Result of `simulate`.
 
@@ -248,6 +249,11 @@ class Outcome(Result):
     trials_table: bytes | None = None
     plan: Plan | None = None
     overdue: Overdue | None = None
+
+    @property
+    def trials(self) -> pd.DataFrame:
+        """One row per trial: what was drawn, quantities and events; InputError where they were not kept."""
+        return read_trials(self.trials_table)
 
     @property
     def requirements_met(self) -> bool:

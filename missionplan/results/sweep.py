@@ -3,13 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
-from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.base import Provenance, Result, to_csv, to_grid
+
+if TYPE_CHECKING:
+    import xarray
 
 
 @dataclass(frozen=True)
@@ -138,7 +141,7 @@ class SweepCurve:
         return tuple(point for point in self.points if point.as_good)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Sweep(Result):
     """Cost of each d_max for each velocity error.
 
@@ -190,6 +193,11 @@ class Sweep(Result):
         rows = [{"sigma_m_s": curve.sigma, **point.row()} for curve in self.curves for point in curve.points]
         frame = pd.DataFrame(rows)
         return frame if frame["cost_analytic"].notna().any() else frame.drop(columns="cost_analytic")
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return the table as arrays over velocity error and d_max; needs the extra ``netcdf``."""
+        unit = {"sigma_m_s": "m/s", "d_max_m": "m"}
+        return to_grid(self.to_frame(), ("sigma_m_s", "d_max_m"), unit)
 
     def files(self) -> dict[str, str | bytes]:
         """Return ``sweep.csv``."""

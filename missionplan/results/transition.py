@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.base import Provenance, Result, to_csv, to_grid
+
+if TYPE_CHECKING:
+    import xarray
 
 FORCE, SUCTION, PAIR = "one thruster, force alone", "one thruster with suction", "thruster pair"
 """Variants, in the order of the paper: sections 6, 7.1 and 7.2."""
@@ -28,7 +31,7 @@ class TimeHistory:
     sternplane: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class TransitionSweep(Result):
     """Result of `sweep-transition`.
 
@@ -92,6 +95,19 @@ class TransitionSweep(Result):
     def to_frame(self) -> pd.DataFrame:
         """One run per row."""
         return self.cells.copy()
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return the runs as arrays over variant, deceleration, steepness and speed; needs the extra ``netcdf``."""
+        unit = {
+            "deceleration_m_s2": "m/s^2",
+            "steepness_m_s": "m/s",
+            "mid_speed_m_s": "m/s",
+            "depth_excursion_m": "m",
+            "pitch_excursion_rad": "rad",
+            "energy_common_wh": "W h",
+            "energy_to_hover_wh": "W h",
+        }
+        return to_grid(self.cells, ("variant", "deceleration_m_s2", "steepness_m_s", "mid_speed_m_s"), unit)
 
     def files(self) -> dict[str, str | bytes]:
         """Return the table of all runs."""

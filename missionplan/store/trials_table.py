@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.errors import InputError, Problem
@@ -50,3 +51,17 @@ class TrialsTable:
         """Close the table and return the file."""
         self._writer.close()
         return self._content.getvalue()
+
+
+def read_trials(content: bytes | None) -> pd.DataFrame:
+    """Read the table that a run kept.
+
+    Raises
+    ------
+    InputError
+        When it kept none.
+    """
+    if content is None:
+        hint = "simulate(..., keep_trials=True) keeps them"
+        raise InputError([Problem("the trials were not kept", key="trials", hint=hint)])
+    return pd.read_parquet(io.BytesIO(content))

@@ -16,8 +16,15 @@ def drag_bars(anchor: SizedAnchor) -> Figure:
     """Draw where the drag comes from at terminal velocity."""
     parts = _drag_parts(anchor)
     figure = MatplotlibFigure(figsize=(6.0, 2.4))
-    axes = figure.subplots()
-    left = 0.0
+    draw_drag(figure.subplots(), anchor)
+    listed = ", ".join(f"{name.lower()} {value:.2f} N" for name, value, _ in parts)
+    whole = sum(value for _, value, _ in parts)
+    return to_figure(figure, "drag", alt=f"Drag build-up: {listed}; together {whole:.2f} N")
+
+
+def draw_drag(axes: Axes, anchor: SizedAnchor) -> None:
+    """Draw the drag of each part beside that of the parts before it."""
+    parts, left = _drag_parts(anchor), 0.0
     for row, (_, value, colour) in enumerate(parts):
         axes.barh(row, value, left=left, color=colour, height=0.62)
         axes.text(left + value + 0.01 * float(anchor.drag.total), row, f"{value:.2f} N", va="center", fontsize=9)
@@ -30,8 +37,6 @@ def drag_bars(anchor: SizedAnchor) -> Figure:
     axes.set(
         xlabel=f"Drag at {anchor.terminal_velocity:.2f} m/s (N)", xlim=(0.0, 1.14 * left), ylim=(len(parts) - 0.5, -1.1)
     )
-    listed = ", ".join(f"{name.lower()} {value:.2f} N" for name, value, _ in parts)
-    return to_figure(figure, "drag", alt=f"Drag build-up: {listed}; together {left:.2f} N")
 
 
 def _drag_parts(anchor: SizedAnchor) -> list[tuple[str, float, str]]:
@@ -52,8 +57,8 @@ def descent_profile(anchor: SizedAnchor) -> Figure:
     profile, seafloor = anchor.profile, float(np.asarray(anchor.dive.site_depth))
     figure = MatplotlibFigure(figsize=(6.0, 5.4))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
-    _draw_depths(above, profile, seafloor)
-    _mark_lowest_point(above, profile, seafloor, anchor.lowest_altitude)
+    draw_depths(above, profile, seafloor)
+    mark_lowest_point(above, profile, seafloor, anchor.lowest_altitude)
     above.set(ylabel="Depth (m)", ylim=(1.06 * seafloor, -0.26 * seafloor))
     above.set_yticks([tick for tick in above.get_yticks() if 0.0 <= tick <= seafloor])
     _draw_speed(below, profile, anchor.dive_terminal_velocity)
@@ -70,7 +75,8 @@ def descent_profile(anchor: SizedAnchor) -> Figure:
     )
 
 
-def _draw_depths(axes: Axes, profile: DescentProfile, seafloor: float) -> None:
+def draw_depths(axes: Axes, profile: DescentProfile, seafloor: float) -> None:
+    """Draw the depths of anchor and vehicle, and the seafloor."""
     time = profile.time
     axes.plot(time, profile.anchor_depth, color=ORANGE)
     axes.plot(time, profile.vehicle_depth, color=BLUE)
@@ -89,7 +95,8 @@ def _at(profile: DescentProfile, values: Array, time: float) -> float:
     return float(np.interp(time, profile.time, values))
 
 
-def _mark_lowest_point(axes: Axes, profile: DescentProfile, seafloor: float, altitude: float) -> None:
+def mark_lowest_point(axes: Axes, profile: DescentProfile, seafloor: float, altitude: float) -> None:
+    """Say at the vehicle's lowest point how far above the seafloor it stops."""
     lowest = profile.stages["lowest point"]
     axes.annotate(
         f"stops {altitude:.1f} m above" if altitude > 0.0 else "strikes the seafloor",

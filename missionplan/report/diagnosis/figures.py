@@ -1,5 +1,6 @@
 """Figures that all kinds of data share: ranking, discrepancy, held-out gain."""
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
@@ -11,9 +12,16 @@ _LISTED = 8
 
 def ranking_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the scores of the best sets."""
-    entries = list(reversed(diagnosis.ranking[:_LISTED]))
+    entries = diagnosis.ranking[:_LISTED]
     figure = MatplotlibFigure(figsize=(6.2, 0.36 * len(entries) + 0.9))
-    axes = figure.subplots()
+    draw_ranking(figure.subplots(), diagnosis)
+    alt = f"Scores of the best {len(entries)} sets of causes; {' + '.join(diagnosis.ranking[0].causes)} is first"
+    return to_figure(figure, "ranking", alt=alt, caption="Evidence for each set of causes over the mission's model.")
+
+
+def draw_ranking(axes: Axes, diagnosis: Diagnosis) -> None:
+    """Draw a bar for each of the best sets; those claimed are blue."""
+    entries = list(reversed(diagnosis.ranking[:_LISTED]))
     scores = [entry.score for entry in entries]
     colours = [BLUE if entry.causes == diagnosis.causes else GREY for entry in entries]
     axes.barh(range(len(entries)), scores, color=colours, height=0.6)
@@ -21,8 +29,6 @@ def ranking_figure(diagnosis: Diagnosis) -> Figure:
     axes.axvline(3.0, color=ORANGE, linewidth=1.0, linestyle="--")
     axes.annotate("claimed above 3", (3.0, len(entries) - 0.45), fontsize=7.5, color=ORANGE, annotation_clip=False)
     axes.set_xlabel("Score (nats)")
-    alt = f"Scores of the best {len(entries)} sets of causes; {' + '.join(diagnosis.ranking[0].causes)} is first"
-    return to_figure(figure, "ranking", alt=alt, caption="Evidence for each set of causes over the mission's model.")
 
 
 def discrepancy_figure(found: Discrepancy, shape: DiscrepancyShape) -> Figure:
@@ -47,16 +53,25 @@ def discrepancy_figure(found: Discrepancy, shape: DiscrepancyShape) -> Figure:
 
 def held_out_figure(diagnosis: Diagnosis) -> Figure:
     """Draw the held-out gain of each part."""
-    gains = [score.log_score_extended - score.log_score_base for score in diagnosis.scores]
+    gains = _gains(diagnosis)
     figure = MatplotlibFigure(figsize=(6.0, 0.32 * len(gains) + 0.9))
-    axes = figure.subplots()
-    axes.barh(range(len(gains)), gains, color=[BLUE if gain > 0.0 else ORANGE for gain in gains], height=0.6)
-    axes.set_yticks(range(len(gains)), [score.group for score in diagnosis.scores], fontsize=8)
-    axes.invert_yaxis()
-    axes.axvline(0.0, color=GREY, linewidth=0.8)
-    axes.set_xlabel("Gain in ln probability of the part, predicted from the others")
+    draw_held_out(figure.subplots(), diagnosis)
     better = sum(gain > 0.0 for gain in gains)
     alt = f"Held-out gain of {len(gains)} parts; {better} of them better with the extended model"
     return to_figure(
         figure, "held-out", alt=alt, caption="Gain of the first set on each part of the data, each held out in turn."
     )
+
+
+def draw_held_out(axes: Axes, diagnosis: Diagnosis) -> None:
+    """Draw a bar for each part of the data."""
+    gains = _gains(diagnosis)
+    axes.barh(range(len(gains)), gains, color=[BLUE if gain > 0.0 else ORANGE for gain in gains], height=0.6)
+    axes.set_yticks(range(len(gains)), [score.group for score in diagnosis.scores], fontsize=8)
+    axes.invert_yaxis()
+    axes.axvline(0.0, color=GREY, linewidth=0.8)
+    axes.set_xlabel("Gain in ln probability of the part, predicted from the others")
+
+
+def _gains(diagnosis: Diagnosis) -> list[float]:
+    return [score.log_score_extended - score.log_score_base for score in diagnosis.scores]

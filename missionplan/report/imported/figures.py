@@ -19,12 +19,35 @@ _KM = 5000.0
 
 def track_figure(result: ImportedData) -> Figure:
     """Draw fixes, the dead-reckoned way of each dive, and an arrow from its end to the fix that shows its error."""
-    lines, counted = result.lines, result.dives["ok"].to_numpy() == 1
-    drawn = np.concatenate([lines.fixes, *(line for line in lines.reckoned if line.size)], axis=1)
+    counted, word = result.dives["ok"].to_numpy() == 1, _map_unit(result)[1]
+    figure = MatplotlibFigure(figsize=(_WIDTH, _height(_drawn(result))))
+    draw_track(figure.add_subplot(), result)
+    return to_figure(
+        figure,
+        "track",
+        f"Map of the track: {int(counted.sum())} legs that count, {int((~counted).sum())} dives left out, and fixes; "
+        f"axes in {word}, north is up.",
+        "Dead-reckoned way of each dive; the arrow goes from where it ends to the fix, the leg's error. Both axes have "
+        "the same scale.",
+    )
+
+
+def _drawn(result: ImportedData) -> Array:
+    lines = result.lines
+    return np.concatenate([lines.fixes, *(line for line in lines.reckoned if line.size)], axis=1)
+
+
+def _map_unit(result: ImportedData) -> tuple[float, str]:
+    """Unit of the map's axes, as its size [m] and its name."""
+    drawn = _drawn(result)
     extent = float(np.ptp(drawn, axis=1).max()) if drawn.size else 1.0
-    unit, word = (1000.0, "km") if extent > _KM else (1.0, "m")
-    figure = MatplotlibFigure(figsize=(_WIDTH, _height(drawn)))
-    axes = figure.add_subplot()
+    return (1000.0, "km") if extent > _KM else (1.0, "m")
+
+
+def draw_track(axes: Axes, result: ImportedData) -> None:
+    """Draw fixes, dead-reckoned ways, and the errors as arrows."""
+    lines, counted = result.lines, result.dives["ok"].to_numpy() == 1
+    unit, word = _map_unit(result)
     for keep, colour, label in ((counted, BLUE, "legs that count"), (~counted, GREY, "dives left out")):
         chosen = [line.T / unit for line, kept in zip(lines.reckoned, keep, strict=True) if kept and line.shape[1] > 1]
         if chosen:
@@ -37,14 +60,6 @@ def track_figure(result: ImportedData) -> Figure:
     axes.set(xlabel=f"east ({word})", ylabel=f"north ({word})", aspect="equal")
     axes.margins(0.06)
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
-    return to_figure(
-        figure,
-        "track",
-        f"Map of the track: {int(counted.sum())} legs that count, {int((~counted).sum())} dives left out, and fixes; "
-        f"axes in {word}, north is up.",
-        "Dead-reckoned way of each dive; the arrow goes from where it ends to the fix, the leg's error. Both axes have "
-        "the same scale.",
-    )
 
 
 def _height(points: Array) -> float:

@@ -17,8 +17,8 @@ def policy_figure(plan: LegPlan) -> Figure:
     """Draw leg length, and where legs aim, against distance left."""
     figure = MatplotlibFigure(figsize=(6.0, 5.4))
     legs, aims = figure.subplots(2, 1)
-    _draw_lengths(legs, plan)
-    _draw_aims(aims, plan)
+    draw_lengths(legs, plan)
+    draw_aims(aims, plan)
     plans = "Blue: the table, dots its knots; grey: the best fixed d_max" if plan.recommended else "The fixed d_max"
     return to_figure(
         figure,
@@ -35,7 +35,7 @@ def policy_figure(plan: LegPlan) -> Figure:
     )
 
 
-def _draw_lengths(axes: Axes, plan: LegPlan) -> None:
+def draw_lengths(axes: Axes, plan: LegPlan) -> None:
     """Draw leg length against distance left, on linear axes."""
     knots = _knots(plan)
     left = np.union1d(np.linspace(plan.arrival_radius, plan.distance, 400), knots)
@@ -49,7 +49,7 @@ def _draw_lengths(axes: Axes, plan: LegPlan) -> None:
     axes.annotate("best fixed d_max", (0.03, 0.9), xycoords="axes fraction", color=colour)
 
 
-def _draw_aims(axes: Axes, plan: LegPlan) -> None:
+def draw_aims(axes: Axes, plan: LegPlan) -> None:
     """Draw how far short of the target legs are aimed, on logarithmic axes."""
     left = np.union1d(np.geomspace(plan.arrival_radius, plan.distance, 400), _knots(plan))
     colour, width = _fixed_look(plan)
@@ -138,7 +138,18 @@ def _draw_tracks(axes: Axes, plan: LegPlan, tracks: Array) -> None:
 def cases_figure(plan: LegPlan) -> Figure:
     """Draw the time or energy saved when the errors are as planned and when they are not, with 95 % intervals."""
     figure = MatplotlibFigure(figsize=(6.0, 0.8 + 0.42 * len(plan.cases)))
-    axes = figure.subplots()
+    draw_savings(figure.subplots(), plan)
+    what, _ = saving_unit(plan)
+    return to_figure(
+        figure,
+        "robustness",
+        alt=f"{what} by the table, against the best fixed d_max, when the errors are as planned and when not",
+        caption="With 95 % intervals, paired trial by trial. Right of the line the table is better.",
+    )
+
+
+def draw_savings(axes: Axes, plan: LegPlan) -> None:
+    """Draw what the table saves in each case."""
     place = np.arange(len(plan.cases))[::-1]
     what, unit = saving_unit(plan)
     saved, error = np.array([case.saving_for(plan.aim) for case in plan.cases]).T / unit.size
@@ -147,12 +158,6 @@ def cases_figure(plan: LegPlan) -> Figure:
     axes.set_yticks(place, [_wrapped(case.name or "as the mission") for case in plan.cases])
     axes.set(xlabel=f"{what} by the table{unit.axis}", ylim=(-0.6, len(plan.cases) - 0.4))
     axes.grid(visible=False, axis="y")
-    return to_figure(
-        figure,
-        "robustness",
-        alt=f"{what} by the table, against the best fixed d_max, when the errors are as planned and when not",
-        caption="With 95 % intervals, paired trial by trial. Right of the line the table is better.",
-    )
 
 
 def _wrapped(words: str) -> str:

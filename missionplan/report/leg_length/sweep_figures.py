@@ -19,13 +19,7 @@ _X_LABEL = "Maximum leg length d_max / distance"
 def cost_figure(sweep: Sweep) -> Figure:
     """Draw cost against d_max for every velocity error, after Fig. 8."""
     figure = MatplotlibFigure(figsize=(6.0, 4.2))
-    axes = figure.subplots()
-    top = _upper_limit(sweep)
-    for curve, colour in zip(sweep.curves, _COLOURS * len(sweep.curves), strict=False):
-        _draw_curve(axes, curve, colour, sampled=sweep.method != "analytic")
-    _mark_critical_points(axes, sweep.critical_points, top)
-    axes.set(xlabel=_X_LABEL, ylabel="Mean cost c (%)", ylim=(0.0, top), xlim=(0.0, 1.0))
-    _label_curves(axes, sweep.curves, top)
+    draw_costs(figure.subplots(), sweep)
     best, count = sweep.middle.best, len(sweep.curves)
     return to_figure(
         figure,
@@ -42,6 +36,16 @@ def cost_figure(sweep: Sweep) -> Figure:
             + (" Level dashes: the mission's own table of legs." if sweep.curves[0].table is not None else "")
         ),
     )
+
+
+def draw_costs(axes: Axes, sweep: Sweep) -> None:
+    """Draw the curve of each velocity error, and the critical points."""
+    top = _upper_limit(sweep)
+    for curve, colour in zip(sweep.curves, _COLOURS * len(sweep.curves), strict=False):
+        _draw_curve(axes, curve, colour, sampled=sweep.method != "analytic")
+    _mark_critical_points(axes, sweep.critical_points, top)
+    axes.set(xlabel=_X_LABEL, ylabel="Mean cost c (%)", ylim=(0.0, top), xlim=(0.0, 1.0))
+    _label_curves(axes, sweep.curves, top)
 
 
 def _upper_limit(sweep: Sweep) -> float:
@@ -123,7 +127,12 @@ def close_up_figure(sweep: Sweep, curve: SweepCurve) -> Figure:
 def surfacings_figure(sweep: Sweep) -> Figure:
     """Draw the mean number of surfacings against d_max."""
     figure = MatplotlibFigure(figsize=(6.0, 2.8))
-    axes = figure.subplots()
+    draw_surfacings(figure.subplots(), sweep)
+    return to_figure(figure, "surfacings", alt="Mean number of surfacings falls as legs grow longer")
+
+
+def draw_surfacings(axes: Axes, sweep: Sweep) -> None:
+    """Draw the mean number of surfacings for each velocity error."""
     for curve, colour in zip(sweep.curves, _COLOURS * len(sweep.curves), strict=False):
         ratio = [point.d_max_over_distance for point in curve.points]
         axes.plot(ratio, [point.surfacings for point in curve.points], color=colour, label=f"σ_v {curve.sigma:g} m/s")
@@ -131,4 +140,3 @@ def surfacings_figure(sweep: Sweep) -> Figure:
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_minor_formatter(lambda value, _: f"{value:g}" if f"{value:g}"[0] in "25" else "")
     axes.legend()
-    return to_figure(figure, "surfacings", alt="Mean number of surfacings falls as legs grow longer")

@@ -20,26 +20,35 @@ _KINDS = {"transit": SKY, "moor": PINK}
 
 def waterfall(outcome: Outcome) -> Figure:
     """Draw P(success) after each thing that can go wrong."""
-    steps = [step for step in outcome.attrition if step.lost.value > 0.0]
-    success = outcome.total.events["success"]
-    labels = ["all trials", *(step.step for step in steps), "mission succeeds"]
-    figure = MatplotlibFigure(figsize=(WIDTH, 0.55 + 0.42 * len(labels)))
-    axes = figure.add_subplot()
-    axes.barh(0, 100.0, color=SKY, height=0.62)
-    for row, step in enumerate(steps, start=1):
-        _draw_loss(axes, row, step)
-    _draw_success(axes, len(labels) - 1, success)
-    axes.set(yticks=range(len(labels)), xlim=(0.0, 100.0), xlabel="trials still good (%)")
-    axes.set_yticklabels([textwrap.fill(label, 20) for label in labels])
-    axes.invert_yaxis()
-    axes.grid(visible=False, axis="y")
+    steps = _losing(outcome)
+    figure = MatplotlibFigure(figsize=(WIDTH, 0.55 + 0.42 * (len(steps) + 2)))
+    draw_waterfall(figure.add_subplot(), outcome)
     losses = "; ".join(f"{step.step}, {100.0 * step.lost.value:.1f} %" for step in steps) or "nothing is lost"
     return to_figure(
         figure,
         "waterfall",
-        f"Waterfall from all trials down to the {percent(success)} in which the mission succeeds: {losses}.",
+        f"Waterfall from all trials down to the {percent(outcome.total.events['success'])} in which the mission "
+        f"succeeds: {losses}.",
         "Trials lost at each step, as shares of all trials; the last bar's whisker is the 95 % interval.",
     )
+
+
+def _losing(outcome: Outcome) -> list[Attrition]:
+    return [step for step in outcome.attrition if step.lost.value > 0.0]
+
+
+def draw_waterfall(axes: Axes, outcome: Outcome) -> None:
+    """Draw the trials that are left after each step at which some are lost."""
+    steps = _losing(outcome)
+    labels = ["all trials", *(step.step for step in steps), "mission succeeds"]
+    axes.barh(0, 100.0, color=SKY, height=0.62)
+    for row, step in enumerate(steps, start=1):
+        _draw_loss(axes, row, step)
+    _draw_success(axes, len(labels) - 1, outcome.total.events["success"])
+    axes.set(yticks=range(len(labels)), xlim=(0.0, 100.0), xlabel="trials still good (%)")
+    axes.set_yticklabels([textwrap.fill(label, 20) for label in labels])
+    axes.invert_yaxis()
+    axes.grid(visible=False, axis="y")
 
 
 def _draw_loss(axes: Axes, row: int, step: Attrition) -> None:
@@ -80,16 +89,10 @@ def _draw_success(axes: Axes, row: int, success: Probability) -> None:
 
 def timeline_figure(outcome: Outcome) -> Figure:
     """Draw when each phase begins and ends."""
-    phases = [phase for phase in outcome.phases if math.isfinite(phase.start.p50)]
-    whole = max(phase.end.p95 for phase in phases)
-    unit = unit_for("total", "duration_s", outcome.provenance.data, typical=whole)
+    phases = _reached(outcome)
+    unit = _timeline_unit(outcome)
     figure = MatplotlibFigure(figsize=(WIDTH, 0.75 + 0.52 * len(phases)))
-    axes = figure.add_subplot()
-    _draw_phases(axes, phases, unit)
-    axes.set(yticks=range(len(phases)), xlabel=f"time since the start ({unit.name})", xlim=(0.0, None))
-    axes.set_yticklabels([textwrap.fill(phase.name, 16) for phase in phases])
-    axes.invert_yaxis()
-    axes.grid(visible=False, axis="y")
+    draw_timeline(figure.add_subplot(), outcome)
     words = ", ".join(
         f"{phase.name} from {number(unit(phase.start.p50))} to {number(unit(phase.end.p50))} {unit.name}"
         for phase in phases
@@ -100,6 +103,25 @@ def timeline_figure(outcome: Outcome) -> Figure:
         f"Timeline: {words} (medians).",
         "Bars run from a phase's median start to its median end; lines show where 90 % of the starts and ends lie.",
     )
+
+
+def _reached(outcome: Outcome) -> list[PhaseOutcome]:
+    return [phase for phase in outcome.phases if math.isfinite(phase.start.p50)]
+
+
+def _timeline_unit(outcome: Outcome) -> Unit:
+    whole = max(phase.end.p95 for phase in _reached(outcome))
+    return unit_for("total", "duration_s", outcome.provenance.data, typical=whole)
+
+
+def draw_timeline(axes: Axes, outcome: Outcome) -> None:
+    """Draw a bar from the median start to the median end of each phase that trials reach."""
+    phases, unit = _reached(outcome), _timeline_unit(outcome)
+    _draw_phases(axes, phases, unit)
+    axes.set(yticks=range(len(phases)), xlabel=f"time since the start ({unit.name})", xlim=(0.0, None))
+    axes.set_yticklabels([textwrap.fill(phase.name, 16) for phase in phases])
+    axes.invert_yaxis()
+    axes.grid(visible=False, axis="y")
 
 
 def _draw_phases(axes: Axes, phases: Sequence[PhaseOutcome], unit: Unit) -> None:

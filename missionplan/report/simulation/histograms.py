@@ -17,9 +17,22 @@ from missionplan.results.simulation import Histogram, Outcome, PhaseOutcome
 def histogram_figure(outcome: Outcome, phase: PhaseOutcome, key: str) -> Figure:
     """Draw the distribution of a quantity, with the requirement on it where there is one."""
     statistic, title, unit = phase.quantities[key], in_words(f"{phase.name}.{key}"), unit_of(outcome, phase, key)
-    edges, counts = _in_use(phase.histograms[key])
     figure = MatplotlibFigure(figsize=(WIDTH, 2.1))
-    axes = figure.add_subplot()
+    draw_histogram(figure.add_subplot(), outcome, phase, key)
+    low, middle, high = span(statistic, unit)
+    return to_figure(
+        figure,
+        f"{phase.name}-{key}".replace("_", "-"),
+        f"Histogram of {title}: median {middle}{unit.suffix}, 90 % of trials from {low} to {high}{unit.suffix}.",
+        f"Median {middle}{unit.suffix}; 90 % of the trials that reached it lie between {low} and {high}{unit.suffix} "
+        "(dark band). The outermost bars also hold what lies beyond them.",
+    )
+
+
+def draw_histogram(axes: Axes, outcome: Outcome, phase: PhaseOutcome, key: str) -> None:
+    """Draw bars, the median, the band that holds 90 %, and the limit of a requirement."""
+    statistic, title, unit = phase.quantities[key], in_words(f"{phase.name}.{key}"), unit_of(outcome, phase, key)
+    edges, counts = _in_use(phase.histograms[key])
     axes.stairs(100.0 * counts / max(counts.sum(), 1.0), edges / unit.size, fill=True, color=SKY)
     axes.axvspan(unit(statistic.p05), unit(statistic.p95), ymax=0.03, color=BLUE)
     axes.axvline(unit(statistic.p50), ymax=0.1, color=BLUE)
@@ -30,14 +43,6 @@ def histogram_figure(outcome: Outcome, phase: PhaseOutcome, key: str) -> Figure:
     if requirement is not None and requirement.limit is not None:
         bound = "at most" if requirement.bound == "at_most" else "at least"
         _mark_limit(axes, unit(requirement.limit / si_per_unit(key)), bound, unit)
-    low, middle, high = span(statistic, unit)
-    return to_figure(
-        figure,
-        f"{phase.name}-{key}".replace("_", "-"),
-        f"Histogram of {title}: median {middle}{unit.suffix}, 90 % of trials from {low} to {high}{unit.suffix}.",
-        f"Median {middle}{unit.suffix}; 90 % of the trials that reached it lie between {low} and {high}{unit.suffix} "
-        "(dark band). The outermost bars also hold what lies beyond them.",
-    )
 
 
 def _in_use(found: Histogram) -> tuple[Array, Array]:

@@ -21,21 +21,9 @@ _MAPPED = 200
 
 def track_map(outcome: Outcome) -> Figure:
     """Draw tracks from above, with goals, arrival circles, CEP and mooring ellipses."""
-    tracks = outcome.tracks
-    lines = [track(tracks, trial) for trial in range(min(tracks.position.shape[2], _MAPPED))]
-    drawn = list(rings(outcome))
-    everything = [*lines, *(ring.line for ring in drawn)]
-    west_east, south_north, height = _frame(np.concatenate(everything, axis=1))
-    figure = MatplotlibFigure(figsize=(WIDTH, height))
-    axes = figure.add_subplot()
-    axes.add_collection(LineCollection([line.T for line in lines], colors=SKY, linewidths=0.5, alpha=0.45))
-    middle = track(tracks, median_trial(tracks))
-    axes.plot(*middle, color=ORANGE, linewidth=1.4, marker="o", markersize=2.5, label="median trial")
-    for ring in drawn:
-        draw_ring(axes, ring, ring.line, linewidth=1.0)
-    axes.set(xlim=west_east, ylim=south_north, xlabel="east (m)", ylabel="north (m)", aspect="equal")
-    corner = _emptiest_corner(everything, np.array([west_east, south_north]))
-    _north_and_scale(axes, west_east[1] - west_east[0], corner)
+    lines, everything = _lines(outcome), _everything(outcome)
+    figure = MatplotlibFigure(figsize=(WIDTH, _frame(np.concatenate(everything, axis=1))[2]))
+    draw_tracks(figure.add_subplot(), outcome)
     return to_figure(
         figure,
         "track-map",
@@ -43,6 +31,30 @@ def track_map(outcome: Outcome) -> Figure:
         f"{len(lines)} trials (light), the median trial (orange, a dot at each fix), and the circles and ellipses that "
         "the close-ups below explain. Both axes have the same scale.",
     )
+
+
+def _lines(outcome: Outcome) -> list[Array]:
+    """Tracks that are drawn."""
+    tracks = outcome.tracks
+    return [track(tracks, trial) for trial in range(min(tracks.position.shape[2], _MAPPED))]
+
+
+def _everything(outcome: Outcome) -> list[Array]:
+    return [*_lines(outcome), *(ring.line for ring in rings(outcome))]
+
+
+def draw_tracks(axes: Axes, outcome: Outcome) -> None:
+    """Draw tracks, the median trial, circles and ellipses, the north arrow and a scale."""
+    tracks, lines, everything = outcome.tracks, _lines(outcome), _everything(outcome)
+    west_east, south_north, _ = _frame(np.concatenate(everything, axis=1))
+    axes.add_collection(LineCollection([line.T for line in lines], colors=SKY, linewidths=0.5, alpha=0.45))
+    middle = track(tracks, median_trial(tracks))
+    axes.plot(*middle, color=ORANGE, linewidth=1.4, marker="o", markersize=2.5, label="median trial")
+    for ring in rings(outcome):
+        draw_ring(axes, ring, ring.line, linewidth=1.0)
+    axes.set(xlim=west_east, ylim=south_north, xlabel="east (m)", ylabel="north (m)", aspect="equal")
+    corner = _emptiest_corner(everything, np.array([west_east, south_north]))
+    _north_and_scale(axes, west_east[1] - west_east[0], corner)
 
 
 def _frame(points: Array) -> tuple[tuple[float, float], tuple[float, float], float]:

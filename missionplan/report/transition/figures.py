@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
@@ -46,7 +47,12 @@ def _histories(
     tracks: Sequence[TimeHistory], name: str, alt: str, caption: str, y: Callable[[TimeHistory], Array], label: str
 ) -> Figure:
     figure = MatplotlibFigure()
-    axes = figure.subplots()
+    draw_histories(figure.subplots(), tracks, y, label)
+    return to_figure(figure, name, alt, caption)
+
+
+def draw_histories(axes: Axes, tracks: Sequence[TimeHistory], y: Callable[[TimeHistory], Array], label: str) -> None:
+    """Draw a line against time for each run."""
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(tracks)))
     for track, colour in zip(tracks, colours, strict=True):
         shown = (track.time >= 0.0) & (track.time <= _SHOWN_UNTIL)
@@ -54,14 +60,15 @@ def _histories(
     axes.set_xlabel("time since the deceleration began (s)")
     axes.set_ylabel(label)
     axes.legend(title="m/s", ncols=2)
-    return to_figure(figure, name, alt, caption)
 
 
-def _rise(track: TimeHistory) -> Array:
+def rise_of(track: TimeHistory) -> Array:
+    """Height above the target depth [m]."""
     return -track.depth
 
 
-def _pitch(track: TimeHistory) -> Array:
+def pitch_of(track: TimeHistory) -> Array:
+    """Pitch [deg]."""
     return np.degrees(track.pitch)
 
 
@@ -69,42 +76,34 @@ def depth_by_mid_speed(result: TransitionSweep) -> Figure:
     """Draw rise against time for each mid-transition speed (Fig. 6)."""
     alt = "Rise above the target depth against time: the lower the mid-transition speed, the larger."
     caption = "By mid-transition speed u* (the paper's Fig. 6)."
-    return _histories(result.by_mid_speed, "fig-6-depth", alt, caption, _rise, "rise above target (m)")
+    return _histories(result.by_mid_speed, "fig-6-depth", alt, caption, rise_of, "rise above target (m)")
 
 
 def depth_by_steepness(result: TransitionSweep) -> Figure:
     """Draw rise against time for each steepness (Fig. 7)."""
     alt = "Rise above the target depth against time for each steepness of the interchange."
     caption = "By steepness of the interchange (the paper's Fig. 7)."
-    return _histories(result.by_steepness, "fig-7-depth", alt, caption, _rise, "rise above target (m)")
+    return _histories(result.by_steepness, "fig-7-depth", alt, caption, rise_of, "rise above target (m)")
 
 
 def pitch_by_mid_speed(result: TransitionSweep) -> Figure:
     """Draw pitch against time for each mid-transition speed (Fig. 8)."""
     alt = "Pitch against time: lower mid-transition speeds pitch further and swing more at hover."
     caption = "By mid-transition speed u* (the paper's Fig. 8)."
-    return _histories(result.by_mid_speed, "fig-8-pitch", alt, caption, _pitch, "pitch (°)")
+    return _histories(result.by_mid_speed, "fig-8-pitch", alt, caption, pitch_of, "pitch (°)")
 
 
 def pitch_by_steepness(result: TransitionSweep) -> Figure:
     """Draw pitch against time for each steepness (Fig. 9)."""
     alt = "Pitch against time for each steepness of the interchange."
     caption = "By steepness of the interchange (the paper's Fig. 9)."
-    return _histories(result.by_steepness, "fig-9-pitch", alt, caption, _pitch, "pitch (°)")
+    return _histories(result.by_steepness, "fig-9-pitch", alt, caption, pitch_of, "pitch (°)")
 
 
 def energy_figure(result: TransitionSweep, option: str) -> Figure:
     """Draw energy against mid-transition speed for each steepness (Figs. 10 and 11)."""
     figure = MatplotlibFigure()
-    axes = figure.subplots()
-    table = result.energy(FORCE, option)
-    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(table.columns)))
-    for steepness, colour in zip(table.columns, colours, strict=True):
-        axes.plot(table.index, table[steepness], "o-", color=colour, markersize=3, label=f"{steepness:g}")
-    axes.set_xlabel("mid-transition speed (m/s)")
-    axes.set_ylabel("energy (W\u202fh)")
-    axes.set_ylim(bottom=0.0)
-    axes.legend(title="steepness (m/s)", ncols=2)
+    draw_energy(figure.subplots(), result, option)
     until = "until the slowest run of the set hovers" if option == "a" else "until each run hovers"
     number = "10" if option == "a" else "11"
     alt = f"Thruster energy {until} against mid-transition speed, one line a steepness."
@@ -113,13 +112,25 @@ def energy_figure(result: TransitionSweep, option: str) -> Figure:
     )
 
 
+def draw_energy(axes: Axes, result: TransitionSweep, option: str = "a") -> None:
+    """Draw energy against mid-transition speed, a line for each steepness."""
+    table = result.energy(FORCE, option)
+    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(table.columns)))
+    for steepness, colour in zip(table.columns, colours, strict=True):
+        axes.plot(table.index, table[steepness], "o-", color=colour, markersize=3, label=f"{steepness:g}")
+    axes.set_xlabel("mid-transition speed (m/s)")
+    axes.set_ylabel("energy (W\u202fh)")
+    axes.set_ylim(bottom=0.0)
+    axes.legend(title="steepness (m/s)", ncols=2)
+
+
 def pitch_by_variant(result: TransitionSweep) -> Figure:
     """Draw pitch against time for one thruster, one with suction, and a pair (Fig. 14)."""
     figure = MatplotlibFigure()
     axes = figure.subplots()
     for track, colour, dash in zip(result.by_variant, (BLUE, ORANGE, GREEN), ("-", "--", "-"), strict=True):
         shown = track.time >= 0.0
-        axes.plot(track.time[shown], _pitch(track)[shown], dash, color=colour, label=track.label)
+        axes.plot(track.time[shown], pitch_of(track)[shown], dash, color=colour, label=track.label)
     axes.set_xlabel("time since the deceleration began (s)")
     axes.set_ylabel("pitch (°)")
     axes.legend()

@@ -68,7 +68,7 @@ class DesignLayer:
     speed: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class AnchorSizing(Result):
     """The anchor of a mooring: for the worst case and, where one was given, for a probability.
 

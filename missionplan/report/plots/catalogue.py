@@ -1,0 +1,55 @@
+"""Which plots a result has, by the module of its report."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from importlib import import_module
+from typing import TYPE_CHECKING, cast
+
+from missionplan.rendering import Plot
+from missionplan.report.page import style
+from missionplan.results.base import Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Drawing = Callable[..., None]
+"""Draws on axes: called with the axes, the result, and options of the plot's own."""
+
+_MODULES = {
+    "simulation.page": "simulation",
+    "simulation.rare_failure": "simulation",
+    "leg_length.sweep": "leg_length",
+    "leg_length.plan": "leg_length",
+    "anchor.page": "anchor",
+    "diagnosis.page": "diagnosis",
+    "identification": "identification",
+    "transition.page": "transition",
+    "imported.page": "imported",
+    "comparison": "comparison",
+}
+"""Module with the drawings, by that of the report."""
+
+
+def drawings_of(result: Result) -> Mapping[str, Drawing]:
+    """Return the drawings of a result by name, the main one first; none where it has none."""
+    name = _MODULES.get(result.report)
+    if name is None:
+        return {}
+    module = import_module(f"missionplan.report.plots.{name}")
+    return cast("Mapping[str, Mapping[str, Drawing]]", module.DRAWINGS)[type(result).__name__]
+
+
+def plots_of(result: Result) -> dict[str, Plot]:
+    """Return the plots of a result by name, the main one first."""
+    return {name: partial(_plot, result, draw) for name, draw in drawings_of(result).items()}
+
+
+def _plot(result: Result, draw: Drawing, *, ax: "Axes | None" = None, **options: object) -> "Axes":
+    """Draw on axes, or on new ones of pyplot's, in the style of the reports."""
+    with style():
+        if ax is None:
+            import matplotlib.pyplot as plt
+
+            _, ax = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
+        draw(ax, result, **options)
+    return ax

@@ -1,0 +1,9 @@
+"""Plots of a comparison: the changes in standard errors."""
+
+from collections.abc import Mapping
+
+from missionplan.report.comparison import draw_changes
+from missionplan.report.plots.catalogue import Drawing
+
+DRAWINGS: Mapping[str, Mapping[str, Drawing]] = {"Comparison": {"changes": draw_changes}}
+"""By the name of the result's class; the main one first."""
