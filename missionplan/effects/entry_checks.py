@@ -100,12 +100,12 @@ def _covariance_problems(info: EffectInfo) -> list[str]:
     problems = []
     if info.phase != "transit":
         problems.append('part="covariance": only effects on a transit enter a covariance')
-    hooks = ("fix_variance", "tail_dof")
+    hooks = ("fix_variance", "position_variance_rate", "tail_dof")
     refined = [hook for hook in hooks if getattr(info.effect, hook, None) is not getattr(TransitEffect, hook)]
     if not refined and not _is_process(info):
         problems.append(
-            'part="covariance": refine fix_variance or tail_dof, or give transition, first_variance and covariance '
-            "of a Markov process"
+            'part="covariance": refine fix_variance, position_variance_rate or tail_dof, or give transition, '
+            "first_variance and covariance of a Markov process"
         )
     problems += [
         f'parameter {name}: part="covariance" needs a median and a factor'

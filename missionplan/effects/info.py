@@ -214,7 +214,7 @@ class EffectInfo:
         Pairs (amplitude, phase) of parameters: linear together as a·cos φ and a·sin φ.
     part : str
         Whether it is diagnosed in the mean of a log's errors or in their covariance. In the covariance it refines
-        `fix_variance` or `tail_dof`, or is a `MarkovProcess`, and its parameters are shapes.
+        `fix_variance`, `position_variance_rate` or `tail_dof`, or is a `MarkovProcess`, and its parameters are shapes.
     linear : bool
         Whether the mean is linear in its coordinates.
     exclusive_group : str

@@ -122,6 +122,13 @@ class TransitEffect:
         """Extra variance of a fix, each axis [m²]."""
         return 0.0
 
+    def position_variance_rate(self) -> Scalars:
+        """Growth of the variance of the position error under way, each axis, independent of everything else [m²/s].
+
+        An effect that refines it is random.
+        """
+        return 0.0
+
     def tail_dof(self) -> Scalars:
         """Degrees of freedom of a Student-t velocity error that is independent from leg to leg; infinite: normal."""
         return inf
@@ -136,7 +143,7 @@ class TransitEffect:
 
     @property
     def is_random(self) -> bool:
-        """Whether `step` or `error_scale` needs standard normals for each leg."""
+        """Whether `step`, `error_scale` or `position_variance_rate` needs standard normals for each leg."""
         return False
 
     def step(

@@ -29,6 +29,7 @@ CONTRACT = {
     "surface-drift": ["east", "north"],
     "persistent-error": ["sigma", "time"],
     "random-walk": ["rate"],
+    "position-random-walk": ["rate"],
     "fix-error": ["sd"],
     "heavy-tails": ["dof"],
     "reynolds-drag": ["exponent"],
@@ -53,8 +54,8 @@ def legs(n=7, latitude=0.5):
 
 
 def test_names_are_the_contract():
-    assert len(CATALOGUE) == 29
-    assert len(effects_of("descent")) == len(effects_of("transit")) == 12
+    assert len(CATALOGUE) == 30
+    assert (len(effects_of("descent")), len(effects_of("transit"))) == (12, 13)
     for name, parameters in CONTRACT.items():
         assert list(CATALOGUE[name].parameters) == parameters
 

@@ -82,7 +82,7 @@ def test_the_projects_own_entries_are_in_order():
         ({"likeness": Likeness("speed", 0.1, "like a log")}, "likeness: speed is no parameter"),
         ({"effect": Gusts}, 'must declare part="covariance"'),
         ({"part": "covariance"}, "needs a median and a factor"),
-        ({"part": "covariance", "parameters": SHAPED}, "refine fix_variance or tail_dof"),
+        ({"part": "covariance", "parameters": SHAPED}, "refine fix_variance, position_variance_rate or tail_dof"),
         ({"tank": ("flume",)}, "flume is none of drag, free-oscillation, thruster, propeller-transient"),
         ({"tank": ("thruster",)}, "an effect of phase transit acts through no hook"),
         ({"phase": "tank", "effect": Paint}, "name the kinds of tank data"),

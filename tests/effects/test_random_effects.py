@@ -7,6 +7,7 @@ from scipy import stats
 from missionplan.effects.fix_error import FixError
 from missionplan.effects.heavy_tails import HeavyTails
 from missionplan.effects.persistent_error import PersistentError
+from missionplan.effects.position_random_walk import PositionRandomWalk
 from missionplan.effects.random_walk import RandomWalk
 from missionplan.phases.hooks import Leg
 
@@ -60,3 +61,9 @@ def test_heavy_tails_take_one_dof_a_trial():
 
 def test_fix_error_adds_its_variance():
     assert FixError(20.0).fix_variance() == 400.0
+
+
+def test_a_position_walk_draws_normals_where_it_has_a_rate():
+    assert PositionRandomWalk(2.0).position_variance_rate() == 4.0
+    assert PositionRandomWalk(2.0).is_random
+    assert not PositionRandomWalk(0.0).is_random

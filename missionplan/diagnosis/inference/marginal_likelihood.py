@@ -70,17 +70,33 @@ def gaussian_marginal(gram: Array, prior_sd: Array, log_determinant: float, coun
     numpy.linalg.LinAlgError
         When the posterior has no covariance.
     """
+    factor, white = _standardised_posterior(gram, prior_sd)
+    inverse, _ = lapack.dtrtri(factor, lower=1)
+    root = prior_sd[:, None] * inverse.T
+    return Marginal(_log_density(gram, factor, white, log_determinant, count), root @ white, root @ root.T)
+
+
+def gaussian_log_density(gram: Array, prior_sd: Array, log_determinant: float, count: int) -> float:
+    """Log density of `gaussian_marginal`, from the same arguments, in a third of its time."""
+    return _log_density(gram, *_standardised_posterior(gram, prior_sd), log_determinant, count)
+
+
+def _standardised_posterior(gram: Array, prior_sd: Array) -> tuple[Array, Array]:
+    """Lower Cholesky factor L of the posterior precision of the coefficients over their prior sds, and L⁻¹Xᵀy."""
     k = len(prior_sd)
-    right = prior_sd * gram[:k, k]
-    factor, failed = lapack.dpotrf(prior_sd[:, None] * gram[:k, :k] * prior_sd + np.eye(k), lower=1)
+    precision = prior_sd[:, None] * gram[:k, :k] * prior_sd
+    precision.flat[:: k + 1] += 1.0
+    factor, failed = lapack.dpotrf(precision, lower=1)
     if failed:
         raise np.linalg.LinAlgError("the coefficients' posterior has no covariance")
-    both, _ = lapack.dpotrs(factor, np.column_stack([right, np.eye(k)]), lower=1)
-    scaled = both[:, 0]
-    log_determinant += 2.0 * float(np.log(np.diag(factor)).sum())
-    covariance = prior_sd[:, None] * both[:, 1:] * prior_sd
-    quadratic = float(gram[k, k] - right @ scaled)
-    return Marginal(-0.5 * (quadratic + log_determinant + count * LOG_2PI), prior_sd * scaled, covariance)
+    white, _ = lapack.dtrtrs(factor, prior_sd * gram[:k, k], lower=1)
+    return factor, white
+
+
+def _log_density(gram: Array, factor: Array, white: Array, log_determinant: float, count: int) -> float:
+    quadratic = float(gram[-1, -1] - white @ white)
+    determinant = log_determinant + 2.0 * float(np.log(factor.diagonal()).sum())
+    return -0.5 * (quadratic + determinant + count * LOG_2PI)
 
 
 def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, dof: float) -> Marginal:

@@ -150,7 +150,7 @@ class TransitFitting(TransitCovariance):
         grams: Grams = {}
 
         def log_posterior(logarithms: Array) -> float:
-            likelihood = self.marginal(hyperparameters, logarithms, linear, rows, grams).log_density
+            likelihood = self.log_density(hyperparameters, logarithms, linear, rows, grams)
             return log_prior(hyperparameters, logarithms) + likelihood
 
         return laplace(log_posterior, starts, covariance, integrate=integrate)
@@ -164,7 +164,7 @@ class TransitFitting(TransitCovariance):
 
         def log_joint(logarithms: Array) -> float:
             try:
-                likelihood = self.marginal(state.hyperparameters, logarithms, linear).log_density
+                likelihood = self.log_density(state.hyperparameters, logarithms, linear)
             except np.linalg.LinAlgError:
                 return -math.inf
             return log_prior(state.hyperparameters, logarithms) + likelihood

@@ -52,12 +52,16 @@ class GroundVelocity:
         mid_leg = t + 0.5 * duration
         elapsed = np.zeros_like(t) if self._mid_leg is None else mid_leg - self._mid_leg
         persistent: Array | float = 0.0
+        gathered: Array | float = 0.0
         for index, effect in enumerate(effects):
             source = self._normals.effects[index] if effect.is_random else None
             own = source.leg(number)[:, : t.size] if source is not None else np.zeros((2, t.size))
             velocity = velocity * effect.error_scale(own)
             self._memory[index], carried = effect.step(self._memory[index], elapsed, own, leg)
             persistent = persistent + carried
+            if source is not None and np.any(rate := effect.position_variance_rate()):
+                gathered = gathered + np.sqrt(rate / np.where(duration > 0.0, duration, 1.0)) * own
+        velocity = velocity + gathered
         persistent = persistent + velocity_error(effects, leg)
         self._mid_leg = mid_leg
         velocity = velocity + plan.velocity_error.mean + persistent

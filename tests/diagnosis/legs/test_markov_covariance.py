@@ -40,7 +40,13 @@ def dense(process, shares_fix, run, white, fix, start=1.0, end=1.0):
     return total
 
 
-@pytest.mark.parametrize("white", [(9e-4, 9e-4), (9e-4, 1e-4)], ids=["isotropic", "anisotropic"])
+GATHERED = tuple(np.array([[9e-4], [1e-4]]) + 0.5 / UNDER_WAY)
+"""Variances on either axis of which a part falls as one over the time."""
+
+
+@pytest.mark.parametrize(
+    "white", [(9e-4, 9e-4), (9e-4, 1e-4), GATHERED], ids=["isotropic", "anisotropic", "by the leg"]
+)
 @pytest.mark.parametrize("stated", [False, True], ids=["alike", "stated one by one"])
 @pytest.mark.parametrize("shared", [False, True], ids=["own fixes", "shared fixes"])
 @pytest.mark.parametrize("begins", [(0,), (0, 3, 5)], ids=["one run", "three runs"])

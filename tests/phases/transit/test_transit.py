@@ -256,6 +256,25 @@ def test_effects_enter_through_each_of_their_hooks():
     assert state.position[1] == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("length", [100.0, 900.0])
+def test_a_position_error_may_gather_within_a_leg(length):
+    """Its variance grows with the time of the leg, whatever the velocity error; it is no drift that outruns."""
+
+    class Gathering(TransitEffect):
+        is_random = True
+
+        def position_variance_rate(self):
+            return 0.25
+
+    rng = np.random.default_rng(4)
+    draws = TransitNormals(FixedNormals(np.zeros((2, 4096))), effects=(FixedNormals(rng.normal(size=(2, 4096))),))
+    changes = {"d_max": length, "max_legs": 1, "speed": 1.0, "surfacing_time": 0.0}
+    state, record = transit(plan(**changes), start(4096), draws, Environment(effects=(Gathering(),)))
+    assert not record.outrun.any()
+    assert state.position[1].std() == pytest.approx(0.5 * np.sqrt(length), rel=0.04)
+    assert state.position[0].mean() == pytest.approx(length, abs=0.2)
+
+
 def test_an_effect_may_worsen_the_fixes():
     class Worse(TransitEffect):
         def fix_variance(self):

@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
 from missionplan.diagnosis.given_effects import GivenEffect, held
-from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal, student_marginal
+from missionplan.diagnosis.inference.marginal_likelihood import (
+    Marginal,
+    gaussian_log_density,
+    gaussian_marginal,
+    student_marginal,
+)
 from missionplan.diagnosis.legs.likelihood.hyperparameters import (
     Hyperparameter,
     HyperparameterValues,
@@ -124,17 +129,20 @@ class TransitCovariance(TransitMean):
         shape = np.linalg.eigvalsh(self.covariance) if np.any(self.covariance) else np.ones(2)
         return np.asarray(np.maximum(shape / max(shape.mean(), 1e-12), 1e-6))
 
-    def noise_components(self, values: HyperparameterValues) -> tuple[Array, float, MarkovProcess | None]:
-        """Variance of the independent error on each axis (2,) [m²/s²], sd of a fix [m], and the persistent error."""
+    def noise_components(self, values: HyperparameterValues) -> "NoiseComponents":
+        """Parts of the errors' covariance at given hyperparameters."""
         white = values["", "sigma_v"] ** 2 * self._anisotropy
         effects = _covariance_effects(values)
         extra = sum(float(effect.fix_variance()) for effect in effects)
         process = next((effect for effect in effects if isinstance(effect, MarkovProcess)), None)
-        return white, math.hypot(values["", "fix_sd"], math.sqrt(extra)), process
+        dof = min((float(effect.tail_dof()) for effect in effects), default=math.inf)
+        walk = sum(float(effect.position_variance_rate()) for effect in effects)
+        return NoiseComponents(white, walk, math.hypot(values["", "fix_sd"], math.sqrt(extra)), process, dof)
 
     def noise(self, values: HyperparameterValues) -> Array:
         """Covariance of the velocity errors, causes of the mean apart, on each axis, shape (2, n, n) [m²/s²]."""
-        white, fix, process = self.noise_components(values)
+        parts = self.noise_components(values)
+        fix, process = parts.fix_sd, parts.process
         legs, n = self._all_legs, self.data.n
         total = np.zeros((n, n))
         if process is not None:
@@ -147,7 +155,7 @@ class TransitCovariance(TransitMean):
         shared = (fix * start[after]) ** 2 / (legs.under_way[after - 1] * legs.under_way[after])
         total[after - 1, after] -= shared
         total[after, after - 1] -= shared
-        return np.asarray(total + white[:, None, None] * np.eye(n))
+        return np.asarray(total + parts.independent(legs.under_way)[:, :, None] * np.eye(n))
 
     def marginal(
         self,
@@ -180,22 +188,84 @@ class TransitCovariance(TransitMean):
             When the hyperparameters give no covariance.
         """
         values = values_of(hyperparameters, logarithms)
-        legs = self._all_legs if rows is ALL_LEGS else self.markov_covariance(rows)
-        white, fix, process = self.noise_components(values)
-        prior_sd = linear.prior_sd(values)
-        dof = min((float(effect.tail_dof()) for effect in _covariance_effects(values)), default=math.inf)
-        if math.isinf(dof):
-            grams = {} if grams is None else grams
-            if (noise := (*white.tolist(), fix, process)) not in grams:
-                while len(grams) >= KEPT_GRAMS:
-                    del grams[next(iter(grams))]
-                grams[noise] = legs.gram(linear.joined[:, rows], white, fix, process)
-            gram, log_determinant = grams[noise]
-            return gaussian_marginal(gram, prior_sd, log_determinant, 2 * len(legs.under_way))
-        if dof <= MIN_DOF:
+        prior_sd, noise = linear.prior_sd(values), self.noise_components(values)
+        if not math.isinf(noise.dof):
+            return self._student(noise, linear, prior_sd, rows)
+        gram, log_determinant = self._gram(noise, linear, rows, grams)
+        return gaussian_marginal(gram, prior_sd, log_determinant, 2 * linear.y[0, rows].size)
+
+    def log_density(
+        self,
+        hyperparameters: Sequence[Hyperparameter],
+        logarithms: Array,
+        linear: LinearisedLegs,
+        rows: LegSelection = ALL_LEGS,
+        grams: Grams | None = None,
+    ) -> float:
+        """Log density of `marginal`, from the same arguments, without the coefficients' posterior."""
+        values = values_of(hyperparameters, logarithms)
+        prior_sd, noise = linear.prior_sd(values), self.noise_components(values)
+        if not math.isinf(noise.dof):
+            return self._student(noise, linear, prior_sd, rows).log_density
+        gram, log_determinant = self._gram(noise, linear, rows, grams)
+        return gaussian_log_density(gram, prior_sd, log_determinant, 2 * linear.y[0, rows].size)
+
+    def _gram(
+        self, noise: "NoiseComponents", linear: LinearisedLegs, rows: LegSelection, grams: Grams | None
+    ) -> tuple[Array, float]:
+        """Inner products of whitened columns and data, and ln |covariance|, kept in `grams` by the noise."""
+        grams = {} if grams is None else grams
+        if noise.key not in grams:
+            while len(grams) >= KEPT_GRAMS:
+                del grams[next(iter(grams))]
+            legs = self._all_legs if rows is ALL_LEGS else self.markov_covariance(rows)
+            grams[noise.key] = legs.gram(
+                linear.joined[:, rows], noise.independent(legs.under_way), noise.fix_sd, noise.process
+            )
+        return grams[noise.key]
+
+    def _student(
+        self, noise: "NoiseComponents", linear: LinearisedLegs, prior_sd: Array, rows: LegSelection
+    ) -> Marginal:
+        if noise.dof <= MIN_DOF:
             raise np.linalg.LinAlgError("the variance of the errors does not exist")
-        variance = white[:, None] + fix**2 * legs.fix_variance()
-        return student_marginal(linear.y[:, rows], linear.columns[:, rows], prior_sd, variance, dof)
+        legs = self._all_legs if rows is ALL_LEGS else self.markov_covariance(rows)
+        variance = noise.independent(legs.under_way) + noise.fix_sd**2 * legs.fix_variance()
+        return student_marginal(linear.y[:, rows], linear.columns[:, rows], prior_sd, variance, noise.dof)
+
+
+@dataclass(frozen=True)
+class NoiseComponents:
+    """Parts of the errors' covariance.
+
+    Attributes
+    ----------
+    white : array, shape (2,)
+        Variance of the velocity error that is the same on every leg, on each axis [m²/s²].
+    walk : float
+        Growth of the variance of the position error under way, each axis [m²/s].
+    fix_sd : float
+        Standard deviation of a fix, each axis [m].
+    process : MarkovProcess or None
+        Error that persists from leg to leg.
+    dof : float
+        Degrees of freedom of the errors; infinite: normal.
+    """
+
+    white: Array
+    walk: float
+    fix_sd: float
+    process: MarkovProcess | None
+    dof: float
+
+    @cached_property
+    def key(self) -> tuple[float | MarkovProcess | None, ...]:
+        """What distinguishes it from other noises of normal errors."""
+        return (*self.white.tolist(), self.walk, self.fix_sd, self.process)
+
+    def independent(self, under_way: Array) -> Array:
+        """Variance of the velocity error that no other leg shares, fixes apart, shape (2, n) [m²/s²]."""
+        return np.asarray(self.white[:, None] + self.walk / under_way)
 
 
 def _of_shapes(info: EffectInfo, names: Iterable[str]) -> list[Hyperparameter]:

@@ -56,7 +56,7 @@ class MarkovCovariance:
         ----------
         values : array, shape (2, n, m)
             Columns.
-        white : array, shape (2,)
+        white : array, shape (2,) or (2, n)
             Variance of the independent velocity error on each axis [m²/s²].
         fix_sd : float
             Standard deviation of a fix, each axis [m].
@@ -75,11 +75,11 @@ class MarkovCovariance:
         numpy.linalg.LinAlgError
             When the covariance is not positive definite.
         """
-        variance = white[:, None] + fix_sd**2 * self._unshared_fix_variance
+        variance = white.reshape(2, -1) + fix_sd**2 * self._unshared_fix_variance
         if not np.all(variance > 0.0):
             raise np.linalg.LinAlgError("a variance is not positive")
         weighted = values / variance[:, :, None]
-        gram = np.tensordot(weighted, values, axes=((0, 1), (0, 1)))
+        gram = sum(weighted[axis].T @ values[axis] for axis in (0, 1))
         log_determinant = float(np.log(variance).sum())
         if process is None and not self.shares_fix.any():
             return gram, log_determinant

@@ -196,19 +196,30 @@ class TransitMean:
 
     def columns(self, about: Array) -> Array:
         """Columns of the coordinates, by central differences of the effects' hooks, shape (2, n, k)."""
-        columns = []
+        columns = self.columns_as_expected.copy()
         for index, coordinate in enumerate(self.coordinates):
-            together = self._on_course if coordinate.effect in self._on_course else (coordinate.effect,)
-            step = np.zeros(len(about))
-            step[index] = DIFFERENCE_STEP * coordinate.slab
-            ahead, behind = (self._error(together, about + sign * step) for sign in (1.0, -1.0))
-            columns.append(self.axes.T @ (ahead - behind) / (2.0 * step[index]))
-        return np.stack(columns, axis=2)
+            if self._is_the_same_everywhere(coordinate.effect):
+                continue
+            columns[:, :, index] = self._column(index, about)
+        return columns
+
+    def _is_the_same_everywhere(self, effect: str) -> bool:
+        """Whether an effect's columns do not depend on the point about which the model is linearised."""
+        return CATALOGUE[effect].linear and effect not in self._on_course
+
+    def _column(self, index: int, about: Array) -> Array:
+        """Column of one coordinate, shape (2, n)."""
+        coordinate = self.coordinates[index]
+        together = self._on_course if coordinate.effect in self._on_course else (coordinate.effect,)
+        step = np.zeros(len(about))
+        step[index] = DIFFERENCE_STEP * coordinate.slab
+        ahead, behind = (self._error(together, about + sign * step) for sign in (1.0, -1.0))
+        return np.asarray(self.axes.T @ (ahead - behind) / (2.0 * step[index]))
 
     @cached_property
     def columns_as_expected(self) -> Array:
         """Columns of the coordinates as the mission expects them, shape (2, n, k)."""
-        return self.columns(self.expected)
+        return np.stack([self._column(index, self.expected) for index in range(len(self.coordinates))], axis=2)
 
     @cached_property
     def _error_as_expected(self) -> Array:
