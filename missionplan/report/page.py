@@ -32,6 +32,8 @@ BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = (
 )
 """Okabe–Ito colours, in the order of the figure style's cycle."""
 
+SVG_DPI = 72
+"""Dots per inch at which SVG is drawn."""
 _LARGEST = 1.7
 """Largest scale of a figure on the page [px/pt]: text of 10 pt is then 17 px high, as the page's."""
 
@@ -132,6 +134,15 @@ def style() -> Iterator[None]:
 
 def to_figure(figure: "MatplotlibFigure", name: str, alt: str, caption: str = "") -> Figure:
     """Convert a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot) to SVG text."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    FigureCanvasSVG(figure)
+    figure.set_dpi(SVG_DPI)
+    if (layout := figure.get_layout_engine()) is not None:  # saving would draw the whole figure twice for its sake
+        layout.execute(figure)
+        with mpl.rc_context({"figure.constrained_layout.use": False}):
+            figure.set_layout_engine(None)
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     return Figure(name, buffer.getvalue(), alt, caption)
