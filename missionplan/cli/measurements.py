@@ -1,6 +1,6 @@
 """Commands that learn from measurements: diagnose, identify."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -25,6 +25,9 @@ def diagnose(
     jobs: o.Jobs = 0,
     *,
     output: o.OutputOptions,
+    next_trial: Annotated[
+        bool, typer.Option("--next-trial", help="Value the trials that could be made next: a few seconds more.")
+    ] = False,
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Find what the simulation gets wrong about measured data and why, and write the extended mission."""
@@ -40,7 +43,15 @@ def diagnose(
         with preloaded_pool(others, "missionplan.diagnosis.diagnose"):  # they import while this process does
             from missionplan.diagnosis.diagnose import diagnose
 
-            return diagnose(loaded, dataset, seed=seed, jobs=processes, allow_outside=allow_outside, progress=progress)
+            return diagnose(
+                loaded,
+                dataset,
+                seed=seed,
+                jobs=processes,
+                next_trial=next_trial,
+                allow_outside=allow_outside,
+                progress=progress,
+            )
 
     from missionplan.datasets.reading import dataset_files
 

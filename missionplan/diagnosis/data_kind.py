@@ -7,6 +7,7 @@ from typing import ClassVar, Protocol, Self
 
 import pandas as pd
 
+from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.effects import instruments
@@ -65,6 +66,11 @@ class DataKind(ABC):
             effect: DirectMeasurement(instrument.description, instrument.parameter, instrument.sd)
             for effect, instrument in instruments().items()
         }
+
+    @property
+    def model_coordinates(self) -> Sequence[Coordinate]:
+        """Parameters of all causes as the model fits them; none where trials are not designed from such data."""
+        return ()
 
     @property
     def known(self) -> tuple[ParameterEstimate, ...]:

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
@@ -11,6 +12,7 @@ from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.judgement import Judgement, judge
 from missionplan.diagnosis.kinds import bind_dataset
+from missionplan.diagnosis.next_trial.next_trial import next_trial as value_trials
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.result_builder import group_scores, ranked_sets
 from missionplan.mission import Mission, MissionOrPath
@@ -34,6 +36,7 @@ def diagnose(
     seed: int | None = None,
     jobs: int = 1,
     plan: bool = True,
+    next_trial: bool = False,
     allow_outside: bool = False,
     progress: Progress | None = None,
 ) -> Diagnosis:
@@ -51,6 +54,8 @@ def diagnose(
         Processes for fits, predictions and plans; the numbers are the same with any.
     plan : bool
         Whether to plan with both models.
+    next_trial : bool
+        Whether to value the trials that could be made next.
     allow_outside : bool
         Whether the data set's table may lie outside its folder.
     progress : callable, optional
@@ -69,10 +74,19 @@ def diagnose(
         threadpool_limits(limits=1),
         files_outside(allowed=allow_outside),
     ):  # matrices of some hundred rows: more threads only wait for each other
-        return _diagnose(mission, as_path(dataset, "dataset"), seed, jobs, plan=plan, stage=_Stages(progress))
+        wanted = _Wanted(plan, next_trial)
+        return _diagnose(mission, as_path(dataset, "dataset"), seed, jobs, wanted, _Stages(progress))
 
 
-def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: bool, stage: "_Stages") -> Diagnosis:
+@dataclass(frozen=True)
+class _Wanted:
+    """What is computed beside the diagnosis itself: the plans before and after, the value of further trials."""
+
+    plan: bool
+    next_trial: bool
+
+
+def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wanted, stage: "_Stages") -> Diagnosis:
     started = time.perf_counter()
     bound = bind_dataset(dataset, mission, seed)
     stage()
@@ -83,19 +97,21 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, *, plan: bo
     stage()
     separated = _separated(bound, found, judgement, jobs)
     stage()
-    decision = bound.plan_gain(extended, seed=seed, jobs=jobs) if plan else PlanGain()
+    decision = bound.plan_gain(extended, seed=seed, jobs=jobs) if wanted.plan else PlanGain()
+    trial = value_trials(bound, found, judgement, scale, seed) if wanted.next_trial else None
     provenance = Provenance(
         command="diagnose",
         mission=mission.name,
         file=mission.file,
         seed=seed,
         trials=0,
-        options={"dataset": str(dataset), "jobs": jobs},
+        options={"dataset": str(dataset), "jobs": jobs, "next_trial": wanted.next_trial},
         elapsed_s=time.perf_counter() - started,
         data=mission.raw,
         notices=(*mission.notices(), *bound.data.notices),
     )
-    return _result(provenance, bound, found, judgement, separated, decision, extended)
+    result = _result(provenance, bound, found, judgement, separated, decision, extended)
+    return replace(result, next_trial=trial)
 
 
 def _separated(bound: DataKind, found: PipelineResult, judgement: Judgement, jobs: int) -> tuple[Discrimination, ...]:

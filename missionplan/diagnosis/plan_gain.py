@@ -75,10 +75,10 @@ def anchor_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> Pla
 
 def _carrying_net_buoyancy(mission: Mission) -> Mission:
     """The mission with an anchor that carries the vehicle's net buoyancy too: Eq. 15's alone may not even sink it."""
-    return _with_first_mooring(mission, lambda moor: moor.model_copy(update={"carry_net_buoyancy": True}))
+    return with_first_mooring(mission, lambda moor: moor.model_copy(update={"carry_net_buoyancy": True}))
 
 
-def _with_first_mooring(mission: Mission, change: Callable[[MoorPhase], MoorPhase]) -> Mission:
+def with_first_mooring(mission: Mission, change: Callable[[MoorPhase], MoorPhase]) -> Mission:
     """The mission with its first mooring, if there is one, changed."""
     first = next(iter(mission.moors), None)
     entries = tuple(
@@ -96,7 +96,7 @@ def _anchor_plans(seed: int, cases: Sequence[tuple[Mission, float]]) -> list[Pla
 def _anchor_plan(mission: Mission, weight: float, seed: int) -> Plan:
     from missionplan.studies.simulation.simulate import simulate
 
-    anchored = _with_first_mooring(mission, lambda moor: moor.model_copy(update={"anchor_wet_weight": weight}))
+    anchored = with_first_mooring(mission, lambda moor: moor.model_copy(update={"anchor_wet_weight": weight}))
     outcome = simulate(anchored, trials=TRIALS, seed=seed)
     phase = next(phase for phase in outcome.phases if phase.name == mission.moors[0].name)
     return {

@@ -32,5 +32,5 @@ INFO = EffectInfo(
     distinguished_by="Dives with a much longer line (a payout delay grows with it, a clock does not).",
     changes_plan=False,
     scatter="release",
-    instrument=Instrument("the separation heard or filmed against the log's clock", "time", 0.05),
+    instrument=Instrument("the separation heard or filmed against the log's clock", "time", 0.05, 5.0),
 )

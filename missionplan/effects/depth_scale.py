@@ -33,5 +33,5 @@ INFO = EffectInfo(
     confused_with=("drag-bias", "vertical-current"),
     distinguished_by="Readings at a known depth (a lead line, the seafloor at touchdown).",
     changes_plan=False,
-    instrument=Instrument("readings at two known depths (a lead line)", "fraction", 0.005),
+    instrument=Instrument("readings at two known depths (a lead line)", "fraction", 0.005, 20.0),
 )

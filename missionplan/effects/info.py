@@ -77,11 +77,14 @@ class Instrument:
         What it measures.
     sd : float
         Standard deviation of its error, in the parameter's unit: what such instruments state.
+    minutes : float
+        Time that it takes a practised crew [min].
     """
 
     description: str
     parameter: str
     sd: float
+    minutes: float = 60.0
 
 
 @dataclass(frozen=True)

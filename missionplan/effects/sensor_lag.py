@@ -54,5 +54,5 @@ INFO = EffectInfo(
     ),
     changes_plan=False,
     is_sensor_lag=True,
-    instrument=Instrument("a dip of the sensor by hand, sampled fast", "time", 0.05),
+    instrument=Instrument("a dip of the sensor by hand, sampled fast", "time", 0.05, 15.0),
 )

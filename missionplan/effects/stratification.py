@@ -41,5 +41,5 @@ INFO = EffectInfo(
     sizes="Δρ of 1 to 20 kg/m³ on 10 L: 0.1 to 2 N. Water is denser below, so the lift is positive.",
     confused_with=("trapped-gas", "drag-bias", "drag-crisis"),
     distinguished_by="A density profile (CTD), or dives past the layer with a light anchor.",
-    instrument=Instrument("a density profile (CTD) at the place of the dives", "lift", 0.15),
+    instrument=Instrument("a density profile (CTD) at the place of the dives", "lift", 0.15, 20.0),
 )

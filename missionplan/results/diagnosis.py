@@ -17,6 +17,7 @@ from missionplan.results.evidence import (
     RankedSet,
     Verdict,
 )
+from missionplan.results.next_trial import NextTrial
 
 Plan = Mapping[str, float | None]
 """What is chosen, and how it fares; keys end with their units."""
@@ -100,6 +101,8 @@ class Diagnosis(Result):
         Row by row: data, base model, extended model, residuals.
     extended : mapping
         The mission's data with the causes as effects.
+    next_trial : NextTrial or None
+        The trial worth making next, where it was asked for.
     """
 
     report: ClassVar[str] = "diagnosis.page"
@@ -131,6 +134,7 @@ class Diagnosis(Result):
     failures: Mapping[str, str]
     residuals: pd.DataFrame
     extended: Mapping[str, object]
+    next_trial: NextTrial | None = None
 
     @property
     def best(self) -> RankedSet | None:
@@ -177,6 +181,7 @@ class Diagnosis(Result):
             "not_constant": list(self.not_constant),
             "none_of_these": self.none_of_these,
             "coverage_scale": self.coverage.scale if self.coverage is not None else 1.0,
+            **({"next_trial": self.next_trial.summary()} if self.next_trial is not None else {}),
         }
 
     def summary(self) -> dict[str, object]:
@@ -206,4 +211,5 @@ class Diagnosis(Result):
             "residuals.csv": to_csv(self.residuals),
             "ranking.csv": to_csv(self.to_frame()),
             "mission.yaml": to_yaml(self.extended),
+            **(self.next_trial.files() if self.next_trial is not None else {}),
         }

@@ -1,5 +1,6 @@
 """Further dives that may discriminate between two causes."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -36,6 +37,19 @@ def design_dives(forward: DescentForward, entry: int | None) -> tuple[DiveLog, .
         logs.append(
             replace(log, wet_weight=log.wet_weight * weight, line_length=log.line_length * line, site_depth=site)
         )
+    return sampled_dives(forward, logs)
+
+
+def sampled_dives(forward: DescentForward, logs: Sequence[DiveLog]) -> tuple[DiveLog, ...]:
+    """Return dives sampled evenly until the base model nears touchdown; their depths are zero.
+
+    Parameters
+    ----------
+    forward : DescentForward
+        The phase.
+    logs : sequence of DiveLog
+        With the dives' anchors, lines and depths, and readings as noisy as theirs.
+    """
     times = np.linspace(0.0, LONGEST_DIVE, 600)
     long = replace(forward, logs=tuple(_sampled(log, times) for log in logs))
     depths = long.readings((), np.zeros((0, 1)))[:, 0].reshape(len(logs), -1)

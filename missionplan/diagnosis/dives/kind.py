@@ -8,6 +8,7 @@ from typing import Self
 import pandas as pd
 
 from missionplan.datasets.dives import read_descent
+from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.model_factory import check_leaves_surface, descent_model
@@ -39,6 +40,11 @@ class DescentKind(DataKind):
         check_leaves_surface(measured, mission)
         data = prepare_dives(measured)
         return cls(kind, mission, data, descent_model(data, mission))
+
+    @property
+    def model_coordinates(self) -> Sequence[Coordinate]:
+        """Parameters of all causes as the model fits them."""
+        return self.model.coordinates
 
     @property
     def known(self) -> tuple[ParameterEstimate, ...]:

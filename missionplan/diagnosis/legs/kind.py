@@ -8,6 +8,7 @@ from typing import Self
 import pandas as pd
 
 from missionplan.datasets.legs import TransitData, read_transit
+from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.constancy import not_constant
@@ -39,6 +40,11 @@ class TransitKind(DataKind):
         """Read the legs and bind the mission's first transit to them."""
         data = read_transit(folder, mission)
         return cls(kind, mission, data, transit_model(data, mission, seed))
+
+    @property
+    def model_coordinates(self) -> Sequence[Coordinate]:
+        """Parameters of all causes as the model fits them."""
+        return self.model.coordinates
 
     @property
     def known(self) -> tuple[ParameterEstimate, ...]:

@@ -16,6 +16,7 @@ from missionplan.report.diagnosis.evidence import (
     sized,
 )
 from missionplan.report.diagnosis.kinds import REPORTS
+from missionplan.report.diagnosis.next_trial import next_trial_section
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
 from missionplan.results.diagnosis import Diagnosis
@@ -38,6 +39,7 @@ def page(diagnosis: Diagnosis) -> Page:
     kind = REPORTS[diagnosis.kind]
     sections = [
         PageSection("What to do next", _next_words(diagnosis)),
+        *next_trial_section(diagnosis.next_trial),
         ranking_section(diagnosis),
         *causes_section(diagnosis),
         *known_section(diagnosis),
@@ -63,7 +65,8 @@ def _rerun(diagnosis: Diagnosis) -> str:
     """Write the command on the files it was given: the mission in the report's folder is the extended one."""
     made = diagnosis.provenance
     files = " ".join(shlex.quote(str(path)) for path in (made.file, made.options["dataset"]))
-    return f"missionplan diagnose {files} --seed {made.seed}"
+    valued = " --next-trial" if diagnosis.next_trial is not None else ""
+    return f"missionplan diagnose {files} --seed {made.seed}{valued}"
 
 
 def terminal(diagnosis: Diagnosis) -> Terminal:

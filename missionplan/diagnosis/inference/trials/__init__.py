@@ -1,0 +1,1 @@
+"""What a further experiment is worth, free of missions: `experiment` and `decision`."""

@@ -1,0 +1,209 @@
+"""Dives as trials: anchors and lines in stock, lighter anchors, longer lines, deeper places."""
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from missionplan.diagnosis.dives.designs import sampled_dives, with_depths
+from missionplan.diagnosis.dives.kind import DescentKind
+from missionplan.diagnosis.dives.model import DescentModel
+from missionplan.diagnosis.dives.noise import noise_grid
+from missionplan.diagnosis.dives.preparation import DiveLog
+from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.inference.trials.experiment import Prediction
+from missionplan.diagnosis.next_trial.belief import Believed, Posterior
+from missionplan.diagnosis.next_trial.designs import Cost, TrialKind, cost_of
+from missionplan.diagnosis.next_trial.losses import Alternatives
+from missionplan.diagnosis.plan_gain import with_first_mooring
+from missionplan.mission import Mission
+from missionplan.mission.schema.phases import MoorPhase
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.studies.anchor.size_anchor import worst_case_anchor
+
+COUNTS = (2, 4)
+"""Dives of a trial."""
+STOCK = 4
+"""Anchors and lines of the dives so far that are tried again, at most."""
+LIGHT, LONG, DEEP = 0.4, 3.0, 2.0
+"""Factors on anchor, line and depth of trials with what may not be in stock."""
+FACTORS = np.array([0.5, 0.65, 0.8, 1.0, 1.25, 1.5, 1.8, 2.2, 2.6])
+"""Anchors that may be chosen, over the mission's."""
+
+
+@dataclass(frozen=True)
+class _Dive:
+    """One dive: anchor's wet weight [N], line [m] and the site's depth [m]."""
+
+    wet_weight: float
+    line_length: float
+    site_depth: float
+
+
+@dataclass(frozen=True)
+class _Dives:
+    """Dives of a trial, all in one place."""
+
+    name: str
+    dives: tuple[_Dive, ...]
+
+
+@dataclass(frozen=True)
+class DiveTrials(TrialKind):
+    """Dives that the mission's vehicle could make.
+
+    Attributes
+    ----------
+    bound : DescentKind
+        The dives so far, bound to the mission.
+    """
+
+    bound: DescentKind
+
+    @cached_property
+    def _moor(self) -> MoorPhase:
+        return self.bound.mission.moors[0]
+
+    @cached_property
+    def _logs(self) -> tuple[DiveLog, ...]:
+        return self.bound.model.forward.logs
+
+    @cached_property
+    def _plans(self) -> tuple[_Dives, ...]:
+        """Dives with what is in stock, then with what may have to be made or reached; those at a place that differ."""
+        used = dict.fromkeys(_Dive(log.wet_weight, log.line_length, log.site_depth) for log in self._logs)
+        stock = list(used)[:STOCK]
+        first = stock[0]
+        longer = LONG * first.line_length
+        others = {
+            f"an anchor of {LIGHT * first.wet_weight:.3g} N": replace(first, wet_weight=LIGHT * first.wet_weight),
+            f"a line of {longer:.3g} m": replace(
+                first, line_length=longer, site_depth=first.site_depth + longer - first.line_length
+            ),
+            f"{DEEP * first.site_depth:.3g} m of water": replace(first, site_depth=DEEP * first.site_depth),
+        }
+        own = {f"{each.wet_weight:.3g} N on {each.line_length:.3g} m of line": each for each in stock}
+        found = [
+            _Dives(f"{_counted(count)} with {what}", (dive,) * count)
+            for count in COUNTS
+            for what, dive in (own | others).items()
+        ]
+        return tuple(found)
+
+    @property
+    def designs(self) -> Sequence[str]:
+        """Designs in words."""
+        return [plan.name for plan in self._plans]
+
+    def posterior(self, fit: CauseFit) -> Posterior:
+        """Return what a fit of the dives says of its causes and of the mission's own effects."""
+        model, state = self.bound.model, fit.state
+        places = model.searched(fit.causes)
+        mean = model.prior(fit.causes).centre.copy()
+        mean[places] = (state.linear.centre + state.marginal.mean)[places]
+        return Posterior(places, mean, state.marginal.covariance[np.ix_(places, places)])
+
+    def predictions(self, design: int, believed: Sequence[Believed]) -> list[Prediction]:
+        """Depths of a design's dives as each set of causes predicts them [m]."""
+        planned = [
+            replace(
+                self._logs[0],
+                name=f"dive {number + 1}",
+                wet_weight=dive.wet_weight,
+                line_length=dive.line_length,
+                site_depth=dive.site_depth,
+            )
+            for number, dive in enumerate(self._plans[design].dives)
+        ]
+        return self.predicted(sampled_dives(self.bound.model.forward.coarse, planned), believed)
+
+    def predicted(self, logs: tuple[DiveLog, ...], believed: Sequence[Believed]) -> list[Prediction]:
+        """Return the depths of dives at the times of their logs as each set of causes predicts them [m].
+
+        Parameters
+        ----------
+        logs : tuple of DiveLog
+            Whose own depths are not used.
+        believed : sequence of Believed
+        """
+        model = self.bound.model
+        forward = replace(model.forward.coarse, logs=logs)
+        about = np.stack([each.posterior.mean for each in believed], axis=1)
+        readings = forward.readings(model.coordinates, about)
+        return [
+            _prediction(replace(model, forward=replace(forward, logs=with_depths(logs, own))), each)
+            for own, each in zip(readings.T, believed, strict=True)
+        ]
+
+    def cost(self, design: int, seed: int) -> Cost | None:
+        """Return what a design takes: the cost of one of its dives, so many times."""
+        plan = self._plans[design]
+        one = plan.dives[0]
+        if one not in self._costs:
+            self._costs[one] = cost_of(self._mission(_Dives("one dive", (one,))), seed)
+        cost, count = self._costs[one], len(plan.dives)
+        if cost is None:
+            return None
+        return Cost(count * cost.minutes, None if cost.energy_wh is None else count * cost.energy_wh)
+
+    @cached_property
+    def _costs(self) -> dict[_Dive, Cost | None]:
+        return {}
+
+    def trial(self, design: int) -> Mapping[str, object]:
+        """Return the mission that makes a design's dives, one mooring each, without a hold."""
+        return self._mission(self._plans[design])
+
+    def _mission(self, plan: _Dives) -> Mapping[str, object]:
+        raw = copy.deepcopy(dict(self.bound.mission.raw))
+        written = raw["phases"]
+        entries = written if isinstance(written, list) else []
+        own = next(entry["moor"] for entry in entries if isinstance(entry, dict) and "moor" in entry)
+        phases = [
+            {
+                "moor": {
+                    **own,
+                    "name": f"dive-{index + 1}",
+                    "anchor_wet_weight": f"{dive.wet_weight:.4g} N",
+                    "line_length": f"{dive.line_length:.4g} m",
+                    "hold": "0 s",
+                }
+            }
+            for index, dive in enumerate(plan.dives)
+        ]
+        kept = {key: value for key, value in raw.items() if key not in ("requirements", "sweep", "correlations")}
+        site = _deepened(kept.get("site"), plan.dives[0].site_depth)
+        return kept | {"name": f"Trial: {plan.name}", "site": site, "phases": phases}
+
+    def alternatives(self) -> Alternatives:
+        """Return wet weights of the anchor about that of the mission."""
+        given = self._moor.anchor_wet_weight
+        usual = worst_case_anchor(self.bound.mission) if given == "sized" else mean_of(given)
+        return Alternatives("anchor_wet_weight_n", usual * FACTORS, _with_anchor)
+
+
+def _with_anchor(mission: Mission, weight: float) -> Mission:
+    return with_first_mooring(mission, lambda moor: moor.model_copy(update={"anchor_wet_weight": weight}))
+
+
+def _deepened(site: object, depth: float) -> dict[str, object]:
+    """The site at another depth, where its lowest layer of current goes on to the bottom."""
+    found = dict(site) if isinstance(site, dict) else {}
+    layers = found.get("current")
+    if isinstance(layers, list) and layers and isinstance(layers[-1], dict):
+        found["current"] = [*layers[:-1], {**layers[-1], "down_to": f"{depth:.4g} m"}]
+    return found | {"depth": f"{depth:.4g} m"}
+
+
+def _prediction(model: DescentModel, each: Believed) -> Prediction:
+    """Mean, sensitivities and everything else of the dives under a set of causes, linearised at its mean."""
+    (linear,) = model.linearise([(each.causes, each.posterior.mean)])
+    spikes = np.array([coordinate.spike for coordinate in model.coordinates])
+    noise = model.total_covariance(linear, noise_grid()[each.fit.state.best_noise], spikes)
+    return Prediction(linear.readings, linear.columns[:, each.posterior.places], noise)
+
+
+def _counted(count: int) -> str:
+    return {2: "two dives", 4: "four dives"}.get(count, f"{count} dives")

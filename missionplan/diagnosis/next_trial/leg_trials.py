@@ -1,0 +1,233 @@
+"""Legs as trials: stars, boxes, legs there and back, of several lengths, from the mission's own transit."""
+
+import copy
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from missionplan.arrays import Array
+from missionplan.datasets.legs import TransitData
+from missionplan.diagnosis.given_effects import held
+from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.inference.trials.experiment import Prediction
+from missionplan.diagnosis.legs.kind import TransitKind
+from missionplan.diagnosis.legs.model import TransitModel
+from missionplan.diagnosis.next_trial.belief import Believed, Posterior
+from missionplan.diagnosis.next_trial.designs import TrialKind
+from missionplan.diagnosis.next_trial.losses import Alternatives
+from missionplan.effects import CATALOGUE
+from missionplan.mission import Mission
+from missionplan.mission.schema.phases import TransitPhase
+from missionplan.mission.views import TransitMission
+from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import recorded_current
+
+SHAPES: Mapping[str, tuple[float, ...]] = {
+    "two opposite legs": (0.0, 180.0),
+    "a star of six legs": (0.0, 180.0, 120.0, 300.0, 240.0, 60.0),
+    "a box": (0.0, 90.0, 180.0, 270.0),
+    "a figure of eight": (0.0, 90.0, 180.0, 270.0, 180.0, 90.0, 0.0, 270.0),
+}
+"""Headings from the mission's course [deg]; each ends where it begins."""
+LENGTHS, TIMES = (0.5, 1.0, 2.0), (1, 3)
+"""Lengths of the legs over the mission's d_max, and how often the shape is sailed."""
+LONG_LEG = 4.0
+"""Length of one long leg over the mission's d_max."""
+LATER = 86_400.0
+"""Time between the end of the record and the trial [s]."""
+SHARES = np.linspace(0.1, 1.0, 10)
+"""Maximum leg lengths that are tried, of the first transit's distance."""
+TABLE_SHARE = 0.25
+"""Length that stands for the d_max of a mission with a table, of the distance."""
+GENEROUS = 0.5
+"""Arrival radius of a trial's leg over its length: one leg each, whatever its error."""
+
+
+@dataclass(frozen=True)
+class _Legs:
+    """Legs of a trial: name, courses from north [rad] and the length of each [m]."""
+
+    name: str
+    courses: Array
+    length: float
+
+
+@dataclass(frozen=True)
+class LegTrials(TrialKind):
+    """Legs that the mission's vehicle could sail.
+
+    Attributes
+    ----------
+    bound : TransitKind
+        The log so far, bound to the mission.
+    """
+
+    bound: TransitKind
+
+    @cached_property
+    def _means(self) -> Scenario:
+        return Scenario.at_means(self.bound.mission, recorded_current(self.bound.mission))
+
+    @cached_property
+    def _phase(self) -> TransitPhase:
+        return TransitMission.of(self.bound.mission).transit()
+
+    @cached_property
+    def _ends(self) -> tuple[Array, Array]:
+        """Where the mission's first transit begins and ends, shape (2,) each [m]."""
+        name, phase = self._phase.name, self._phase
+        begin = np.zeros(2) if phase.start is None else self._means.position(phase.start, f"{name}.from")
+        return begin, self._means.position(phase.to, f"{name}.to")
+
+    @cached_property
+    def _distance(self) -> float:
+        return float(np.hypot(*(self._ends[1] - self._ends[0])))
+
+    @cached_property
+    def _usual_length(self) -> float:
+        """The mission's d_max, at most its distance [m]."""
+        length = self._means.get(f"{self._phase.name}.d_max", TABLE_SHARE * self._distance)
+        return min(float(np.mean(length)), self._distance)
+
+    @cached_property
+    def _legs(self) -> tuple[_Legs, ...]:
+        course = math.atan2(*(self._ends[1] - self._ends[0]))
+        found = []
+        for factor in LENGTHS:
+            length = factor * self._usual_length
+            for shape, headings in SHAPES.items():
+                found += [
+                    _Legs(
+                        f"{shape} of {_metres(length)}{f', {times} times' if times > 1 else ''}",
+                        course + np.radians(headings * times),
+                        length,
+                    )
+                    for times in TIMES
+                ]
+        length = LONG_LEG * self._usual_length
+        return (*found, _Legs(f"one long leg of {_metres(length)}", np.array([course]), length))
+
+    @property
+    def designs(self) -> Sequence[str]:
+        """Designs in words."""
+        return [legs.name for legs in self._legs]
+
+    def posterior(self, fit: CauseFit) -> Posterior:
+        """Return what a fit of the legs says of its causes and of the mission's own effects."""
+        model = self.bound.model
+        known = {each.effect for each in held(model.given_in_mean, fit.causes)}
+        places = np.flatnonzero([c.effect in fit.causes or c.effect in known for c in model.coordinates])
+        mean = model.expected.copy()
+        mean[places] = fit.state.mean[places]
+        return Posterior(places, mean, fit.state.covariance[np.ix_(places, places)])
+
+    def predictions(self, design: int, believed: Sequence[Believed]) -> list[Prediction]:
+        """Velocity errors of a design's legs on a later day, as each set of causes predicts them [m/s]."""
+        return self.predicted(self._planned(self._legs[design]), believed)
+
+    def predicted(self, data: TransitData, believed: Sequence[Believed]) -> list[Prediction]:
+        """Return the velocity errors of legs, beyond the site's current, as each set of causes predicts them [m/s].
+
+        Parameters
+        ----------
+        data : TransitData
+            Legs of another day; where they ended is not used.
+        believed : sequence of Believed
+        """
+        model = self.bound.model
+        sailed = replace(model, data=data, base=np.zeros((2, data.n)), only=model.coordinates)
+        return [_prediction(sailed, each) for each in believed]
+
+    def _planned(self, legs: _Legs) -> TransitData:
+        """A record of these legs alone, sailed without error a day after the one so far."""
+        data, count = self.bound.data, len(legs.courses)
+        speed = float(np.mean(self._means[f"{self._phase.name}.speed"]))
+        path = legs.length * np.stack([np.sin(legs.courses), np.cos(legs.courses)])
+        ends = self._ends[0][:, None] + np.cumsum(path, axis=1)
+        under_way = np.full(count, legs.length / speed)
+        surface = np.full(count, float(np.median(data.surface)))
+        pause = float(np.mean(self._means.surfacing_time))
+        first = float(data.t_start[-1] + data.under_way[-1]) + LATER
+        return replace(
+            data,
+            labels=np.array([f"leg {k + 1}" for k in range(count)]),
+            run=np.zeros(count, dtype=int),
+            t_start=first + np.arange(count) * (under_way + surface + pause),
+            under_way=under_way,
+            surface=surface,
+            start=ends - path,
+            dead_reckoned=ends,
+            end=ends + 1e-3,  # each leg has fixes of its own, on surfacing and on diving
+            leg_fix_sd=None if data.leg_fix_sd is None else np.full(count, np.median(data.leg_fix_sd)),
+        )
+
+    def trial(self, design: int) -> Mapping[str, object]:
+        """Return the mission that sails a design's legs, one transit each."""
+        legs, raw = self._legs[design], copy.deepcopy(dict(self.bound.mission.raw))
+        corners = self._ends[0][:, None] + np.cumsum(
+            legs.length * np.stack([np.sin(legs.courses), np.cos(legs.courses)]), axis=1
+        )
+        own = self._phase_as_written(raw)
+        phases: list[object] = []
+        for index, (east, north) in enumerate(corners.T.tolist()):
+            begin = {} if index else {"from": [f"{place:.1f} m" for place in self._ends[0].tolist()]}
+            to = {"to": [f"{east:.1f} m", f"{north:.1f} m"]}
+            leg = {"d_max": f"{1.2 * legs.length:.1f} m", "arrival_radius": f"{GENEROUS * legs.length:.1f} m"}
+            phases.append({"transit": {**own, "name": f"leg-{index + 1}", **begin, **to, **leg}})
+        kept = {key: value for key, value in raw.items() if key not in ("requirements", "sweep", "correlations")}
+        return kept | {"name": f"Trial: {legs.name}", "phases": phases}
+
+    def _phase_as_written(self, raw: Mapping[str, object]) -> dict[str, object]:
+        """Keys of the first transit as the mission file has them, without those that a trial's leg has of its own."""
+        written = raw["phases"]
+        entries = written if isinstance(written, list) else []
+        own = next(entry["transit"] for entry in entries if isinstance(entry, dict) and "transit" in entry)
+        return {key: value for key, value in own.items() if key not in ("name", "from", "to", "d_max")}
+
+    def alternatives(self) -> Alternatives:
+        """Return maximum leg lengths, of all transits alike."""
+        return Alternatives("d_max_m", SHARES * self._distance, _with_d_max)
+
+
+def _with_d_max(mission: Mission, d_max: float) -> Mission:
+    entries = tuple(
+        entry.model_copy(update={"transit": entry.transit.model_copy(update={"d_max": d_max})})
+        if entry.transit is not None
+        else entry
+        for entry in mission.entries
+    )
+    return mission.model_copy(update={"entries": entries})
+
+
+def _prediction(model: TransitModel, each: Believed) -> Prediction:
+    """Mean, sensitivities and everything else of the legs under a set of causes.
+
+    What is known from record to record moves the mean; every effect differs from it in a new record by its spike, and
+    so does the mission's current by its own uncertainty.
+    """
+    about, places = each.posterior.mean, each.posterior.places
+    count = 2 * model.data.n
+    columns = model.columns(about).reshape(count, -1)
+    fresh = columns * _from_record_to_record(model)
+    noise = block_diag(*model.noise(each.fit.state.values)) + fresh @ fresh.T
+    return Prediction(model.mean_error(about).ravel(), columns[:, places], noise)
+
+
+def _from_record_to_record(model: TransitModel) -> Array:
+    """Standard deviation of each coordinate from one record to another."""
+    return np.array(
+        [
+            math.hypot(c.spike, model.current_sd[c.name == "north"])
+            if CATALOGUE[c.effect].is_steady_current
+            else c.spike
+            for c in model.coordinates
+        ]
+    )
+
+
+def _metres(length: float) -> str:
+    return f"{length:.0f} m" if length < 1000.0 else f"{length / 1000.0:.3g} km"

@@ -1,0 +1,179 @@
+"""The trial worth making next: what each design costs and tells, what that saves, and what its outcomes would mean."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Literal
+
+import pandas as pd
+
+from missionplan.results.base import to_csv, to_yaml
+from missionplan.results.evidence import Causes
+
+LossUnit = Literal["W h", "min"]
+
+
+@dataclass(frozen=True)
+class ValuedDesign:
+    """A trial that could be made.
+
+    Attributes
+    ----------
+    name : str
+        In words.
+    minutes : float
+        Time that it takes by the planner's model, without the way there and back [min].
+    energy_wh : float or None
+        Energy that it takes [W h]; None where the mission has no energy budget, or the vehicle stays out of the water.
+    information : float
+        Expected gain in information about the causes and their sizes [nats].
+    saving, saving_error : float
+        Expected reduction of a mission's loss by the choice made after it, and its standard error [the loss's unit].
+    """
+
+    name: str
+    minutes: float
+    energy_wh: float | None
+    information: float
+    saving: float
+    saving_error: float
+
+
+@dataclass(frozen=True)
+class TrialOutcome:
+    """One way in which the trial may come out.
+
+    Attributes
+    ----------
+    probability : float
+    causes : tuple of str
+        Likeliest then.
+    choice : float
+        What would then be chosen [m or N].
+    saving : float
+        Expected reduction of a mission's loss then [the loss's unit].
+    """
+
+    probability: float
+    causes: Causes
+    choice: float
+    saving: float
+
+
+@dataclass(frozen=True)
+class OutcomeRule:
+    """The simplest rule that tells from the trial's diagnosis whether another choice is right.
+
+    Attributes
+    ----------
+    effect, name, unit : str
+        Parameter whose estimate decides.
+    threshold : float
+        [unit].
+    above : bool
+        Whether the choice changes above the threshold or below it.
+    causes : tuple of str
+        Likeliest then.
+    choice : float
+        Commonest choice then [m or N].
+    agreement : float
+        Share of the simulated outcomes in which the rule and the full calculation agree on whether the choice changes.
+    """
+
+    effect: str
+    name: str
+    unit: str
+    threshold: float
+    above: bool
+    causes: Causes
+    choice: float
+    agreement: float
+
+
+@dataclass(frozen=True)
+class NextTrial:
+    """Which trial, if any, is worth making next.
+
+    Attributes
+    ----------
+    decides : str
+        Key of what is chosen: ``d_max_m`` or ``anchor_wet_weight_n``.
+    unit : str
+        Of the loss.
+    choice, loss : float
+        Best choice with what is known now [m or N], and its expected loss [unit].
+    success : float
+        Probability of success with it.
+    failure_loss : float
+        Loss counted for a mission that fails [unit].
+    perfect : float
+        Expected saving if cause and sizes were known exactly [unit].
+    explanations : tuple
+        Sets of causes that may hold, with their probabilities.
+    designs : tuple of ValuedDesign
+        Greatest saving first, then greatest information.
+    best : ValuedDesign or None
+        The cheapest of those that save nearly the most; None where no trial is worth it.
+    outcomes : tuple of TrialOutcome
+        Of the best, likeliest first.
+    rule : OutcomeRule or None
+        Of the best, where one parameter decides.
+    trial : mapping or None
+        Mission file's data of the best; None for an instrument, or without a best.
+    reason : str or None
+        Why nothing was computed, where nothing was.
+    """
+
+    decides: str = ""
+    unit: LossUnit = "W h"
+    choice: float = 0.0
+    loss: float = 0.0
+    success: float = 0.0
+    failure_loss: float = 0.0
+    perfect: float = 0.0
+    explanations: tuple[tuple[Causes, float], ...] = ()
+    designs: tuple[ValuedDesign, ...] = ()
+    best: ValuedDesign | None = None
+    outcomes: tuple[TrialOutcome, ...] = ()
+    rule: OutcomeRule | None = None
+    trial: Mapping[str, object] | None = None
+    reason: str | None = None
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry ``next_trial`` of ``diagnosis.json``."""
+        if self.reason is not None:
+            return {"reason": self.reason}
+        unit = self.unit.replace(" ", "").lower()
+        return {
+            "decides": self.decides,
+            "choice": self.choice,
+            f"loss_{unit}": self.loss,
+            "success": self.success,
+            f"failure_loss_{unit}": self.failure_loss,
+            f"perfect_saving_{unit}": self.perfect,
+            "explanations": [{"causes": list(causes), "probability": p} for causes, p in self.explanations],
+            "best": self.best.name if self.best is not None else None,
+            "designs": self.to_frame().to_dict(orient="records"),
+            "outcomes": [asdict(outcome) for outcome in self.outcomes],
+            "rule": asdict(self.rule) if self.rule is not None else None,
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row a design."""
+        unit = self.unit.replace(" ", "").lower()
+        rows = [
+            {
+                "design": each.name,
+                "minutes": each.minutes,
+                "energy_wh": each.energy_wh,
+                "information_nats": each.information,
+                f"saving_{unit}": each.saving,
+                f"saving_error_{unit}": each.saving_error,
+            }
+            for each in self.designs
+        ]
+        return pd.DataFrame(rows)
+
+    def files(self) -> dict[str, str | bytes]:
+        """``next-trials.csv``, and the best trial as ``next-trial.yaml``."""
+        found: dict[str, str | bytes] = {"next-trials.csv": to_csv(self.to_frame())} if self.designs else {}
+        return found | ({"next-trial.yaml": to_yaml(self.trial)} if self.trial is not None else {})

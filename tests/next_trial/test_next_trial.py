@@ -1,0 +1,115 @@
+"""The next trial: a log on one heading cannot tell a compass from a current; the trials offered can."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from missionplan.diagnosis.diagnose import diagnose
+from missionplan.mission import Mission, load
+from missionplan.report.diagnosis.next_trial import next_trial_section
+from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.next_trial import NextTrial
+from tests.hidden_effects.cases import draw_case
+
+from .sea import Truth, Vehicle, mission, sail, write_log
+
+LEGS = 14
+VEHICLE = Vehicle()
+
+
+def sailed(folder: Path, truth: Truth, headings: np.ndarray, seed: int = 1) -> Diagnosis:
+    """Diagnosis of made-up legs, with the value of further trials."""
+    rows = sail(truth, VEHICLE, headings, np.full(len(headings), 800.0), 0.0, np.random.default_rng(seed))
+    made = Mission.from_data(mission(VEHICLE))
+    return diagnose(made, write_log(folder, VEHICLE, rows), plan=False, next_trial=True)
+
+
+@pytest.fixture(scope="module")
+def one_way(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
+    """Legs to the north alone by a compass that is 5° off."""
+    return sailed(tmp_path_factory.mktemp("one-way"), Truth(compass=np.radians(5.0)), np.zeros(LEGS))
+
+
+@pytest.fixture(scope="module")
+def next_trial(one_way: Diagnosis) -> NextTrial:
+    """Trials after that log."""
+    assert one_way.next_trial is not None
+    assert one_way.next_trial.reason is None
+    return one_way.next_trial
+
+
+def information(found: NextTrial, name: str) -> float:
+    """Expected information of the design whose words begin so [nats]."""
+    return next(each.information for each in found.designs if each.name.startswith(name))
+
+
+def test_what_one_heading_cannot_tell_is_open(next_trial: NextTrial) -> None:
+    sets = {causes for causes, _ in next_trial.explanations}
+    assert {("compass-bias",), ("mean-current",)} <= sets
+    assert sum(probability for _, probability in next_trial.explanations) == pytest.approx(1.0)
+
+
+def test_legs_on_the_same_heading_tell_little_and_all_round_much(next_trial: NextTrial) -> None:
+    onward = information(next_trial, "one long leg")
+    back = information(next_trial, "two opposite legs of 800 m")
+    star = information(next_trial, "a star of six legs of 800 m")
+    assert onward < 0.5 * back
+    assert back < star
+    assert star > 0.5  # most of what the explanations' probabilities leave open
+
+
+def test_a_swing_of_the_compass_tells_which_it_is(next_trial: NextTrial) -> None:
+    swing = next(each for each in next_trial.designs if "swing of the compass" in each.name)
+    assert swing.information > 0.5
+    assert swing.energy_wh is None
+
+
+def test_repeats_tell_more_and_take_longer(next_trial: NextTrial) -> None:
+    named = {each.name: each for each in next_trial.designs}
+    once, thrice = named["a box of 800 m"], named["a box of 800 m, 3 times"]
+    assert thrice.information > once.information
+    assert thrice.minutes == pytest.approx(3.0 * once.minutes, rel=0.1)
+    legs = 4.0 * (800.0 / VEHICLE.speed + 60.0) / 60.0
+    assert once.minutes == pytest.approx(legs, rel=0.1)
+
+
+def test_every_design_is_a_mission_that_can_be_sailed(one_way: Diagnosis, tmp_path: Path) -> None:
+    """Of one leg a transit, whatever the leg's error."""
+    folder = one_way.save(tmp_path / "report")
+    table = (folder / "next-trials.csv").read_text(encoding="utf-8")
+    assert "a star of six legs" in table
+    report = (folder / "report.html").read_text(encoding="utf-8")
+    assert "nats" in report
+    data = yaml.safe_load((folder / "diagnosis.json").read_text(encoding="utf-8"))
+    assert data["next_trial"]["decides"] == "d_max_m"
+    trial = folder / "next-trial.yaml"
+    assert trial.exists() == (one_way.next_trial is not None and one_way.next_trial.trial is not None)
+    if trial.exists():
+        assert len(load(trial).transits) in (1, 2, 4, 6, 8, 12, 18, 24)
+
+
+def test_a_choice_that_cannot_change_needs_no_trial(tmp_path: Path) -> None:
+    found = sailed(tmp_path, Truth(), np.radians(90.0 * (np.arange(24) % 4))).next_trial
+    assert found is not None
+    assert found.best is None
+    (section,) = next_trial_section(found)
+    assert section.heading == "No trial is worth it"
+    assert "the choice" in str(section.blocks[0])
+
+
+@pytest.mark.slow
+def test_a_longer_line_tells_a_late_clock_from_a_slow_line(tmp_path: Path) -> None:
+    """Hidden dives with one length of line: which of the two it is changes no anchor, and a longer line tells."""
+    case = draw_case(5, "descent", "tie")
+    made, data = case.write(tmp_path / "case", tmp_path / "truth")
+    found = diagnose(load(made), data, plan=False, next_trial=True).next_trial
+    assert found is not None
+    assert {causes for causes, _ in found.explanations} == {("line-payout",), ("clock-offset",)}
+    named = {each.name: each.information for each in found.designs}
+    longer = max(value for name, value in named.items() if "with a line of" in name)
+    same = max(value for name, value in named.items() if "of line" in name)
+    assert longer > 2.0 * same
+    assert any("separation heard" in name for name in named)
+    assert found.best is None
