@@ -17,6 +17,7 @@ from scipy.special import ndtri
 from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
+from missionplan.montecarlo.draws import Correlation, is_joint
 from missionplan.results.evidence import Causes, ParameterEstimate
 
 LOWER, UPPER = 0.05, 0.95
@@ -132,6 +133,55 @@ def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array)
                 coordinate, mean[index - 1 : index + 1], covariance[index - 1 : index + 1, index - 1 : index + 1]
             )
     return tuple(found)
+
+
+LEAST_CORRELATION = 0.01
+"""Weaker ones are left out."""
+_SHRINKAGES = (0.0, 1e-3, 1e-2, 0.1, 1.0)
+
+
+def correlations(coordinates: Sequence[Coordinate], mean: Array, covariance: Array) -> tuple[Correlation, ...]:
+    """Return the correlations of the parameters that `estimates` gives, of the normals that they are drawn from.
+
+    They are rounded to three digits, and made smaller together where no distribution has them so.
+
+    Parameters
+    ----------
+    coordinates, mean, covariance
+        See `estimates`.
+    """
+    if len(coordinates) < 2:
+        return ()
+    names = [f"{each.effect}.{each.name}" for each in estimates(coordinates, mean, covariance)]
+    rows = _derivatives(coordinates, mean)
+    spread = rows @ covariance @ rows.T
+    sd = np.sqrt(np.maximum(np.diag(spread), 0.0))
+    known = np.outer(sd, sd)
+    rho = np.where(known > 0.0, spread / np.where(known > 0.0, known, 1.0), 0.0)
+    for shrinkage in _SHRINKAGES:
+        pairs = tuple(
+            Correlation((names[i], names[j]), value)
+            for i in range(len(names))
+            for j in range(i)
+            if abs(value := round(float((1.0 - shrinkage) * rho[i, j]), 3)) >= LEAST_CORRELATION
+        )
+        if is_joint(pairs):
+            break
+    return pairs
+
+
+def _derivatives(coordinates: Sequence[Coordinate], mean: Array) -> Array:
+    """Derivatives of the parameters by the coordinates, of a shape of its logarithm, shape (parameters, k)."""
+    rows: list[Array] = []
+    identity = np.eye(len(coordinates))
+    for index, coordinate in enumerate(coordinates):
+        if coordinate.kind in ("strength", "shape"):
+            rows.append(identity[index])
+        elif coordinate.kind == "sine":
+            cosine, sine = mean[index - 1 : index + 1] / max(float(np.hypot(*mean[index - 1 : index + 1])), 1e-12)
+            rows.append(cosine * identity[index - 1] + sine * identity[index])
+            rows.append(cosine * identity[index] - sine * identity[index - 1])
+    return np.array(rows)
 
 
 def _polar(coordinate: Coordinate, pair: NDArray[np.float64], covariance: Array) -> list[ParameterEstimate]:

@@ -115,8 +115,8 @@ class DataKind(ABC):
         """Return the mission file's data with the causes of a fit written into them."""
 
     @abstractmethod
-    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
-        """Return what the planner would choose with the base and with the extended mission: see `plan_gain`."""
+    def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
+        """Return what the planner would choose with the mission given and with the extended one: see `plan_gain`."""
 
     def calibration(self, best: CauseFit) -> dict[str, float]:
         """Return the base model's nuisance parameters as fitted, and what else the reader may set beside them."""

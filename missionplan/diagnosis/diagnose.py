@@ -9,9 +9,9 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.datasets.reading import files_outside
 from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.explanations import hypotheses, mission_in_doubt, odds, weighed
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.judgement import Judgement, judge
-from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.diagnosis.next_trial.next_trial import next_trial as value_trials
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.result_builder import group_scores, ranked_sets
@@ -88,16 +88,18 @@ class _Wanted:
 
 def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wanted, stage: "_Stages") -> Diagnosis:
     started = time.perf_counter()
-    bound = bind_dataset(dataset, mission, seed)
+    explanations = weighed(mission, dataset, seed, jobs)
+    bound = explanations[0].bound
     stage()
     found = run_pipeline(bound.model, lambda what, done, of: stage(), jobs)
     judgement = judge(bound, found)
     scale = judgement.coverage.scale if judgement.coverage is not None else 1.0
-    extended = bound.extended_mission(bound.widened(found.best, scale))
+    believed = hypotheses(explanations, found, judgement, scale)
+    extended = mission_in_doubt(believed)
     stage()
     separated = _separated(bound, found, judgement, jobs)
     stage()
-    decision = bound.plan_gain(extended, seed=seed, jobs=jobs) if wanted.plan else PlanGain()
+    decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if wanted.plan else PlanGain()
     trial = value_trials(bound, found, judgement, scale, seed) if wanted.next_trial else None
     provenance = Provenance(
         command="diagnose",
@@ -111,7 +113,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
         notices=(*mission.notices(), *bound.data.notices),
     )
     result = _result(provenance, bound, found, judgement, separated, decision, extended)
-    return replace(result, next_trial=trial)
+    return replace(result, next_trial=trial, explanations=odds(explanations, believed))
 
 
 def _separated(bound: DataKind, found: PipelineResult, judgement: Judgement, jobs: int) -> tuple[Discrimination, ...]:

@@ -2,14 +2,18 @@
 
 import copy
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from missionplan.effects import CATALOGUE
+from missionplan.montecarlo.draws import Correlation
 from missionplan.results.evidence import ParameterEstimate
 
 
 def extended_mission(
-    raw: Mapping[str, object], found: Sequence[ParameterEstimate], calibration: Mapping[str, float]
+    raw: Mapping[str, object],
+    found: Sequence[ParameterEstimate],
+    calibration: Mapping[str, float],
+    correlations: Sequence[Correlation] = (),
 ) -> dict[str, object]:
     """Write the causes into a mission's data.
 
@@ -21,16 +25,38 @@ def extended_mission(
         Parameters of the causes, and of the mission's own effects as they are known now.
     calibration : mapping
         Nuisance parameters as fitted; ``sigma_v_m_s`` replaces the mission's where it has a sigma.
+    correlations : sequence of Correlation
+        Of the causes' parameters, named ``effect.parameter``.
     """
     mission = copy.deepcopy(dict(raw))
     effects = _with_found(mission.get("effects"), found)
     if effects:
         mission["effects"] = effects
+    together = _with_correlations(mission.get("correlations"), correlations, {estimate.effect for estimate in found})
+    if together:
+        mission["correlations"] = together
     navigation = mission.get("navigation")
     error = navigation.get("velocity_error") if isinstance(navigation, dict) else None
     if isinstance(error, dict) and "sigma" in error and "sigma_v_m_s" in calibration:
         error["sigma"] = f"{calibration['sigma_v_m_s']:.4g} m/s"
     return mission
+
+
+def _with_correlations(given: object, found: Sequence[Correlation], effects: Collection[str]) -> list[object]:
+    """Correlations of the mission, but for those of parameters of the effects found, then theirs."""
+    names = tuple(f"effects.{effect}." for effect in effects)
+    kept = [
+        entry
+        for entry in (given if isinstance(given, list) else [])
+        if not any(str(name).startswith(names) for name in entry["between"])
+    ]
+    written = [
+        correlation for correlation in found if {name.split(".")[0] for name in correlation.between} <= set(effects)
+    ]
+    return kept + [
+        {"between": [f"effects.{name}" for name in correlation.between], "rho": correlation.rho}
+        for correlation in written
+    ]
 
 
 def _with_found(given: object, found: Sequence[ParameterEstimate]) -> list[object]:

@@ -22,6 +22,8 @@ class Judgement:
         Sets that hold 95 % of the probability, and those that the data cannot separate from the claimed one.
     rivals : tuple
         Sets within 3 nats of the claimed one, and those.
+    inseparable : tuple
+        Those.
     not_constant : tuple of str
         Claimed causes that do not hold still.
     none_of_these : float
@@ -33,6 +35,7 @@ class Judgement:
     verdict: Verdict
     credible_set: tuple[Causes, ...]
     rivals: tuple[Causes, ...]
+    inseparable: tuple[Causes, ...]
     not_constant: Causes
     none_of_these: float
     coverage: Coverage | None
@@ -49,6 +52,7 @@ def judge(bound: DataKind, found: PipelineResult) -> Judgement:
         bound.limited_verdict(verdict),
         tuple(dict.fromkeys((*found.credible_set, *inseparable))),
         tuple(dict.fromkeys((*rivals, *inseparable))),
+        inseparable,
         not_constant,
         none_of_these(found.discrepancy, found.selection.catalogue),
         interval_coverage(_held_out(found)),

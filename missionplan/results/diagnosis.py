@@ -11,6 +11,7 @@ from missionplan.results.evidence import (
     Causes,
     Coverage,
     Discrepancy,
+    ExplanationOdds,
     GroupScore,
     NextMeasurement,
     ParameterEstimate,
@@ -103,6 +104,8 @@ class Diagnosis(Result):
         The mission's data with the causes as effects.
     next_trial : NextTrial or None
         The trial worth making next, where it was asked for.
+    explanations : tuple of ExplanationOdds
+        What is in doubt, as that mission carries it; empty where nothing is.
     """
 
     report: ClassVar[str] = "diagnosis.page"
@@ -135,6 +138,7 @@ class Diagnosis(Result):
     residuals: pd.DataFrame
     extended: Mapping[str, object]
     next_trial: NextTrial | None = None
+    explanations: tuple[ExplanationOdds, ...] = ()
 
     @property
     def best(self) -> RankedSet | None:
@@ -177,6 +181,7 @@ class Diagnosis(Result):
             "failures": dict(self.failures),
             "extended_mission": "mission.yaml",
             "confirmed": self._confirmed_summary(),
+            "explanations": [each.summary() for each in self.explanations],
             "changed": bool(self.changed),
             "not_constant": list(self.not_constant),
             "none_of_these": self.none_of_these,

@@ -107,6 +107,30 @@ class Coverage:
 
 
 @dataclass(frozen=True)
+class ExplanationOdds:
+    """One of several explanations, as the extended mission carries them.
+
+    Attributes
+    ----------
+    causes : tuple of str
+        Its effects; empty where none of the others holds.
+    prior : float or None
+        Probability in the mission given; None where that had no doubt.
+    probability : float
+        After the data.
+    """
+
+    causes: Causes
+    prior: float | None
+    probability: float
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``explanations``."""
+        before = {} if self.prior is None else {"prior": self.prior}
+        return {"causes": list(self.causes), **before, "probability": self.probability}
+
+
+@dataclass(frozen=True)
 class RankedSet:
     """A set of causes in the ranking.
 

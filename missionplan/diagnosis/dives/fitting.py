@@ -10,7 +10,7 @@ from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import estimates, is_possible
+from missionplan.diagnosis.coordinates import correlations, estimates, is_possible
 from missionplan.diagnosis.dives.forward import parameter_range
 from missionplan.diagnosis.dives.likelihood import DescentLikelihood, NoiseGridLikelihood
 from missionplan.diagnosis.dives.linearised import DIFFERENCE, DiveLinearisation
@@ -128,14 +128,17 @@ class DescentFitting(DescentLikelihood):
         best = int(np.argmax(logs))
         free, marginal = self.free(causes), marginals[best]
         covariance, mean = marginal.covariance, linear.centre + marginal.mean
-        found = estimates([self.coordinates[i] for i in free], mean[free], covariance[np.ix_(free, free)])
+        posterior = [self.coordinates[i] for i in free], mean[free], covariance[np.ix_(free, free)]
+        found, together = estimates(*posterior), correlations(*posterior)
         possible = is_possible(found) and all(map(self._has_changed, found)) and self._is_inside(causes, linear.at)
         state = DescentState(linear, likelihood, best, scales.sd, marginal)
         given: list[ParameterEstimate] = []
         for each in held(self.given, causes):
             own = self.places(each)
             given += each.posterior(mean[own], covariance[np.ix_(own, own)])
-        return CauseFit(causes, float(logsumexp(logs)), found, _calibration(best), possible, state, tuple(given))
+        return CauseFit(
+            causes, float(logsumexp(logs)), found, _calibration(best), possible, state, tuple(given), together
+        )
 
     def _has_changed(self, estimate: ParameterEstimate) -> bool:
         """Whether a strength's 90 % interval excludes what the mission has; else its evidence is a linearisation's."""

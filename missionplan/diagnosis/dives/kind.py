@@ -65,8 +65,9 @@ class DescentKind(DataKind):
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
         """Write the causes as effects."""
-        return extended_mission(self.mission.raw, (*best.given, *best.estimates), best.calibration)
+        found = (*best.given, *best.estimates)
+        return extended_mission(self.mission.raw, found, best.calibration, best.correlations)
 
-    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
+    def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen."""
-        return plan_gain(anchor_choice, self.mission, extended, seed=seed, jobs=jobs)
+        return plan_gain(anchor_choice, base, extended, seed=seed, jobs=jobs)

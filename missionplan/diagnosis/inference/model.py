@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
+from missionplan.montecarlo.draws import Correlation
 from missionplan.results.evidence import Causes, ParameterEstimate
 
 FitRequest = tuple[Causes, Sequence["CauseFit"]]
@@ -40,6 +41,8 @@ class CauseFit:
         The model's own: linearisation, posterior and what else it needs to go on from here.
     given : tuple of ParameterEstimate
         The mission's own effects after this record; those among the causes or replaced by one are left out.
+    correlations : tuple of Correlation
+        Of the causes' parameters, named ``effect.parameter``.
     """
 
     causes: Causes
@@ -49,6 +52,7 @@ class CauseFit:
     possible: bool
     state: Any
     given: tuple[ParameterEstimate, ...] = ()
+    correlations: tuple[Correlation, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ def extended_transit_mission(raw: Mapping[str, object], best: CauseFit, data: Tr
         Gives origin and start to missions that lack them: the phases of currents refer to them.
     """
     found = (*best.given, *best.estimates)
-    mission = extended_mission(raw, found, best.calibration)
+    mission = extended_mission(raw, found, best.calibration, best.correlations)
     if not found:
         return mission
     given = mission.get("site")

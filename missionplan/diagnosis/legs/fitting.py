@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate, estimates, is_possible
+from missionplan.diagnosis.coordinates import Coordinate, correlations, estimates, is_possible
 from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
@@ -19,6 +19,7 @@ from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection
 from missionplan.diagnosis.legs.likelihood.modulation import variance_of_mean
 from missionplan.effects import CATALOGUE
+from missionplan.montecarlo.draws import Correlation
 from missionplan.results.evidence import Causes, ParameterEstimate
 
 MAX_LINEARISATIONS = 5
@@ -188,9 +189,9 @@ class TransitFitting(TransitCovariance):
             for h, value in zip(state.hyperparameters, state.posterior.mode, strict=True)
             if not h.effect
         }
-        return CauseFit(
-            causes, evidence, found, calibration, is_possible(found), state, self._given_estimates(causes, state)
-        )
+        together = correlations(own, state.mean[chosen], covariance) + _hyperparameter_correlations(state, causes)
+        given = self._given_estimates(causes, state)
+        return CauseFit(causes, evidence, found, calibration, is_possible(found), state, given, together)
 
     def _from_modulation(self, state: TransitState) -> Array:
         """Covariance of the usual amplitudes about those of this record, of oscillations that are modulated, (k, k)."""
@@ -243,8 +244,17 @@ def _starts(hyperparameters: tuple[Hyperparameter, ...], near: Sequence[TransitS
 
 def _hyperparameter_estimates(state: TransitState, effects: Causes) -> tuple[ParameterEstimate, ...]:
     """Estimates of the hyperparameters that are parameters of some effects."""
+    return estimates(*_posterior_of(state, effects))
+
+
+def _hyperparameter_correlations(state: TransitState, effects: Causes) -> tuple[Correlation, ...]:
+    return correlations(*_posterior_of(state, effects))
+
+
+def _posterior_of(state: TransitState, effects: Causes) -> tuple[list[Coordinate], Array, Array]:
+    """Coordinates of the hyperparameters of some effects, with the mean and the covariance of their posterior."""
     of_effects = enumerate(state.hyperparameters)
     chosen = [i for i, h in of_effects if h.effect in effects and h.name in CATALOGUE[h.effect].parameters]
     own = [state.hyperparameters[i] for i in chosen]
     shapes = [Coordinate(h.effect, h.name, "shape", h.centre, h.spread, 0.0) for h in own]
-    return estimates(shapes, state.posterior.mode[chosen], state.posterior.covariance[np.ix_(chosen, chosen)])
+    return shapes, state.posterior.mode[chosen], state.posterior.covariance[np.ix_(chosen, chosen)]

@@ -67,9 +67,9 @@ class TransitKind(DataKind):
         """Write the causes as effects, with the place and time to which their phases refer."""
         return extended_transit_mission(self.mission.raw, best, self.data)
 
-    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
+    def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the maximum leg lengths chosen."""
-        return plan_gain(leg_length_choice, self.mission, extended, seed=seed, jobs=jobs)
+        return plan_gain(leg_length_choice, base, extended, seed=seed, jobs=jobs)
 
     def widened(self, best: CauseFit, scale: float) -> CauseFit:
         """Return a fit with the velocity error and the random causes scaled."""

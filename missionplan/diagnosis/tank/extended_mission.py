@@ -1,10 +1,11 @@
 """The extended mission of tank data: causes in the vehicle's own keys where it has them, else as effects."""
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from missionplan.datasets.tank import DragSettings, OscillationSettings, TankData
 from missionplan.diagnosis.extended_mission import extended_mission
+from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.tank.free_oscillation import full_size_added_mass
 from missionplan.diagnosis.tank.towed_drag import drag_reynolds
 from missionplan.effects import CATALOGUE
@@ -15,9 +16,7 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.results.evidence import ParameterEstimate
 
 
-def extended_tank_mission(
-    mission: Mission, found: Sequence[ParameterEstimate], calibration: Mapping[str, float], data: TankData
-) -> dict[str, object]:
+def extended_tank_mission(mission: Mission, best: CauseFit, data: TankData) -> dict[str, object]:
     """Write the causes into a mission's data.
 
     What a key of the vehicle file states goes there, at full size: as an effect it would act on a descent's anchor too.
@@ -28,23 +27,23 @@ def extended_tank_mission(
     ----------
     mission : Mission
         The base model.
-    found : sequence of ParameterEstimate
-        Parameters of the causes, and of what the mission knew already as it is known now.
-    calibration : mapping
-        Constants of the base model as fitted.
+    best : CauseFit
+        The causes, and what is known now of what the mission knew already.
     data : TankData
         What was diagnosed.
     """
+    found = (*best.given, *best.estimates)
     carried = {entry.effect for entry in mission.effects}
     keys = {e.effect: CATALOGUE[e.effect].vehicle_key for e in found if e.effect not in carried}
     own = {keys[estimate.effect]: estimate for estimate in found if keys.get(estimate.effect)}
-    extended = extended_mission(mission.raw, [estimate for estimate in found if not keys.get(estimate.effect)], {})
+    others = [estimate for estimate in found if not keys.get(estimate.effect)]
+    extended = extended_mission(mission.raw, others, {}, best.correlations)
     given = extended.get("vehicle")
     if not own or mission.vehicle is None or not isinstance(given, dict):
         return extended
     vehicle, settings = copy.deepcopy(given), data.settings
     if isinstance(settings, DragSettings):
-        vehicle["drag"] = _drag(mission.vehicle, settings, own, calibration, data)
+        vehicle["drag"] = _drag(mission.vehicle, settings, own, best.calibration, data)
     if isinstance(settings, OscillationSettings) and "added_mass.surge" in own:
         estimate = own["added_mass.surge"]
         surge, sd = full_size_added_mass(settings, mission.vehicle, estimate.value, estimate.sd)

@@ -13,6 +13,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import (
     Coordinate,
     coordinates_of,
+    correlations,
     estimates,
     is_possible,
     parameters_from,
@@ -165,9 +166,10 @@ class TankFitting:
         likely = int(np.argmax(logs))
         residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[likely])
         state = TankState(best.at, residuals, best.jacobian, active, factor, marginals[likely])
-        found = self._estimates(causes, state)
+        posterior = self._posterior(causes, state)
+        found, together = estimates(*posterior), correlations(*posterior)
         evidence, possible, given = float(logsumexp(logs)), is_possible(found), self._given_estimates(causes, state)
-        return CauseFit(causes, evidence, found, self._calibration(state), possible, state, given)
+        return CauseFit(causes, evidence, found, self._calibration(state), possible, state, given, together)
 
     def _search(self, causes: Causes, starts: Sequence[Start]) -> list[GaussNewtonResult]:
         """Search from every start; each is a group of its own, so that none is abandoned."""
@@ -227,11 +229,11 @@ class TankFitting:
         logs = self.noise_log_prior + np.array([each.log_density for each in found])
         return logs, [replace(each, mean=prior.centre + each.mean) for each in found]
 
-    def _estimates(self, causes: Causes, state: TankState) -> tuple[ParameterEstimate, ...]:
-        """Parameters of the causes."""
+    def _posterior(self, causes: Causes, state: TankState) -> tuple[list[Coordinate], Array, Array]:
+        """Coordinates of the causes, with the mean and the covariance of their posterior."""
         rows = [k for k, index in enumerate(state.active) if self.is_of(causes, int(index))]
         chosen = [self.coordinates[int(state.active[k]) - self.fixed] for k in rows]
-        return estimates(chosen, state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)])
+        return chosen, state.marginal.mean[rows], state.marginal.covariance[np.ix_(rows, rows)]
 
     def _given_estimates(self, causes: Causes, state: TankState) -> tuple[ParameterEstimate, ...]:
         """What is known after these data of the effects that the mission knew, those that changed left out."""

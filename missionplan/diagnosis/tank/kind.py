@@ -61,11 +61,11 @@ class TankKind(DataKind):
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
         """Write the causes into the vehicle where it has keys for them, else as effects."""
-        return extended_tank_mission(self.mission, (*best.given, *best.estimates), best.calibration, self.data)
+        return extended_tank_mission(self.mission, best, self.data)
 
-    def plan_gain(self, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
+    def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the anchors chosen, where the mission has a mooring and an anchor."""
         vehicle = self.mission.vehicle
         if not (self.mission.moors and vehicle and vehicle.anchor):
             return PlanGain(reason="no mooring's anchor, whose choice the tank's data could change")
-        return plan_gain(anchor_choice, self.mission, extended, seed=seed, jobs=jobs)
+        return plan_gain(anchor_choice, base, extended, seed=seed, jobs=jobs)

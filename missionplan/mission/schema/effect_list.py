@@ -7,6 +7,9 @@ from missionplan.errors import KeyPath
 from missionplan.montecarlo.distributions import ROUNDING, Quantity, WhichHolds
 from missionplan.montecarlo.draws import Correlation
 
+ONE_OF = "one-of"
+"""Key of a list of explanations."""
+
 
 @dataclass(frozen=True)
 class EffectEntry:

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from missionplan.effects import CATALOGUE
 from missionplan.errors import KeyPath, LocalProblem, did_you_mean, key_path, shown
-from missionplan.mission.schema.effect_list import EffectEntry, EffectList, Explanation, OneOf
+from missionplan.mission.schema.effect_list import ONE_OF, EffectEntry, EffectList, Explanation, OneOf
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import all_invalid, invalid
 from missionplan.mission.units import QuantityError
@@ -15,8 +15,6 @@ from missionplan.montecarlo.draws import Correlation, correlation_problems
 
 _T = TypeVar("_T")
 
-ONE_OF = "one-of"
-"""Key of a list of explanations."""
 _EXPLANATION = ("probability", "effects", "correlations")
 _EACH = "each as `effect-id: {parameter: quantity}`"
 _PROBABILITY = QuantityParser("", low=0.0, high=1.0, open_low=True, fixed=True)

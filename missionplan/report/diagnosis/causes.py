@@ -8,6 +8,8 @@ from missionplan.results.diagnosis import Diagnosis
 from missionplan.results.evidence import Causes, ParameterEstimate
 
 _DESCRIBED = 5
+MOST_CERTAIN = 0.999
+"""Probability beyond which it is not told more exactly: the models are approximate."""
 
 
 def names(causes: Causes) -> str:
@@ -30,6 +32,29 @@ def _found(cause: str, sizes: Mapping[tuple[str, str], float]) -> str:
 
 def _enumerated(words: Sequence[str]) -> str:
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + f" and {words[-1]}" if words else "no cause"
+
+
+def explanations_in_words(diagnosis: Diagnosis) -> str:
+    """Write what is in doubt, with its probabilities; empty where nothing is."""
+    told = [
+        f"{names(each.causes) if each.causes else 'none of them'} {percent(each.probability)}"
+        + ("" if each.prior is None else f" (was {percent(each.prior)})")
+        for each in diagnosis.explanations
+    ]
+    if not told:
+        return ""
+    if any(each.prior is not None for each in diagnosis.explanations):
+        return f"Of the mission's explanations the probabilities are now: {', '.join(told)}."
+    return f"It carries the doubt, each trial drawing which explanation holds: {', '.join(told)}."
+
+
+def percent(probability: float) -> str:
+    """Write a probability, which is never certain."""
+    if probability > MOST_CERTAIN:
+        return f"> {100.0 * MOST_CERTAIN:.1f} %"
+    if probability < 1.0 - MOST_CERTAIN:
+        return f"< {100.0 * (1.0 - MOST_CERTAIN):.1f} %"
+    return f"{100.0 * probability:.1f} %"
 
 
 def causes_section(diagnosis: Diagnosis) -> list[PageSection]:

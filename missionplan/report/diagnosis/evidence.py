@@ -3,16 +3,13 @@
 import math
 from collections.abc import Sequence
 
-from missionplan.report.diagnosis.causes import names
+from missionplan.report.diagnosis.causes import names, percent
 from missionplan.report.diagnosis.figures import held_out_figure, ranking_figure
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.numbers import number
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.results.diagnosis import Diagnosis
 from missionplan.results.evidence import ParameterEstimate, RankedSet
-
-MOST_CERTAIN = 0.999
-"""Probability beyond which it is not told more exactly: the models are approximate."""
 
 
 def ranking_section(diagnosis: Diagnosis) -> PageSection:
@@ -28,7 +25,7 @@ def ranking_section(diagnosis: Diagnosis) -> PageSection:
         "few sets by importance sampling, which does not linearise. The score takes off 3 for each cause beyond the "
         "first. The posterior is the probability among the sets tried, when each cause was equally likely before; "
         "supersets of the best set have none. The probabilities are conditional on the catalogue: that something is "
-        f"left which none of these explains has a probability of {_percent(diagnosis.none_of_these)}."
+        f"left which none of these explains has a probability of {percent(diagnosis.none_of_these)}."
     )
     table = Table(columns, rows, "Sets of causes, best first.")
     return PageSection(heading, [ranking_figure(diagnosis), table, meaning, _parameters(best)])
@@ -43,7 +40,7 @@ def ranking_rows(ranking: Sequence[RankedSet]) -> tuple[list[str], list[list[str
             f"{entry.log_bayes_factor:.1f}",
             "" if entry.importance is None else f"{entry.importance:.1f}",
             f"{entry.score:.1f}",
-            "" if entry.posterior is None else _percent(entry.posterior),
+            "" if entry.posterior is None else percent(entry.posterior),
             "" if entry.held_out is None else str(entry.held_out),
             f"{100.0 * entry.share_explained:.0f} %",
         ]
@@ -59,15 +56,6 @@ def _parameters(best: RankedSet) -> Table:
     ]
     caption = "Parameters of the first set, with 90 % intervals."
     return Table(["Parameter", "Value", "90 % interval", "Unit"], rows, caption)
-
-
-def _percent(probability: float) -> str:
-    """Write a probability, which is never certain."""
-    if probability > MOST_CERTAIN:
-        return f"> {100.0 * MOST_CERTAIN:.1f} %"
-    if probability < 1.0 - MOST_CERTAIN:
-        return f"< {100.0 * (1.0 - MOST_CERTAIN):.1f} %"
-    return f"{100.0 * probability:.1f} %"
 
 
 def known_section(diagnosis: Diagnosis) -> list[PageSection]:

@@ -4,7 +4,7 @@ import math
 import shlex
 
 from missionplan.effects import CATALOGUE
-from missionplan.report.diagnosis.causes import causes_section, found_causes, names
+from missionplan.report.diagnosis.causes import causes_section, explanations_in_words, found_causes, names
 from missionplan.report.diagnosis.discrepancy import discrepancy_section, resemblance
 from missionplan.report.diagnosis.evidence import (
     claimed_parameters,
@@ -170,13 +170,16 @@ def _next_words(diagnosis: Diagnosis) -> list[str]:
             "The extended mission, mission.yaml in this folder, carries the causes as effects with their "
             "uncertainties. simulate, size-anchor and sweep-dmax run it as it is."
         )
+    if told := explanations_in_words(diagnosis):
+        words.append(told)
+    if diagnosis.causes:
         words += plan_words(diagnosis)
     words += [_measurement_words(entry) for entry in diagnosis.next_measurements]
     if diagnosis.outlying_groups:
         listed = ", ".join(f"{group} (p = {p_value:.1g})" for group, p_value in diagnosis.outlying_groups)
         words.append(f"Check these parts of the record, which the rest does not predict: {listed}. A wrong label?")
     if diagnosis.verdict == "adequate":
-        words.append(_KEEP_KNOWN if diagnosis.confirmed else _KEEP)
+        words.append(_KEEP_KNOWN if diagnosis.confirmed or diagnosis.explanations else _KEEP)
     if diagnosis.verdict == "unexplained":
         words.append("Look for what changed along that axis; on this evidence no cause of the catalogue can be named.")
     return words

@@ -1,0 +1,280 @@
+"""Missions that carry a doubt, into a diagnosis and out of it: one plain mission an explanation, and back to one.
+
+Prior odds of the explanations are their probabilities in the mission; their evidence is that of the base model, which
+has their effects with the distributions as the priors of their parameters. So each keeps its Occam factor, and on the
+data that it was made from a mission gains no cause.
+"""
+
+import copy
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.inference.fitting import fitted
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit
+from missionplan.diagnosis.inference.posterior import CREDIBLE
+from missionplan.diagnosis.judgement import Judgement
+from missionplan.diagnosis.kinds import bind_dataset
+from missionplan.diagnosis.pipeline import PipelineResult
+from missionplan.errors import RunError
+from missionplan.mission import Mission
+from missionplan.mission.schema.effect_list import ONE_OF
+from missionplan.results.evidence import Causes, ExplanationOdds
+
+MOST = 12
+"""Combinations of explanations that are compared, the likeliest."""
+DIGITS = 4
+"""Of a probability in a mission file."""
+_ROOT = "effects."
+
+
+@dataclass(frozen=True)
+class Explained:
+    """A mission under one explanation of each of its doubts.
+
+    Attributes
+    ----------
+    prior : float
+        Probability of the combination, of those compared.
+    causes : tuple of str
+        Effects of the explanations; empty where none holds.
+    mission : Mission
+        With these effects as plain ones.
+    """
+
+    prior: float
+    causes: Causes
+    mission: Mission
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """An explanation of a mission laid against a data set.
+
+    Attributes
+    ----------
+    explained : Explained
+    bound : DataKind
+        The data set, bound to its mission.
+    base : CauseFit or None
+        Its base model fitted; None where the mission has no doubt.
+    probability : float
+        After the data: prior times evidence.
+    """
+
+    explained: Explained
+    bound: DataKind
+    base: CauseFit | None
+    probability: float
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """What may hold after a diagnosis.
+
+    Attributes
+    ----------
+    causes : tuple of str
+        Effects of the mission's explanation, and those found beyond it.
+    probability : float
+    extended : mapping
+        Data of the mission under it.
+    """
+
+    causes: Causes
+    probability: float
+    extended: Mapping[str, object]
+
+
+def explained_missions(mission: Mission) -> tuple[Explained, ...]:
+    """Return the mission under each combination of its explanations, the likeliest first; itself where it has none."""
+    if not mission.doubts:
+        return (Explained(1.0, (), mission),)
+    combinations = product(*(range(len(doubt.probabilities)) for doubt in mission.doubts))
+    found = sorted((_prior(mission, numbers), numbers) for numbers in combinations)[-MOST:][::-1]
+    total = sum(prior for prior, _ in found)
+    return tuple(
+        Explained(
+            prior / total,
+            tuple(name for doubt, number in zip(mission.doubts, numbers, strict=True) for name in doubt.causes[number]),
+            Mission.from_data(_plain(mission, numbers), file=mission.file),
+        )
+        for prior, numbers in found
+    )
+
+
+def _prior(mission: Mission, numbers: Sequence[int]) -> float:
+    return math.prod(doubt.probabilities[number] for doubt, number in zip(mission.doubts, numbers, strict=True))
+
+
+def _plain(mission: Mission, numbers: Sequence[int]) -> dict[str, object]:
+    """Data of a mission with the explanations that hold as plain effects."""
+    data, chosen = copy.deepcopy(dict(mission.raw)), iter(numbers)
+    effects: list[object] = []
+    correlations = _items(data, "correlations")
+    for item in _items(data, "effects"):
+        explanations = item.get(ONE_OF)
+        if explanations is None:
+            effects.append(item)
+        elif (number := next(chosen)) < len(explanations):
+            effects += explanations[number]["effects"]
+            correlations += [_renamed(pair, "", _ROOT) for pair in explanations[number].get("correlations", [])]
+    return data | {"effects": effects} | ({"correlations": correlations} if correlations else {})
+
+
+def _items(data: Mapping[str, object], key: str) -> list[Any]:
+    """Items of a list of a mission that has been read: mappings of known keys."""
+    given = data.get(key)
+    return list(given) if isinstance(given, list) else []
+
+
+def _renamed(pair: Mapping[str, Any], old: str, new: str) -> dict[str, object]:
+    """A correlation with the beginning of its names changed."""
+    return {"between": [f"{new}{name.removeprefix(old)}" for name in pair["between"]], "rho": pair["rho"]}
+
+
+def weighed(mission: Mission, dataset: Path, seed: int, jobs: int) -> tuple[Weighed, ...]:
+    """Lay a data set against each explanation of a mission, the likeliest after the data first.
+
+    Raises
+    ------
+    InputError
+        As `bind_dataset` does.
+    RunError
+        When no explanation's base model can be fitted.
+    """
+    each = explained_missions(mission)
+    bound = [bind_dataset(dataset, explained.mission, seed) for explained in each]
+    if len(each) == 1:
+        return (Weighed(each[0], bound[0], None, 1.0),)
+    fits = [fitted(one.model, [((), ())], jobs)[0] for one in bound]
+    logs = np.array([_log_weight(explained, fit) for explained, fit in zip(each, fits, strict=True)])
+    if not np.any(np.isfinite(logs)):
+        raise RunError("the base model cannot be fitted with any of the mission's explanations")
+    shares = np.exp(logs - logs.max())
+    found = [
+        Weighed(explained, one, fit, float(share))
+        for explained, one, fit, share in zip(each, bound, fits, shares / shares.sum(), strict=True)
+        if isinstance(fit, CauseFit)
+    ]
+    return tuple(sorted(found, key=lambda one: -one.probability))
+
+
+def _log_weight(explained: Explained, fit: CauseFit | FailedFit) -> float:
+    return -math.inf if isinstance(fit, FailedFit) else math.log(explained.prior) + fit.log_evidence
+
+
+def hypotheses(
+    explanations: Sequence[Weighed], found: PipelineResult, judgement: Judgement, scale: float
+) -> tuple[Hypothesis, ...]:
+    """Return what may hold after a diagnosis, with 95 % of the probability, the likeliest first.
+
+    These are the sets of causes found beside the likeliest explanation, and the other explanations as they are. Sets
+    that the data cannot separate from the claimed one share its probability equally: their prior odds.
+
+    Parameters
+    ----------
+    explanations : sequence of Weighed
+        The likeliest first.
+    found : PipelineResult
+        With that explanation.
+    judgement : Judgement
+    scale : float
+        Of the random errors; see `DataKind.widened`.
+    """
+    first, others = explanations[0], explanations[1:]
+    fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
+    shares = _shares(found, judgement, fits)
+    gain = 0.0 if found.claimed is None else -math.log(max(found.posterior.get((), 0.0), 1e-300))
+    weights = [math.log(first.probability) + gain] + [math.log(max(one.probability, 1e-300)) for one in others]
+    masses = np.exp(np.array(weights) - max(weights))
+    listed = [(first, fits[causes], masses[0] * share) for causes, share in shares.items()]
+    listed += [(one, one.base, mass) for one, mass in zip(others, masses[1:], strict=True) if one.base is not None]
+    kept = _credible(listed)
+    total = sum(weight for *_, weight in kept)
+    return tuple(
+        Hypothesis(
+            (*one.explained.causes, *fit.causes),
+            float(weight / total),
+            one.bound.extended_mission(one.bound.widened(fit, scale)),
+        )
+        for one, fit, weight in kept
+    )
+
+
+def _shares(found: PipelineResult, judgement: Judgement, fits: Collection[Causes]) -> dict[Causes, float]:
+    """Probabilities of the sets found beside the likeliest explanation; one set alone where no other is in question."""
+    if not judgement.rivals:
+        return {found.best.causes: 1.0}
+    shares = {causes: found.posterior.get(causes, 0.0) for causes in judgement.credible_set if causes in fits}
+    alike = [found.best.causes, *(causes for causes in judgement.inseparable if causes in fits)]
+    together = sum(shares.get(causes, 0.0) for causes in alike)
+    return shares | {causes: together / len(alike) for causes in alike}
+
+
+def _credible(listed: Sequence[tuple[Weighed, CauseFit, float]]) -> list[tuple[Weighed, CauseFit, float]]:
+    """The fewest that hold 95 % of the weight, the likeliest first."""
+    ordered = sorted(listed, key=lambda each: -each[2])
+    before = np.cumsum([0.0] + [weight for *_, weight in ordered])
+    return [each for each, sum_before in zip(ordered, before, strict=False) if sum_before < CREDIBLE * before[-1]]
+
+
+def mission_in_doubt(found: Sequence[Hypothesis]) -> dict[str, object]:
+    """Write hypotheses into one mission: what they have in common as plain effects, the rest as explanations.
+
+    Everything but the effects is that of the likeliest. A hypothesis without effects of its own is what the
+    probabilities leave to 1. Hypotheses that differ in the vehicle's own keys, as tank data change them, cannot be
+    written together: the likeliest is written alone.
+    """
+    mission = copy.deepcopy(dict(found[0].extended))
+    lists = [_items(each.extended, "effects") for each in found]
+    common = [entry for entry in lists[0] if all(entry in other for other in lists[1:])]
+    own = [[entry for entry in entries if entry not in common] for entries in lists]
+    differ = any(each.extended.get("vehicle") != mission.get("vehicle") for each in found)
+    if len(found) == 1 or differ or not any(own):
+        return mission
+    probabilities = _rounded([each.probability for each in found])
+    explanations = [
+        _explanation(probability, entries, _items(each.extended, "correlations"))
+        for each, entries, probability in zip(found, own, probabilities, strict=True)
+        if entries and probability > 0.0
+    ]
+    inside = tuple(f"{_ROOT}{name}." for entries in own for entry in entries for name in entry)
+    kept = [pair for pair in _items(mission, "correlations") if not any(n.startswith(inside) for n in pair["between"])]
+    mission.pop("correlations", None)
+    return mission | {"effects": [*common, {ONE_OF: explanations}]} | ({"correlations": kept} if kept else {})
+
+
+def _rounded(probabilities: Sequence[float]) -> list[float]:
+    """Probabilities to four digits, which still sum to 1: the likeliest takes what rounding leaves."""
+    rounded = [round(probability, DIGITS) for probability in probabilities]
+    return [round(1.0 - sum(rounded[1:]), DIGITS), *rounded[1:]]
+
+
+def _explanation(probability: float, entries: Sequence[Any], correlations: Sequence[Any]) -> dict[str, object]:
+    names = {f"{_ROOT}{name}" for entry in entries for name in entry}
+    inside = [
+        _renamed(pair, _ROOT, "")
+        for pair in correlations
+        if all(name.rpartition(".")[0] in names for name in pair["between"])
+    ]
+    written: dict[str, object] = {"probability": probability, "effects": list(entries)}
+    return written | ({"correlations": inside} if inside else {})
+
+
+def odds(explanations: Sequence[Weighed], found: Sequence[Hypothesis]) -> tuple[ExplanationOdds, ...]:
+    """Return what is in doubt after a diagnosis, the likeliest first: the mission's explanations, else what was found.
+
+    Empty where nothing is.
+    """
+    if len(explanations) > 1:
+        return tuple(
+            ExplanationOdds(each.explained.causes, each.explained.prior, each.probability) for each in explanations
+        )
+    return tuple(ExplanationOdds(each.causes, None, each.probability) for each in found) if len(found) > 1 else ()
