@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from missionplan.mission import Mission, load
     from missionplan.studies.anchor.size_anchor import size_anchor
     from missionplan.studies.comparison.compare import compare
+    from missionplan.studies.exploration.explore import explore
     from missionplan.studies.identification.identify import identify
     from missionplan.studies.init import init
     from missionplan.studies.leg_length.plan_legs import plan_legs
@@ -39,6 +40,7 @@ __all__ = [
     "__version__",
     "compare",
     "diagnose",
+    "explore",
     "export",
     "find_rare_failure",
     "identify",
@@ -59,6 +61,7 @@ _MODULES = {
     "Mission": "missionplan.mission",
     "compare": "missionplan.studies.comparison.compare",
     "diagnose": "missionplan.diagnosis.diagnose",
+    "explore": "missionplan.studies.exploration.explore",
     "export": "missionplan.studies.mission_plan.export",
     "find_rare_failure": "missionplan.studies.rare_failure.find_rare_failure",
     "identify": "missionplan.studies.identification.identify",

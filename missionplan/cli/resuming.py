@@ -11,10 +11,10 @@ BLOCKS = "blocks"
 """Folder of finished blocks inside a report folder."""
 
 
-def last_unfinished(stem: str) -> Path:
-    """Find the newest report folder of a mission whose simulation was cut short."""
+def last_unfinished(stem: str, command: str = "simulate") -> Path:
+    """Find the newest report folder of a mission whose run of a command was cut short."""
     parent = Path("reports") / stem
-    for folder in sorted(parent.glob("simulate-*"), reverse=True):
+    for folder in sorted(parent.glob(f"{command}-*"), reverse=True):
         if (folder / BLOCKS).is_dir() and not (folder / "report.html").exists():
             return folder
     raise InputError([Problem("there is no unfinished run to resume", str(parent), hint="--out names its folder")])

@@ -138,7 +138,7 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
         **_events(trials),
         **_limits(trials),
         **failures_by_step(trials),
-        **_requirements(mission, columns),
+        **requirement_flags(mission, columns),
     }
     counts = {name: Count.of(trial) for name, trial in happened.items()}
     sample = _sample(trials, columns) if sampled else {}
@@ -156,8 +156,8 @@ def _events(trials: MissionTrials) -> dict[str, Flags]:
     return {f"{phase.name}.{name}": trial for phase in trials.phases for name, trial in phase.events.items()}
 
 
-def _requirements(mission: Mission, columns: Mapping[str, Array | Flags]) -> dict[str, Flags]:
-    """Trials that meet each requirement."""
+def requirement_flags(mission: Mission, columns: Mapping[str, Array | Flags]) -> dict[str, Flags]:
+    """Trials that meet each requirement, by ``requirement`` and its number."""
     found = {}
     for index, requirement in enumerate(mission.requirements):
         key, unit = requirement_key(mission, requirement.quantity)

@@ -1,0 +1,91 @@
+"""Commands that choose: explore."""
+
+from dataclasses import replace
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from missionplan.cli import options as o
+from missionplan.cli.planning import REQUIREMENT_NOT_MET
+from missionplan.cli.resuming import BLOCKS, discard_blocks, last_unfinished, resume_hint
+from missionplan.cli.running import deliver, new_folder_name, progress_bar
+
+
+class ExplorationAim(StrEnum):
+    """What the best of the cells is."""
+
+    SUCCESS = "success"
+    ENERGY = "energy"
+    DURATION = "duration"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    app.command()(o.with_option_groups(explore))
+
+
+_Vary = Annotated[
+    list[str],
+    typer.Option(
+        metavar="KEY=FROM:TO:STEP",
+        help="What to vary, once or twice: ingress.speed=0.8:2:0.1 m/s; start=04:00:12:00:10 min; "
+        "vehicle=a.yaml,b.yaml; KEY+KEY=… for keys that take the same value.",
+        show_default=False,
+    ),
+]
+_Aim = Annotated[
+    ExplorationAim,
+    typer.Option(help="Best of those that meet all requirements: most often successful, least energy, least time."),
+]
+_Quantities = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--quantity", metavar="NAME", help="Report this too, such as moor.offset; repeatable.", show_default=False
+    ),
+]
+_Resume = Annotated[bool, typer.Option("--resume", help="Go on with the finished blocks of a run cut short.")]
+
+
+def explore(
+    mission: o.MissionFile,
+    vary: _Vary,
+    aim: _Aim = ExplorationAim.SUCCESS,
+    quantity: _Quantities = None,
+    *,
+    run: o.MonteCarloOptions,
+    resume: _Resume = False,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Vary one or two keys of a mission: when to go, how fast, with which line, and what is as good as the best.
+
+    Example: missionplan explore missions/estuary.yaml --vary "start=04:00:14:00:10 min" --trials 2000
+    """
+    from missionplan.mission import load
+    from missionplan.store.folder import check_holds_no_input, check_new_folder
+    from missionplan.studies.exploration.explore import explore
+
+    command = "explore"
+    chosen = last_unfinished if resume else new_folder_name
+    folder = output.out or chosen(mission.stem, command)
+    check_new_folder(folder, force=output.force or resume)
+    loaded = load(mission, allow_outside=allow_outside)
+    check_holds_no_input(folder, loaded.sources)
+    if output.force and not resume:
+        discard_blocks(folder)
+    with resume_hint(folder, resumed=resume), progress_bar(command, shown=not output.quiet) as progress:
+        found = explore(
+            loaded,
+            vary,
+            aim=aim.value,
+            quantities=quantity or (),
+            checkpoint=folder / BLOCKS,
+            resume=resume,
+            progress=progress,
+            **run.arguments(),
+        )
+    discard_blocks(folder)  # of thousands of cells
+    deliver(found, folder, replace(output, force=True))
+    if not found.any_meets_all:
+        raise typer.Exit(REQUIREMENT_NOT_MET)

@@ -1,0 +1,1 @@
+"""Report of `explore`: curves or maps, the best cells, windows and the front."""

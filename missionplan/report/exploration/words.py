@@ -1,0 +1,123 @@
+"""What an exploration found, in sentences."""
+
+from collections.abc import Sequence
+
+from missionplan.report.display_units import unit_for
+from missionplan.report.numbers import percent, with_error
+from missionplan.report.wording import in_words
+from missionplan.results.exploration import Axis, Cell, Exploration, Window
+from missionplan.results.simulation import RequirementOutcome
+
+ENERGY, DURATION = "total.energy_wh", "total.duration_s"
+_MOST_RANGES = 4
+"""Ranges that a sentence lists."""
+
+
+def answer(found: Exploration) -> str:
+    """Write the best cell, what is as good, and where all requirements are met."""
+    best = found.best_cell
+    if best is None:
+        return "No cell can be compared: no trial reaches what is asked for."
+    sentences = [
+        *_unmet(found, best),
+        f"{_best_in_words(found, best)}: {_what_it_gives(found, best)}.",
+        _as_good(found),
+        _windows(found),
+        _invalid(found),
+    ]
+    return " ".join(filter(None, sentences))
+
+
+def name_of(axis: Axis) -> str:
+    """Write what is varied: ``speed (ingress)``."""
+    return " and ".join(in_words(key) for key in axis.keys)
+
+
+def place_in_words(found: Exploration, cell: Cell) -> str:
+    """Write a cell's values: ``05:50 UTC and 1.4 m/s``."""
+    return " and ".join(axis.shown(index) for axis, index in zip(found.axes, cell.place, strict=True))
+
+
+def quantity_with_error(found: Exploration, cell: Cell, key: str) -> str:
+    """Write the mean of a cell's quantity with its error."""
+    statistic = cell.quantities[key]
+    phase, _, name = key.rpartition(".")
+    unit = unit_for(phase, name, found.provenance.data, typical=statistic.mean)
+    return with_error(statistic.mean, statistic.standard_error, unit)
+
+
+def _unmet(found: Exploration, best: Cell) -> list[str]:
+    if found.constrained or not found.has_requirements:
+        return []
+    what = " and ".join(name_of(axis) for axis in found.axes)
+    missed = [item for item in best.requirements if not item.met]
+    return [f"No {what} tried meets all requirements; even the best misses {_requirements(missed)}."]
+
+
+def _requirements(items: Sequence[RequirementOutcome]) -> str:
+    parts = [
+        f"the {in_words(item.quantity)} ({percent(item.probability)}, {100.0 * item.required:g}\u00a0% required)"
+        for item in items
+    ]
+    return " and ".join(parts)
+
+
+def _best_in_words(found: Exploration, best: Cell) -> str:
+    what = " and ".join(name_of(axis) for axis in found.axes)
+    plural = "are" if len(found.axes) > 1 else "is"
+    aim = {"success": "The best", "energy": "For the least energy the best", "duration": "For the least time the best"}
+    return f"{aim[found.aim]} {what} {plural} {place_in_words(found, best)}"
+
+
+def _what_it_gives(found: Exploration, best: Cell) -> str:
+    parts = [f"the mission succeeds with {percent(best.success)}"]
+    for key, words in ((ENERGY, "takes"), (DURATION, "lasts")):
+        if key in best.quantities and best.quantities[key].count:
+            parts.append(f"{words} {quantity_with_error(found, best, key)}")
+    return ", ".join(parts[:-1]) + f" and {parts[-1]}" if len(parts) > 1 else parts[0]
+
+
+def _as_good(found: Exploration) -> str:
+    """Write which cells the trials cannot tell from the best."""
+    count = sum(cell.as_good for cell in found.cells)
+    noise = f"as far as {found.provenance.trials} trials tell"
+    if count < 2:
+        return f"Every other one tried is worse, {noise}."
+    if len(found.axes) == 1:
+        axis = found.axes[0]
+        if axis.numbers is None:
+            others = [
+                axis.labels[cell.place[0]] for cell in found.cells if cell.as_good and cell is not found.best_cell
+            ]
+            return f"As good, {noise}: {', '.join(others)}."
+        return f"Any {name_of(axis)} {ranges_in_words(axis, found.ranges_as_good)} is as good, {noise}."
+    return f"{count} of the {len(found.cells)} cells are as good, {noise}."
+
+
+def _windows(found: Exploration) -> str:
+    if not found.has_requirements or not found.constrained:
+        return ""
+    met = sum(cell.meets_all for cell in found.cells)
+    if len(found.axes) == 1 and found.axes[0].numbers is not None:
+        return f"All requirements are met {ranges_in_words(found.axes[0], found.windows)}."
+    return f"All requirements are met in {met} of the {len(found.cells)} cells."
+
+
+def ranges_in_words(axis: Axis, windows: Sequence[Window]) -> str:
+    """Write ``from 05:10 to 06:40 UTC and at 11:00 UTC``."""
+    parts = [
+        f"at {axis.shown(window.first)}"
+        if window.first == window.last
+        else f"from {axis.labels[window.first]} to {axis.shown(window.last)}"
+        for window in windows[:_MOST_RANGES]
+    ]
+    if len(windows) > _MOST_RANGES:
+        parts.append(f"in {len(windows) - _MOST_RANGES} more ranges")
+    return ", ".join(parts[:-1]) + f" and {parts[-1]}" if len(parts) > 1 else parts[0]
+
+
+def _invalid(found: Exploration) -> str:
+    count = len(found.cells) - len(found.valid)
+    if not count:
+        return ""
+    return f"{count} of the {len(found.cells)} cells cannot be run; the report says why."

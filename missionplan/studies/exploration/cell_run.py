@@ -1,0 +1,98 @@
+"""Blocks of cells from the checkpoint or from the workers, gathered cell by cell."""
+
+import contextlib
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
+from missionplan.store.checkpoints import Checkpoints
+from missionplan.studies.exploration.cells import CellBlock, CellItem, CellTask, InvalidCell
+
+MAX_BLOCKS = 100_000
+"""Blocks of one cell: a checkpoint numbers the blocks of all cells in one sequence."""
+_REASON = "reason"
+
+
+@dataclass(frozen=True)
+class CellTrials:
+    """All trials of a cell, by column; none where it cannot be run, for a reason."""
+
+    columns: Mapping[str, NDArray[np.generic]]
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class CellRun:
+    """Blocks of cells to be run.
+
+    Attributes
+    ----------
+    task : CellTask
+    items : sequence of CellItem
+        In any order; the blocks of a cell ascend.
+    store : Checkpoints or None
+        Where finished blocks are kept.
+    """
+
+    task: CellTask
+    items: Sequence[CellItem]
+    store: Checkpoints | None = None
+
+    def run(
+        self,
+        cells: int,
+        progress: Progress | None = None,
+        *,
+        jobs: int = 1,
+        backend: Backend = "loky",
+        scheduler: str | None = None,
+    ) -> list[CellTrials]:
+        """Run the blocks that are not in the checkpoint, and return the trials of each of so many cells."""
+        gathered: list[list[CellBlock | InvalidCell]] = [[] for _ in range(cells)]
+        total, done = sum(size for _, _, size in self.items), 0
+        with contextlib.closing(self._blocks(jobs, backend, scheduler)) as blocks:
+            if progress is not None:
+                progress(0, total)
+            for item, block in blocks:
+                gathered[item[0]].append(block)
+                done += item[2]
+                if progress is not None:
+                    progress(done, total)
+        return [_joined(blocks) for blocks in gathered]
+
+    def _blocks(
+        self, jobs: int, backend: Backend, scheduler: str | None
+    ) -> Generator[tuple[CellItem, CellBlock | InvalidCell], None, None]:
+        numbered = {item: (item[0] * MAX_BLOCKS + item[1], item[2]) for item in self.items}
+        kept = self.store.intact(numbered.values()) if self.store is not None else set()
+        todo = [item for item in self.items if numbered[item] not in kept]
+        with contextlib.closing(run_blocks(self.task, todo, jobs=jobs, backend=backend, scheduler=scheduler)) as fresh:  # type: ignore[type-var]
+            for item in self.items:
+                block = self._stored(numbered[item]) if numbered[item] in kept else None
+                if block is None:
+                    block = self.task(item) if numbered[item] in kept else next(fresh)
+                    self._keep(numbered[item], block)
+                yield item, block
+
+    def _stored(self, number: tuple[int, int]) -> CellBlock | InvalidCell | None:
+        """Return a finished block; None where it has been damaged or taken away."""
+        arrays = self.store.read(*number) if self.store is not None else None
+        if arrays is None:
+            return None
+        return InvalidCell(str(arrays[_REASON])) if _REASON in arrays else CellBlock(arrays)
+
+    def _keep(self, number: tuple[int, int], block: CellBlock | InvalidCell) -> None:
+        if self.store is not None:
+            arrays = block.columns if isinstance(block, CellBlock) else {_REASON: np.array(block.reason)}
+            self.store.write(*number, arrays)
+
+
+def _joined(blocks: Sequence[CellBlock | InvalidCell]) -> CellTrials:
+    invalid = [block.reason for block in blocks if isinstance(block, InvalidCell)]
+    if invalid:
+        return CellTrials({}, invalid[0])
+    parts = [block.columns for block in blocks if isinstance(block, CellBlock)]
+    return CellTrials({name: np.concatenate([part[name] for part in parts]) for name in parts[0]} if parts else {})

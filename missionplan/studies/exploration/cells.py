@@ -1,0 +1,101 @@
+"""One cell of an exploration: the mission with its values, and a block of its trials."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.errors import InputError, MissionplanError, Problem
+from missionplan.mission import Mission
+from missionplan.scenario.scenario import Scenario
+from missionplan.studies.exploration.key_paths import with_values
+from missionplan.studies.exploration.shared_current import SharedCurrent
+from missionplan.studies.nominal_dive import check_dives
+from missionplan.studies.simulation.block_statistics import requirement_flags
+from missionplan.studies.simulation.checks import check_complete
+from missionplan.studies.simulation.trial_block import run_block
+
+CellItem = tuple[int, int, int]
+"""A cell, a block of its trials, and how many of the block's trials are used."""
+LEFT_RECORD = "left_record"
+SUCCESS = "total.success"
+Columns = Mapping[str, NDArray[np.generic]]
+
+
+@dataclass(frozen=True)
+class InvalidCell:
+    """A cell whose mission cannot be run, and why."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class CellBlock:
+    """A block of a cell's trials: by name `total.success`, each requirement, what left the record, quantities."""
+
+    columns: Columns
+
+
+@dataclass(frozen=True, eq=False)  # hashed by identity, as Dask asks for
+class CellTask:
+    """Runs a block of a cell, in this process or another.
+
+    Attributes
+    ----------
+    data : mapping
+        The base mission's, with included files in their places.
+    cells : sequence of mapping
+        Values by key path that each cell puts in their places.
+    current : SharedCurrent
+    seed : int
+        The same for all cells: common random numbers.
+    quantities : tuple of str
+        Columns to return besides success and requirements, such as ``total.energy_wh``.
+    file : str
+        How messages name the mission.
+    """
+
+    data: Mapping[str, object]
+    cells: Sequence[Mapping[str, object]]
+    current: SharedCurrent
+    seed: int
+    quantities: tuple[str, ...]
+    file: str
+
+    def mission(self, cell: int) -> Mission:
+        """Return the mission of a cell; raises InputError where it is not valid."""
+        return Mission.from_data(with_values(self.data, self.cells[cell]), file=self.file)
+
+    def scenario(self, cell: int) -> Scenario:
+        """Return the mission of a cell at its means, checked."""
+        mission = self.mission(cell)
+        check_complete(mission)
+        means = Scenario.at_means(mission, self.current.for_mission(mission))
+        check_dives(means)
+        return means
+
+    def __call__(self, item: CellItem) -> CellBlock | InvalidCell:
+        """Run one block of a cell; what is wrong with its mission is returned, not raised, so that others go on."""
+        cell, block, size = item
+        try:
+            means = self.scenario(cell)
+            scenario = means.sampled(seed=self.seed, block=block, size=size)
+            trials = run_block(scenario, self.seed, block, size, inputs=False)
+        except InputError as error:
+            return InvalidCell("; ".join(_in_short(problem) for problem in error.problems))
+        except MissionplanError:
+            raise
+        except Exception as error:
+            return InvalidCell(f"block {block}: {type(error).__name__}: {error}")
+        columns = trials.columns()
+        flags = {SUCCESS: trials.success, **requirement_flags(means.mission, columns)}
+        left = [phase.limits[LEFT_RECORD] for phase in trials.phases if LEFT_RECORD in phase.limits]
+        if left and means.current is not None and means.current.is_binding:
+            flags[LEFT_RECORD] = np.any(left, axis=0)
+        return CellBlock(flags | {name: columns[name] for name in self.quantities})
+
+
+def _in_short(problem: Problem) -> str:
+    """Return a problem without the file, which is that of every cell."""
+    return f"{problem.key}: {problem.message}" if problem.key else problem.message

@@ -1,0 +1,206 @@
+"""`explore`: one or two keys of a mission varied on common random numbers, over all cells and blocks."""
+
+import itertools
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+from missionplan.errors import InputError, Problem
+from missionplan.mission import Mission
+from missionplan.mission.checks.requirements import quantity_unit
+from missionplan.mission.units import QuantityError
+from missionplan.montecarlo.parallel_blocks import Backend, Progress
+from missionplan.montecarlo.streams import block_count, block_size
+from missionplan.results.base import Provenance, to_yaml
+from missionplan.results.exploration import Aim, Axis, Cell, Exploration
+from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import with_contents_named
+from missionplan.store.checkpoints import Checkpoints, Identity
+from missionplan.store.paths import as_path
+from missionplan.studies.arguments import check_arguments
+from missionplan.studies.exploration.cell_run import CellRun, CellTrials
+from missionplan.studies.exploration.cells import CellTask
+from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of, find_best
+from missionplan.studies.exploration.shared_current import SharedCurrent
+from missionplan.studies.exploration.variation import OPTION, read_axes
+from missionplan.studies.simulation.block_statistics import requirement_key
+from missionplan.studies.simulation.checks import check_complete, input_notices
+
+MAX_TRIALS = 25_000_000
+"""Trials of all cells together: their results are kept in memory, to be compared pair by pair."""
+_SHOWN = 3
+"""Reasons that a message names where no cell can be run."""
+
+
+def explore(
+    mission: Mission,
+    vary: Sequence[str] | str,
+    *,
+    aim: Aim = "success",
+    quantities: Sequence[str] = (),
+    trials: int | None = None,
+    seed: int | None = None,
+    jobs: int = 1,
+    backend: Backend = "loky",
+    scheduler: str | None = None,
+    checkpoint: str | Path | None = None,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> Exploration:
+    """Vary one or two keys of a mission and find the best cell.
+
+    Every cell has the same random numbers, so that differences between cells are far more precise than the cells.
+
+    Parameters
+    ----------
+    mission : Mission
+    vary : str or sequence of str
+        One or two of ``KEY=FROM:TO:STEP`` and ``KEY=A,B,C``; see `read_axes`.
+    aim : {'success', 'energy', 'duration'}
+        What is best: the greatest P(success); or of the cells that meet all requirements the least mean energy or
+        duration.
+    quantities : sequence of str
+        Reported besides, as requirements name them: ``moor.offset``, ``ingress.arrived``.
+    trials, seed : int, optional
+        Of each cell; default: the mission's.
+    jobs, backend, scheduler
+        See `run_blocks`. The result does not depend on them, to the last bit.
+    checkpoint : str or Path, optional
+        Folder in which finished blocks are kept.
+    resume : bool
+        Continue with the blocks in that folder.
+    progress : callable, optional
+        Called with the trials done and their total.
+
+    Raises
+    ------
+    InputError
+        When an argument is wrong, no cell can be run, or the checkpoint is of another run.
+    RunError
+        When a worker dies, or the checkpoint cannot be written.
+    """
+    started = time.perf_counter()
+    check_arguments(
+        mission, trials=trials, seed=seed, jobs=jobs, one_of={"aim": (aim, ("success", "energy", "duration"))}
+    )
+    axes = read_axes(mission, [vary] if isinstance(vary, str) else list(vary))
+    columns = _columns(mission, quantities)
+    seed = mission.monte_carlo.seed if seed is None else seed
+    trials = mission.monte_carlo.trials if trials is None else trials
+    plan = CellPlan.of(mission, axes, seed, columns)
+    plan.check_size(trials)
+    folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
+    run = CellRun(
+        task=plan.task,
+        items=[(cell, block, block_size(trials, block)) for cell in plan.cells for block in range(block_count(trials))],
+        store=Checkpoints(folder, plan.identity(mission), resume=resume) if folder else None,
+    )
+    found = run.run(len(plan.places), progress, jobs=jobs, backend=backend, scheduler=scheduler)
+    cells = plan.summed_up(mission, found)
+    _check_any_runs(cells)
+    best = find_best(cells, [each.columns for each in found], aim)
+    return Exploration(
+        provenance=Provenance(
+            command="explore",
+            mission=mission.name,
+            file=mission.file,
+            seed=seed,
+            trials=trials,
+            options={"vary": list(vary) if not isinstance(vary, str) else [vary], "aim": aim, "jobs": jobs}
+            | {"quantity": list(quantities)},
+            elapsed_s=time.perf_counter() - started,
+            data=mission.raw,
+            notices=_notices(mission, plan),
+        ),
+        axes=axes,
+        cells=best.cells,
+        aim=aim,
+        best=best.best,
+        constrained=best.constrained,
+    )
+
+
+@dataclass(frozen=True)
+class CellPlan:
+    """The cells to be run and what runs them.
+
+    Attributes
+    ----------
+    task : CellTask
+    places : tuple of tuple of int
+        Index of each cell along each axis.
+    axes : tuple of Axis
+    """
+
+    task: CellTask
+    places: tuple[tuple[int, ...], ...]
+    axes: tuple[Axis, ...]
+
+    @classmethod
+    def of(cls, mission: Mission, axes: tuple[Axis, ...], seed: int, columns: tuple[str, ...]) -> "CellPlan":
+        """Lay out the cells of one or two axes, the last running fastest."""
+        places = tuple(itertools.product(*(range(len(axis.values)) for axis in axes)))
+        values = [
+            {key: axis.values[index] for axis, index in zip(axes, place, strict=True) for key in axis.keys}
+            for place in places
+        ]
+        return cls(CellTask(mission.raw, values, SharedCurrent.of(mission), seed, columns, mission.file), places, axes)
+
+    @property
+    def cells(self) -> range:
+        """Numbers of the cells."""
+        return range(len(self.places))
+
+    def check_size(self, trials: int) -> None:
+        """Refuse more trials than can be kept; raises InputError."""
+        total = math.prod((len(self.places), trials))
+        if total > MAX_TRIALS:
+            message = f"{len(self.places)} cells of {trials} trials are {total:.3g}, expected at most {MAX_TRIALS:.3g}"
+            raise InputError([Problem(message, key="trials", hint="fewer trials, or fewer cells")])
+
+    def identity(self, mission: Mission) -> Identity:
+        """Everything that a finished block depends on; not how many trials there are."""
+        data = {key: value for key, value in mission.raw.items() if key != "monte_carlo"}
+        values = [{"keys": axis.name, "values": list(axis.values)} for axis in self.axes]
+        options = to_yaml({"seed": self.task.seed, "columns": list(self.task.quantities), "vary": values})
+        return Identity(with_contents_named(to_yaml(data), mission), options, version("missionplan"))
+
+    def summed_up(self, mission: Mission, found: Sequence[CellTrials]) -> list[Cell]:
+        """Return the cells with their own numbers."""
+        return [
+            cell_of(place, mission, each.columns, each.reason) for place, each in zip(self.places, found, strict=True)
+        ]
+
+
+def _columns(mission: Mission, quantities: Sequence[str]) -> tuple[str, ...]:
+    """Columns of the trials for the quantities asked for, with energy and duration in front."""
+    problems, found = [], [DURATION, ENERGY]
+    for quantity in quantities:
+        try:
+            quantity_unit(quantity, mission.phases)
+            found.append(requirement_key(mission, quantity)[0])
+        except QuantityError as error:
+            problems.append(Problem(str(error), key="quantity"))
+    if problems:
+        raise InputError(problems)
+    return tuple(dict.fromkeys(found))
+
+
+def _check_any_runs(cells: Sequence[Cell]) -> None:
+    if any(not cell.reason for cell in cells):
+        return
+    reasons = list(dict.fromkeys(cell.reason for cell in cells))
+    shown = "; ".join(reasons[:_SHOWN]) + ("; …" if len(reasons) > _SHOWN else "")
+    raise InputError([Problem(f"none of the {len(cells)} cells can be run: {shown}", key=OPTION)])
+
+
+def _notices(mission: Mission, plan: CellPlan) -> tuple[str, ...]:
+    """Notices of the mission as it is written; of cells, how many cannot be run is in the report."""
+    try:
+        check_complete(mission)
+        return input_notices(mission, Scenario.at_means(mission, plan.task.current.for_mission(mission)))
+    except InputError:
+        return mission.notices()

@@ -1,0 +1,127 @@
+"""Keys of a mission's data by their paths, such as ``ingress.speed``, ``site.current[0].speed``."""
+
+import copy
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import BaseModel
+
+from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.mission import Mission
+from missionplan.mission.schema.effects import EffectEntry
+
+_STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
+_WHOLES = ("vehicle", "start", "site.current", "site.water", "vehicle.anchor")
+"""Keys that may be varied as a whole, besides those that hold one value."""
+
+
+def check_key(mission: Mission, key: str, option: str) -> None:
+    """Refuse a key that the mission does not know.
+
+    Parameters
+    ----------
+    mission : Mission
+    key : str
+    option : str
+        How messages name the place where the key stands.
+
+    Raises
+    ------
+    InputError
+        With the nearest key.
+    """
+    known = known_keys(mission)
+    if key in known or _is_written(mission.raw, key):
+        return
+    hint = did_you_mean(key, known) or "such as start, ingress.speed, moor.line_length: key paths, phases by name"
+    raise InputError([Problem(f"given the key {shown(key)}, which the mission does not have", key=option, hint=hint)])
+
+
+def known_keys(mission: Mission) -> set[str]:
+    """Return the key paths of a mission that hold one value each, given or not, phases by name."""
+    found = set(_WHOLES)
+    for name, value in mission:
+        if name == "entries":
+            for phase in mission.phases:
+                _collect(phase, phase.name, found)
+        elif name not in ("sweep", "requirements", "correlations"):
+            _collect(value, name, found)
+    return found
+
+
+def _collect(value: object, path: str, found: set[str]) -> None:
+    if isinstance(value, EffectEntry):
+        found |= {f"{path}.{value.effect}.{name}" for name in value.parameters}
+    elif isinstance(value, BaseModel):
+        given = type(value).model_fields
+        for name, inner in value:
+            if not given[name].exclude:
+                _collect(inner, f"{path}.{given[name].alias or name}", found)
+    elif isinstance(value, tuple) and any(isinstance(each, BaseModel | EffectEntry) for each in value):
+        for index, inner in enumerate(value):
+            _collect(inner, path if isinstance(inner, EffectEntry) else f"{path}[{index}]", found)
+    else:
+        found.add(path)
+
+
+def with_values(data: Mapping[str, object], values: Mapping[str, object]) -> dict[str, object]:
+    """Return a mission's data with other values at some key paths; sections that are missing are added.
+
+    Raises
+    ------
+    InputError
+        When a path leads through something that is no section.
+    """
+    changed = copy.deepcopy(dict(data))
+    for key, value in values.items():
+        _put(changed, key, copy.deepcopy(value))
+    return changed
+
+
+def _put(data: dict[str, object], key: str, value: object) -> None:
+    section, steps = _within(data, key)
+    try:
+        for step in steps[:-1]:
+            section = section[int(step[1:-1])] if step.startswith("[") else _below(section, step)
+        last = steps[-1]
+        section[int(last[1:-1]) if last.startswith("[") else last] = value
+    except (TypeError, IndexError, KeyError):
+        raise InputError([Problem("leads through a value that has no keys", key=key)]) from None
+
+
+def _below(section: Any, step: str) -> Any:
+    """Return what a key of a section holds; of the list of effects, the parameters of the one of that name."""
+    if isinstance(section, list):
+        return next(entry[step] for entry in section if isinstance(entry, dict) and step in entry)
+    return section.setdefault(step, {})
+
+
+def _within(data: dict[str, object], key: str) -> tuple[Any, list[str]]:
+    """Return the section in which a path begins, the phase's where it begins with the name of one, and its steps."""
+    for name, section in _phases(data):
+        if key.startswith(f"{name}."):
+            return section, _STEP.findall(key.removeprefix(f"{name}."))
+    return data, _STEP.findall(key)
+
+
+def _phases(data: Mapping[str, object]) -> list[tuple[str, Any]]:
+    entries = data.get("phases")
+    sections = [item for entry in entries for item in entry.items()] if isinstance(entries, list) else []
+    return [(str(section.get("name", kind)), section) for kind, section in sections if isinstance(section, dict)]
+
+
+def _is_written(data: Mapping[str, object], key: str) -> bool:
+    """Whether the mission's file has something at a path."""
+    section, steps = _within(dict(data), key)
+    for step in steps:
+        if isinstance(section, list) and step.startswith("["):
+            index = int(step[1:-1])
+            section = section[index] if index < len(section) else None
+        elif isinstance(section, list):
+            section = next((entry[step] for entry in section if isinstance(entry, dict) and step in entry), None)
+        else:
+            section = section.get(step) if isinstance(section, Mapping) else None
+        if section is None:
+            return False
+    return bool(steps)

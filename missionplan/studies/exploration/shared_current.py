@@ -1,0 +1,70 @@
+"""The record of the current that the cells of an exploration share: read once, and moved in time with their start."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+
+from missionplan.mission import Mission
+from missionplan.phases.currents import Current
+from missionplan.phases.recorded_currents import RecordedCurrent
+from missionplan.scenario.site_current import recorded_current
+from missionplan.studies.exploration.key_paths import with_values
+
+
+@dataclass(frozen=True)
+class SharedCurrent:
+    """A record of the current, read for one mission.
+
+    Attributes
+    ----------
+    current : Current or None
+        None where missions have none, or each reads its own.
+    place : mapping
+        What the record depends on besides the start; a mission with anything else reads its own.
+    start : datetime or None
+        Of the mission that it was read for.
+    moves : bool
+        Whether a later start meets a later part of it.
+    """
+
+    current: Current | None
+    place: Mapping[str, object]
+    start: datetime | None
+    moves: bool
+
+    @classmethod
+    def of(cls, mission: Mission) -> "SharedCurrent":
+        """Read a mission's record, and see by a second start whether it is tied to the clock."""
+        current, place = recorded_current(mission), _place(mission)
+        if not isinstance(current, RecordedCurrent) or mission.start is None:
+            return cls(current, place, mission.start, moves=False)
+        hour = timedelta(hours=1)
+        later = Mission.from_data(with_values(mission.raw, {"start": (mission.start + hour).isoformat()}))
+        shifted = recorded_current(later)
+        if not isinstance(shifted, RecordedCurrent) or shifted.time.shape != current.time.shape:
+            return cls(None, {}, None, moves=False)  # cut to the mission's time: each start reads its own part
+        by = current.time - shifted.time
+        if np.allclose(by, hour.total_seconds()):
+            return cls(current, place, mission.start, moves=True)
+        return cls(current, place, mission.start, moves=False)
+
+    def for_mission(self, mission: Mission) -> Current | None:
+        """Return the record as a mission with another start meets it; read anew for a mission at another place."""
+        if _place(mission) != self.place:
+            return recorded_current(mission)
+        current = self.current
+        if not self.moves or not isinstance(current, RecordedCurrent) or mission.start is None or self.start is None:
+            return current
+        later = (_utc(mission.start) - _utc(self.start)).total_seconds()
+        return replace(current, time=current.time - later) if later else current
+
+
+def _place(mission: Mission) -> dict[str, object]:
+    site = mission.raw.get("site")
+    return {key: site.get(key) for key in ("current", "origin", "depth")} if isinstance(site, Mapping) else {}
+
+
+def _utc(moment: datetime) -> datetime:
+    return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)

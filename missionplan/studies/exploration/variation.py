@@ -1,0 +1,189 @@
+"""What is varied: ``ingress.speed=0.8:2:0.1 m/s``, ``start=04:00:12:00:10 min``, ``vehicle=a.yaml,b.yaml``."""
+
+import math
+import re
+from collections.abc import Sequence
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import yaml
+
+from missionplan.errors import InputError, Problem, shown
+from missionplan.mission import Mission
+from missionplan.mission.reading.documents import load_document
+from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.results.exploration import Axis
+from missionplan.studies.exploration.key_paths import check_key
+
+MAX_CELLS = 5000
+OPTION = "vary"
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s:].*?)?\s*")
+_CLOCK = re.compile(r"\s*\d{1,2}:\d{2}(?::\d{2})?\s*")
+_EXAMPLE = "such as ingress.speed=0.8:2:0.1 m/s, start=04:00:12:00:10 min or vehicle=a.yaml,b.yaml"
+
+
+def read_axes(mission: Mission, texts: Sequence[str]) -> tuple[Axis, ...]:
+    """Read one or two variations.
+
+    Parameters
+    ----------
+    mission : Mission
+    texts : sequence of str
+        ``KEY=FROM:TO:STEP`` in the units of the mission file (a bare number takes the unit of the next), or
+        ``KEY=A,B,C``. ``KEY+KEY=…`` gives several keys the same values. Times of `start` are ISO 8601, or a time of
+        the mission's day, or a duration after the mission's own start.
+
+    Raises
+    ------
+    InputError
+        With the first that is wrong in each.
+    """
+    if not 1 <= len(texts) <= 2:
+        raise InputError([Problem(f"given {len(texts)} times, expected once or twice", key=OPTION, hint=_EXAMPLE)])
+    problems: list[Problem] = []
+    axes: list[Axis] = []
+    for text in texts:
+        try:
+            axes.append(read_axis(mission, text))
+        except InputError as error:
+            problems += error.problems
+    cells = math.prod(len(axis.values) for axis in axes)
+    if not problems and cells > MAX_CELLS:
+        problems.append(Problem(f"makes {cells} cells, expected at most {MAX_CELLS}", key=OPTION))
+    if len(axes) == 2 and set(axes[0].keys) & set(axes[1].keys):
+        problems.append(Problem(f"varies {axes[0].name} twice", key=OPTION))
+    if problems:
+        raise InputError(problems)
+    return tuple(axes)
+
+
+def read_axis(mission: Mission, text: str) -> Axis:
+    """Read one variation; see `read_axes`."""
+    name, equals, values = (part.strip() for part in text.partition("="))
+    if not equals or not values:
+        raise _wrong(f"given {shown(text)}, expected KEY=FROM:TO:STEP or KEY=A,B,C", _EXAMPLE)
+    keys = tuple(key.strip() for key in name.split("+"))
+    for key in keys:
+        check_key(mission, key, OPTION)
+    if keys == ("start",):
+        return _times(mission, values)
+    if keys == ("vehicle",):
+        return _vehicles(mission, values)
+    numbered = [_NUMBER.fullmatch(part) for part in re.split(r"[:,]", values)]
+    if ":" in values:
+        if len(numbered) != 3 or None in numbered:
+            raise _wrong(f"given {shown(values)}, expected FROM:TO:STEP, numbers with units", _EXAMPLE)
+        return _range(keys, [match for match in numbered if match])
+    if None in numbered:
+        parts = [part.strip() for part in values.split(",")]
+        return Axis(keys, tuple(yaml.safe_load(part) for part in parts), tuple(parts))
+    return _numbers(keys, [match for match in numbered if match])
+
+
+def _range(keys: tuple[str, ...], matches: Sequence["re.Match[str]"]) -> Axis:
+    numbers, unit = _in_one_unit(matches)
+    first, last, step = numbers
+    return _axis(keys, steps(first, last, step), unit)
+
+
+def _numbers(keys: tuple[str, ...], matches: Sequence["re.Match[str]"]) -> Axis:
+    numbers, unit = _in_one_unit(matches)
+    return _axis(keys, numbers, unit)
+
+
+def _axis(keys: tuple[str, ...], numbers: Sequence[float], unit: str) -> Axis:
+    """Return an axis of numbers with a unit as the mission file takes them; bare whole numbers stay whole."""
+    texts = [f"{number:.10g}" for number in numbers]
+    if unit:
+        values: tuple[object, ...] = tuple(f"{text} {unit}" for text in texts)
+    else:
+        values = tuple(int(number) if float(number).is_integer() else float(number) for number in numbers)
+    return Axis(keys, values, tuple(texts), tuple(float(text) for text in texts), unit)
+
+
+def _in_one_unit(matches: Sequence["re.Match[str]"]) -> tuple[list[float], str]:
+    """Return numbers in the unit of the last; a bare one takes the unit of the next."""
+    unit = last = (matches[-1][2] or "").strip()
+    numbers: list[float] = []
+    for match in reversed(matches):
+        last = (match[2] or last).strip()
+        try:
+            numbers.append(float(match[1]) if last == unit else parse_number_with_unit(f"{match[1]} {last}", unit))
+        except QuantityError as error:
+            raise _wrong(str(error)) from None
+    return numbers[::-1], unit
+
+
+def steps(first: float, last: float, step: float) -> list[float]:
+    """Return the numbers from the first in steps, to the last where a step meets it."""
+    if step == 0.0 or (last - first) / step < 0.0:
+        raise _wrong(f"steps of {step:g} never lead from {first:g} to {last:g}")
+    count = math.floor((last - first) / step + 1e-9)
+    if count >= MAX_CELLS:
+        raise _wrong(f"makes {count + 1} cells, expected at most {MAX_CELLS}")
+    return [first + index * step for index in range(count + 1)]
+
+
+def _times(mission: Mission, values: str) -> Axis:
+    """Read starts: ``FROM:TO:STEP``, whose times have colons themselves, or a list of times."""
+    if mission.start is None:
+        raise _wrong("varies `start`, but the mission has none: what a time means must be known")
+    if "," in values or values.count(":") < 2:
+        moments = [_moment(mission.start, part.strip()) for part in values.split(",")]
+        if None in moments:
+            raise _wrong(f"given {shown(values)}, expected times, such as 04:00,05:30 or 2026-06-01T04:00")
+        return _starts([moment for moment in moments if moment is not None])
+    parts = values.split(":")
+    for second in range(len(parts) - 1, 1, -1):  # the last colon is that before the step
+        step = _seconds(":".join(parts[second:]))
+        for first in range(1, second):
+            begin, end = (_moment(mission.start, ":".join(part)) for part in (parts[:first], parts[first:second]))
+            alike = len(parts[:first]) == len(parts[first:second])
+            if step is not None and begin is not None and end is not None and alike:
+                seconds = steps(0.0, (end - begin).total_seconds(), step)
+                return _starts([begin + timedelta(seconds=each) for each in seconds])
+    raise _wrong(
+        f"given {shown(values)}, expected FROM:TO:STEP", "such as start=04:00:12:00:10 min or =0 h:12 h:15 min"
+    )
+
+
+def _moment(base: datetime, text: str) -> datetime | None:
+    """Return a time: ISO 8601 (UTC unless it says), a time of the mission's day, or a duration after its start."""
+    base = base.replace(tzinfo=UTC) if base.tzinfo is None else base.astimezone(UTC)
+    try:
+        if _CLOCK.fullmatch(text):
+            hour, minute, *rest = (int(part) for part in text.split(":"))
+            return base.replace(hour=hour, minute=minute, second=rest[0] if rest else 0, microsecond=0)
+        if (after := _seconds(text)) is not None:
+            return base + timedelta(seconds=after)
+        moment = datetime.fromisoformat(text.strip())
+    except (ValueError, OverflowError):
+        return None
+    return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
+
+
+def _seconds(text: str) -> float | None:
+    try:
+        return parse_number_with_unit(text.strip(), "s")
+    except QuantityError:
+        return None
+
+
+def _starts(moments: Sequence[datetime]) -> Axis:
+    values = tuple(moment.isoformat() for moment in moments)
+    one_day = len({moment.date() for moment in moments}) == 1
+    labels = tuple(f"{moment:%H:%M}" if one_day else f"{moment:%d %b %H:%M}" for moment in moments)
+    return Axis(("start",), values, labels, tuple(moment.timestamp() for moment in moments), "UTC")
+
+
+def _vehicles(mission: Mission, values: str) -> Axis:
+    """Read vehicle files, relative to the working directory or else to the mission's folder."""
+    names = [part.strip() for part in values.split(",")]
+    folder = Path(mission.file).parent
+    found = [Path(name) if Path(name).exists() else folder / name for name in names]
+    documents = [load_document(path, str(path)).data for path in found]
+    return Axis(("vehicle",), tuple(documents), tuple(Path(name).stem for name in names))
+
+
+def _wrong(message: str, hint: str = "") -> InputError:
+    return InputError([Problem(message, key=OPTION, hint=hint)])

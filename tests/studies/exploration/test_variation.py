@@ -1,0 +1,66 @@
+"""What `--vary` says: ranges with units, times with their own colons, lists."""
+
+import itertools
+import math
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import missionplan
+from missionplan.errors import InputError
+from missionplan.studies.exploration.key_paths import known_keys, with_values
+from missionplan.studies.exploration.variation import read_axis, steps
+
+MISSIONS = Path(__file__).parents[3] / "missions"
+
+
+@pytest.fixture(scope="module")
+def estuary():
+    return missionplan.load(MISSIONS / "estuary.yaml")
+
+
+@pytest.mark.parametrize(
+    ("text", "labels"),
+    [
+        ("start=04:00:05:00:30 min", ("04:00", "04:30", "05:00")),
+        ("start=2026-06-01T04:00:2026-06-01T05:00:30 min", ("04:00", "04:30", "05:00")),
+        ("start=04:00:00:05:00:00:30 min", ("04:00", "04:30", "05:00")),
+        ("start=0 h:1 h:30 min", ("11:30", "12:00", "12:30")),
+        ("start=2026-06-01T23:00:2026-06-02T00:00:1 h", ("01 Jun 23:00", "02 Jun 00:00")),
+        ("start=04:00,05:15", ("04:00", "05:15")),
+        ("ingress.speed=0.5:1.5:0.5 m/s", ("0.5", "1", "1.5")),
+        ("ingress.speed=1 kn:2 kn:1 kn", ("1", "2")),
+        ("moor.hold=1 min, 120 s", ("60", "120")),
+        ("navigation.max_legs=100:300:100", ("100", "200", "300")),
+        ("moor.release_time.mean=5:15:5 s", ("5", "10", "15")),
+    ],
+)
+def test_values_are_read(estuary, text, labels):
+    assert read_axis(estuary, text).labels == labels
+
+
+@given(st.floats(-1e3, 1e3), st.floats(1e-2, 1e3), st.integers(0, 200))
+def test_steps_begin_at_the_first_and_end_at_the_last(first, step, count):
+    found = steps(first, first + count * step, step)
+    assert len(found) in (count, count + 1)  # where rounding takes the last away it is within a step
+    assert found[0] == first
+    assert all(math.isclose(b - a, step, rel_tol=1e-6, abs_tol=1e-9) for a, b in itertools.pairwise(found))
+
+
+@given(st.text(max_size=40))
+def test_nonsense_is_refused_in_words(text):
+    mission = missionplan.load(MISSIONS / "estuary.yaml")
+    try:
+        read_axis(mission, text)
+    except InputError as error:
+        assert str(error)
+
+
+def test_every_known_key_can_be_set_where_its_section_is_written(estuary):
+    for key in known_keys(estuary):
+        changed = with_values(estuary.raw, {key: "x"})
+        assert changed != estuary.raw
+    assert "start" in known_keys(estuary)
+    assert estuary.raw["phases"][0]["transit"]["speed"] == "1.5 m/s"
