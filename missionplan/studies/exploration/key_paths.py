@@ -9,7 +9,6 @@ from pydantic import BaseModel
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission
-from missionplan.mission.schema.effects import EffectEntry
 
 _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 _WHOLES = ("vehicle", "start", "site.current", "site.water", "vehicle.anchor")
@@ -45,22 +44,23 @@ def known_keys(mission: Mission) -> set[str]:
         if name == "entries":
             for phase in mission.phases:
                 _collect(phase, phase.name, found)
+        elif name == "effect_list":
+            plain = [entry for entry in mission.effects if entry.explanation is None]
+            found |= {f"effects.{entry.effect}.{parameter}" for entry in plain for parameter in entry.parameters}
         elif name not in ("sweep", "requirements", "correlations"):
             _collect(value, name, found)
     return found
 
 
 def _collect(value: object, path: str, found: set[str]) -> None:
-    if isinstance(value, EffectEntry):
-        found |= {f"{path}.{value.effect}.{name}" for name in value.parameters}
-    elif isinstance(value, BaseModel):
+    if isinstance(value, BaseModel):
         given = type(value).model_fields
         for name, inner in value:
             if not given[name].exclude:
                 _collect(inner, f"{path}.{given[name].alias or name}", found)
-    elif isinstance(value, tuple) and any(isinstance(each, BaseModel | EffectEntry) for each in value):
+    elif isinstance(value, tuple) and any(isinstance(each, BaseModel) for each in value):
         for index, inner in enumerate(value):
-            _collect(inner, path if isinstance(inner, EffectEntry) else f"{path}[{index}]", found)
+            _collect(inner, f"{path}[{index}]", found)
     else:
         found.add(path)
 
@@ -93,7 +93,7 @@ def _put(data: dict[str, object], key: str, value: object) -> None:
 def _below(section: Any, step: str) -> Any:
     """Return what a key of a section holds; of the list of effects, the parameters of the one of that name."""
     if isinstance(section, list):
-        return next(entry[step] for entry in section if isinstance(entry, dict) and step in entry)
+        return next((entry[step] for entry in section if isinstance(entry, dict) and step in entry), None)
     return section.setdefault(step, {})
 
 

@@ -145,7 +145,7 @@ def test_vehicles_words_and_tied_keys_can_be_varied(chesapeake, tmp_path):
     tied = missionplan.explore(chesapeake, "ingress.speed+egress.speed=1:2:1 m/s", quantities=times, trials=40)
     slow, fast = tied.cells
     for phase in times:
-        assert slow.quantities[f"{phase}_s"].mean - fast.quantities[f"{phase}_s"].mean > 0.8 * 1600.0 * 0.5
+        assert slow.quantities[f"{phase}_s"].mean - fast.quantities[f"{phase}_s"].mean > 0.7 * 1600.0 * 0.5
 
 
 @pytest.mark.parametrize(
