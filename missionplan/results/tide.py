@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
 import pandas as pd
 from typing_extensions import override
 
@@ -174,13 +173,7 @@ class TideResult(Result):
     def fragment(self) -> str:
         """Return `site.current.tide` of a mission, as the file that it may name."""
         head = "# In a mission: site.current: {tide: tide.yaml}. Phases are lags at Greenwich.\n"
-        spread = {"residual_time": f"{self.residual_time / 3600.0:.2f} h"}
-        return head + to_yaml({**spread, "depths": [_of_mission(each) for each in self.depths]})
-
-    @property
-    def residual_time(self) -> float:
-        """Coherence time of what is left, the median over depths [s]."""
-        return float(np.median([each.residual_time for each in self.depths]))
+        return head + to_yaml({"depths": [_of_mission(each) for each in self.depths]})
 
 
 def _summary(tide: DepthTide) -> dict[str, object]:
@@ -217,7 +210,6 @@ def _of_mission(tide: DepthTide) -> Mapping[str, object]:
         "depth": f"{tide.depth:g} m",
         "east": f"{tide.east:.4f} m/s",
         "north": f"{tide.north:.4f} m/s",
-        "residual": f"{tide.residual:.4f} m/s",
         "constituents": [
             {
                 "name": wave.name,

@@ -11,10 +11,11 @@ import numpy as np
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
-from missionplan.mission.schema.site import CurrentFile, Geographic
+from missionplan.mission.schema.site import CurrentFile, Geographic, TidalCurrent
 from missionplan.mission.views import required_origin
 from missionplan.phases.currents import Current
 from missionplan.phases.recorded_currents import FieldCurrent, Outside, SeriesCurrent, fill_gaps
+from missionplan.scenario.tide_forecast import tidal_stream
 
 if TYPE_CHECKING:
     from missionplan.scenario.current_files import CurrentField
@@ -24,13 +25,16 @@ NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 
 
 def recorded_current(mission: Mission) -> Current | None:
-    """Read the file of a mission's current; None where it has none.
+    """Read the file of a mission's current, or forecast its tide; None where it has neither.
 
     Raises
     ------
     InputError
         When it cannot be read, or the mission lacks the `start` or the `site.origin` that a NetCDF field needs.
     """
+    written = mission.site.current if mission.site else ()
+    if isinstance(written, TidalCurrent):
+        return tidal_stream(mission, written)
     source = current_file(mission)
     if source is None:
         return None

@@ -13,18 +13,16 @@ from missionplan.mission.schema.section import ReadBy
 
 
 def fields_at(path: KeyPath, model: type[BaseModel]) -> dict[str, FieldInfo]:
-    """Fields of the section at `path`, by the names that a file uses; none where no section has that path."""
-    current, names_follow = model, False
+    """Fields of the sections that may be at `path`, by the names that a file uses; none where none has that path."""
+    current, names_follow = [model], False
     for part in path:
         if isinstance(part, int) or names_follow:  # an item of a list, or a name of the user's own
             names_follow = False
             continue
-        field = keys_of(current).get(part)
-        section = section_in(field.annotation) if field is not None else None
-        if field is None or section is None:
-            return {}
-        current, names_follow = section, get_origin(field.annotation) is Mapping
-    return keys_of(current)
+        found = [field for section in current if (field := keys_of(section).get(part)) is not None]
+        current = [section for field in found for section in sections_in(field.annotation)]
+        names_follow = any(get_origin(field.annotation) is Mapping for field in found)
+    return {name: field for section in reversed(current) for name, field in keys_of(section).items()}
 
 
 def keys_of(section: type[BaseModel]) -> dict[str, FieldInfo]:
@@ -33,14 +31,16 @@ def keys_of(section: type[BaseModel]) -> dict[str, FieldInfo]:
 
 
 def section_in(annotation: object) -> type[BaseModel] | None:
-    """Return the section that an annotation holds, inside unions, tuples and Annotated."""
+    """Return the first section that an annotation holds, inside unions, tuples and Annotated."""
+    return next(sections_in(annotation), None)
+
+
+def sections_in(annotation: object) -> Iterator[type[BaseModel]]:
+    """Every section that an annotation holds."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
+        yield annotation
     for inner in getattr(annotation, "__args__", ()):
-        found = section_in(inner)
-        if found is not None:
-            return found
-    return None
+        yield from sections_in(inner)
 
 
 def parsers_of(field: FieldInfo) -> list[QuantityParser]:

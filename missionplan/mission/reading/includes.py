@@ -1,4 +1,4 @@
-"""Files that a mission file names: the vehicle's, put in its place, and the current's, whose path is resolved."""
+"""Files that a mission file names: the vehicle's and the tide's, put in their places, and the current's path."""
 
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -10,7 +10,7 @@ from missionplan.store.paths import is_file
 
 
 def include_files(document: Document, folder: Path, *, allow_outside: bool) -> list[Problem]:
-    """Put the vehicle file in its place and resolve the path of the current's file.
+    """Put the files of the vehicle and the tide in their places and resolve the path of the current's file.
 
     Parameters
     ----------
@@ -35,6 +35,9 @@ def include_files(document: Document, folder: Path, *, allow_outside: bool) -> l
     if isinstance(current, dict) and isinstance(current.get("file"), str):
         target = files.resolve(current["file"], ("site", "current", "file"))
         current["file"] = str(target or current["file"])
+    tide = current.get("tide") if isinstance(current, dict) else None
+    if isinstance(tide, str) and not files.include(tide, ("site", "current", "tide")):
+        del site["current"]
     return files.problems
 
 

@@ -1,6 +1,7 @@
 """Where the mission is: origin, depth, water and current."""
 
 from datetime import datetime
+from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import Discriminator, Tag, model_validator
@@ -10,6 +11,7 @@ from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy, invalid
 from missionplan.montecarlo.distributions import Quantity
 
+_FixedSignedSpeed = Annotated[float, ReadBy(QuantityParser("m/s", low=-12.0, high=12.0, fixed=True))]
 _LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
 Latitude = Annotated[float, ReadBy(_LATITUDE)]
 SlopeAngle = Annotated[Quantity, ReadBy(QuantityParser("rad", low=0.0, high=1.0))]
@@ -69,12 +71,60 @@ class CurrentFile(FileSection):
     outside: Literal["error", "hold", "zero"] = "error"
 
 
+class TidalConstituent(FileSection):
+    """An ellipse: semi-axes, direction of the major one, and the lag behind the equilibrium tide at Greenwich.
+
+    A negative minor axis turns clockwise.
+    """
+
+    name: str
+    major: q.FixedSpeed
+    minor: _FixedSignedSpeed = 0.0
+    toward: q.FixedAngle
+    phase: q.FixedAngle
+
+
+class TideAtDepth(FileSection):
+    """The tide at one depth, and the mean current there."""
+
+    depth: q.FixedDistance
+    east: _FixedSignedSpeed = 0.0
+    north: _FixedSignedSpeed = 0.0
+    constituents: tuple[TidalConstituent, ...]
+
+
+class TideSection(FileSection):
+    """Tides at some depths, as `missionplan tide` writes them."""
+
+    depths: tuple[TideAtDepth, ...]
+
+    @model_validator(mode="after")
+    def _downward(self) -> "TideSection":
+        if not self.depths:
+            raise invalid("expected at least one depth", ("depths",))
+        for index, (above, below) in enumerate(pairwise(self.depths)):
+            if below.depth <= above.depth:
+                raise invalid("depths go from the surface down, each once", ("depths", index + 1, "depth"))
+        return self
+
+
+class TidalCurrent(FileSection):
+    """A current forecast from tidal constituents; `outside`: what is above and below their depths."""
+
+    tide: TideSection
+    outside: Literal["error", "hold", "zero"] = "error"
+
+
 def _current_tag(value: object) -> str:
+    if isinstance(value, TidalCurrent) or (isinstance(value, dict) and "tide" in value and "file" not in value):
+        return "<tide>"
     return "<file>" if isinstance(value, dict | CurrentFile) else "<layers>"
 
 
 CurrentSource = Annotated[
-    Annotated[tuple[CurrentLayer, ...], Tag("<layers>")] | Annotated[CurrentFile, Tag("<file>")],
+    Annotated[tuple[CurrentLayer, ...], Tag("<layers>")]
+    | Annotated[CurrentFile, Tag("<file>")]
+    | Annotated[TidalCurrent, Tag("<tide>")],
     Discriminator(_current_tag),
 ]
 

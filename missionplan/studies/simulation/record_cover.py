@@ -101,7 +101,8 @@ def _is_complete(mission: Mission) -> bool:
 
 def _extent(current: RecordedCurrent) -> str:
     low, high = current.depths_covered
-    words = f"lasts from {current.time[0]:.0f} s to {current.time[-1]:.0f} s and is good down to {high:.4g} m"
+    lasts = "" if np.isinf(current.time[-1]) else f"lasts from {current.time[0]:.0f} s to {current.time[-1]:.0f} s and "
+    words = f"{lasts}is good down to {high:.4g} m"
     return words if low <= 0.0 else f"{words}, from {low:.4g} m"
 
 
