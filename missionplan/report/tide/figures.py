@@ -52,7 +52,7 @@ def record_figure(result: TideResult) -> Figure:
     lower.plot(moments, left[0], color=ORANGE, linewidth=0.7, label="east")
     lower.plot(moments, left[1], color=GREEN, linewidth=0.7, label="north")
     lower.set(ylabel="left (m/s)")
-    lower.legend(loc="upper right", ncols=2)
+    lower.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     locator = AutoDateLocator(minticks=3, maxticks=7)  # type: ignore[no-untyped-call]
     lower.xaxis.set_major_locator(locator)
     lower.xaxis.set_major_formatter(ConciseDateFormatter(locator))  # type: ignore[no-untyped-call]
