@@ -1,4 +1,4 @@
-"""A tidal current of the constituents M2, S2, K1 and O1."""
+"""A tidal current of the constituents M2, S2, N2, K1, O1, K2, P1, Q1 and M4."""
 
 from dataclasses import dataclass, replace
 from typing import Self
@@ -10,8 +10,43 @@ from missionplan.effects.info import EffectInfo, LegRecord, Parameter
 from missionplan.effects.oscillation import MODULATION_PARAMETERS, USUAL_TIME, Oscillation, mean_phasor, polar, wave
 from missionplan.phases.hooks import DriftParts, Leg
 
-PERIODS = {"m2": 12.4206012 * 3600.0, "s2": 12.0 * 3600.0, "k1": 23.9344696 * 3600.0, "o1": 25.8193417 * 3600.0}
-"""Periods of the constituents [s]."""
+PERIODS = {
+    "m2": 12.4206012 * 3600.0,
+    "s2": 12.0 * 3600.0,
+    "n2": 12.6583482 * 3600.0,
+    "k1": 23.9344696 * 3600.0,
+    "o1": 25.8193417 * 3600.0,
+    "k2": 11.9672348 * 3600.0,
+    "p1": 24.0658902 * 3600.0,
+    "q1": 26.8683566 * 3600.0,
+    "m4": 6.2103006 * 3600.0,
+}
+"""Periods of the constituents, those of UTide's table, which a test compares: reading it takes half a second [s]."""
+
+
+def _beat(first: str, second: str) -> float:
+    """Time after which two constituents are in phase again [s]."""
+    return 1.0 / abs(1.0 / PERIODS[first] - 1.0 / PERIODS[second])
+
+
+LEAST_RECORD = {
+    "m2": 0.5 * PERIODS["m2"],
+    "s2": _beat("s2", "m2"),
+    "n2": _beat("n2", "m2"),
+    "k1": PERIODS["k1"],
+    "o1": _beat("o1", "k1"),
+    "k2": _beat("k2", "s2"),
+    "p1": _beat("p1", "k1"),
+    "q1": _beat("q1", "o1"),
+    "m4": _beat("s2", "m2"),
+}
+"""Length of a record that resolves a constituent: its beat with the nearest stronger one (Rayleigh's criterion); of M4
+with MS4, which is the beat of M2 and S2 [s]."""
+_USUAL = {"m2": 0.12, "s2": 0.12, "n2": 0.03, "k1": 0.12, "o1": 0.12, "k2": 0.03, "p1": 0.04, "q1": 0.025, "m4": 0.01}
+"""Usual sizes of the amplitudes; of N2, K2, P1 and Q1 from their shares of M2, S2, K1 and O1 in the equilibrium tide,
+0.19, 0.27, 0.33 and 0.19 (Pugh & Woodworth 2014, *Sea-Level Science*, Table 4.1) [m/s]."""
+_SPIKE = 1.0 / 60.0
+"""Share of the usual size that is in the base model."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +73,26 @@ class TidalCurrent(Oscillation):
     o1_east_phase: Scalars = 0.0
     o1_north: Scalars = 0.0
     o1_north_phase: Scalars = 0.0
+    n2_east: Scalars = 0.0
+    n2_east_phase: Scalars = 0.0
+    n2_north: Scalars = 0.0
+    n2_north_phase: Scalars = 0.0
+    k2_east: Scalars = 0.0
+    k2_east_phase: Scalars = 0.0
+    k2_north: Scalars = 0.0
+    k2_north_phase: Scalars = 0.0
+    p1_east: Scalars = 0.0
+    p1_east_phase: Scalars = 0.0
+    p1_north: Scalars = 0.0
+    p1_north_phase: Scalars = 0.0
+    q1_east: Scalars = 0.0
+    q1_east_phase: Scalars = 0.0
+    q1_north: Scalars = 0.0
+    q1_north_phase: Scalars = 0.0
+    m4_east: Scalars = 0.0
+    m4_east_phase: Scalars = 0.0
+    m4_north: Scalars = 0.0
+    m4_north_phase: Scalars = 0.0
     modulation: Scalars = 0.0
     coherence_time: Scalars = USUAL_TIME
 
@@ -50,6 +105,8 @@ class TidalCurrent(Oscillation):
         """Return the mean tidal velocity over each leg, shape (2, n) [m/s]."""
         total = np.zeros((2, np.size(leg.t_start)))
         for name, period in PERIODS.items():
+            if not self._has(name):
+                continue
             cosine, sine = mean_phasor(leg, 2.0 * np.pi / period)
             for axis, component in enumerate((f"{name}_east", f"{name}_north")):
                 amplitude, phase = getattr(self, component), getattr(self, f"{component}_phase")
@@ -75,20 +132,14 @@ class TidalCurrent(Oscillation):
 
 
 def resolvable_constituents(duration: float) -> tuple[str, ...]:
-    """Names of the constituents that a record can resolve.
-
-    Rayleigh's criterion: two constituents need a record as long as their beat (14.8 days for M2 and S2, 13.7 days for
-    K1 and O1). M2 alone needs half its period, K1 one day.
+    """Names of the constituents that a record can resolve, by `LEAST_RECORD`.
 
     Parameters
     ----------
     duration : float
         Length of the record [s].
     """
-    beat_semidiurnal = 1.0 / (1.0 / PERIODS["s2"] - 1.0 / PERIODS["m2"])
-    beat_diurnal = 1.0 / (1.0 / PERIODS["k1"] - 1.0 / PERIODS["o1"])
-    needed = {"m2": 0.5 * PERIODS["m2"], "s2": beat_semidiurnal, "k1": PERIODS["k1"], "o1": beat_diurnal}
-    return tuple(name for name, least in needed.items() if duration >= least)
+    return tuple(name for name, least in LEAST_RECORD.items() if duration >= least)
 
 
 def _parameters() -> dict[str, Parameter]:
@@ -96,7 +147,12 @@ def _parameters() -> dict[str, Parameter]:
     for name in PERIODS:
         for component in ("east", "north"):
             entries[f"{name}_{component}"] = Parameter(
-                "m/s", f"{component} amplitude of {name.upper()}", 0.0, 3.0, scale=0.12, spike=0.002
+                "m/s",
+                f"{component} amplitude of {name.upper()}",
+                0.0,
+                3.0,
+                scale=_USUAL[name],
+                spike=_SPIKE * _USUAL[name],
             )
             entries[f"{name}_{component}_phase"] = Parameter(
                 "rad", f"phase of {name.upper()} toward {component}: time of the greatest current, times ω"
@@ -122,7 +178,10 @@ INFO = EffectInfo(
     what="Tidal ellipses: each component of the current oscillates with the periods of the moon and the sun.",
     sizes="0.02 to 0.5 m/s on shelves and in inlets; a few cm/s or less in the deep ocean.",
     confused_with=("inertial-current", "persistent-error", "current-shear"),
-    distinguished_by="A record of two periods or more; two weeks to separate M2 from S2 and K1 from O1.",
+    distinguished_by=(
+        "A record of two periods or more; two weeks to separate M2 from S2 and K1 from O1, four for N2 and Q1, half a "
+        "year for K2 and P1."
+    ),
     polar=tuple((f"{name}_{d}", f"{name}_{d}_phase") for name in PERIODS for d in ("east", "north")),
     is_modulated=True,
     lacking=_lacking,

@@ -15,6 +15,7 @@ from missionplan.effects.speed_scale import SpeedScale
 from missionplan.effects.surface_drift import SurfaceDrift
 from missionplan.effects.tidal_current import PERIODS, TidalCurrent, resolvable_constituents
 from missionplan.phases.hooks import Leg, velocity_error
+from missionplan.physics.tides import angular_frequencies
 
 
 def leg(t=0.0, duration=1000.0, start=(0.0, 0.0), heading=0.0, speed=1.5, latitude=np.nan):
@@ -92,9 +93,22 @@ def test_tide_is_the_mean_over_the_leg():
     np.testing.assert_allclose(result[1], mean(0.1, 2.0, PERIODS["o1"]))
 
 
+def test_periods_are_those_of_utide():
+    names = [name.upper() for name in PERIODS]
+    np.testing.assert_allclose(2.0 * np.pi / angular_frequencies(names), list(PERIODS.values()), rtol=5e-9)
+
+
 @pytest.mark.parametrize(
     ("days", "names"),
-    [(0.1, ()), (0.5, ("m2",)), (2.0, ("m2", "k1")), (14.0, ("m2", "k1", "o1")), (15.0, ("m2", "s2", "k1", "o1"))],
+    [
+        (0.1, ()),
+        (0.5, ("m2",)),
+        (2.0, ("m2", "k1")),
+        (14.0, ("m2", "k1", "o1")),
+        (15.0, ("m2", "s2", "k1", "o1", "m4")),
+        (28.0, ("m2", "s2", "n2", "k1", "o1", "q1", "m4")),
+        (183.0, tuple(PERIODS)),
+    ],
 )
 def test_constituents_by_record_length(days, names):
     assert resolvable_constituents(days * 86400.0) == names

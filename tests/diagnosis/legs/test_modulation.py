@@ -6,14 +6,17 @@ import numpy as np
 import pytest
 
 from missionplan import diagnose
+from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.legs.likelihood.modulation import (
     LENGTH_OF_TIME,
     modulated_columns,
     smooth_functions,
     variance_of_mean,
 )
+from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import Leg
+from missionplan.physics.tides import angular_frequencies
 
 DAY = 86400.0
 T = np.linspace(0.0, 20.0 * DAY, 90)
@@ -117,6 +120,25 @@ def test_a_steady_tide_comes_out_steady(amplitude, folder, transit_mission, legs
     for name, truth in (("m2_east", amplitude), ("m2_north", 0.5 * amplitude)):
         assert abs(estimates[name].value - truth) < max(0.05 * truth, 2.5 * estimates[name].sd)
         assert estimates[name].sd < 0.01
+
+
+def test_a_month_tells_n2_from_m2(folder, transit_mission, legs):
+    """A perigean constituent of a fifth of M2, which a fortnight cannot resolve, comes out beside it."""
+    n2 = float(angular_frequencies(["N2"])[0])
+
+    def error(t, heading):
+        wave = 0.04 * np.cos(n2 * t - 1.1)
+        return tide(0.2)(t, heading) + np.stack([wave, np.zeros_like(wave)])
+
+    table = legs(520, error=error, lasting=6.0)
+    data = read_transit(folder(KIND, table), transit_mission)
+    fit = transit_model(data, transit_mission, 1).fit(("tidal-current",))
+    estimates = {p.name: p for p in fit.estimates}
+    assert "modulation" not in estimates
+    for name, truth in (("m2_east", 0.2), ("m2_north", 0.1), ("n2_east", 0.04), ("n2_east_phase", 1.1)):
+        assert abs(estimates[name].value - truth) < 3.0 * estimates[name].sd + 0.02 * truth  # a leg's middle, not mean
+    assert estimates["n2_east"].sd < 0.005
+    assert estimates["n2_north"].low == pytest.approx(0.0, abs=0.002)
 
 
 def test_a_tide_that_changes_over_days_is_modulated(folder, transit_mission, legs):
