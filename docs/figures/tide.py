@@ -44,7 +44,7 @@ if __name__ == "__main__":
         made_record().to_csv(Path(folder) / "mooring.csv", index=False)
         result = missionplan.tide(Path(folder) / "mooring.csv", latitude=math.radians(37.2))
     with style():
-        pictures = {"ellipses": ellipses_figure(result.depths[0]), "record": record_figure(result)}
+        pictures = {"ellipses": ellipses_figure(result), "record": record_figure(result)}
     white = '<rect width="100%" height="100%" fill="#ffffff"/>'  # legible on any page
     for name, picture in pictures.items():
         text = re.sub(r"(<svg[^>]*>)", rf"\1{white}", picture.svg, count=1)

@@ -100,7 +100,7 @@ class DepthTide:
     held_out: HeldOut | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class TideResult(Result):
     """The tide in a record of a current.
 
@@ -132,6 +132,11 @@ class TideResult(Result):
     fitted: Array
     shown_depth: float
     unresolved: tuple[str, ...]
+
+    @property
+    def shown(self) -> DepthTide:
+        """The tide at the depth of the picture."""
+        return next(each for each in self.depths if each.depth == self.shown_depth)
 
     @override
     def summary(self) -> dict[str, object]:

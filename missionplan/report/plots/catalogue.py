@@ -26,6 +26,7 @@ _MODULES = {
     "transition.page": "transition",
     "imported.page": "imported",
     "comparison": "comparison",
+    "tide.page": "tide",
 }
 """Module with the drawings, by that of the report."""
 

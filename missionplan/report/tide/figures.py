@@ -1,24 +1,24 @@
 """Figures of `tide`: the ellipses, and the record beside the tide that was found in it."""
 
 import math
-from datetime import UTC, datetime
+from typing import Literal
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
-from missionplan.results.tide import Constituent, DepthTide, TideResult
+from missionplan.results.tide import Constituent, TideResult
 
 _COLOURS = (BLUE, ORANGE, GREEN, PINK, YELLOW, SKY)
 _DRAWN = len(_COLOURS)
 
 
-def ellipses_figure(tide: DepthTide) -> Figure:
-    """Draw the largest ellipses, each with a spoke to where the current is at the phase of the equilibrium tide."""
-    figure = MatplotlibFigure(figsize=(4.6, 4.6))
-    axes = figure.add_subplot()
+def draw_ellipses(axes: Axes, result: TideResult) -> None:
+    """Draw the largest ellipses, each with a spoke to where the current is when the equilibrium tide is highest."""
+    tide = result.shown
     angle = np.linspace(0.0, 2.0 * np.pi, 121)
     for wave, colour in zip(tide.constituents[:_DRAWN], _COLOURS, strict=False):
         east, north = _ellipse(wave, angle)
@@ -27,35 +27,44 @@ def ellipses_figure(tide: DepthTide) -> Figure:
     axes.plot([0.0, tide.east], [0.0, tide.north], color=GREY, linewidth=2.0, label="mean")
     axes.set(xlabel="east (m/s)", ylabel="north (m/s)", aspect="equal")
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)
-    names = ", ".join(wave.name for wave in tide.constituents[:_DRAWN])
+
+
+def ellipses_figure(result: TideResult) -> Figure:
+    """Draw the ellipses at the depth that is shown."""
+    figure = MatplotlibFigure(figsize=(4.6, 4.6))
+    draw_ellipses(figure.add_subplot(), result)
+    names = ", ".join(wave.name for wave in result.shown.constituents[:_DRAWN])
+    depth = f"{result.shown_depth:g} m"
     return to_figure(
         figure,
         "ellipses",
-        f"Tidal ellipses of {names or 'no constituent'} at {tide.depth:g} m, and the mean current.",
-        f"The current at {tide.depth:g} m goes round each ellipse once a period; the spoke ends where it is when the "
+        f"Tidal ellipses of {names or 'no constituent'} at {depth}, and the mean current.",
+        f"The current at {depth} goes round each ellipse once a period; the spoke ends where it is when the "
         "equilibrium tide is highest at Greenwich.",
     )
+
+
+def draw_record(axes: Axes, result: TideResult, component: Literal["east", "north"] = "east") -> None:
+    """Draw one component of the record, and of the tide with the mean."""
+    row = ("east", "north").index(component)
+    axes.plot(_moments(result), result.measured[row], color=GREY, linewidth=0.7, label="measured")
+    axes.plot(_moments(result), result.fitted[row], color=BLUE, linewidth=0.9, label="tide and mean")
+    axes.set(ylabel=f"{component} (m/s)")
+    _date(axes)
 
 
 def record_figure(result: TideResult) -> Figure:
     """Draw the record and the tide with the mean, east above north, and what is left."""
     figure = MatplotlibFigure(figsize=(6.4, 5.4))
     upper, middle, lower = figure.subplots(3, 1, sharex=True)
-    moments = [datetime.fromtimestamp(float(second), UTC) for second in result.time]
-    for axes, measured, fitted, word in zip(
-        (upper, middle), result.measured, result.fitted, ("east", "north"), strict=True
-    ):
-        axes.plot(moments, measured, color=GREY, linewidth=0.7, label="measured")
-        axes.plot(moments, fitted, color=BLUE, linewidth=0.9, label="tide and mean")
-        axes.set(ylabel=f"{word} (m/s)")
+    draw_record(upper, result, "east")
+    draw_record(middle, result, "north")
+    moments = _moments(result)
     left = result.measured - result.fitted
     lower.plot(moments, left[0], color=ORANGE, linewidth=0.7, label="east")
     lower.plot(moments, left[1], color=GREEN, linewidth=0.7, label="north")
     lower.set(ylabel="left (m/s)")
     lower.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
-    locator = AutoDateLocator(minticks=3, maxticks=7)  # type: ignore[no-untyped-call]
-    lower.xaxis.set_major_locator(locator)
-    lower.xaxis.set_major_formatter(ConciseDateFormatter(locator))  # type: ignore[no-untyped-call]
     lower.set(xlabel="UTC")
     upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     return to_figure(
@@ -64,6 +73,17 @@ def record_figure(result: TideResult) -> Figure:
         f"The current at {result.shown_depth:g} m as measured, and the tide with the mean, against time.",
         f"At {result.shown_depth:g} m.",
     )
+
+
+def _moments(result: TideResult) -> Array:
+    """Matplotlib's days: since the start of 1970."""
+    return np.asarray(result.time / 86400.0)
+
+
+def _date(axes: Axes) -> None:
+    locator = AutoDateLocator(minticks=3, maxticks=7)  # type: ignore[no-untyped-call]
+    axes.xaxis.set_major_locator(locator)
+    axes.xaxis.set_major_formatter(ConciseDateFormatter(locator))  # type: ignore[no-untyped-call]
 
 
 def _ellipse(wave: Constituent, angle: Array) -> tuple[Array, Array]:

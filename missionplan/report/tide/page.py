@@ -16,12 +16,11 @@ _AS_IT_IS = Unit("", 1.0)
 
 def page(result: TideResult) -> Page:
     """Build the page of a tidal analysis."""
-    shown = next(each for each in result.depths if each.depth == result.shown_depth)
     return Page(
         title=f"Tide: {result.provenance.mission}",
         answer=answer(result),
-        figure=ellipses_figure(shown),
-        numbers=_numbers(shown),
+        figure=ellipses_figure(result),
+        numbers=_numbers(result.shown),
         sections=[
             PageSection("What was measured, and the tide in it", [record_figure(result)]),
             _how_far(result),
@@ -34,7 +33,7 @@ def page(result: TideResult) -> Page:
 
 def terminal(result: TideResult) -> Terminal:
     """Build the terminal's view."""
-    shown = next(each for each in result.depths if each.depth == result.shown_depth)
+    shown = result.shown
     rows = [_row(wave) for wave in shown.constituents]
     columns = (f"at {shown.depth:g} m", "major (m/s)", "minor (m/s)", "toward (°)", "phase (°)")
     return Terminal(answer(result), columns, rows)
@@ -42,7 +41,7 @@ def terminal(result: TideResult) -> Terminal:
 
 def answer(result: TideResult) -> str:
     """Say how much of the current is tide, and how well it can be forecast."""
-    shown = next(each for each in result.depths if each.depth == result.shown_depth)
+    shown = result.shown
     where = f"at {shown.depth:g} m"
     if not shown.constituents:
         scatter = f"the current scatters by {shown.residual:.2f} m/s about its mean"

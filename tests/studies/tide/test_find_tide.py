@@ -212,6 +212,9 @@ def test_the_report_has_a_fragment_and_constituents(tmp_path):
     write_record(tmp_path / "mooring.csv")
     for _ in range(2):
         result = missionplan.tide(tmp_path / "mooring.csv", latitude=0.65)
+    assert len(repr(result)) < 3000
+    assert result.plot().get_xlabel() == "east (m/s)"
+    assert result.plot.record(component="north").get_ylabel() == "north (m/s)"
     result.save(tmp_path / "out")
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["depths"][0]["constituents"]["M2"]["major_m_s"] == pytest.approx(
