@@ -8,9 +8,13 @@ from missionplan.report.display_units import Unit
 NARROW_SPACE = "\u202f"
 
 
+_LEAST_SPREAD = 3e-6
+"""Spread over the value below which it is left out: no model of a vehicle is true to six digits."""
+
+
 def has_spread(value: float, spread: float) -> bool:
-    """Whether a spread or an error is more than rounding."""
-    return math.isfinite(spread) and spread > 1e-9 * abs(value)
+    """Whether a spread or an error is large enough to be told."""
+    return math.isfinite(spread) and spread > _LEAST_SPREAD * abs(value)
 
 
 def number(value: float, error: float = 0.0) -> str:

@@ -1,19 +1,12 @@
-"""The parts of a report, and their rendering as one self-contained HTML page."""
+"""The parts of a report; `html` renders them as one self-contained page."""
 
 import io
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-from jinja2 import Environment, PackageLoader
-from markupsafe import Markup
-
-from missionplan.rendering import Rendered
-from missionplan.results.base import Provenance, to_yaml
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as MatplotlibFigure
@@ -34,8 +27,6 @@ BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = (
 
 SVG_DPI = 72
 """Dots per inch at which SVG is drawn."""
-_LARGEST = 1.7
-"""Largest scale of a figure on the page [px/pt]: text of 10 pt is then 17 px high, as the page's."""
 
 
 @dataclass(frozen=True)
@@ -71,11 +62,22 @@ Block = str | Figure | Table | Listing
 
 @dataclass(frozen=True)
 class PageSection:
-    """A heading that states a finding, and the blocks that show it; a sheet is printed on a page of its own."""
+    """A heading that states a finding, and the blocks that show it.
+
+    Attributes
+    ----------
+    heading : str
+    blocks : sequence of Block
+    is_sheet : bool
+        Whether it is printed on a page of its own, after everything else.
+    is_summary : bool
+        Whether it belongs to the one or two pages that come first, before what was planned.
+    """
 
     heading: str
     blocks: Sequence[Block]
     is_sheet: bool = False
+    is_summary: bool = False
 
 
 @dataclass(frozen=True)
@@ -146,57 +148,3 @@ def to_figure(figure: "MatplotlibFigure", name: str, alt: str, caption: str = ""
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     return Figure(name, buffer.getvalue(), alt, caption)
-
-
-def inline(figure: Figure) -> Markup:
-    """Prepare a figure's SVG for inlining: ids of its own, the page's colours, alternative text.
-
-    It scales with the column, until its text has the size of the page's.
-    """
-    svg = figure.svg[figure.svg.index("<svg") :]
-    svg = re.sub(r'\b(id="|xlink:href="#|href="#|url\(#)', rf"\1{figure.name}-", svg)
-    svg = re.sub(INK, "currentColor", svg, flags=re.IGNORECASE)
-    svg = re.sub(GRID, "var(--grid)", svg, flags=re.IGNORECASE)
-    svg = re.sub(BLUE, "var(--blue)", svg, flags=re.IGNORECASE)
-    svg = re.sub(
-        r'<svg([^>]*?) width="[^"]*"',
-        r"<svg\1",
-        re.sub(r'<svg([^>]*?) height="[^"]*"', r"<svg\1", svg, count=1),
-        count=1,
-    )
-    label = Markup.escape(figure.alt)
-    width = re.search(r'viewBox="0 0 ([\d.]+)', svg)
-    limit = f' style="max-width: {_LARGEST * float(width[1]):.0f}px"' if width else ""
-    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"{limit}', 1))
-
-
-def render_page(page: Page, provenance: Provenance, notices: Sequence[str]) -> Rendered:
-    """Render a page, with notices on the input before its sections and its provenance at the end."""
-    environment = Environment(
-        loader=PackageLoader("missionplan.report", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["inline"] = inline
-    environment.tests["text"] = lambda block: isinstance(block, str)
-    environment.tests["figure"] = lambda block: isinstance(block, Figure)
-    environment.tests["table"] = lambda block: isinstance(block, Table)
-    html = environment.get_template("page.html").render(
-        page=page,
-        provenance=provenance,
-        notices=notices,
-        summary=provenance.summary(),
-        mission_yaml=to_yaml(provenance.data),
-        rerun=page.rerun or rerun_command(provenance),
-    )
-    shown = [page.figure] if page.figure else []
-    shown += [block for section in page.sections for block in section.blocks if isinstance(block, Figure)]
-    return Rendered(html, {figure.name: figure.svg for figure in shown}, dict(page.files))
-
-
-def rerun_command(provenance: Provenance) -> str:
-    """Write the command that reproduces the result from the folder's own `mission.yaml`."""
-    options = [f"--{name.replace('_', '-')} {value}" for name, value in provenance.options.items() if _is_given(value)]
-    return " ".join(["missionplan", provenance.command, "mission.yaml", f"--seed {provenance.seed}", *options])
-
-
-def _is_given(value: object) -> bool:
-    return value is not None and not isinstance(value, bool)

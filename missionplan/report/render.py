@@ -4,8 +4,10 @@ from importlib import import_module
 from typing import Protocol, cast
 
 from missionplan.rendering import Rendered
-from missionplan.report.page import Page, Terminal, render_page, style
-from missionplan.report.typesetting import typeset, typeset_page, typeset_terminal
+from missionplan.report.html.rendering import render_page
+from missionplan.report.page import Page, Terminal, style
+from missionplan.report.planned.section import planned_sections
+from missionplan.report.typesetting import typeset, typeset_page, typeset_section, typeset_terminal
 from missionplan.results.base import Result
 
 
@@ -21,9 +23,11 @@ class ReportModule(Protocol):
 
 def render_report(result: Result) -> Rendered:
     """Render a result as one self-contained page, its figures, and files for other programs."""
+    made = result.provenance
     with style():
         page = typeset_page(_module(result).page(result))
-    return render_page(page, result.provenance, [typeset(notice) for notice in result.provenance.notices])
+        planned = [typeset_section(section) for section in planned_sections(made)]
+    return render_page(page, planned, made, [typeset(notice) for notice in made.notices])
 
 
 def terminal_view(result: Result) -> Terminal:

@@ -48,11 +48,13 @@ def typeset_page(page: Page) -> Page:
         answer=typeset(page.answer),
         figure=_figure(page.figure) if page.figure else None,
         numbers=[(typeset(label), typeset(value)) for label, value in page.numbers],
-        sections=[
-            PageSection(typeset(each.heading), [_block(block) for block in each.blocks], each.is_sheet)
-            for each in page.sections
-        ],
+        sections=[typeset_section(section) for section in page.sections],
     )
+
+
+def typeset_section(section: PageSection) -> PageSection:
+    """Set the texts of a section."""
+    return replace(section, heading=typeset(section.heading), blocks=[_block(block) for block in section.blocks])
 
 
 def typeset_terminal(shown: Terminal) -> Terminal:

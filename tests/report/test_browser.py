@@ -1,71 +1,26 @@
 """The page in a real browser: no errors, no requests, figures shown, readable on a telephone, light and dark."""
 
-import base64
 import json
-import os
 import re
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from browsing import browsing, needs_browser, show
 from outcome_example import example
 
-from missionplan.mission import load
-from missionplan.studies.simulation.simulate import simulate
-
-MISSIONS = Path(__file__).parents[2] / "missions"
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-DRIVER = shutil.which("chromedriver")
-OPTIONS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-dev-shm-usage",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-)
-
-pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs chromium and chromedriver (CI installs them)")
+pytestmark = needs_browser
 
 
 @pytest.fixture(scope="module")
-def browser(tmp_path_factory) -> Iterator:
-    webdriver = pytest.importorskip("selenium.webdriver", reason="needs selenium (CI installs it)")
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    for option in (*OPTIONS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(option)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    service = webdriver.ChromeService(DRIVER, log_output=os.devnull)
-    # Selenium talks to its driver on this machine: not through anybody's proxy.
-    with pytest.MonkeyPatch.context() as patch:
-        for name in ("http_proxy", "https_proxy", "all_proxy"):
-            patch.delenv(name, raising=False)
-            patch.delenv(name.upper(), raising=False)
-        driver = webdriver.Chrome(options=options, service=service)
-        try:
-            yield driver
-        finally:
-            driver.quit()
+def browser() -> Iterator:
+    with browsing() as driver:
+        yield driver
 
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory) -> Path:
     return example().save(tmp_path_factory.mktemp("browser") / "report") / "report.html"
-
-
-def show(browser, report: Path, *, width: int, scheme: str = "light") -> None:
-    """Open the page afresh at a width of `width` pixels, as a telephone does below 500."""
-    metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
-    features = [{"name": "prefers-color-scheme", "value": scheme}]
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
-    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
-    browser.get(report.as_uri())
 
 
 def requests(browser) -> list[str]:
@@ -144,14 +99,3 @@ def test_text_stands_out_from_the_page_in_light_and_dark(browser, report, scheme
     )
     assert (contrast(paper, "rgb(0, 0, 0)") > 10) == (scheme == "light")
     assert all(contrast(paper, ink) > 4.5 for ink in inks)
-
-
-def test_the_sheet_for_the_boat_is_one_page(browser, tmp_path):
-    report = simulate(load(MISSIONS / "chesapeake.yaml"), trials=200).save(tmp_path / "report") / "report.html"
-    show(browser, report, width=1280)
-    browser.execute_script(
-        "for (const part of document.querySelectorAll('main > *')) if (!part.matches('.sheet')) part.remove();"
-    )
-    printed = base64.b64decode(browser.execute_cdp_cmd("Page.printToPDF", {})["data"])
-    assert len(re.findall(rb"/Type */Page\b", printed)) == 1
-    assert browser.execute_script("return document.querySelectorAll('.sheet table').length") == 2

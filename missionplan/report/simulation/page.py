@@ -36,7 +36,7 @@ def page(outcome: Outcome) -> Page:
         sections=[
             *sections.failed_blocks(outcome),
             *requirements_section(outcome),
-            sections.tracks(outcome),
+            *sections.tracks(outcome),
             sections.timeline(outcome),
             *overdue_section(outcome),
             *(hold_section(held) for held in outcome.held),

@@ -70,15 +70,15 @@ def requirements_section(outcome: Outcome) -> Iterator[PageSection]:
     rows = [
         (
             requirement_in_words(outcome, item),
-            judged(item),
-            f"{100.0 * item.required:g}\u00a0%",
             percent(item.probability),
+            f"{100.0 * item.required:g}\u00a0%",
+            judged(item),
         )
         for item in outcome.requirements
     ]
     if rows:
-        table = Table(("requirement", "verdict", "required", "reached"), rows, text_columns=2)
-        yield PageSection(_heading(outcome), [table])
+        table = Table(("requirement", "reached", "required", "verdict"), rows)
+        yield PageSection(_heading(outcome), [table], is_summary=True)
 
 
 def judged(requirement: RequirementOutcome) -> str:

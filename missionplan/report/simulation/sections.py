@@ -24,6 +24,8 @@ from missionplan.results.simulation import Outcome, PhaseOutcome
 
 _ALWAYS_DRAWN = {"moor": ("offset_m", "lowest_altitude_m", "nose_altitude_m"), "total": ("duration_s", "energy_wh")}
 """Quantities whose distribution is drawn even without a requirement on them, by kind of phase."""
+_LEAST_DRAWN = 1e-3
+"""Spread over the mean below which a distribution is one value to anybody who reads it."""
 
 
 def failed_blocks(outcome: Outcome) -> Iterator[PageSection]:
@@ -32,17 +34,19 @@ def failed_blocks(outcome: Outcome) -> Iterator[PageSection]:
     if count:
         words = "1 block of trials" if count == 1 else f"{count} blocks of trials"
         text = "They are left out of everything on this page. Each can be run again alone:"
-        yield PageSection(f"{words} failed numerically", [text, *outcome.failed_blocks])
+        yield PageSection(f"{words} failed numerically", [text, *outcome.failed_blocks], is_summary=True)
 
 
-def tracks(outcome: Outcome) -> PageSection:
-    """Draw the tracks from above, and where each phase ends about its goal."""
+def tracks(outcome: Outcome) -> Iterator[PageSection]:
+    """Draw the tracks from above, and where each phase ends about its goal; nothing where nothing moves over ground."""
+    if all(radius == 0.0 for _, radius in outcome.tracks.targets.values()):
+        return
     rows = [(ring.phase, ring.kind, _share(ring), f"{ring.radius:.3g}") for ring in rings(outcome)]
     caption = "Circles are about the goal; for an ellipse, the radius of the circle of equal area."
     table = Table(("phase", "line", "holds", "radius (m)"), rows, caption, text_columns=2)
     close = close_ups(outcome)
     figures: list[Block] = [track_map(outcome), *([close] if close else [])]
-    return PageSection("Where the trials end", [*figures, table])
+    yield PageSection("Where the trials end", [*figures, table])
 
 
 def _share(ring: Ring) -> str:
@@ -75,7 +79,7 @@ def _is_drawn(outcome: Outcome, phase: PhaseOutcome, key: str) -> bool:
 
 def _distribution(outcome: Outcome, phase: PhaseOutcome, key: str) -> Block:
     statistic = phase.quantities[key]
-    if has_spread(statistic.mean, statistic.sd):
+    if statistic.sd > _LEAST_DRAWN * abs(statistic.mean):
         return histogram_figure(outcome, phase, key)
     value = with_error(statistic.mean, 0.0, unit_of(outcome, phase, key))
     return f"The {in_words(f'{phase.name}.{key}')} is {value} in every trial that reached it."

@@ -1,0 +1,113 @@
+"""A page as one self-contained HTML file: first what is printed on two pages, then the details."""
+
+import re
+from collections.abc import Sequence
+from itertools import groupby
+
+from jinja2 import Environment, PackageLoader
+from markupsafe import Markup
+
+from missionplan.rendering import Rendered
+from missionplan.report.page import BLUE, GRID, INK, Block, Figure, Page, PageSection, Table
+from missionplan.results.base import Provenance, to_yaml
+
+_LARGEST = 1.7
+"""Largest scale of a figure on the page [px/pt]: text of 10 pt is then 17 px high, as the page's."""
+_LEAST_COLUMNS, _MOST_CARDS = 4, 14
+"""A narrow screen shows the rows of a table as cards if it has so many columns, and not too many rows."""
+
+
+def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenance, notices: Sequence[str]) -> Rendered:
+    """Render a page.
+
+    Parameters
+    ----------
+    page : Page
+    planned : sequence of PageSection
+        What was planned; it follows the summary's own sections.
+    provenance : Provenance
+    notices : sequence of str
+        Notes on the input.
+    """
+    first = [*(section for section in page.sections if section.is_summary), *planned]
+    details = sorted((section for section in page.sections if not section.is_summary), key=lambda each: each.is_sheet)
+    html = (
+        _environment()
+        .get_template("page.html")
+        .render(
+            page=page,
+            first=first,
+            details=details,
+            provenance=provenance,
+            notices=notices,
+            summary=provenance.summary(),
+            mission_yaml=to_yaml(provenance.data),
+            rerun=page.rerun or rerun_command(provenance),
+        )
+    )
+    shown = [page.figure] if page.figure else []
+    shown += [block for section in (*first, *details) for block in section.blocks if isinstance(block, Figure)]
+    return Rendered(html, {figure.name: figure.svg for figure in shown}, dict(page.files))
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("missionplan.report", "html"), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["inline"] = inline
+    environment.filters["grouped"] = grouped
+    environment.filters["shape"] = shape
+    environment.tests["text"] = lambda block: isinstance(block, str)
+    environment.tests["figures"] = lambda block: isinstance(block, list)
+    environment.tests["table"] = lambda block: isinstance(block, Table)
+    return environment
+
+
+def grouped(blocks: Sequence[Block]) -> list[Block | list[Figure]]:
+    """Put figures that follow one another in a list: on paper they stand side by side."""
+    found: list[Block | list[Figure]] = []
+    for is_figure, run in groupby(blocks, key=lambda block: isinstance(block, Figure)):
+        if is_figure:
+            found.append([block for block in run if isinstance(block, Figure)])
+        else:
+            found.extend(run)
+    return found
+
+
+def shape(table: Table) -> str:
+    """Choose how a table is shown on a narrow screen and on paper: the classes of its element."""
+    few = len(table.rows) <= _MOST_CARDS
+    wide = len(table.columns) >= _LEAST_COLUMNS
+    return " ".join(name for name, holds in (("short", few), ("cards", few and wide), ("long", not few)) if holds)
+
+
+def inline(figure: Figure) -> Markup:
+    """Prepare a figure's SVG for inlining: ids of its own, the page's colours, alternative text.
+
+    It scales with the column, until its text has the size of the page's.
+    """
+    svg = figure.svg[figure.svg.index("<svg") :]
+    svg = re.sub(r'\b(id="|xlink:href="#|href="#|url\(#)', rf"\1{figure.name}-", svg)
+    svg = re.sub(INK, "currentColor", svg, flags=re.IGNORECASE)
+    svg = re.sub(GRID, "var(--grid)", svg, flags=re.IGNORECASE)
+    svg = re.sub(BLUE, "var(--blue)", svg, flags=re.IGNORECASE)
+    svg = re.sub(
+        r'<svg([^>]*?) width="[^"]*"',
+        r"<svg\1",
+        re.sub(r'<svg([^>]*?) height="[^"]*"', r"<svg\1", svg, count=1),
+        count=1,
+    )
+    label = Markup.escape(figure.alt)
+    width = re.search(r'viewBox="0 0 ([\d.]+)', svg)
+    limit = f' style="max-width: {_LARGEST * float(width[1]):.0f}px"' if width else ""
+    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"{limit}', 1))
+
+
+def rerun_command(provenance: Provenance) -> str:
+    """Write the command that reproduces the result from the folder's own `mission.yaml`."""
+    options = [f"--{name.replace('_', '-')} {value}" for name, value in provenance.options.items() if _is_given(value)]
+    return " ".join(["missionplan", provenance.command, "mission.yaml", f"--seed {provenance.seed}", *options])
+
+
+def _is_given(value: object) -> bool:
+    return value is not None and not isinstance(value, bool)

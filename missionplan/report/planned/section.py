@@ -1,0 +1,138 @@
+"""What was planned: the site on a map, then site, navigation, vehicle and phases as a table."""
+
+from collections.abc import Iterator, Mapping
+from itertools import chain
+
+from missionplan.report.page import Block, PageSection, Table
+from missionplan.report.planned.site_map import site_map
+from missionplan.report.planned.values import value_in_words
+from missionplan.report.wording import capitalised, in_words
+from missionplan.results.base import Provenance
+
+Row = tuple[str, str]
+"""What it is, and its value."""
+
+_NAMES = {
+    "from": "from",
+    "to": "to",
+    "depth": "at a depth of",
+    "speed": "at",
+    "d_max": "legs of at most",
+    "arrival_radius": "arrived within",
+    "radius": "anchor within",
+    "anchor_wet_weight": "anchor",
+    "line_length": "line",
+    "release_time": "separates after",
+    "hold": "holds",
+    "galvanic_release": "released after",
+    "drift_compensation": "correction for the drift",
+    "fix_error": "error of a fix, sd of each axis",
+    "surfacing_time": "surfacing for a fix takes",
+    "sigma": "velocity error of a leg, sd of each axis",
+    "covariance": "covariance of a leg's velocity error",
+    "origin": "origin of the coordinates",
+    "net_buoyancy": "net buoyancy without the anchor",
+    "mass": "dry mass without the anchor",
+    "roughness": "roughness of the seafloor",
+}
+"""Keys that say more in other words."""
+_VEHICLE = ("name", "hull", "mass", "net_buoyancy", "line", "anchor", "energy")
+_ANCHOR = ("diameter", "drag_coefficient", "holding_factor", "flooding_time", "flooded_mass")
+"""Keys of the vehicle and of its anchor that are shown; the file has the others."""
+
+
+def planned_sections(provenance: Provenance) -> list[PageSection]:
+    """Show what was planned; nothing for a result that is not of one mission."""
+    data = provenance.data
+    if not isinstance(data.get("phases"), list | tuple):
+        return []
+    rows = [*_site(data), *_navigation(data), *_vehicle(data), *_phases(data), *_effects(data)]
+    table = Table(
+        ("", ""),
+        [(capitalised(name), value) for name, value in rows],
+        "± is one standard deviation. The mission file, at the end of this page and in mission.yaml, has it all.",
+        text_columns=2,
+    )
+    drawn = site_map(data)
+    blocks: list[Block] = [*([drawn] if drawn else []), *([table] if rows else [])]
+    return [PageSection("What was planned", blocks, is_summary=True)] if blocks else []
+
+
+def _mapping(value: object) -> Mapping[str, object]:
+    return value if isinstance(value, Mapping) else {}
+
+
+def _named(key: str) -> str:
+    return _NAMES.get(key, in_words(key))
+
+
+def _site(data: Mapping[str, object]) -> Iterator[Row]:
+    for key, value in _mapping(data.get("site")).items():
+        if key == "current":
+            yield from _current(value)
+        elif key == "depth":
+            yield "depth of the water", value_in_words(value)
+        else:
+            yield _named(key), value_in_words(value)
+
+
+def _current(value: object) -> Iterator[Row]:
+    """Write each layer of a current, or where it is read."""
+    if not isinstance(value, list | tuple):
+        yield "current", value_in_words(value)
+        return
+    above = "the surface"
+    for layer in map(_mapping, value):
+        edge = value_in_words(layer.get("down_to"))
+        words = f"{value_in_words(layer.get('speed'))} toward {value_in_words(layer.get('toward'))}"
+        yield f"current, {above} to {edge}", words
+        above = edge
+
+
+def _navigation(data: Mapping[str, object]) -> Iterator[Row]:
+    for key, value in _mapping(data.get("navigation")).items():
+        if key == "velocity_error":
+            for inner, spread in _mapping(value).items():
+                name = "mean velocity error, east and north" if inner == "mean" else _named(inner)
+                yield name, value_in_words(spread)
+        else:
+            yield _named(key), value_in_words(value)
+
+
+def _vehicle(data: Mapping[str, object]) -> Iterator[Row]:
+    vehicle = _mapping(data.get("vehicle"))
+    for key in (key for key in _VEHICLE if key in vehicle):
+        value = vehicle[key]
+        if key == "name":
+            yield "vehicle", str(value)
+        elif key == "anchor":
+            shown = {inner: each for inner, each in _mapping(value).items() if inner in _ANCHOR}
+            if shown:
+                yield "anchor", value_in_words(shown)
+        else:
+            yield _named(key), value_in_words(value)
+    if "energy" in data:
+        yield "energy of the mission", value_in_words(data["energy"])
+
+
+def _phases(data: Mapping[str, object]) -> Iterator[Row]:
+    phases = data["phases"]
+    entries = phases if isinstance(phases, list | tuple) else ()
+    for kind, section in chain.from_iterable(_mapping(entry).items() for entry in entries):
+        keys = {key: value for key, value in _mapping(section).items() if key not in ("name", "sweep")}
+        name = str(_mapping(section).get("name", kind))
+        label = name if name == kind else f"{name} ({kind})"
+        yield label, ", ".join(f"{_named(key)} {_phase_value(key, value)}" for key, value in keys.items())
+
+
+def _phase_value(key: str, value: object) -> str:
+    if key == "d_max" and isinstance(value, Mapping) and "table" in value:
+        return "those of a table of legs"
+    return value_in_words(value)
+
+
+def _effects(data: Mapping[str, object]) -> Iterator[Row]:
+    entries = data.get("effects")
+    for entry in entries if isinstance(entries, list | tuple) else ():
+        for name, parameters in _mapping(entry).items():
+            yield f"effect: {name.replace('-', ' ')}", value_in_words(parameters) if parameters else "as usual"

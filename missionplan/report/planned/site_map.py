@@ -1,0 +1,161 @@
+"""The site on a map: where the mission starts, its goals, the straight way, and how the surface current sets."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import chain, pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.exporters.maps.geometry import circle
+from missionplan.mission.geodesy import to_plane
+from missionplan.mission.schema.site import Geographic
+from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.report.geography.frame import emptiest_corner, frame, north_and_scale
+from missionplan.report.page import BLUE, GREEN, INK, ORANGE, Figure, to_figure
+
+_WIDTH = 5.0
+Point = tuple[float, float]
+"""East and north of the origin [m]."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A point that the mission names: the start, where a transit ends, where it moors.
+
+    Attributes
+    ----------
+    name : str
+    place : (float, float)
+        East and north of the origin [m].
+    radius : float
+        Within which it is reached, or the anchor may lie; 0 for the start [m].
+    """
+
+    name: str
+    place: Point
+    radius: float
+
+
+def site_map(data: Mapping[str, object]) -> Figure | None:
+    """Draw the site of a mission; None where no transit says where it goes."""
+    goals = list(_goals(data))
+    if len(goals) < 2:
+        return None
+    way = np.array([goal.place for goal in goals]).T
+    circles = [circle(goal.place, goal.radius) for goal in goals if goal.radius]
+    shown = frame([], [way, *circles])
+    figure = MatplotlibFigure(figsize=(_WIDTH, 0.6 + (_WIDTH - 0.9) * shown.shape))
+    axes = figure.add_subplot()
+    axes.set(xlim=shown.west_east, ylim=shown.south_north, xlabel="east (m)", ylabel="north (m)", aspect="equal")
+    for start, end in pairwise(goals):
+        axes.plot(*zip(start.place, end.place, strict=True), color=BLUE, linewidth=1.4)
+    for line in circles:
+        axes.plot(*line, color=ORANGE, linewidth=1.2)
+    named = list(_names(goals))
+    _write_names(axes, named, way.mean(axis=1))
+    north_and_scale(axes, shown.width, emptiest_corner([way, *circles], shown.limits))
+    words = "; ".join(f"{name} at {place[0]:.0f} m east, {place[1]:.0f} m north" for name, place in named)
+    return to_figure(
+        figure,
+        "site",
+        f"Map of the site: {words}.",
+        "The straight way, and the circles within which a transit has arrived or the anchor may lie; metres from the "
+        "origin.",
+    )
+
+
+def _names(goals: list[Goal]) -> Iterator[tuple[str, Point]]:
+    """Join the names of the goals that are one place."""
+    places: dict[Point, list[str]] = {}
+    for goal in goals:
+        rounded = (round(goal.place[0], 1), round(goal.place[1], 1))
+        names = places.setdefault(rounded, [])
+        if goal.name not in names:
+            names.append(goal.name)
+    for place, names in places.items():
+        yield ", ".join(names), place
+
+
+def _write_names(axes: Axes, named: list[tuple[str, Point]], middle: np.ndarray) -> None:
+    """Write each name beside its place, towards the map's middle."""
+    for name, (east, north) in named:
+        right = east > middle[0]
+        axes.plot(east, north, "o", color=INK, markersize=4)
+        axes.annotate(
+            name,
+            (east, north),
+            (-8 if right else 8, -12 if north > middle[1] else 10),
+            textcoords="offset points",
+            ha="right" if right else "left",
+            color=GREEN,
+            weight="bold",
+        )
+
+
+def _goals(data: Mapping[str, object]) -> Iterator[Goal]:
+    """Yield the start and the goals in the order of the phases; a mooring is where the transit before it ends."""
+    origin = _origin(data)
+    phases = data.get("phases")
+    here: Point | None = None
+    for kind, section in chain.from_iterable(entry.items() for entry in _mappings(phases)):
+        if not isinstance(section, Mapping):
+            continue
+        name = str(section.get("name", kind))
+        if kind == "transit":
+            begin, end = _place(section.get("from"), origin), _place(section.get("to"), origin)
+            if here is None and begin is not None:
+                yield Goal("start", begin, 0.0)
+            if end is not None:
+                here = end
+                yield Goal(name, end, _length(section.get("arrival_radius")))
+        elif kind == "moor" and here is not None:
+            yield Goal(name, here, _length(section.get("radius")))
+
+
+def _mappings(value: object) -> list[Mapping[str, object]]:
+    return [item for item in value if isinstance(item, Mapping)] if isinstance(value, list | tuple) else []
+
+
+def _origin(data: Mapping[str, object]) -> Geographic | None:
+    site = data.get("site")
+    written = site.get("origin") if isinstance(site, Mapping) else None
+    if not isinstance(written, Mapping):
+        return None
+    latitude, longitude = (_number(written.get(key), "rad") for key in ("latitude", "longitude"))
+    if math.isnan(latitude + longitude):
+        return None
+    return Geographic.model_construct(latitude=latitude, longitude=longitude)
+
+
+def _place(value: object, origin: Geographic | None) -> Point | None:
+    """Read a position as the mission does, distributions at their means; None where it has none."""
+    if isinstance(value, Mapping) and origin is not None:
+        latitude, longitude = (np.array([_number(value.get(key), "rad")]) for key in ("latitude", "longitude"))
+        east, north = to_plane(latitude, longitude, origin)
+        found = float(east[0]), float(north[0])
+    elif isinstance(value, list | tuple) and len(value) == 2:
+        found = _length(value[0]), _length(value[1])
+    else:
+        return None
+    return found if all(map(math.isfinite, found)) else None
+
+
+def _length(value: object) -> float:
+    return _number(value, "m")
+
+
+def _number(value: object, unit: str) -> float:
+    """Read a quantity, of a distribution about its middle; nan where that cannot be done."""
+    if isinstance(value, Mapping):
+        if "choices" in value and isinstance(value["choices"], list | tuple):
+            return _number(value["choices"][0], unit)
+        if {"low", "high"} == set(value):
+            return 0.5 * (_number(value["low"], unit) + _number(value["high"], unit))
+        value = value.get("mean", value.get("median"))
+    try:
+        return parse_number_with_unit(value, unit)
+    except QuantityError:
+        return math.nan

@@ -1,0 +1,106 @@
+"""Reports on paper, printed by a real browser: pages, what stands alone on them, what is cut off."""
+
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from browsing import browsing, needs_browser, printed, show
+
+from missionplan.mission import load
+from missionplan.studies.anchor.size_anchor import size_anchor
+from missionplan.studies.comparison.compare import compare
+from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+from missionplan.studies.simulation.simulate import simulate
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+PDFTOTEXT = shutil.which("pdftotext")
+pytestmark = [needs_browser, pytest.mark.skipif(not PDFTOTEXT, reason="needs pdftotext (poppler-utils)")]
+WORD = re.compile(r'<word xMin="([\d.-]+)" yMin="([\d.-]+)" xMax="([\d.-]+)" yMax="([\d.-]+)">(.*?)</word>')
+
+
+@dataclass(frozen=True)
+class Paper:
+    """A printed page: its size, and its words with their boxes (left, top, right, bottom) [pt]."""
+
+    width: float
+    height: float
+    words: list[tuple[float, float, float, float, str]]
+
+    @property
+    def filled(self) -> float:
+        return max((bottom for _, _, _, bottom, _ in self.words), default=0.0) / self.height
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator:
+    with browsing() as driver:
+        yield driver
+
+
+@pytest.fixture(scope="module")
+def reports(tmp_path_factory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("paper")
+    chesapeake, anchor = load(MISSIONS / "chesapeake.yaml"), load(MISSIONS / "anchor-design.yaml")
+    results = {
+        "simulate": simulate(chesapeake, trials=300),
+        "again": simulate(chesapeake, trials=300, seed=2),
+        "sweep": sweep_dmax(chesapeake, trials=50),
+        "anchor": size_anchor(anchor, trials=50),
+    }
+    pages = {name: result.save(folder / name) / "report.html" for name, result in results.items()}
+    compared = compare(pages["simulate"].parent, pages["again"].parent)
+    pages["compare"] = compared.save(folder / "compare") / "report.html"
+    return pages
+
+
+def paper(browser, tmp_path) -> list[Paper]:
+    """Print the page that is open, and read its pages."""
+    (tmp_path / "page.pdf").write_bytes(printed(browser))
+    subprocess.run([PDFTOTEXT, "-bbox", "page.pdf", "page.html"], cwd=tmp_path, check=True)
+    pages = []
+    for page in (tmp_path / "page.html").read_text().split("<page ")[1:]:
+        width, height = (float(size) for size in re.findall(r'(?:width|height)="([\d.]+)"', page)[:2])
+        words = [(*map(float, found[:4]), found[4]) for found in WORD.findall(page)]
+        pages.append(Paper(width, height, words))
+    return pages
+
+
+@pytest.mark.parametrize("name", ["simulate", "sweep", "anchor", "compare"])
+def test_a_report_prints_well(browser, reports, tmp_path, name):
+    show(browser, reports[name], width=1280)
+    headings = browser.execute_script("return [...document.querySelectorAll('h2')].map(each => each.textContent)")
+    pages = paper(browser, tmp_path)
+    assert len(pages) <= (8 if name == "simulate" else 6)
+    for page in pages:
+        assert all(left > 20.0 and right < page.width - 20.0 for left, _, right, _, _ in page.words)
+        assert len(page.words) > 40
+    sheet = 1 if name == "simulate" else 0  # a page of its own: the one before it may end early, as the last may
+    assert all(page.filled > 0.5 for page in pages[: len(pages) - 1 - sheet])
+    for page in pages:
+        lowest = max(word[1] for word in page.words)
+        last = " ".join(word[4] for word in page.words if word[1] > lowest - 2.0)
+        assert [heading for heading in headings if heading.endswith(last)] == [], last
+
+
+@pytest.mark.parametrize("name", ["simulate", "sweep", "anchor"])
+def test_the_summary_is_two_pages(browser, reports, tmp_path, name):
+    show(browser, reports[name], width=1280)
+    browser.execute_script("document.querySelector('.details').remove()")
+    pages = paper(browser, tmp_path)
+    assert len(pages) <= 2
+    words = " ".join(word[4] for page in pages for word in page.words)
+    assert "What was planned" in words
+    assert "Made 20" in words
+
+
+def test_the_sheet_for_the_boat_is_one_page(browser, reports, tmp_path):
+    show(browser, reports["simulate"], width=1280)
+    browser.execute_script(
+        "const sheet = document.querySelector('.sheet');document.querySelector('main').replaceChildren(sheet);"
+    )
+    assert browser.execute_script("return document.querySelectorAll('.sheet table').length") == 2
+    assert len(paper(browser, tmp_path)) == 1
