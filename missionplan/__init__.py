@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from missionplan.mission import Mission, load
     from missionplan.studies.anchor.size_anchor import size_anchor
     from missionplan.studies.comparison.compare import compare
+    from missionplan.studies.comparison.compare_missions import compare_missions
     from missionplan.studies.exploration.explore import explore
     from missionplan.studies.identification.identify import identify
     from missionplan.studies.init import init
@@ -39,6 +40,7 @@ __all__ = [
     "RunError",
     "__version__",
     "compare",
+    "compare_missions",
     "diagnose",
     "explore",
     "export",
@@ -60,6 +62,7 @@ __all__ = [
 _MODULES = {
     "Mission": "missionplan.mission",
     "compare": "missionplan.studies.comparison.compare",
+    "compare_missions": "missionplan.studies.comparison.compare_missions",
     "diagnose": "missionplan.diagnosis.diagnose",
     "explore": "missionplan.studies.exploration.explore",
     "export": "missionplan.studies.mission_plan.export",

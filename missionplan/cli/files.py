@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.running import checked_folder, deliver
+from missionplan.cli.running import checked_folder, deliver, progress_bar
 from missionplan.cli.streams import note
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
@@ -52,17 +52,45 @@ def effects(effect: _EffectId = "") -> None:
     typer.echo(effect_text(CATALOGUE[effect]) if effect else catalogue_text())
 
 
-_First = Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder, before.", show_default=False)]
-_Second = Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder, after.", show_default=False)]
+_Compared = Annotated[
+    list[Path],
+    typer.Argument(metavar="A B...", help="Report folders or mission files, two or more.", show_default=False),
+]
 
 
-def compare(first: _First, second: _Second, *, output: o.OutputOptions) -> None:
-    """Compare two reports of one command: what changed in the mission and in the results, and is it more than noise."""
-    from missionplan.studies.comparison.compare import compare
+def compare(
+    compared: _Compared,
+    trials: o.Trials = None,
+    seed: o.Seed = None,
+    jobs: o.Jobs = 0,
+    *,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Compare two reports of one command, what changed and is it more than noise; or missions: which is better.
 
-    read = [report / "summary.json" for report in (first, second)]
-    folder = checked_folder(output, second.resolve().name, "compare", read)
-    deliver(compare(first, second), folder, output)
+    Missions are run on the same random numbers, so that small differences show. More than two reports must be of
+    simulate. Example: missionplan compare slow.yaml fast.yaml faster.yaml --trials 2000
+    """
+    read = [each / "summary.json" if each.is_dir() else each for each in compared]
+    folder = checked_folder(output, compared[-1].resolve().stem, "compare", read)
+    if len(compared) == 2 and not any(each.suffix in (".yaml", ".yml") or each.is_file() for each in compared):
+        from missionplan.studies.comparison.compare import compare
+
+        deliver(compare(*compared), folder, output)
+        return
+    from missionplan.studies.comparison.compare_missions import compare_missions
+
+    with progress_bar("compare", shown=not output.quiet) as progress:
+        found = compare_missions(
+            *compared,
+            trials=trials,
+            seed=seed,
+            jobs=o.worker_count(jobs),
+            allow_outside=allow_outside,
+            progress=progress,
+        )
+    deliver(found, folder, output)
 
 
 _Files = Annotated[

@@ -30,7 +30,7 @@ AllowOutside = Annotated[
 Seed = Annotated[int | None, typer.Option(min=0, help="Random seed; default: the mission's.", show_default=False)]
 Jobs = Annotated[int, typer.Option("--jobs", "-j", help="Number of processes; 0: one per core.", min=0)]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress and no table.")]
-_Trials = Annotated[
+Trials = Annotated[
     int | None, typer.Option(min=1, help="Number of trials; default: the mission's.", show_default=False)
 ]
 _Backend = Annotated[ParallelBackend, typer.Option(help="How blocks of trials are run in parallel.")]
@@ -61,7 +61,7 @@ class MonteCarloArguments(TypedDict):
 class MonteCarloOptions:
     """Options of a command that runs a Monte Carlo."""
 
-    trials: _Trials = None
+    trials: Trials = None
     seed: Seed = None
     jobs: Jobs = 0
     backend: _Backend = ParallelBackend.LOKY

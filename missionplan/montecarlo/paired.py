@@ -51,11 +51,13 @@ def compare_with_best(values: Sequence[NDArray[np.generic]], best: int, *, most:
     worse, error, p_values = (np.zeros(count) for _ in range(3))
     p_values[best] = 1.0
     for index in (index for index in range(count) if index != best):
-        worse[index], error[index], p_values[index] = _paired(values[best], values[index], most=most)
+        worse[index], error[index], p_values[index] = paired_difference(values[best], values[index], most=most)
     return PairedDifferences(best, worse, error, p_values >= LEVEL / max(count - 1, 1))
 
 
-def _paired(best: NDArray[np.generic], other: NDArray[np.generic], *, most: bool) -> tuple[float, float, float]:
+def paired_difference(
+    best: NDArray[np.generic], other: NDArray[np.generic], *, most: bool
+) -> tuple[float, float, float]:
     """Return by how much the other is worse, the standard error, and the one-sided p-value of its being as good."""
     sign = 1.0 if most else -1.0
     size = min(best.size, other.size)

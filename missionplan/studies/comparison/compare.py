@@ -38,7 +38,7 @@ def compare(first: str | Path, second: str | Path) -> Comparison:
     """
     began = time.perf_counter()
     folders = (as_path(first, "first"), as_path(second, "second"))
-    summaries = [_read_summary(folder) for folder in folders]
+    summaries = [read_summary(folder) for folder in folders]
     missions = [load_document(folder / "mission.yaml").data for folder in folders]
     command = _one_command(folders, summaries)
     runs = _run(folders[0], summaries[0]), _run(folders[1], summaries[1])
@@ -64,7 +64,8 @@ def compare(first: str | Path, second: str | Path) -> Comparison:
     )
 
 
-def _read_summary(folder: Path) -> dict[str, object]:
+def read_summary(folder: Path) -> dict[str, object]:
+    """Read the summary of a report folder; raises InputError where it is none."""
     if not folder.is_dir():
         raise InputError([Problem("no such folder", str(folder), hint="a report folder was expected")])
     path = folder / "summary.json"

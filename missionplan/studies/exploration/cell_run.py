@@ -1,7 +1,7 @@
 """Blocks of cells from the checkpoint or from the workers, gathered cell by cell."""
 
 import contextlib
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
 from missionplan.store.checkpoints import Checkpoints
-from missionplan.studies.exploration.cells import CellBlock, CellItem, CellTask, InvalidCell
+from missionplan.studies.exploration.cells import CellBlock, CellItem, InvalidCell
 
 MAX_BLOCKS = 100_000
 """Blocks of one cell: a checkpoint numbers the blocks of all cells in one sequence."""
 _REASON = "reason"
+RunCell = Callable[[CellItem], CellBlock | InvalidCell]
 
 
 @dataclass(frozen=True)
@@ -30,14 +31,15 @@ class CellRun:
 
     Attributes
     ----------
-    task : CellTask
+    task : callable
+        Runs a block of a cell.
     items : sequence of CellItem
         In any order; the blocks of a cell ascend.
     store : Checkpoints or None
         Where finished blocks are kept.
     """
 
-    task: CellTask
+    task: RunCell
     items: Sequence[CellItem]
     store: Checkpoints | None = None
 

@@ -1,6 +1,6 @@
 """One cell of an exploration: the mission with its values, and a block of its trials."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,31 +69,42 @@ class CellTask:
 
     def scenario(self, cell: int) -> Scenario:
         """Return the mission of a cell at its means, checked."""
-        mission = self.mission(cell)
-        check_complete(mission)
-        means = Scenario.at_means(mission, self.current.for_mission(mission))
-        check_dives(means)
-        return means
+        return checked_means(self.mission(cell), self.current)
 
     def __call__(self, item: CellItem) -> CellBlock | InvalidCell:
         """Run one block of a cell; what is wrong with its mission is returned, not raised, so that others go on."""
         cell, block, size = item
-        try:
-            means = self.scenario(cell)
-            scenario = means.sampled(seed=self.seed, block=block, size=size)
-            trials = run_block(scenario, self.seed, block, size, inputs=False)
-        except InputError as error:
-            return InvalidCell("; ".join(_in_short(problem) for problem in error.problems))
-        except MissionplanError:
-            raise
-        except Exception as error:
-            return InvalidCell(f"block {block}: {type(error).__name__}: {error}")
-        columns = trials.columns()
-        flags = {SUCCESS: trials.success, **requirement_flags(means.mission, columns)}
-        left = [phase.limits[LEFT_RECORD] for phase in trials.phases if LEFT_RECORD in phase.limits]
-        if left and means.current is not None and means.current.is_binding:
-            flags[LEFT_RECORD] = np.any(left, axis=0)
-        return CellBlock(flags | {name: columns[name] for name in self.quantities})
+        return run_checked(lambda: self.scenario(cell), self.seed, block, size, self.quantities)
+
+
+def checked_means(mission: Mission, current: SharedCurrent) -> Scenario:
+    """Return a mission at its means; raises InputError where it cannot be run."""
+    check_complete(mission)
+    means = Scenario.at_means(mission, current.for_mission(mission))
+    check_dives(means)
+    return means
+
+
+def run_checked(
+    means_of: Callable[[], Scenario], seed: int, block: int, size: int, quantities: Sequence[str]
+) -> CellBlock | InvalidCell:
+    """Run one block of a mission; what is wrong with it is returned, not raised."""
+    try:
+        means = means_of()
+        scenario = means.sampled(seed=seed, block=block, size=size)
+        trials = run_block(scenario, seed, block, size, inputs=False)
+    except InputError as error:
+        return InvalidCell("; ".join(_in_short(problem) for problem in error.problems))
+    except MissionplanError:
+        raise
+    except Exception as error:
+        return InvalidCell(f"block {block}: {type(error).__name__}: {error}")
+    columns = trials.columns()
+    flags = {SUCCESS: trials.success, **requirement_flags(means.mission, columns)}
+    left = [phase.limits[LEFT_RECORD] for phase in trials.phases if LEFT_RECORD in phase.limits]
+    if left and means.current is not None and means.current.is_binding:
+        flags[LEFT_RECORD] = np.any(left, axis=0)
+    return CellBlock(flags | {name: columns[name] for name in quantities})
 
 
 def _in_short(problem: Problem) -> str:

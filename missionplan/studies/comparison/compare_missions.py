@@ -1,0 +1,186 @@
+"""`compare` of missions, run on common random numbers, and of reports of `simulate`: which is better, by how much."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from missionplan.errors import InputError, Problem
+from missionplan.mission import Mission, load
+from missionplan.mission.reading.documents import load_document
+from missionplan.montecarlo.paired import LEVEL, paired_difference
+from missionplan.montecarlo.parallel_blocks import Progress
+from missionplan.montecarlo.streams import block_count, block_size
+from missionplan.results.alternatives import Alternative, Alternatives, Contrast, Estimate
+from missionplan.results.base import Provenance
+from missionplan.store.paths import as_path, is_folder
+from missionplan.studies.arguments import check_arguments
+from missionplan.studies.comparison.compare import read_summary
+from missionplan.studies.comparison.reported_runs import reported
+from missionplan.studies.comparison.significance import standard_error_and_p_value
+from missionplan.studies.comparison.summary_numbers import SummaryNumber
+from missionplan.studies.exploration.cell_run import CellRun, CellTrials
+from missionplan.studies.exploration.cells import CellBlock, CellItem, InvalidCell, checked_means, run_checked
+from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of
+from missionplan.studies.exploration.shared_current import SharedCurrent
+
+_COLUMNS = {"success": "total.success", "energy_wh": ENERGY, "duration_s": DURATION}
+
+
+@dataclass(frozen=True, eq=False)
+class MissionTask:
+    """Runs a block of one of several missions; see `CellTask`."""
+
+    missions: Sequence[Mission]
+    currents: Sequence[SharedCurrent]
+    seed: int
+
+    def __call__(self, item: CellItem) -> CellBlock | InvalidCell:
+        """Run one block."""
+        number, block, size = item
+        mission, current = self.missions[number], self.currents[number]
+        return run_checked(lambda: checked_means(mission, current), self.seed, block, size, (DURATION, ENERGY))
+
+
+def compare_missions(
+    *alternatives: str | Path,
+    trials: int | None = None,
+    seed: int | None = None,
+    jobs: int = 1,
+    allow_outside: bool = False,
+    progress: Progress | None = None,
+) -> Alternatives:
+    """Compare missions, which are run on common random numbers, and reports of `simulate`.
+
+    Parameters
+    ----------
+    *alternatives : str or Path
+        Two or more mission files or report folders.
+    trials, seed : int, optional
+        Of the missions; default: the first mission's.
+    jobs : int
+        Processes.
+    allow_outside : bool
+        Whether missions may name files outside their folders.
+    progress : callable, optional
+
+    Raises
+    ------
+    InputError
+        When something is neither, or a mission cannot be run.
+    """
+    began = time.perf_counter()
+    paths = [as_path(each, "alternatives") for each in alternatives]
+    if len(paths) < 2:
+        raise InputError([Problem(f"given {len(paths)}, expected two or more missions or reports", key="alternatives")])
+    missions = {path: load(path, allow_outside=allow_outside) for path in paths if not is_folder(path)}
+    summaries = {path: read_summary(path) for path in paths if is_folder(path)}
+    first = next(iter(missions.values()), None)
+    if first is not None:
+        check_arguments(first, trials=trials, seed=seed, jobs=jobs)
+        trials = first.monte_carlo.trials if trials is None else trials
+        seed = first.monte_carlo.seed if seed is None else seed
+    found = dict(zip(missions, _run(list(missions.values()), trials or 0, seed or 0, jobs, progress), strict=True))
+    names = _names(paths)
+    entries = [
+        _of_mission(name, path, missions[path], found[path], seed or 0)
+        if path in missions
+        else reported(name, path, summaries[path])
+        for name, path in zip(names, paths, strict=True)
+    ]
+    best = min(range(len(entries)), key=lambda index: _rank(entries[index]))
+    columns = [found[path].columns if path in found else {} for path in paths]
+    return Alternatives(
+        provenance=Provenance(
+            command="compare",
+            mission=" and ".join(names),
+            file=" ".join(map(str, paths)),
+            seed=entries[best].seed,
+            trials=entries[best].trials,
+            options={"jobs": jobs},
+            elapsed_s=time.perf_counter() - began,
+            data={
+                name: missions[path].raw if path in missions else load_document(path / "mission.yaml").data
+                for name, path in zip(names, paths, strict=True)
+            },
+        ),
+        alternatives=tuple(
+            entry if index == best else replace(entry, contrasts=_contrasts(entries, columns, index, best))
+            for index, entry in enumerate(entries)
+        ),
+        best=best,
+    )
+
+
+def _run(missions: Sequence[Mission], trials: int, seed: int, jobs: int, progress: Progress | None) -> list[CellTrials]:
+    if not missions:
+        return []
+    task = MissionTask(missions, [SharedCurrent.of(mission) for mission in missions], seed)
+    items = [
+        (number, block, block_size(trials, block))
+        for number in range(len(missions))
+        for block in range(block_count(trials))
+    ]
+    found = CellRun(task, items).run(len(missions), progress, jobs=jobs)
+    problems = [
+        Problem(each.reason, mission.file) for mission, each in zip(missions, found, strict=True) if each.reason
+    ]
+    if problems:
+        raise InputError(problems)
+    return found
+
+
+def _names(paths: Sequence[Path]) -> list[str]:
+    """Return the last part of each path, or the whole where parts are alike."""
+    short = [path.resolve().stem if path.suffix in (".yaml", ".yml") else path.resolve().name for path in paths]
+    if len(set(short)) == len(short):
+        return short
+    whole = [str(path) for path in paths]
+    return whole if len(set(whole)) == len(whole) else [f"{name} ({i + 1})" for i, name in enumerate(whole)]
+
+
+def _of_mission(name: str, path: Path, mission: Mission, found: CellTrials, seed: int) -> Alternative:
+    cell = cell_of((), mission, found.columns, "")
+    if cell.reason:
+        raise InputError([Problem(cell.reason, str(path))])
+    quantities: dict[str, Estimate] = {
+        key.partition(".")[2]: (statistic.mean, statistic.standard_error)
+        for key, statistic in cell.quantities.items()
+        if statistic.count
+    }
+    return Alternative(name, str(path), cell.success, quantities, cell.requirements, cell.trials, seed, {})
+
+
+def _rank(each: Alternative) -> tuple[int, float, float]:
+    energy = each.quantities.get("energy_wh", (np.inf, 0.0))[0]
+    return len(each.missed), -each.success.value, energy if np.isfinite(energy) else np.inf
+
+
+def _contrasts(
+    entries: Sequence[Alternative], columns: Sequence[Mapping[str, np.ndarray]], index: int, best: int
+) -> dict[str, Contrast]:
+    """Compare an alternative with the best: in pairs where both were run here, else as independent runs."""
+    level = LEVEL / (len(entries) - 1)
+    found = {}
+    for key, column in _COLUMNS.items():
+        one, two = _number(entries[best], key), _number(entries[index], key)
+        if one is None or two is None:
+            continue
+        if column in columns[best] and column in columns[index]:
+            own, other = columns[index][column], columns[best][column]
+            mean, error, up = paired_difference(own, other, most=True)
+            down = paired_difference(own, other, most=False)[2]
+            found[key] = Contrast(mean, error, 2.0 * min(up, down) < level, paired=True)
+        else:
+            spread, p_value = standard_error_and_p_value(one, two, (entries[best].trials, entries[index].trials))
+            differs = p_value is not None and p_value < level
+            found[key] = Contrast(two.value - one.value, spread or 0.0, differs, paired=False)
+    return found
+
+
+def _number(each: Alternative, key: str) -> SummaryNumber | None:
+    if key == "success":
+        return SummaryNumber("probability", each.success.value, float("nan"))
+    return SummaryNumber("mean", *each.quantities[key]) if key in each.quantities else None

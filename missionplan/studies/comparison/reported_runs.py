@@ -1,0 +1,77 @@
+"""A report of `simulate` as an alternative among others."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+from missionplan.errors import InputError, Problem
+from missionplan.montecarlo.statistics import Probability
+from missionplan.results.alternatives import Alternative, Estimate
+from missionplan.results.simulation import RequirementOutcome
+
+
+def reported(name: str, folder: Path, summary: Mapping[str, object]) -> Alternative:
+    """Read what a report's `summary.json` says of success, duration, energy and requirements.
+
+    Raises
+    ------
+    InputError
+        When it is not a report of `simulate`.
+    """
+    total, trials, seed = summary.get("total"), summary.get("trials"), summary.get("seed")
+    events = total.get("events") if isinstance(total, Mapping) else None
+    if summary.get("command") != "simulate" or not isinstance(events, Mapping) or not isinstance(total, Mapping):
+        message = (
+            f"was made by {summary.get('command')}; of more than two, missions and reports of simulate are compared"
+        )
+        raise InputError([Problem(message, str(folder))])
+    requirements = summary.get("requirements")
+    count = trials if isinstance(trials, int) else 0
+    return Alternative(
+        name=name,
+        source=str(folder),
+        success=_probability(events.get("success")),
+        quantities=_estimates(total.get("quantities")),
+        requirements=tuple(
+            _requirement(item, count)
+            for item in (requirements if isinstance(requirements, list) else [])
+            if isinstance(item, Mapping)
+        ),
+        trials=count,
+        seed=seed if isinstance(seed, int) else 0,
+        contrasts={},
+    )
+
+
+def _probability(entry: object) -> Probability:
+    if not isinstance(entry, Mapping):
+        return Probability(float("nan"), float("nan"), float("nan"))
+    return Probability(*(_float(entry.get(key)) for key in ("value", "low", "high")))
+
+
+def _estimates(entries: object) -> dict[str, Estimate]:
+    found = {}
+    for name, entry in entries.items() if isinstance(entries, Mapping) else ():
+        mean = _float(entry.get("mean")) if isinstance(entry, Mapping) else float("nan")
+        if name in ("duration_s", "energy_wh") and math.isfinite(mean):
+            found[str(name)] = (mean, _float(entry.get("standard_error")))
+    return found
+
+
+def _float(value: object) -> float:
+    return float(value) if isinstance(value, int | float) else float("nan")
+
+
+def _requirement(item: Mapping[str, object], trials: int) -> RequirementOutcome:
+    bound: tuple[str, ...] = tuple(side for side in ("at_most", "at_least") if side in item)
+    return RequirementOutcome(
+        quantity=str(item.get("quantity")),
+        bound=None if not bound else "at_most" if bound[0] == "at_most" else "at_least",
+        limit=_float(item[bound[0]]) if bound else None,
+        unit="",
+        required=_float(item.get("required")),
+        probability=_probability(item.get("probability")),
+        met=bool(item.get("met")),
+        undecided=bool(item.get("undecided")),
+        trials=trials,
+    )
