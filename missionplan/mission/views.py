@@ -149,6 +149,34 @@ class TransitionMission:
         return _named(self.transitions, name, "a transition")
 
 
+@dataclass(frozen=True)
+class ExplainedMission:
+    """A mission in which one explanation is known to hold.
+
+    Attributes
+    ----------
+    causes : tuple of str
+        Its effects; empty for none.
+    probability : float
+        As the mission gives it.
+    mission : Mission
+    """
+
+    causes: tuple[str, ...]
+    probability: float
+    mission: Mission
+
+
+def under_each_explanation(mission: Mission) -> tuple[ExplainedMission, ...]:
+    """Return the mission under each explanation of each doubt, the other doubts as they are; none without doubts."""
+    return tuple(
+        ExplainedMission(causes, share, mission.knowing(doubt.place, number))
+        for doubt in mission.doubts
+        if doubt.known is None
+        for number, (causes, share) in enumerate(zip(doubt.causes, doubt.probabilities, strict=True))
+    )
+
+
 def missing_for_transits(mission: Mission) -> list[Problem]:
     """List what a mission lacks to run transits."""
     return _no_phase(mission, mission.transits, "transit") + _missing(

@@ -10,8 +10,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.montecarlo.sensitivity import Influence
 from missionplan.montecarlo.statistics import Probability, Statistic, trials_to_decide
 from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.explained import ExplainedOutcome
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.overdue import Overdue
@@ -144,28 +146,8 @@ class RequirementOutcome:
         }
 
 
-@dataclass(frozen=True)
-class Sensitivity:
-    """Influence of one uncertain input on one key figure.
-
-    Attributes
-    ----------
-    output, source : str
-        Key figure, such as ``moor.offset_m``; uncertain input, such as ``moor.release_time``.
-    rank_correlation : float
-        Spearman's.
-    first_order : float
-        First-order Sobol index, estimated from the given sample: share of the variance that knowing the input would
-        remove.
-    standard_error : float
-        Of the index.
-    """
-
-    output: str
-    source: str
-    rank_correlation: float
-    first_order: float
-    standard_error: float
+Sensitivity = Influence
+"""Influence of one uncertain input on one key figure, such as of ``moor.release_time`` on ``moor.offset_m``."""
 
 
 @dataclass(frozen=True)
@@ -230,6 +212,8 @@ class Outcome(Result):
         As vehicles take it; None where the mission has no transit, or more legs than it allows.
     overdue : Overdue or None
         What to know if the vehicle does not come back; None where too few trials come back.
+    explanations : tuple of ExplainedOutcome
+        The same trials by the explanation that holds in each; empty for a mission without doubts.
     """
 
     report: ClassVar[str] = "simulation.page"
@@ -249,6 +233,7 @@ class Outcome(Result):
     trials_table: bytes | None = None
     plan: Plan | None = None
     overdue: Overdue | None = None
+    explanations: tuple[ExplainedOutcome, ...] = ()
 
     @property
     def trials(self) -> pd.DataFrame:
@@ -284,6 +269,7 @@ class Outcome(Result):
             "sensitivities": [vars(sensitivity) for sensitivity in self.sensitivities],
             "failed_blocks": list(self.failed_blocks),
             "overdue": self.overdue.summary() if self.overdue else None,
+            "explanations": [each.summary() for each in self.explanations],
         }
 
     def to_frame(self) -> pd.DataFrame:

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     import xarray
 
 
+SAME_COST = 0.01
+"""Share of the best duration that a choice may lose and still be as good."""
+
+
 @dataclass(frozen=True)
 class SweepPoint:
     """One d_max.
@@ -141,6 +145,49 @@ class SweepCurve:
         return tuple(point for point in self.points if point.as_good)
 
 
+@dataclass(frozen=True)
+class ExplainedSweep:
+    """Costs of every d_max when one explanation holds.
+
+    Attributes
+    ----------
+    causes : tuple of str
+        Its effects; empty for none.
+    probability : float
+    curve : SweepCurve
+    chosen : SweepPoint
+        What is recommended over all explanations.
+    """
+
+    causes: tuple[str, ...]
+    probability: float
+    curve: SweepCurve
+    chosen: SweepPoint
+
+    @property
+    def excess(self) -> float:
+        """Duration that the choice over all explanations loses against the best for this one, as a share of it."""
+        return (1.0 + self.chosen.cost) / (1.0 + self.curve.recommended.cost) - 1.0
+
+    @property
+    def keeps_choice(self) -> bool:
+        """Whether the choice over all explanations is as good as this one's own, and arrives as often as required."""
+        reaches = self.curve.reaches(self.chosen) or not self.curve.reaches(self.curve.recommended)
+        return reaches and self.excess <= SAME_COST
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``summary.json``."""
+        own = self.curve.recommended
+        return {
+            "causes": list(self.causes),
+            "probability": self.probability,
+            "recommended": {**own.cost_summary(), "arrived": own.arrived.summary()},
+            "chosen": {**self.chosen.cost_summary(), "arrived": self.chosen.arrived.summary()},
+            "excess": self.excess,
+            "keeps_choice": self.keeps_choice,
+        }
+
+
 @dataclass(frozen=True, repr=False)
 class Sweep(Result):
     """Cost of each d_max for each velocity error.
@@ -155,6 +202,8 @@ class Sweep(Result):
     distance, speed, surfacing_time, arrival_radius : float
         Of the transit, distributions at their means [m, m/s, s, m].
     curves : tuple of SweepCurve
+    explanations : tuple of ExplainedSweep
+        The middle curve under each explanation of the mission; empty for a mission without doubts.
     """
 
     report: ClassVar[str] = "leg_length.sweep"
@@ -167,6 +216,7 @@ class Sweep(Result):
     surfacing_time: float
     arrival_radius: float
     curves: tuple[SweepCurve, ...]
+    explanations: tuple[ExplainedSweep, ...] = ()
 
     @property
     def nominal_time(self) -> float:
@@ -212,6 +262,7 @@ class Sweep(Result):
             "distance_m": self.distance,
             "nominal_time_s": self.nominal_time,
             "sweep": [self._curve_summary(curve) for curve in self.curves],
+            **({"explanations": [each.summary() for each in self.explanations]} if self.explanations else {}),
         }
 
     def _curve_summary(self, curve: SweepCurve) -> dict[str, object]:

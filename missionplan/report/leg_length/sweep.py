@@ -6,6 +6,7 @@ from missionplan.report.display_units import Unit
 from missionplan.report.leg_length.sweep_figures import close_up_figure, cost_figure, surfacings_figure
 from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Page, PageSection, Table, Terminal
+from missionplan.results.explained import label
 from missionplan.results.sweep import Sweep, SweepCurve
 
 _PERCENT = Unit("%", 0.01)
@@ -28,6 +29,7 @@ def page(sweep: Sweep) -> Page:
         numbers=_numbers(sweep),
         sections=[
             PageSection(_choice_heading(sweep), [choice_table(sweep), _as_good_in_words(sweep)]),
+            *_explanation_section(sweep),
             *_table_section(sweep),
             *_arrival_section(sweep),
             PageSection("The cost jumps at each critical point", [_WHY_TEETH, close_up_figure(sweep, sweep.middle)]),
@@ -62,7 +64,45 @@ def answer(sweep: Sweep) -> str:
         took += f"arrive is {time}"
     else:
         took = f"the transit then takes {time} on average"
-    return f"Choose d_max = {d_max} for {sigma}: {took}{_against_one_leg(sweep, curve)}."
+    return f"Choose d_max = {d_max} for {sigma}: {took}{_against_one_leg(sweep, curve)}.{_doubt_in_words(sweep)}"
+
+
+def _doubt_in_words(sweep: Sweep) -> str:
+    """Say whether what is in doubt changes the choice; nothing for a mission without doubts."""
+    if not sweep.explanations:
+        return ""
+    others = [each for each in sweep.explanations if not each.keeps_choice]
+    if not others:
+        return " Whichever explanation holds, this d_max is as good as the best for it, to 1\u00a0% of the time."
+    worst = max(others, key=lambda each: (not each.curve.reaches(each.chosen), each.excess))
+    own = f"with {label(worst.causes)} the best would be {length_in_words(worst.curve.recommended.d_max)}"
+    if not worst.curve.reaches(worst.chosen):
+        arrive = share(worst.chosen.arrived)
+        return f" The doubt changes the choice: {own}; this one arrives in {arrive} of the trials then."
+    return f" The doubt changes the choice: {own}, and this one takes {100.0 * worst.excess:.0f}\u00a0% longer then."
+
+
+def _explanation_section(sweep: Sweep) -> list[PageSection]:
+    """Tabulate what is best under each explanation, and what the choice over all of them loses."""
+    rows = [
+        [
+            label(each.causes),
+            f"{100.0 * each.probability:.1f}\u00a0%",
+            length_in_words(each.curve.recommended.d_max),
+            share(each.chosen.arrived),
+            f"{100.0 * each.excess:.1f}\u00a0%" if np.isfinite(each.excess) else "–",
+        ]
+        for each in sweep.explanations
+    ]
+    columns = (
+        "explanation",
+        "probability",
+        "best d_max for it",
+        "arrive with the choice",
+        "time that the choice loses",
+    )
+    note = "The middle curve again, with each explanation known to hold; the same random numbers."
+    return [PageSection("Which explanation holds", [Table(columns, rows, note)])] if rows else []
 
 
 def _against_one_leg(sweep: Sweep, curve: SweepCurve) -> str:

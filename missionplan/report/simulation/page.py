@@ -12,6 +12,7 @@ from missionplan.report.held_vehicle import hold_section
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Page, Terminal
 from missionplan.report.simulation import sections
+from missionplan.report.simulation.explained import explanation_in_words, explanation_sections
 from missionplan.report.simulation.figures import waterfall
 from missionplan.report.simulation.overdue import overdue_section, search_areas_geojson
 from missionplan.report.simulation.quantities import (
@@ -36,6 +37,7 @@ def page(outcome: Outcome) -> Page:
         sections=[
             *sections.failed_blocks(outcome),
             *requirements_section(outcome),
+            *explanation_sections(outcome),
             *sections.tracks(outcome),
             sections.timeline(outcome),
             *overdue_section(outcome),
@@ -78,6 +80,7 @@ def answer(outcome: Outcome) -> str:
     """Write how often the mission works, what fails it most, and how many requirements are met."""
     parts = (
         _success_in_words(outcome),
+        explanation_in_words(outcome),
         *_anchors_in_words(outcome),
         *_holds_in_words(outcome),
         *_limits_in_words(outcome),

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 import pandas as pd
 
+from missionplan.montecarlo.statistics import Probability
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.trim import TrimState
 from missionplan.results.base import Provenance, Result, to_csv
@@ -68,6 +69,37 @@ class DesignLayer:
     speed: float
 
 
+@dataclass(frozen=True)
+class ExplainedAnchor:
+    """An anchor when one explanation holds.
+
+    Attributes
+    ----------
+    causes : tuple of str
+        Its effects; empty for none.
+    probability : float
+    good : Probability
+        Of the anchor to build: within the radius, not struck, and holding where that counts.
+    needed : float or None
+        Wet weight of the lightest anchor that reaches the probability asked for, were it known that this holds [N];
+        None where none does, or none was asked for.
+    """
+
+    causes: tuple[str, ...]
+    probability: float
+    good: Probability
+    needed: float | None
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of ``summary.json``."""
+        return {
+            "causes": list(self.causes),
+            "probability": self.probability,
+            "good": self.good.summary(),
+            "needed_wet_weight_n": self.needed,
+        }
+
+
 @dataclass(frozen=True, repr=False)
 class AnchorSizing(Result):
     """The anchor of a mooring: for the worst case and, where one was given, for a probability.
@@ -97,6 +129,8 @@ class AnchorSizing(Result):
         How the vehicle stands on its line above the anchor to build.
     trim : tuple of TrimState
         How the vehicle lies with that anchor, with it flooded, and without it.
+    explanations : tuple of ExplainedAnchor
+        The anchor to build under each explanation of the mission; empty for a mission without doubts.
     """
 
     report: ClassVar[str] = "anchor.page"
@@ -115,6 +149,7 @@ class AnchorSizing(Result):
     required: float | None = None
     held: HeldVehicle | None = None
     trim: tuple[TrimState, ...] = ()
+    explanations: tuple[ExplainedAnchor, ...] = ()
 
     @property
     def to_build(self) -> SizedAnchor:
@@ -153,6 +188,7 @@ class AnchorSizing(Result):
             "hold": self.held.summary() if self.held else None,
             "trim": [state.summary() for state in self.trim],
             "notes": list(self.notes),
+            **({"explanations": [each.summary() for each in self.explanations]} if self.explanations else {}),
         }
 
     def to_frame(self) -> pd.DataFrame:

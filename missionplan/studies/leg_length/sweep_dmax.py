@@ -1,8 +1,8 @@
 """What maximum leg length? The cost of each d_max for each velocity error (Briggs et al., section IV.B, Fig. 8)."""
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
+from missionplan.mission.views import under_each_explanation
 from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.base import Provenance
-from missionplan.results.sweep import Sweep, SweepCurve, SweepPoint
+from missionplan.results.sweep import ExplainedSweep, Sweep, SweepCurve, SweepPoint
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.leg_length.cells import CellTotals, run_cells
 from missionplan.studies.leg_length.integral_equation import analytic_curve, analytic_obstacle
@@ -64,14 +65,8 @@ def sweep_dmax(
     seed = mission.monte_carlo.seed if seed is None else seed
     curves = range(len(scenario.sigmas))
     analytic = {index: analytic_curve(scenario, index) for index in curves} if used != "monte-carlo" else {}
-    sampled: dict[int, CellTotals] = {}
-    # the largest sigma, as a rule the last, takes longest: it goes first, so that workers end together
-    items = [(index, block) for block in range(block_count(trials)) for index in reversed(curves)]
-    results = run_blocks(
-        SweepTask(scenario, trials, seed), items, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress
-    )
-    for (index, _), totals in zip(items, results, strict=True):
-        sampled[index] = sampled[index].merge(totals) if index in sampled else totals
+    how = _Run(jobs, backend, scheduler, progress)
+    sampled = how.sampled(SweepTask(scenario, trials, seed))
     provenance = Provenance(
         command="sweep-dmax",
         mission=mission.name,
@@ -83,7 +78,7 @@ def sweep_dmax(
         data=mission.raw,
         notices=mission.notices(),
     )
-    return Sweep(
+    sweep = Sweep(
         provenance=provenance,
         phase=scenario.phase.name,
         method=used,
@@ -93,6 +88,40 @@ def sweep_dmax(
         arrival_radius=scenario.arrival_radius,
         curves=tuple(_curve(scenario, index, sampled.get(index), analytic.get(index, ())) for index in curves),
     )
+    return replace(sweep, explanations=tuple(_explained(sweep, scenario, SweepTask(scenario, trials, seed), how)))
+
+
+@dataclass(frozen=True)
+class _Run:
+    """How blocks are distributed over processes; see `run_blocks`."""
+
+    jobs: int
+    backend: Backend
+    scheduler: str | None
+    progress: Progress | None = None
+
+    def sampled(self, task: "SweepTask") -> dict[int, CellTotals]:
+        """Run every block of every curve, and merge those of each curve."""
+        found: dict[int, CellTotals] = {}
+        # the largest sigma, as a rule the last, takes longest: it goes first, so that workers end together
+        curves = range(len(task.scenario.sigmas))
+        items = [(index, block) for block in range(block_count(task.trials)) for index in reversed(curves)]
+        results = run_blocks(
+            task, items, jobs=self.jobs, backend=self.backend, scheduler=self.scheduler, progress=self.progress
+        )
+        for (index, _), totals in zip(items, results, strict=True):
+            found[index] = found[index].merge(totals) if index in found else totals
+        return found
+
+
+def _explained(sweep: Sweep, scenario: SweepScenario, task: "SweepTask", how: _Run) -> Iterator[ExplainedSweep]:
+    """Run the middle curve under each explanation, with the same draws, beside what is recommended over all of them."""
+    index = sweep.curves.index(sweep.middle)
+    for each in under_each_explanation(scenario.mission):
+        known = replace(SweepScenario.of(each.mission), sigmas=(scenario.sigmas[index],))
+        totals = replace(how, progress=None).sampled(replace(task, scenario=known))
+        curve = _curve(known, 0, totals[0], ())
+        yield ExplainedSweep(each.causes, each.probability, curve, curve.points[sweep.middle.recommended_index])
 
 
 def _method(scenario: SweepScenario, requested: Method | None) -> Method:

@@ -39,6 +39,8 @@ KEY_FIGURES = {
 """Quantities and events whose sensitivities are computed, by kind of phase."""
 LIMIT = "limit "
 """How the names of counts begin that say how many trials met a limit of the world."""
+EXPLAINED = "explained "
+"""How the names of counts and statistics begin that are of the trials in which an explanation holds."""
 
 
 @dataclass(frozen=True)
@@ -141,8 +143,30 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
         **requirement_flags(mission, columns),
     }
     counts = {name: Count.of(trial) for name, trial in happened.items()}
+    held = _held(mission, trials)
+    counts |= {name: Count(int((trials.success & where).sum()), int(where.sum())) for name, where in held.items()}
     sample = _sample(trials, columns) if sampled else {}
-    return BlockStatistics(RunningStatistics.of(_quantities(trials)), counts, sample)
+    explained = {
+        f"{name}.{quantity}": np.where(where, values, np.nan)
+        for name, where in held.items()
+        for quantity, values in trials.total.items()
+    }
+    return BlockStatistics(RunningStatistics.of(_quantities(trials) | explained), counts, sample)
+
+
+def _held(mission: Mission, trials: MissionTrials) -> dict[str, Flags]:
+    """Trials in which each explanation holds, and in which none does."""
+    return {
+        explained_name(doubt.place, number): trials.draws[doubt.place] == number
+        for doubt in mission.doubts
+        if doubt.known is None
+        for number in range(len(doubt.probabilities))
+    }
+
+
+def explained_name(place: str, number: int) -> str:
+    """Name of the counts of an explanation's trials."""
+    return f"{EXPLAINED}{place} {number}"
 
 
 def _quantities(trials: MissionTrials) -> dict[str, Array]:

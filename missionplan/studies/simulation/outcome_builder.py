@@ -10,9 +10,10 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.mission import Mission
 from missionplan.mission.schema.monte_carlo import Requirement
-from missionplan.montecarlo.sensitivity import Influence, sensitivities
+from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic, Statistic
 from missionplan.results.base import Provenance
+from missionplan.results.explained import ExplainedOutcome
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.simulation import (
@@ -28,6 +29,7 @@ from missionplan.studies.simulation.block_statistics import (
     LIMIT,
     BlockStatistics,
     bound_of,
+    explained_name,
     requirement_key,
     with_prefix,
 )
@@ -85,7 +87,18 @@ class OutcomeBuilder:
             held=self.held,
             failed_blocks=self.failed_blocks,
             trials_table=self.trials_table,
+            explanations=tuple(self._explanations()),
         )
+
+    def _explanations(self) -> Iterator[ExplainedOutcome]:
+        """What the mission does under each explanation."""
+        for doubt in (doubt for doubt in self.mission.doubts if doubt.known is None):
+            for number, (causes, share) in enumerate(zip(doubt.causes, doubt.probabilities, strict=True)):
+                name = explained_name(doubt.place, number)
+                count, statistics = self.totals.counts[name], self.totals.statistics
+                duration, energy = (statistics[f"{name}.{key}"].statistic() for key in ("duration_s", "energy_wh"))
+                success = count.probability()
+                yield ExplainedOutcome(doubt.place, number, causes, share, success, duration, energy, count.trials)
 
     def _clocks(self) -> Iterator[Statistic]:
         """Mission time at the start, and at the end of each phase of the trials that completed it."""
@@ -139,13 +152,13 @@ class OutcomeBuilder:
         """Sensitivity of each phase's key figures to what was drawn until its end, of the mission's to everything."""
         inputs, outputs = self._sampled("input:"), self._sampled("output:")
         names = [phase.name for phase in self.mission.phases]
-        found: list[Influence] = []
+        found: list[Sensitivity] = []
         for index, name in enumerate([*names, "total"]):
             later = tuple(f"{other}." for other in names[index + 1 :])
             drawn = {source: values for source, values in inputs.items() if not source.startswith(later)}
             figures = {output: values for output, values in outputs.items() if output.startswith(f"{name}.")}
             found += sensitivities(drawn, figures)
-        return tuple(Sensitivity(**vars(influence)) for influence in found)
+        return tuple(found)
 
     def _sampled(self, group: str) -> dict[str, Array]:
         return with_prefix(self.totals.sample, group)

@@ -1,0 +1,66 @@
+"""What a mission does under each explanation that it carries, and whether it is worth finding out which holds."""
+
+from collections.abc import Iterator
+
+from missionplan.report.display_units import unit_for
+from missionplan.report.numbers import percent, share, span
+from missionplan.report.page import PageSection, Table
+from missionplan.report.wording import in_words
+from missionplan.results.explained import label, success_differs
+from missionplan.results.simulation import Outcome, Sensitivity
+
+SMALL = 0.05
+"""Share of a variance below which it is not worth finding out which explanation holds."""
+_COLUMNS = ("explanation", "probability", "success (95 % interval)", "duration (5–95 %)", "energy (5–95 %)")
+_MATTERS = ("total.success", "total.duration_s", "total.energy_wh")
+
+
+def explanation_in_words(outcome: Outcome) -> str:
+    """Write in a sentence whether success depends on the explanation; empty for a mission without doubts."""
+    tried = sorted((each for each in outcome.explanations if each.trials), key=lambda each: each.success.value)
+    if not tried:
+        return ""
+    worst, best = tried[0], tried[-1]
+    low, high = share(worst.success), share(best.success)
+    if success_differs(tried):
+        ends = f"{low} with {label(worst.causes)}, {high} with {label(best.causes)}"
+        return f"It depends on which explanation holds: it succeeds {ends}."
+    ends = f"{low} to {high}" if low != high else f"in {low} of the trials"
+    return f"Whichever explanation holds, it succeeds as often, as far as the trials can tell ({ends})."
+
+
+def explanation_sections(outcome: Outcome) -> Iterator[PageSection]:
+    """Tabulate the explanations, and say how much of the variance is due to which of them holds."""
+    if not outcome.explanations:
+        return
+    rows = []
+    for each in outcome.explanations:
+        ranges = []
+        for key, statistic in (("duration_s", each.duration), ("energy_wh", each.energy)):
+            unit = unit_for("total", key, outcome.provenance.data, typical=statistic.p50)
+            low, _, high = span(statistic, unit)
+            ranges.append("–" if not statistic.count else f"{low} to {high}{unit.suffix}")
+        rows.append((label(each.causes), f"{100.0 * each.probability:.1f} %", percent(each.success), *ranges))
+    words = [_worth(found) for found in _by_place(outcome)]
+    note = "Each trial draws which explanation holds; a row has the trials in which it does."
+    yield PageSection("Which explanation holds", [*words, Table(_COLUMNS, rows, note)])
+
+
+def _by_place(outcome: Outcome) -> list[list[Sensitivity]]:
+    """Influences of which explanation holds, of each of the mission's doubts."""
+    places = dict.fromkeys(each.place for each in outcome.explanations)
+    found = [[s for s in outcome.sensitivities if s.source == place and s.output in _MATTERS] for place in places]
+    return [each for each in found if each]
+
+
+def _worth(found: list[Sensitivity]) -> str:
+    """Say for which share of the variance it matters which explanation holds, and whether to find out."""
+    shares = [f"{_percent(each.first_order)} of the variance of the {in_words(each.output)}" for each in found]
+    words = f"Which cause it is matters for {', '.join(shares)}"
+    if all(each.first_order < SMALL for each in found):
+        return f"{words}: no need to find out."
+    return f"{words}: find out what you can before you rely on the plan."
+
+
+def _percent(part: float) -> str:
+    return "less than 1 %" if part < 0.01 else f"{100.0 * part:.0f} %"
