@@ -76,7 +76,9 @@ def write_log(folder: Path, vehicle: Vehicle, rows: Sequence[Sequence[str]]) -> 
     return folder
 
 
-def mission(vehicle: Vehicle, distance: float = 3000.0, d_max: float = 800.0) -> dict[str, object]:
+def mission(
+    vehicle: Vehicle, distance: float = 3000.0, d_max: float = 800.0, surfacing: float = 60.0, radius: float = 60.0
+) -> dict[str, object]:
     """Return a mission there and back that does not know what is off."""
     out = {
         "name": "out",
@@ -84,7 +86,7 @@ def mission(vehicle: Vehicle, distance: float = 3000.0, d_max: float = 800.0) ->
         "to": ["0 m", f"{distance} m"],
         "speed": f"{vehicle.speed} m/s",
         "d_max": f"{d_max} m",
-        "arrival_radius": "60 m",
+        "arrival_radius": f"{radius} m",
     }
     back = {key: value for key, value in out.items() if key != "from"} | {"name": "back", "to": ["0 m", "0 m"]}
     return {
@@ -92,7 +94,7 @@ def mission(vehicle: Vehicle, distance: float = 3000.0, d_max: float = 800.0) ->
         "site": {"origin": {"latitude": "37 deg", "longitude": "-76 deg"}},
         "navigation": {
             "velocity_error": {"sigma": f"{vehicle.sigma} m/s"},
-            "surfacing_time": "60 s",
+            "surfacing_time": f"{surfacing} s",
             "fix_error": f"{vehicle.fix} m",
         },
         "phases": [{"transit": out}, {"transit": back}],

@@ -99,6 +99,21 @@ def value_of_information(problem: DecisionProblem, summaries: Array) -> Saving:
     return Saving(max(mean, 0.0), error, chosen)
 
 
+def choice_after(problem: DecisionProblem, summaries: Array, seen: Array) -> int:
+    """Return the index of the best alternative once data have been seen.
+
+    Parameters
+    ----------
+    problem : DecisionProblem
+    summaries : array, shape (n, q)
+        For each draw, as of `value_of_information`.
+    seen : array, shape (1, q)
+        Of the data.
+    """
+    against = problem.losses - problem.losses[:, [problem.choice]]
+    return int(np.argmin(seen @ _fit(summaries, against, problem.weight)))
+
+
 def _fit(columns: Array, values: Array, weight: Array) -> Array:
     """Coefficients of weighted least squares with a slight ridge, shape (q, a)."""
     scale = np.sqrt(np.maximum(weight @ columns**2 / weight.sum(), 1e-300))
