@@ -100,7 +100,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     separated = _separated(bound, found, judgement, jobs)
     stage()
     decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if wanted.plan else PlanGain()
-    trial = value_trials(bound, found, judgement, scale, seed) if wanted.next_trial else None
+    trial = value_trials(explanations, found, judgement, scale, seed) if wanted.next_trial else None
     provenance = Provenance(
         command="diagnose",
         mission=mission.name,

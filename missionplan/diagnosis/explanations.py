@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from missionplan.arrays import Array
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.fitting import fitted
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit
@@ -191,9 +192,7 @@ def hypotheses(
     first, others = explanations[0], explanations[1:]
     fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
     shares = _shares(found, judgement, fits)
-    gain = 0.0 if found.claimed is None else -math.log(max(found.posterior.get((), 0.0), 1e-300))
-    weights = [math.log(first.probability) + gain] + [math.log(max(one.probability, 1e-300)) for one in others]
-    masses = np.exp(np.array(weights) - max(weights))
+    masses = explanation_weights(explanations, found)
     listed = [(first, fits[causes], masses[0] * share) for causes, share in shares.items()]
     listed += [(one, one.base, mass) for one, mass in zip(others, masses[1:], strict=True) if one.base is not None]
     kept = _credible(listed)
@@ -206,6 +205,22 @@ def hypotheses(
         )
         for one, fit, weight in kept
     )
+
+
+def explanation_weights(explanations: Sequence[Weighed], found: PipelineResult) -> Array:
+    """Weights of the mission's explanations, the greatest 1; what was found counts for the likeliest alone.
+
+    Parameters
+    ----------
+    explanations : sequence of Weighed
+        The likeliest first.
+    found : PipelineResult
+        With that explanation.
+    """
+    gain = 0.0 if found.claimed is None else -math.log(max(found.posterior.get((), 0.0), 1e-300))
+    logs = [math.log(max(one.probability, 1e-300)) for one in explanations]
+    logs[0] += gain
+    return np.asarray(np.exp(np.array(logs) - max(logs)))
 
 
 def _shares(found: PipelineResult, judgement: Judgement, fits: Collection[Causes]) -> dict[Causes, float]:

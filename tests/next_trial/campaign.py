@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.datasets.legs import read_transit
+from missionplan.diagnosis.explanations import weighed
 from missionplan.diagnosis.inference.trials.decision import choice_after
 from missionplan.diagnosis.inference.trials.experiment import Experiment
 from missionplan.diagnosis.judgement import judge
-from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.diagnosis.next_trial.leg_trials import LegTrials
 from missionplan.diagnosis.next_trial.next_trial import valuation
 from missionplan.diagnosis.next_trial.valuation import Valuation
@@ -94,11 +94,12 @@ def made(seed: int) -> Campaign:
     loaded = Mission.from_data(plan)
     with tempfile.TemporaryDirectory() as folder:
         rows = sail(truth, VEHICLE, headings, np.full(count, FIRST_LEG), 0.0, rng)
-        bound = bind_dataset(write_log(Path(folder) / "first", VEHICLE, rows), loaded, seed)
+        explanations = weighed(loaded, write_log(Path(folder) / "first", VEHICLE, rows), seed, 1)
+        bound = explanations[0].bound
         found = run_pipeline(bound.model)
-        value = valuation(bound, found, judge(bound, found), 1.0, seed)
-        result = value.result(bound)
-        offered = [each for each in value.candidates(bound) if each.trial is not None]
+        value = valuation(explanations, found, judge(bound, found), 1.0, seed)
+        result = value.result()
+        offered = [each for each in value.candidates() if each.trial is not None]
         chosen = offered[int(rng.integers(len(offered)))]
         courses, lengths = legs_of(chosen.trial)
         rows += sail(truth, VEHICLE, courses, lengths, 90_000.0, rng)  # one log: so few legs alone are refused

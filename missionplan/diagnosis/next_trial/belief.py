@@ -1,6 +1,6 @@
 """What is believed after a diagnosis: the sets of causes that may hold, each with its parameters and its mission."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
+from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.explanations import Weighed, explanation_weights
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.trials.experiment import Explanation
 from missionplan.diagnosis.judgement import Judgement
@@ -15,8 +17,8 @@ from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.mission import Mission
 from missionplan.results.evidence import Causes
 
-EXPLANATIONS = 5
-"""Sets of causes that are considered, at most."""
+EXPLANATIONS, NEGLIGIBLE = 5, 0.005
+"""Sets of causes that are considered, at most, and the probability below which none is."""
 
 
 @dataclass(frozen=True)
@@ -40,10 +42,14 @@ class Posterior:
 
 @dataclass(frozen=True)
 class Believed:
-    """A set of causes that may hold.
+    """What may hold: a set of causes beside what the mission knows.
 
     Attributes
     ----------
+    causes : tuple of str
+        Effects of the mission's own explanation, where it is in doubt, and those found.
+    bound : DataKind
+        The data so far, bound to the mission under that explanation.
     fit : CauseFit
     posterior : Posterior
     explanation : Explanation
@@ -54,49 +60,62 @@ class Believed:
         Extended with these causes.
     """
 
+    causes: Causes
+    bound: DataKind
     fit: CauseFit
     posterior: Posterior
     explanation: Explanation
     coordinates: tuple[Coordinate, ...]
     mission: Mission
 
-    @property
-    def causes(self) -> Causes:
-        """The set."""
-        return self.fit.causes
+
+Fits = list[tuple[Weighed, CauseFit, float]]
+"""Explanations of the mission, fits beside them, and their probabilities."""
 
 
-def possible_fits(found: PipelineResult, judgement: Judgement) -> list[tuple[CauseFit, float]]:
-    """Return the sets of the credible set and the rivals with their probabilities, which add up to 1.
+def possible_fits(explanations: Sequence[Weighed], found: PipelineResult, judgement: Judgement) -> Fits:
+    """Return what may hold with probabilities that add up to 1, the likeliest first.
 
+    Beside the mission's likeliest explanation the sets of the credible set and the rivals, then its other explanations.
     A set that the data cannot separate from the claimed one, however the evidence falls, counts as much as that.
+
+    Parameters
+    ----------
+    explanations : sequence of Weighed
+        Of the mission, the likeliest first.
+    found, judgement
+        With that one.
     """
-    fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking}
-    fits[()] = found.selection.base
+    fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
     claimed = found.posterior.get(found.best.causes, 1.0)
     named = dict.fromkeys((*judgement.credible_set, *judgement.rivals))
-    likely = [(fits[causes], found.posterior.get(causes, claimed)) for causes in named if causes in fits]
-    likely = sorted(likely, key=lambda pair: -pair[1])[:EXPLANATIONS] or [(found.best, 1.0)]
-    total = sum(probability for _, probability in likely)
-    return [(fit, probability / total) for fit, probability in likely]
+    shares = {causes: found.posterior.get(causes, claimed) for causes in named if causes in fits}
+    shares = shares or {found.best.causes: 1.0}
+    masses = explanation_weights(explanations, found)
+    listed = [
+        (explanations[0], fits[causes], float(masses[0]) * share / sum(shares.values()))
+        for causes, share in shares.items()
+    ]
+    others = zip(explanations[1:], masses[1:].tolist(), strict=True)
+    listed += [(one, one.base, mass) for one, mass in others if one.base is not None]
+    likely = sorted(listed, key=lambda each: -each[2])[:EXPLANATIONS]
+    total = sum(weight for *_, weight in likely)
+    kept = [each for each in likely if each[2] > NEGLIGIBLE * total]
+    total = sum(weight for *_, weight in kept)
+    return [(one, fit, weight / total) for one, fit, weight in kept]
 
 
-def believe(
-    fits: Sequence[tuple[CauseFit, float]],
-    coordinates: Sequence[Coordinate],
-    posterior_of: Callable[[CauseFit], Posterior],
-    extended: Callable[[CauseFit], Mapping[str, object]],
-) -> tuple[Believed, ...]:
+def believe(fits: Fits, posterior_of: Callable[[DataKind, CauseFit], Posterior], scale: float) -> tuple[Believed, ...]:
     """Join fits with their parameters and their missions.
 
     Parameters
     ----------
-    fits : sequence
-        Fits with their probabilities.
-    coordinates : sequence of Coordinate
-        All of the model.
-    posterior_of, extended : callable
-        What a fit says of them, and the mission's data extended with its causes.
+    fits : list
+        With their probabilities.
+    posterior_of : callable
+        What a fit to data bound to a mission says of the parameters.
+    scale : float
+        Of the random errors; see `DataKind.widened`.
 
     Raises
     ------
@@ -104,9 +123,12 @@ def believe(
         When an extended mission is not valid.
     """
     found = []
-    for fit, probability in fits:
-        posterior = posterior_of(fit)
+    for one, fit, probability in fits:
+        bound = one.bound
+        posterior = posterior_of(bound, fit)
         explanation = Explanation(probability, posterior.mean[posterior.places], posterior.covariance)
-        own = tuple(coordinates[index] for index in posterior.places)
-        found.append(Believed(fit, posterior, explanation, own, Mission.from_data(extended(fit))))
+        own = tuple(bound.model_coordinates[index] for index in posterior.places)
+        causes = (*one.explained.causes, *fit.causes)
+        mission = Mission.from_data(bound.extended_mission(bound.widened(fit, scale)))
+        found.append(Believed(causes, bound, fit, posterior, explanation, own, mission))
     return tuple(found)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.trials.experiment import Prediction
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
@@ -37,8 +38,8 @@ class TrialKind(ABC):
         """Designs in words."""
 
     @abstractmethod
-    def posterior(self, fit: CauseFit) -> Posterior:
-        """Return what a fit says of its parameters."""
+    def posterior(self, bound: DataKind, fit: CauseFit) -> Posterior:
+        """Return what a fit of the data, bound to a mission, says of its parameters."""
 
     @abstractmethod
     def predictions(self, design: int, believed: Sequence[Believed]) -> list[Prediction]:

@@ -4,12 +4,13 @@ import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 
+from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.designs import sampled_dives, with_depths
 from missionplan.diagnosis.dives.kind import DescentKind
-from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.diagnosis.inference.model import CauseFit
@@ -97,9 +98,9 @@ class DiveTrials(TrialKind):
         """Designs in words."""
         return [plan.name for plan in self._plans]
 
-    def posterior(self, fit: CauseFit) -> Posterior:
+    def posterior(self, bound: DataKind, fit: CauseFit) -> Posterior:
         """Return what a fit of the dives says of its causes and of the mission's own effects."""
-        model, state = self.bound.model, fit.state
+        model, state = cast("DescentKind", bound).model, fit.state
         places = model.searched(fit.causes)
         mean = model.prior(fit.causes).centre.copy()
         mean[places] = (state.linear.centre + state.marginal.mean)[places]
@@ -128,14 +129,7 @@ class DiveTrials(TrialKind):
             Whose own depths are not used.
         believed : sequence of Believed
         """
-        model = self.bound.model
-        forward = replace(model.forward.coarse, logs=logs)
-        about = np.stack([each.posterior.mean for each in believed], axis=1)
-        readings = forward.readings(model.coordinates, about)
-        return [
-            _prediction(replace(model, forward=replace(forward, logs=with_depths(logs, own))), each)
-            for own, each in zip(readings.T, believed, strict=True)
-        ]
+        return [_prediction(logs, each) for each in believed]
 
     def cost(self, design: int, seed: int) -> Cost | None:
         """Return what a design takes: the cost of one of its dives, so many times."""
@@ -197,9 +191,13 @@ def _deepened(site: object, depth: float) -> dict[str, object]:
     return found | {"depth": f"{depth:.4g} m"}
 
 
-def _prediction(model: DescentModel, each: Believed) -> Prediction:
+def _prediction(logs: tuple[DiveLog, ...], each: Believed) -> Prediction:
     """Mean, sensitivities and everything else of the dives under a set of causes, linearised at its mean."""
-    (linear,) = model.linearise([(each.causes, each.posterior.mean)])
+    model = cast("DescentKind", each.bound).model
+    forward = replace(model.forward.coarse, logs=logs)
+    readings = forward.readings(model.coordinates, each.posterior.mean[:, None])[:, 0]
+    model = replace(model, forward=replace(forward, logs=with_depths(logs, readings)))
+    (linear,) = model.linearise([(each.fit.causes, each.posterior.mean)])
     spikes = np.array([coordinate.spike for coordinate in model.coordinates])
     noise = model.total_covariance(linear, noise_grid()[each.fit.state.best_noise], spikes)
     return Prediction(linear.readings, linear.columns[:, each.posterior.places], noise)

@@ -5,12 +5,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from missionplan.arrays import Array
 from missionplan.datasets.legs import TransitData
+from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given_effects import held
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.trials.experiment import Prediction
@@ -116,9 +118,9 @@ class LegTrials(TrialKind):
         """Designs in words."""
         return [legs.name for legs in self._legs]
 
-    def posterior(self, fit: CauseFit) -> Posterior:
+    def posterior(self, bound: DataKind, fit: CauseFit) -> Posterior:
         """Return what a fit of the legs says of its causes and of the mission's own effects."""
-        model = self.bound.model
+        model = cast("TransitKind", bound).model
         known = {each.effect for each in held(model.given_in_mean, fit.causes)}
         places = np.flatnonzero([c.effect in fit.causes or c.effect in known for c in model.coordinates])
         mean = model.expected.copy()
@@ -138,9 +140,7 @@ class LegTrials(TrialKind):
             Legs of another day; where they ended is not used.
         believed : sequence of Believed
         """
-        model = self.bound.model
-        sailed = replace(model, data=data, base=np.zeros((2, data.n)), only=model.coordinates)
-        return [_prediction(sailed, each) for each in believed]
+        return [_prediction(data, each) for each in believed]
 
     def _planned(self, legs: _Legs) -> TransitData:
         """A record of these legs alone, sailed without error a day after the one so far."""
@@ -203,14 +203,15 @@ def _with_d_max(mission: Mission, d_max: float) -> Mission:
     return mission.model_copy(update={"entries": entries})
 
 
-def _prediction(model: TransitModel, each: Believed) -> Prediction:
+def _prediction(data: TransitData, each: Believed) -> Prediction:
     """Mean, sensitivities and everything else of the legs under a set of causes.
 
     What is known from record to record moves the mean; every effect differs from it in a new record by its spike, and
     so does the mission's current by its own uncertainty.
     """
     about, places = each.posterior.mean, each.posterior.places
-    count = 2 * model.data.n
+    model, count = cast("TransitKind", each.bound).model, 2 * data.n
+    model = replace(model, data=data, base=np.zeros((2, data.n)), only=model.coordinates)
     columns = model.columns(about).reshape(count, -1)
     fresh = columns * _from_record_to_record(model)
     noise = block_diag(*model.noise(each.fit.state.values)) + fresh @ fresh.T

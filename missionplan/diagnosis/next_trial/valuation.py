@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.trials.decision import Saving, value_of_information
 from missionplan.diagnosis.inference.trials.experiment import Draws, Experiment, Prediction, drawn, polynomial
 from missionplan.diagnosis.next_trial.belief import Believed
@@ -57,10 +56,10 @@ class Valuation:
             kind, believed, draws, losses(believed, draws, alternatives, seed, generator), alternatives.key, seed
         )
 
-    def result(self, bound: DataKind) -> NextTrial:
+    def result(self) -> NextTrial:
         """Value every design and find the best."""
         problem, found = self.losses.problem, []
-        for candidate in self.candidates(bound):
+        for candidate in self.candidates():
             experiment = self.experiment(candidate)
             data = experiment.data(self.draws, np.random.default_rng(self.seed + 1))
             saving = value_of_information(problem, experiment.summaries(data))
@@ -112,7 +111,7 @@ class Valuation:
         """Return a trial as the sets of causes predict it."""
         return Experiment(tuple(each.explanation for each in self.believed), candidate.predictions)
 
-    def candidates(self, bound: DataKind) -> Iterator[Candidate]:
+    def candidates(self) -> Iterator[Candidate]:
         """Designs that the planner can make, then instruments."""
         for index, name in enumerate(self.kind.designs):
             cost = self.kind.cost(index, self.seed)
@@ -120,9 +119,8 @@ class Valuation:
                 predictions = tuple(self.kind.predictions(index, self.believed))
                 if all(np.isfinite(each.centre).all() and np.isfinite(each.noise).all() for each in predictions):
                     yield Candidate(name, cost, predictions, self.kind.trial(index))
-        coordinates = bound.model_coordinates
-        for place, instrument in instruments_for(self.believed, coordinates).items():
-            reading = measured(instrument, place, coordinates[place], self.believed)
+        for coordinate, instrument in instruments_for(self.believed).items():
+            reading = measured(instrument, coordinate, self.believed)
             yield Candidate(instrument.description, Cost(instrument.minutes, None), tuple(reading), None)
 
     def _perfect(self) -> Array:
