@@ -20,7 +20,7 @@ from missionplan.mission.editing.mission_text import MissionText
 from missionplan.mission.editing.yaml_text import dumped
 from missionplan.mission.quantity_paths import collect_quantities
 from missionplan.mission.reading.documents import Document, unprintable_texts
-from missionplan.mission.reading.includes import include_files
+from missionplan.mission.reading.includes import REMOTE, include_files
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
 from missionplan.mission.schema.effect_list import EffectEntry, EffectList, OneOf
 from missionplan.mission.schema.effects import read_effects
@@ -35,7 +35,7 @@ from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import Distribution, Quantity
 from missionplan.montecarlo.draws import Correlation
 from missionplan.store.folder import write_atomically
-from missionplan.store.paths import as_path, exists
+from missionplan.store.paths import as_path, exists, matching
 
 
 class Mission(FileSection):
@@ -133,8 +133,12 @@ class Mission(FileSection):
         mission._text = MissionText.of(document, written, folder)
         mission._unusual = tuple(f"{key_path(notice.path)}: {notice.message}" for notice in limits.notices)
         current = mission.site.current if mission.site else None
-        named = [current.file] if isinstance(current, CurrentFile) else []
-        mission._sources = tuple(Path(name) for name in (*document.files, *named))
+        named = (
+            [name for member in current.members for name in matching(member)]
+            if isinstance(current, CurrentFile)
+            else []
+        )
+        mission._sources = tuple(Path(name) for name in (*document.files, *named) if not name.startswith(REMOTE))
         return mission
 
     def with_(self, changes: Mapping[str, object] | None = None, /, **keys: object) -> "Mission":

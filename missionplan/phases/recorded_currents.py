@@ -1,4 +1,4 @@
-"""Currents from records: a series against time and depth, a field against time, depth and place.
+"""Currents from records: what all have in common, and a series against time and depth; `fields` has those on grids.
 
 Beyond a record's times, depths and places its value at the end is held, or there is no current, as `outside` says;
 `covers` tells which trials stay within it.
@@ -10,12 +10,10 @@ from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 from typing_extensions import override
 
 from missionplan.arrays import Array, Scalars
-from missionplan.errors import InputError
 from missionplan.phases.currents import Current, Span
 
 Outside = Literal["error", "hold", "zero"]
@@ -103,7 +101,7 @@ class SeriesCurrent(RecordedCurrent):
         steps = 0.5 * (values[:, 1:] + values[:, :-1]) * np.diff(self.time)[:, None]
         travelled = np.concatenate((np.zeros((2, 1, len(self.depth))), np.cumsum(steps, axis=1)), axis=1)
         held = np.clip(t, self.time[0], self.time[-1])
-        before = np.asarray(_bracket(self.time, held).low)
+        before = np.asarray(bracket(self.time, held).low)
         nodes = np.arange(len(self.time), dtype=float)
         to_node = _interpolated((nodes, self.depth), _complex(*travelled), (before.astype(float), depth))
         start, end = (self.velocity(moment, depth, np.zeros((2, 1))) for moment in (self.time[before], held))
@@ -111,71 +109,7 @@ class SeriesCurrent(RecordedCurrent):
         return np.asarray(inside if self.outside == "zero" else inside + end * (t - held))
 
 
-@dataclass(frozen=True)
-class FieldCurrent(RecordedCurrent):
-    """A current against time, depth and place, linear in each between the nodes; without nan, see `fill_gaps`.
-
-    Attributes
-    ----------
-    north_axis, east_axis : array
-        Increasing [m].
-    east, north : array, shape (time, depth, north, east)
-        [m/s]
-    """
-
-    north_axis: Array
-    east_axis: Array
-    east: Array
-    north: Array
-
-    @override
-    def covers(self, span: Span) -> NDArray[np.bool_]:
-        inside = super().covers(span)
-        for east, north in span.places:
-            for value, axis in ((east, self.east_axis), (north, self.north_axis)):
-                inside = inside & (axis[0] <= value) & (value <= axis[-1])
-        return inside
-
-    @cached_property
-    def _values(self) -> NDArray[np.complex128]:
-        return _complex(self.east, self.north)
-
-    @override
-    def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
-        axes = (self.time, self.depth, self.north_axis, self.east_axis)
-        inside = _interpolated(axes, self._values, (t, depth, position[1], position[0]))
-        return inside * self._known(t, depth, position)
-
-
-def fill_gaps(values: Array) -> Array:
-    """Fill nodes without a value (land, below the seafloor) from the nearest node that has one, time by time.
-
-    A step in depth counts as a hundredth of a horizontal one, so that nodes below the seafloor take the value above.
-
-    Parameters
-    ----------
-    values : array, shape (time, depth, north, east)
-        nan where there is no value.
-
-    Raises
-    ------
-    InputError
-        When there is no value at all at some time.
-    """
-    result = np.array(values, dtype=float)
-    for at_one_time in result:
-        missing = np.isnan(at_one_time)
-        if missing.all():
-            raise InputError("the current field has a time without any value")
-        if missing.any():
-            nearest = scipy.ndimage.distance_transform_edt(
-                missing, sampling=(0.01, 1.0, 1.0), return_distances=False, return_indices=True
-            )
-            at_one_time[...] = at_one_time[tuple(nearest)]
-    return result
-
-
-class _Bracket(NamedTuple):
+class Bracket(NamedTuple):
     """Nodes on either side of points on an axis, and the weight of the second; numbers where there is one point."""
 
     low: NDArray[np.intp] | int
@@ -183,19 +117,19 @@ class _Bracket(NamedTuple):
     share: Scalars
 
 
-def _bracket(axis: Array, x: Scalars) -> _Bracket:
+def bracket(axis: Array, x: Scalars) -> Bracket:
     """Find the nodes on either side of `x`, which is held at the axis' ends."""
     last = len(axis) - 1
     if np.size(x) == 1:
         held = min(max(float(np.reshape(x, ())), float(axis[0])), float(axis[-1]))
         at = min(max(bisect_right(axis, held) - 1, 0), max(last - 1, 0))
         after = min(at + 1, last)
-        return _Bracket(at, after, (held - axis[at]) / (axis[after] - axis[at] if after > at else 1.0))
+        return Bracket(at, after, (held - axis[at]) / (axis[after] - axis[at] if after > at else 1.0))
     within = np.minimum(np.maximum(x, axis[0]), axis[-1])
     low = np.minimum(np.searchsorted(axis, within, side="right") - 1, max(last - 1, 0))
     high = np.minimum(low + 1, last)
     width = axis[high] - axis[low]
-    return _Bracket(low, high, (within - axis[low]) / (width if last else 1.0))
+    return Bracket(low, high, (within - axis[low]) / (width if last else 1.0))
 
 
 def _interpolated(axes: tuple[Array, ...], values: NDArray[np.complex128], point: tuple[Scalars, ...]) -> Array:
@@ -210,7 +144,7 @@ def _interpolated(axes: tuple[Array, ...], values: NDArray[np.complex128], point
     """
     corners: list[tuple[NDArray[np.intp] | int, Scalars]] = [(0, 1.0)]
     for axis, x in zip(axes, point, strict=True):
-        low, high, share = _bracket(axis, x)
+        low, high, share = bracket(axis, x)
         sides = [side for side in ((low, 1.0 - share), (high, share)) if np.ndim(share) or side[1]]
         corners = [(index * len(axis) + node, weight * part) for index, weight in corners for node, part in sides]
     flat = values.reshape(-1)

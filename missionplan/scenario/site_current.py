@@ -1,88 +1,109 @@
-"""The site's current where a mission reads it from a file."""
+"""The site's current where a mission reads it from files."""
 
 import hashlib
 from dataclasses import replace
-from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
+from missionplan.mission.reading.includes import REMOTE
 from missionplan.mission.schema.site import CurrentFile, Geographic, TidalCurrent
 from missionplan.mission.views import required_origin
 from missionplan.phases.currents import Current
-from missionplan.phases.recorded_currents import FieldCurrent, Outside, SeriesCurrent, fill_gaps
+from missionplan.phases.recorded_currents import RecordedCurrent, SeriesCurrent
 from missionplan.scenario.tide_forecast import tidal_stream
-
-if TYPE_CHECKING:
-    from missionplan.scenario.current_files import CurrentField
+from missionplan.store.paths import matching
 
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 """Endings of files that are read as NetCDF; others are read as CSV."""
 
 
-def recorded_current(mission: Mission) -> Current | None:
-    """Read the file of a mission's current, or forecast its tide; None where it has neither.
+def recorded_current(mission: Mission, also: Array | None = None) -> Current | None:
+    """Read the files of a mission's current, or forecast its tide; None where it has neither.
+
+    Parameters
+    ----------
+    mission : Mission
+    also : array, shape (2, k), optional
+        Places besides the mission's about which a field is needed [m].
 
     Raises
     ------
     InputError
-        When it cannot be read, or the mission lacks the `start` or the `site.origin` that a NetCDF field needs.
+        When they cannot be read, or the mission lacks the `start` or the `site.origin` that a NetCDF field needs.
     """
-    written = mission.site.current if mission.site else ()
-    if isinstance(written, TidalCurrent):
-        return tidal_stream(mission, written)
-    source = current_file(mission)
-    if source is None:
+    if mission.site and isinstance(mission.site.current, TidalCurrent):
+        return tidal_stream(mission, mission.site.current)
+    written = current_source(mission)
+    if written is None:
         return None
-    from missionplan.scenario.current_files import read_current_csv, read_current_netcdf  # pandas: half a second
-
-    if source.suffix.lower() not in NETCDF:
-        series = read_current_csv(source, mission.start, _epoch(mission))
-        return SeriesCurrent(series.time, series.depth, series.east, series.north, outside=_outside(mission))
-    if _epoch(mission) is not None:
-        message = "a NetCDF current has dates of its own; `start` is for a CSV record that counts seconds"
-        raise InputError([Problem(message, mission.file, key="site.current.start")])
-    origin = required_origin(mission, "a NetCDF current is placed by it")
-    field = read_current_netcdf(source, mission.start, origin)
-    return replace(placed(field, origin), outside=_outside(mission))
+    return replace(_read(mission, written, written.file, also), outside=written.outside)
 
 
-def current_file(mission: Mission) -> Path | None:
-    """Return the path of the current's file; None where the mission has none."""
+def current_source(mission: Mission) -> CurrentFile | None:
+    """Return what the mission says of its current's files; None where it reads none."""
     written = mission.site.current if mission.site else ()
-    return Path(written.file) if isinstance(written, CurrentFile) else None
+    return written if isinstance(written, CurrentFile) else None
 
 
 def with_contents_named(text: str, mission: Mission) -> str:
-    """Return text about a mission with the contents of its current's file in place of the file's path."""
-    source = current_file(mission)
-    if source is None:
-        return text
-    return text.replace(str(source), f"{source.name} (SHA-256 {hashlib.sha256(source.read_bytes()).hexdigest()})")
+    """Return text about a mission with the contents of its current's files in place of their paths."""
+    written = current_source(mission)
+    for member in written.members if written else ():
+        if member.startswith(REMOTE):
+            continue
+        digest = hashlib.sha256()
+        for name in matching(member):
+            digest.update(Path(name).read_bytes())
+        text = text.replace(member, f"{Path(member).name} (SHA-256 {digest.hexdigest()})")
+    return text
 
 
-def _epoch(mission: Mission) -> datetime | None:
-    written = mission.site.current if mission.site else ()
-    return written.start if isinstance(written, CurrentFile) else None
+def is_netcdf(name: str) -> bool:
+    """Whether a file, a pattern or an address is read as NetCDF."""
+    return name.startswith(REMOTE) or Path(name).suffix.lower() in NETCDF
 
 
-def _outside(mission: Mission) -> Outside:
-    written = mission.site.current if mission.site else ()
-    return written.outside if isinstance(written, CurrentFile) else "error"
+def _read(mission: Mission, written: CurrentFile, name: str, also: Array | None) -> RecordedCurrent:
+    if not is_netcdf(name):
+        return _read_csv(mission, written, name)
+    if written.start is not None:
+        message = "a NetCDF current has dates of its own; `start` is for a CSV record that counts seconds"
+        raise InputError([Problem(message, mission.file, key="site.current.start")])
+    if mission.start is None:
+        raise InputError([Problem("a NetCDF current needs the mission's `start` (UTC)", name)])
+    from missionplan.scenario.currents.area import Area
+    from missionplan.scenario.currents.field import read_field
+
+    origin = required_origin(mission, "a NetCDF current is placed by it")
+    moment = mission.start.timestamp() if mission.start.tzinfo else None
+    start = np.datetime64(mission.start.replace(tzinfo=None) if moment is None else round(moment * 1e9), "ns")
+    places = _places(mission, origin)
+    places = places if also is None else np.hstack((places, also))
+    return read_field(matching(name), Area(origin, start, places, written.projection), name)
 
 
-def placed(field: "CurrentField", origin: Geographic) -> FieldCurrent:
-    """Return a field in the local plane of the origin.
+def _read_csv(mission: Mission, written: CurrentFile, name: str) -> SeriesCurrent:
+    from missionplan.scenario.currents.csv_series import read_current_csv  # pandas: half a second
 
-    Each row of the grid keeps the north coordinate of its point on the origin's meridian, each column the east
-    coordinate of its point on the origin's parallel. At a distance D to the north and east the error is
-    D² tan(latitude)/R: 12 m at 10 km and 37°, little beside the spacing of the grid.
-    """
-    same = np.full_like
-    _, north = to_plane(field.latitude, same(field.latitude, origin.longitude), origin)
-    east, _ = to_plane(same(field.longitude, origin.latitude), field.longitude, origin)
-    return FieldCurrent(field.time, field.depth, north, east, fill_gaps(field.east), fill_gaps(field.north))
+    if "*" in name:
+        message = f"given {name}; a pattern is for NetCDF files, a CSV record is one file"
+        raise InputError([Problem(message, mission.file, key="site.current.file")])
+    series = read_current_csv(Path(name), mission.start, written.start)
+    return SeriesCurrent(series.time, series.depth, series.east, series.north)
+
+
+def _places(mission: Mission, origin: Geographic) -> Array:
+    """Where the mission's transits begin and end, and its origin, shape (2, k) [m]."""
+    found = [np.zeros(2)]
+    for phase in mission.transits:
+        for place in (phase.start, phase.to):
+            if isinstance(place, Geographic):
+                found.append(np.hstack(to_plane(np.array([place.latitude]), np.array([place.longitude]), origin)))
+            elif place is not None and all(isinstance(value, float) for value in place):
+                found.append(np.array(place, dtype=float))
+    return np.array(found).T

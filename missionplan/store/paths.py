@@ -64,3 +64,11 @@ def vacant(folder: Path, names: Iterable[str]) -> list[Path]:
     if present:
         raise InputError(present)
     return paths
+
+
+def matching(pattern: str) -> tuple[str, ...]:
+    """Return the names of the files that an absolute pattern with ``*`` stands for, in order; without one, its own."""
+    if "*" not in pattern:
+        return (pattern,)
+    root = Path(pattern).anchor
+    return tuple(sorted(map(str, Path(root).glob(str(Path(pattern).relative_to(root))))))

@@ -7,7 +7,9 @@ from scipy.interpolate import RegularGridInterpolator
 
 from missionplan.errors import InputError
 from missionplan.phases.currents import Current, LayeredCurrent, layers
-from missionplan.phases.recorded_currents import FieldCurrent, SeriesCurrent, fill_gaps
+from missionplan.phases.fields.gridded_current import GriddedCurrent
+from missionplan.phases.fields.grids import RegularGrid
+from missionplan.phases.recorded_currents import SeriesCurrent
 
 HERE = np.zeros((2, 1))
 RNG = np.random.default_rng(11)
@@ -24,7 +26,13 @@ SERIES = SeriesCurrent(
 def field():
     axes = (np.array([0.0, 3600.0, 7200.0]), np.array([0.0, 5.0]), np.array([-2e3, 0.0, 3e3]), np.array([-1e3, 2e3]))
     shape = tuple(map(len, axes))
-    return FieldCurrent(*axes, RNG.normal(size=shape), RNG.normal(size=shape))
+    return axes, RNG.normal(size=shape), RNG.normal(size=shape)
+
+
+def gridded(axes, east, north):
+    time, depth, north_axis, east_axis = axes
+    values = (east + 1j * north).reshape(time.size, depth.size, -1).transpose(0, 2, 1)
+    return GriddedCurrent.of(time, RegularGrid(north_axis, east_axis), depth, values, np.full(values.shape[1], 99.0))
 
 
 def test_layers_set_towards_their_course():
@@ -82,11 +90,11 @@ def test_a_series_of_one_sample_is_constant():
 
 
 def test_a_field_is_linear_between_nodes():
-    current = field()
-    axes = (current.time, current.depth, current.north_axis, current.east_axis)
+    axes, *parts = field()
+    current = gridded(axes, *parts)
     t, depth = RNG.uniform(0.0, 7200.0, 40), RNG.uniform(0.0, 5.0, 40)
     place = np.stack((RNG.uniform(-1e3, 2e3, 40), RNG.uniform(-2e3, 3e3, 40)))
-    for component, values in enumerate((current.east, current.north)):
+    for component, values in enumerate(parts):
         theory = RegularGridInterpolator(axes, values)((t, depth, place[1], place[0]))
         assert current.velocity(t, depth, place)[component] == pytest.approx(theory)
 
@@ -96,7 +104,7 @@ def test_the_mean_along_a_track_follows_the_current_that_bends_it():
     axes = (np.array([0.0]), np.array([0.0]), np.array([0.0, 5000.0]), np.array([-9e3, 9e3]))
     east = np.zeros((1, 1, 2, 2))
     east[0, 0, 1] = 5000.0 * 1e-4
-    current = FieldCurrent(*axes, east, np.full_like(east, 0.1))
+    current = gridded(axes, east, np.full_like(east, 0.1))
     mean = current.mean_velocity(0.0, 1000.0, 0.0, HERE, np.array([[0.0], [1500.0]]))
     assert mean[:, 0] == pytest.approx([1e-4 * 0.5 * (1500.0 + 100.0), 0.1])
 
@@ -113,10 +121,13 @@ def test_the_base_quadrature_is_exact_for_a_tide():
 
 def test_missing_nodes_take_the_water_above_them_then_beside_them():
     values = np.array([[[[1.0, 2.0, np.nan]], [[5.0, np.nan, np.nan]]]])
-    assert fill_gaps(values).tolist() == [[[[1.0, 2.0, 2.0]], [[5.0, 2.0, 2.0]]]]
+    axes = (np.zeros(1), np.array([0.0, 5.0]), np.zeros(1), np.array([0.0, 1e3, 2e3]))
+    current = gridded(axes, values, 0.0 * values)
+    assert current.values[0].T.real.tolist() == [[1.0, 2.0, 2.0], [5.0, 2.0, 2.0]]
+    assert current.wet.tolist() == [[True, True, False]]
     assert np.isnan(values).sum() == 3, "the caller's array is left alone"
 
 
 def test_a_time_without_any_value_is_refused():
     with pytest.raises(InputError, match="time without any value"):
-        fill_gaps(np.full((1, 1, 2, 2), np.nan))
+        gridded((np.zeros(1), np.zeros(1), np.arange(2.0), np.arange(2.0)), *np.full((2, 1, 1, 2, 2), np.nan))

@@ -39,7 +39,7 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
         When the mission has no transit or no navigation, or its current cannot be read.
     """
     transits = TransitMission.of(mission)
-    recorded = recorded_current(mission)
+    recorded = recorded_current(mission, np.hstack((data.start, data.end)))
     means = Scenario.at_means(mission, recorded)
     drawn = Scenario.drawn(mission, recorded, seed=seed, block=0, size=DRAWS)
     if means.current is not None:

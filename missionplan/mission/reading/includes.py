@@ -6,7 +6,10 @@ from pathlib import Path
 
 from missionplan.errors import InputError, KeyPath, Problem, shown
 from missionplan.mission.reading.documents import Document, load_document
-from missionplan.store.paths import is_file
+from missionplan.store.paths import is_file, matching
+
+REMOTE = ("http://", "https://", "dods://")
+"""Beginnings of addresses that are read over the network (OPeNDAP)."""
 
 
 def include_files(document: Document, folder: Path, *, allow_outside: bool) -> list[Problem]:
@@ -32,13 +35,21 @@ def include_files(document: Document, folder: Path, *, allow_outside: bool) -> l
         del document.data["vehicle"]
     site = document.data.get("site")
     current = site.get("current") if isinstance(site, dict) else None
-    if isinstance(current, dict) and isinstance(current.get("file"), str):
-        target = files.resolve(current["file"], ("site", "current", "file"))
-        current["file"] = str(target or current["file"])
-    tide = current.get("tide") if isinstance(current, dict) else None
-    if isinstance(tide, str) and not files.include(tide, ("site", "current", "tide")):
-        del site["current"]
+    if isinstance(current, dict):
+        _resolve_current(current, files)
+        if isinstance(current.get("tide"), str) and not files.include(current["tide"], ("site", "current", "tide")):
+            del site["current"]
     return files.problems
+
+
+def _resolve_current(current: dict[str, object], files: "_Files") -> None:
+    """Resolve the path of a current's file, or of each member of an ensemble."""
+    path, given = ("site", "current", "file"), current.get("file")
+    if isinstance(given, str):
+        current["file"] = files.resolve_many(given, path) or given
+    elif isinstance(given, list):
+        names = [(name, (*path, index)) for index, name in enumerate(given)]
+        current["file"] = [(isinstance(name, str) and files.resolve_many(name, at)) or name for name, at in names]
 
 
 @dataclass
@@ -61,6 +72,23 @@ class _Files:
             self.problems += error.problems
             return False
         return True
+
+    def resolve_many(self, name: str, path: KeyPath) -> str | None:
+        """Absolute path of a file or a pattern of files, or an address; None where none may be read."""
+        if name.startswith(REMOTE):
+            return name
+        if "*" not in name or "\0" in name:
+            target = self.resolve(name, path)
+            return None if target is None else str(target)
+        pattern = (self.folder / name).parent.resolve() / Path(name).name
+        if not self.allow_outside and not pattern.is_relative_to(self.folder.resolve()):
+            message = f"given {shown(name)}, which lies outside the mission file's folder"
+            self._refuse(path, message, "allow_outside=True permits it")
+            return None
+        if not matching(str(pattern)):
+            self._refuse(path, f"given {shown(name)}; no file is named like that")
+            return None
+        return str(pattern)
 
     def resolve(self, name: str, path: KeyPath) -> Path | None:
         """Absolute path of a file that the document names at `path`; None where it may not be read."""

@@ -60,15 +60,23 @@ class CurrentLayer(FileSection):
 
 
 class CurrentFile(FileSection):
-    """A current read from a CSV or CF NetCDF file; `outside`: what is beyond its times, depths and places.
+    """A current read from files: a CSV record, or the NetCDF field of an ocean model.
 
-    `error`: a trial that leaves the record fails; `hold`: the values at its end; `zero`: no current. `start`: when the
-    seconds of a CSV record begin to count, UTC; without it, at the mission's start.
+    `file` is a path, a pattern (``forecast-*.nc``) or an OPeNDAP address. `projection` is that of a field whose
+    coordinates are metres, such as ``EPSG:32610``, or ``local`` for metres from the origin. `outside` is for what is
+    beyond the record's times, depths and places: `error`, a trial that leaves it fails; `hold`, the values at its end;
+    `zero`, no current. `start`: when the seconds of a CSV record begin to count, UTC; without it, at the mission's.
     """
 
     file: str
     start: datetime | None = None
+    projection: str | None = None
     outside: Literal["error", "hold", "zero"] = "error"
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """Path, pattern or address of each member of an ensemble; one where it is none."""
+        return (self.file,)
 
 
 class TidalConstituent(FileSection):

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from datetime import UTC, timedelta
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,9 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, MissionplanError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
-from missionplan.phases.recorded_currents import FieldCurrent, RecordedCurrent
+from missionplan.phases.currents import Current
+from missionplan.phases.fields.gridded_current import GriddedCurrent
+from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -68,6 +71,28 @@ def check_trials(mission: Mission, current: object, left: "Probability | None") 
         raise InputError([_problem(mission, message)])
 
 
+def cover_in_words(mission: Mission, current: Current | None) -> str:
+    """Sentence on what a record of the current covers in time, place and depth; none where there is no record."""
+    if not isinstance(current, RecordedCurrent) or not np.isfinite(current.time).all():
+        return ""
+    words = f" Current: {_moment(mission, current.time[0])} to {_moment(mission, current.time[-1])}"
+    words += " UTC" if mission.start else " of the mission's start"
+    if isinstance(current, GriddedCurrent):
+        low, high = current.grid.extent / 1000.0
+        words += f", from {low[0]:.1f} to {high[0]:.1f} km east and from {low[1]:.1f} to {high[1]:.1f} km north"
+        land = 1.0 - float(np.mean(np.any(current.wet, axis=0)))
+        words += f" ({100.0 * land:.0f} % of it land)" if land else ""
+    return f"{words}, down to {current.depths_covered[1]:.4g} m.".replace("Current: ", "Current: from ", 1)
+
+
+def _moment(mission: Mission, seconds: float) -> str:
+    """Date and time of day, or the seconds since the start where the mission has none."""
+    if mission.start is None:
+        return f"{seconds:.0f} s"
+    start = mission.start if mission.start.tzinfo else mission.start.replace(tzinfo=UTC)
+    return (start + timedelta(seconds=float(seconds))).astimezone(UTC).strftime("%Y-%m-%d %H:%M")
+
+
 def _nominal(mission: Mission, means: Scenario, current: RecordedCurrent, lasts: str) -> list[Problem]:
     """Run the mission once at its means, with the record's ends held, and see which phases leave it."""
     from missionplan.studies.simulation.trial_block import run_block  # most missions have no record to be run with
@@ -111,14 +136,21 @@ def _problem(mission: Mission, message: str) -> Problem:
 
 
 def _outside_in_place(mission: Mission, means: Scenario, current: RecordedCurrent) -> Iterator[Problem]:
-    """Positions of the mission beyond a field that must hold them."""
-    if not isinstance(current, FieldCurrent) or not current.is_binding:
+    """Positions of the mission beyond a field that must hold them, or on its land."""
+    if not isinstance(current, GriddedCurrent) or not current.is_binding:
         return
+    low, high = current.grid.extent
     for name, place in _places(mission, means):
-        for value, axis, way in zip(place, (current.east_axis, current.north_axis), ("east", "north"), strict=True):
-            if not axis[0] <= value <= axis[-1]:
-                span = f"the field reaches from {axis[0]:.0f} m to {axis[-1]:.0f} m {way} of the origin"
+        where = np.asarray(place, dtype=float)[:, None]
+        beyond = False
+        for value, first, last, way in zip(place, low, high, ("east", "north"), strict=True):
+            if not first <= value <= last:
+                beyond = True
+                span = f"the field reaches from {first:.0f} m to {last:.0f} m {way} of the origin"
                 yield Problem(f"lies at {value:.0f} m; {span}", mission.file, key=name, hint=REMEDY)
+        if not beyond and not np.all(current.holds(where)):
+            message = "lies on land, or in a gap of the grid, of this field of the current"
+            yield Problem(message, mission.file, key=name, hint=REMEDY)
 
 
 def _places(mission: Mission, means: Scenario) -> Iterator[tuple[str, Array]]:

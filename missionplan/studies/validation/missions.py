@@ -9,7 +9,7 @@ from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.checks import check_complete, input_notices
-from missionplan.studies.simulation.record_cover import check_cover
+from missionplan.studies.simulation.record_cover import check_cover, cover_in_words
 from missionplan.studies.validation.readiness import Readiness, Validated, needs
 
 
@@ -42,6 +42,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
         Readiness("sweep-transition", needs(lambda: TransitionMission.of(mission))),
     )
     summary = f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
+    summary += cover_in_words(mission, means.recorded)
     return Validated(path, summary, table, tuple(notices) or mission.notices())
 
 

@@ -238,13 +238,13 @@ def test_what_the_forecast_lacks_is_the_trials_own_draw(tmp_path):
 def test_a_field_fills_land_and_places_itself(tmp_path):
     mission = chesapeake(tmp_path, STEADY | netcdf(tmp_path, lambda t, d: (0.1 + 0.01 * d, t / 36000.0)))
     current = recorded_current(mission)
-    assert np.isfinite(current.east).all()
+    assert np.isfinite(current.values).all()
     east, north = current.velocity(np.array([5400.0]), np.array([4.0]), np.array([[800.0], [-20.0]]))[:, 0]
     assert east == pytest.approx(0.14, abs=1e-6)
     assert north == pytest.approx(0.15, abs=1e-6)
-    metres = np.diff(current.north_axis)
+    metres = np.diff(current.grid.north_axis)
     assert metres == pytest.approx(np.full(metres.size, 0.0175 * 110_990.0), rel=2e-3)
-    assert current.east_axis[0] == pytest.approx(-0.07 * 111_320.0 * math.cos(math.radians(37.25)), rel=3e-3)
+    assert current.grid.east_axis[0] == pytest.approx(-0.07 * 111_320.0 * math.cos(math.radians(37.25)), rel=3e-3)
 
 
 def test_a_field_that_does_not_reach_the_mission_is_refused(tmp_path):
@@ -297,8 +297,8 @@ def test_a_field_may_cross_the_date_line_or_be_global(tmp_path, west, east):
     origin = {"latitude": "37.25 deg", "longitude": "179.99 deg"}
     changes = STEADY | netcdf(tmp_path, steady, longitudes=(west, east)) | {"site.origin": origin}
     current = recorded_current(chesapeake(tmp_path, changes))
-    assert (np.diff(current.east_axis) > 0.0).all()
-    assert current.east_axis[0] < -1700.0 < 1700.0 < current.east_axis[-1]
+    assert (np.diff(current.grid.east_axis) > 0.0).all()
+    assert current.grid.east_axis[0] < -1700.0 < 1700.0 < current.grid.east_axis[-1]
 
 
 def test_without_layers_the_anchor_is_sized_for_one_design_current(tmp_path):

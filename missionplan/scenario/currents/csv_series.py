@@ -1,10 +1,9 @@
-"""Currents from files: a CSV series against time and depth, or a CF NetCDF field. Arrays out, in SI."""
+"""A current at one place from a CSV file: a series against time and depth. Arrays out, in SI."""
 
 import math
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -14,10 +13,6 @@ from missionplan.datasets.csv_cells import check_file
 from missionplan.datasets.packed_files import open_table
 from missionplan.datasets.times import epoch_seconds
 from missionplan.errors import InputError, Problem
-from missionplan.mission.schema.site import Geographic
-
-if TYPE_CHECKING:
-    from xarray import DataArray, Dataset
 
 MAX_BYTES = 200_000_000
 """Of a CSV file of a current."""
@@ -40,26 +35,6 @@ class CurrentSeries:
 
     time: Array
     depth: Array
-    east: Array
-    north: Array
-
-
-@dataclass(frozen=True)
-class CurrentField:
-    """A current against time, depth and position; nan where the file has none (land, below the bottom).
-
-    Attributes
-    ----------
-    time, depth, latitude, longitude : array
-        Increasing [s since the mission's start, m, rad, rad].
-    east, north : array, shape (time, depth, latitude, longitude)
-        [m/s].
-    """
-
-    time: Array
-    depth: Array
-    latitude: Array
-    longitude: Array
     east: Array
     north: Array
 
@@ -149,96 +124,3 @@ def _since(start: datetime | None, times: "pd.Series[str]", shown: str) -> "pd.S
             raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", shown)])
         return moments * math.nan
     return moments - _utc(start).timestamp()
-
-
-_NAMES = {
-    "time": ("time", "ocean_time", "Times"),
-    "depth": ("depth", "Depth", "lev", "z"),
-    "latitude": ("latitude", "lat", "Latitude"),
-    "longitude": ("longitude", "lon", "Longitude"),
-    "east": ("u", "water_u", "u_eastward", "uo"),
-    "north": ("v", "water_v", "v_northward", "vo"),
-}
-_STANDARD_NAMES = {
-    "east": ("eastward_sea_water_velocity", "surface_eastward_sea_water_velocity"),
-    "north": ("northward_sea_water_velocity", "surface_northward_sea_water_velocity"),
-}
-
-
-def read_current_netcdf(path: Path, start: datetime | None, origin: Geographic) -> CurrentField:
-    """Read a CF NetCDF field on a regular latitude-longitude grid (the layout of operational forecasts).
-
-    Parameters
-    ----------
-    path : Path
-    start : datetime or None
-        The mission's start, UTC.
-    origin : Geographic
-        The site's. The longitudes returned are within half a turn of its own, and nodes far from it are left out.
-
-    Raises
-    ------
-    InputError
-        When the mission has no start, xarray is not installed, a variable is missing, or the grid is not regular.
-    """
-    shown = str(path)
-    if start is None:
-        raise InputError([Problem("a NetCDF current needs the mission's `start` (UTC)", shown)])
-    try:
-        import xarray
-    except ImportError:
-        hint = "pip install 'missionplan[netcdf]'"
-        raise InputError([Problem("reading NetCDF needs xarray and netCDF4", shown, hint=hint)]) from None
-    try:
-        with xarray.open_dataset(path) as dataset:
-            return _field(dataset, start, shown, origin)
-    except InputError:
-        raise
-    except Exception as error:  # the libraries below raise many kinds for what is damaged
-        words = str(error).partition("\n")[0]
-        raise InputError([Problem(f"cannot be read as NetCDF: {words}", shown)]) from None
-
-
-REACH = np.radians(8.0)
-"""Of a field, what is this far from the origin is read [rad]: 890 km, beyond the farthest that a mission may go."""
-
-
-def _field(dataset: "Dataset", start: datetime, shown: str, origin: Geographic) -> CurrentField:
-    found = {key: _variable(dataset, key, shown) for key in _NAMES}
-    axes = [found[key] for key in ("time", "depth", "latitude", "longitude")]
-    if any(axis.ndim != 1 for axis in axes):
-        raise InputError([Problem("expected one-dimensional time, depth, latitude and longitude", shown)])
-    if any(axis.size == 0 for axis in axes):
-        raise InputError([Problem("has no times, depths or positions", shown)])
-    if not np.issubdtype(found["time"].dtype, np.datetime64):
-        hint = "its attribute `units` has to say since when, such as `hours since 2025-06-01`"
-        raise InputError([Problem("its times are no dates", shown, hint=hint)])
-    moment = np.datetime64(start.astimezone(UTC).replace(tzinfo=None) if start.tzinfo else start, "ns")
-    latitude, longitude = (np.radians(found[key].to_numpy().astype(float)) for key in ("latitude", "longitude"))
-    # about the origin's meridian, so that neither the date line nor the convention of the file matters
-    east = (longitude - origin.longitude + np.pi) % (2.0 * np.pi) - np.pi
-    coordinates = [
-        np.asarray((found["time"].to_numpy() - moment) / np.timedelta64(1, "s"), dtype=float),
-        np.abs(found["depth"].to_numpy().astype(float)),
-        latitude,
-        origin.longitude + east,
-    ]
-    reach = min(REACH / max(np.cos(origin.latitude), 0.1), 0.5 * np.pi)
-    kept = [np.unique(axis, return_index=True)[1] for axis in coordinates]
-    for number, offset, most in ((2, latitude - origin.latitude, REACH), (3, east, reach)):
-        first, last = np.searchsorted(offset[kept[number]], (-most, most))
-        kept[number] = kept[number][max(first - 1, 0) : last + 1]  # and one node beyond on each side
-    chosen = {axis.dims[0]: index for axis, index in zip(axes, kept, strict=True)}
-    values = (found[key].isel(chosen).transpose(*chosen).to_numpy().astype(float) for key in ("east", "north"))
-    return CurrentField(*(axis[index] for axis, index in zip(coordinates, kept, strict=True)), *values)
-
-
-def _variable(dataset: "Dataset", key: str, shown: str) -> "DataArray":
-    for name in _NAMES[key]:
-        if name in dataset.variables:
-            return dataset[name]
-    for other in dataset.variables:
-        if dataset[other].attrs.get("standard_name") in _STANDARD_NAMES.get(key, ()):
-            return dataset[other]
-    message = f"has no variable for {key}; looked for {', '.join(_NAMES[key])}"
-    raise InputError([Problem(message, shown)])

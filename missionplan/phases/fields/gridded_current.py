@@ -1,0 +1,201 @@
+"""A current on the grid of an ocean model: linear in depth in each column of water, then across, then in time."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from missionplan.arrays import Array, Scalars
+from missionplan.errors import InputError
+from missionplan.phases.currents import Span
+from missionplan.phases.fields.grids import Columns, Grid
+from missionplan.phases.fields.triangles import Indices
+from missionplan.phases.recorded_currents import RecordedCurrent, bracket
+
+Velocities = NDArray[np.complexfloating[Any]]
+"""Toward east, and toward north as the imaginary part [m/s]."""
+_DEPTHS_KEPT = 8
+"""Depths at which the field across is kept: those of a mission's transits, and the surface."""
+
+
+@dataclass(frozen=True)
+class GriddedCurrent(RecordedCurrent):
+    """A current against time and depth at columns of water; use `of`, which fills what has no value.
+
+    Attributes
+    ----------
+    time, depth : array, shapes (t,) and (2,)
+        Increasing [s since the mission's start]; the least and the greatest depth at which it is good [m].
+    grid : Grid
+        c columns.
+    levels : array, shape (d,) or (t, c, d)
+        Depths of the values below the surface of the moment, increasing: the same in all columns, or each its own [m].
+    values : array of complex, shape (t, c, d)
+        Toward east, and toward north as the imaginary part [m/s].
+    wet : array of bool, shape (t, c)
+        Where the model has water.
+    bottom : array, shape (c,)
+        Depth down to which each column is good [m].
+    """
+
+    grid: Grid
+    levels: Array
+    values: Velocities
+    wet: NDArray[np.bool_]
+    bottom: Array
+    _slices: dict[float, Velocities] = field(default_factory=dict, repr=False, compare=False)
+
+    @classmethod
+    def of(cls, time: Array, grid: Grid, levels: Array, values: Velocities, bottom: Array) -> "GriddedCurrent":
+        """Build it from values that are nan where there is no water.
+
+        Below its deepest value a column keeps that; a column without any takes those of the nearest that has some.
+
+        Raises
+        ------
+        InputError
+            When there is no value at all at some time.
+        """
+        values = _down_to_the_bottom(values)
+        wet: NDArray[np.bool_] = np.isfinite(values)[:, :, 0]
+        if not wet.any(axis=1).all():
+            raise InputError("the current field has a time without any value in the mission's area")
+        if not wet.all():
+            values, levels = values.copy(), np.array(levels)
+            nearest = _nearest_wet(wet, grid.points)
+            for moment, source in enumerate(nearest):
+                values[moment] = values[moment, source]
+                if levels.ndim == 3:
+                    levels[moment] = levels[moment, source]
+            bottom = np.where(wet.any(axis=0), bottom, bottom[nearest[0]])
+        depth = np.array([0.0 if levels.ndim == 3 else float(levels[0]), float(np.max(bottom))])
+        return cls(time, depth, grid, levels, values, wet, bottom)
+
+    @property
+    @override
+    def depths_covered(self) -> tuple[float, float]:
+        """Least and greatest depth at which the field is good anywhere [m]."""
+        return float(self.depth[0]), float(self.depth[1])
+
+    @override
+    def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
+        columns = self.grid.columns(np.asarray(position))
+        low, high, share = bracket(self.time, t)
+        total: Velocities = np.zeros(1, dtype=complex)
+        for moment, part in ((low, 1.0 - share), (high, share)):
+            if np.ndim(part) or part:
+                total = total + self._across(moment, columns, depth) * part
+        velocity: Array = np.stack((total.real, total.imag))
+        return velocity * self._known(t, depth, position)
+
+    @override
+    def covers(self, span: Span) -> NDArray[np.bool_]:
+        in_time = (self.time[0] <= np.asarray(span.start)) & (np.asarray(span.end) <= self.time[-1])
+        good = np.atleast_1d(in_time & (np.asarray(span.depth) >= self.depth[0]))
+        for place, t in zip(span.places, (span.start, span.end), strict=False):
+            columns = self._homes(np.asarray(place))
+            bottom = np.sum(columns.weight * self.bottom[columns.node], axis=0)
+            good = good & columns.inside & (np.asarray(span.depth) <= bottom) & self._is_water(t, columns)
+        return good
+
+    def holds(self, place: Array) -> NDArray[np.bool_]:
+        """Whether places, shape (2, n), are on the grid and at some time water."""
+        columns = self._homes(place)
+        ever: NDArray[np.bool_] = np.any(self.wet, axis=0)
+        share = np.sum(columns.weight * ever[columns.node], axis=0)
+        return np.asarray(columns.inside & (share >= 0.5), dtype=bool)
+
+    def _homes(self, place: Array) -> Columns:
+        """Columns that say whether places are water, and how deep."""
+        columns = self.grid.columns(place)
+        if not self.grid.is_of_cells:
+            return columns
+        return Columns(columns.node[:1], np.ones_like(columns.weight[:1]), columns.inside)
+
+    def _is_water(self, t: Scalars, columns: Columns) -> NDArray[np.bool_]:
+        """Whether most of a place is water, by the columns that make it up."""
+        if self._is_wet_throughout:
+            return np.ones(1, dtype=bool)
+        low, high, share = bracket(self.time, t)
+        part = (1.0 - share) * self.wet[low, columns.node] + share * self.wet[high, columns.node]
+        return np.asarray(np.sum(columns.weight * part, axis=0) >= 0.5)
+
+    @cached_property
+    def _is_wet_throughout(self) -> bool:
+        return bool(self.wet.all())
+
+    def _across(self, moment: Indices | int, columns: Columns, depth: Scalars) -> Velocities:
+        """Velocity at one of the field's times for each place, shape (n,)."""
+        of_moment = moment * self.values.shape[1]
+        if np.size(depth) == 1:
+            flat = self._at_depth(float(np.reshape(depth, ())))
+            parts = (flat.take(of_moment + index) for index in columns.node)
+        else:
+            parts = (self._in_column(of_moment + index, depth) for index in columns.node)
+        return np.asarray(sum(part * weight for part, weight in zip(parts, columns.weight, strict=True)))
+
+    def _at_depth(self, depth: float) -> Velocities:
+        """Values of all columns at all times at one depth, flat."""
+        if depth not in self._slices:
+            if len(self._slices) >= _DEPTHS_KEPT:
+                self._slices.clear()
+            every = np.arange(self.values.shape[0] * self.values.shape[1])
+            self._slices[depth] = self._in_column(every, np.full(every.size, depth))
+        return self._slices[depth]
+
+    def _in_column(self, column: Indices, depth: Scalars) -> Velocities:
+        """Values at a depth in columns, which are counted through all times."""
+        levels, last = self.values.shape[2], self.values.shape[2] - 1
+        if self.levels.ndim == 1:
+            low, high, share = bracket(self.levels, depth)
+        else:
+            flat = self.levels.reshape(-1)
+            low = _last_at_most(flat, column * levels, levels, depth)
+            high = np.minimum(low + 1, last)
+            above, below = flat.take(column * levels + low), flat.take(column * levels + high)
+            step = below - above
+            share = np.clip((depth - above) / np.where(step > 0.0, step, np.inf), 0.0, 1.0)
+        values = self.values.reshape(-1)
+        upper, lower = values.take(column * levels + low), values.take(column * levels + high)
+        return np.asarray(upper + (lower - upper) * share)
+
+
+def _last_at_most(flat: Array, start: Indices, count: int, depth: Scalars) -> Indices:
+    """Number of the last of `count` increasing levels from `start` on that is not below a depth; 0 where all are."""
+    low, high = np.zeros_like(start), np.full_like(start, count)
+    for _ in range(int(count).bit_length()):
+        middle = (low + high) // 2
+        above = flat.take(start + middle) <= depth
+        low, high = np.where(above & (middle < high), middle, low), np.where(above, high, middle)
+    return np.asarray(low)
+
+
+def _down_to_the_bottom(values: Velocities) -> Velocities:
+    """Give levels without a value that of the level above them, or below where there is none above."""
+    if np.isfinite(values).all():
+        return values
+    filled = values.copy()
+    for levels in (range(1, filled.shape[2]), range(filled.shape[2] - 2, -1, -1)):
+        step = 1 if levels.step > 0 else -1
+        for level in levels:
+            missing = ~np.isfinite(filled[:, :, level])
+            filled[:, :, level][missing] = filled[:, :, level - step][missing]
+    return filled
+
+
+def _nearest_wet(wet: NDArray[np.bool_], points: Array) -> list[Indices]:
+    """For each time the column that each column takes its values from."""
+    found: list[Indices] = []
+    for moment, now in enumerate(wet):
+        if moment and np.array_equal(now, wet[moment - 1]):
+            found.append(found[-1])
+            continue
+        source = np.arange(now.size)
+        there = np.flatnonzero(now)
+        source[~now] = there[scipy.spatial.cKDTree(points[:, there].T).query(points[:, ~now].T)[1]]
+        found.append(source)
+    return found

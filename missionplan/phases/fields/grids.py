@@ -1,0 +1,232 @@
+"""Of which columns of water a place is made up: grids in the horizontal, in the local plane."""
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from missionplan.arrays import Array
+from missionplan.phases.fields.triangles import Indices, TriangleFinder
+from missionplan.phases.recorded_currents import bracket
+
+_NEWTON_STEPS = 4
+"""Of the place in a four-sided cell; 1e-12 of the cell for sides that differ by a fifth."""
+
+
+class Columns(NamedTuple):
+    """Columns of water that make up places, and their weights, shape (k, n) each; `inside`: whether the grid holds it.
+
+    A place beyond the grid is made up of the nearest column alone. The first column is the one the place lies in where
+    a grid has its values at the middles of cells.
+    """
+
+    node: Indices
+    weight: Array
+    inside: NDArray[np.bool_]
+
+
+class Grid(ABC):
+    """Columns of water in the local plane.
+
+    Parameters
+    ----------
+    points : array, shape (2, c)
+        East and north of each column [m].
+    """
+
+    def __init__(self, points: Array) -> None:
+        self.points = points
+
+    @property
+    def extent(self) -> Array:
+        """South-west and north-east corner of a box about the columns, shape (2, 2) [m]."""
+        return np.stack((self.points.min(axis=1), self.points.max(axis=1)))
+
+    @property
+    def is_of_cells(self) -> bool:
+        """Whether values belong to the middles of cells, so that the first column says whether a place is water."""
+        return False
+
+    def columns(self, place: Array) -> Columns:
+        """Return the columns that make up places, shape (2, n) [m]."""
+        node, weight, inside = self._within(place)
+        if inside.all():
+            return Columns(node, weight, inside)
+        away = np.flatnonzero(~inside)
+        weight[:, away] = 0.0
+        weight[0, away] = 1.0
+        node[:, away] = self._tree.query(place[:, away].T)[1]
+        return Columns(node, weight, inside)
+
+    @cached_property
+    def _tree(self) -> "scipy.spatial.cKDTree":
+        return scipy.spatial.cKDTree(self.points.T)
+
+    @abstractmethod
+    def _within(self, place: Array) -> Columns:
+        """Columns of places on the grid; anything for the others."""
+
+
+class RegularGrid(Grid):
+    """Values at the nodes of straight rows and columns, bilinear between them; beyond the edge those of the edge.
+
+    Parameters
+    ----------
+    north_axis, east_axis : array, shapes (j,) and (i,)
+        Increasing [m]; a column's number is that of its row times i, plus that in the row.
+    """
+
+    def __init__(self, north_axis: Array, east_axis: Array) -> None:
+        super().__init__(np.stack(np.meshgrid(east_axis, north_axis)).reshape(2, -1))
+        self.north_axis, self.east_axis = north_axis, east_axis
+
+    @override
+    def columns(self, place: Array) -> Columns:
+        return self._within(place)
+
+    @override
+    def _within(self, place: Array) -> Columns:
+        north, east = self.north_axis, self.east_axis
+        rows, across = bracket(north, place[1]), bracket(east, place[0])
+        index, weight = [], []
+        for row, row_part in ((rows.low, 1.0 - rows.share), (rows.high, rows.share)):
+            for column, part in ((across.low, 1.0 - across.share), (across.high, across.share)):
+                index.append(np.broadcast_to(row * east.size + column, place.shape[1:]))
+                weight.append(np.broadcast_to(row_part * part, place.shape[1:]))
+        beyond = [(axis[0] > x) | (x > axis[-1]) for axis, x in ((north, place[1]), (east, place[0]))]
+        return Columns(np.stack(index), np.stack(weight), ~(beyond[0] | beyond[1]))
+
+
+class TriangleMesh(Grid):
+    """Values at the nodes of triangles, linear within each.
+
+    Parameters
+    ----------
+    points : array, shape (2, c)
+        Nodes [m].
+    triangles : array of int, shape (m, 3)
+    """
+
+    def __init__(self, points: Array, triangles: Indices) -> None:
+        super().__init__(points)
+        self._triangles, self._finder = triangles.T, TriangleFinder(points, triangles)
+
+    @override
+    def _within(self, place: Array) -> Columns:
+        triangle, (second, third) = self._finder.find(place)
+        return Columns(self._triangles[:, triangle], np.stack((1.0 - second - third, second, third)), triangle >= 0)
+
+
+class CurvedGrid(Grid):
+    """Values at the nodes of a grid of rows and columns that may bend, bilinear in each of its four-sided cells.
+
+    Parameters
+    ----------
+    points : array, shape (2, rows, columns)
+        [m]
+    """
+
+    def __init__(self, points: Array) -> None:
+        super().__init__(points.reshape(2, -1))
+        rows, columns = points.shape[1:]
+        corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
+        self._corners = np.stack((corner, corner + 1, corner + columns, corner + columns + 1))
+        # the lower and the upper triangle of each cell
+        halves = np.stack((self._corners[[0, 1, 2]], self._corners[[3, 2, 1]]), axis=2)
+        self._finder = TriangleFinder(self.points, halves.transpose(1, 2, 0).reshape(-1, 3))
+        p00, p01, p10, p11 = (self.points[:, number] for number in self._corners)
+        self._shape = p00, p01 - p00, p10 - p00, p11 - p10 - p01 + p00
+
+    @override
+    def _within(self, place: Array) -> Columns:
+        triangle, (second, third) = self._finder.find(place)
+        cell, upper = triangle // 2, triangle % 2 == 1
+        start, along, up, twist = (part[:, cell] for part in self._shape)
+        a, b = np.where(upper, 1.0 - second, second), np.where(upper, 1.0 - third, third)
+        away = place - start
+        for _ in range(_NEWTON_STEPS):
+            miss = away - a * along - b * up - a * b * twist
+            by_a, by_b = along + b * twist, up + a * twist
+            area = by_a[0] * by_b[1] - by_a[1] * by_b[0]
+            area = np.where(area != 0.0, area, np.inf)
+            a, b = (
+                np.clip(a + (miss[0] * by_b[1] - miss[1] * by_b[0]) / area, 0.0, 1.0),
+                np.clip(b + (by_a[0] * miss[1] - by_a[1] * miss[0]) / area, 0.0, 1.0),
+            )
+        weight = np.stack(((1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b))
+        return Columns(self._corners[:, cell], weight, triangle >= 0)
+
+
+class CellMesh(Grid):
+    """Values at the middles of cells, with a gradient in each from the cells beside it.
+
+    Parameters
+    ----------
+    points : array, shape (2, c)
+        Middles of the cells [m].
+    corners : array, shape (2, p)
+        Nodes of the mesh [m].
+    triangles : array of int, shape (m, 3)
+        Of which the cells consist.
+    cells : array of int, shape (m,)
+        The cell of each triangle.
+    beside : array of int, shape (k, c)
+        The cells beside each, -1 where there is none.
+    slopes : array, shape (2, 1 + k, c)
+        Gradient toward east and north as a sum over a cell's own value and those beside it [1/m].
+    """
+
+    def __init__(
+        self, points: Array, corners: Array, triangles: Indices, cells: Indices, beside: Indices, slopes: Array
+    ) -> None:
+        super().__init__(points)
+        self._finder, self._cells = TriangleFinder(corners, triangles), cells
+        own = np.arange(points.shape[1])
+        # at the edge of the mesh the nearest cell alone
+        self._slopes = slopes * np.all(beside >= 0, axis=0)
+        self._columns = np.vstack((own, np.where(beside >= 0, beside, own)))
+
+    @property
+    @override
+    def is_of_cells(self) -> bool:
+        return True
+
+    @override
+    def _within(self, place: Array) -> Columns:
+        triangle, _ = self._finder.find(place)
+        cell = self._cells[triangle]
+        away = place - self.points[:, cell]
+        weight = away[0] * self._slopes[0][:, cell] + away[1] * self._slopes[1][:, cell]
+        weight[0] += 1.0
+        return Columns(self._columns[:, cell], weight, triangle >= 0)
+
+
+def slopes_by_least_squares(points: Array, beside: Indices) -> Array:
+    """Gradient in each cell that fits the differences to the cells beside it best, as FVCOM computes ``a1u, a2u``.
+
+    Chen, Liu and Beardsley 2003, J. Atmos. Oceanic Technol. 20, 159-186; FVCOM, ``shape_coef_gcn.F``.
+
+    Parameters
+    ----------
+    points : array, shape (2, c)
+        [m]
+    beside : array of int, shape (k, c)
+        -1: none.
+
+    Returns
+    -------
+    array, shape (2, 1 + k, c)
+        See `CellMesh`; zero where the cells beside lie on one line.
+    """
+    there = beside >= 0
+    away = np.where(there, points[:, beside] - points[:, None, :], 0.0)
+    xx, yy, xy = (np.sum(away[i] * away[j], axis=0) for i, j in ((0, 0), (1, 1), (0, 1)))
+    area = xx * yy - xy * xy
+    fits = area > 1e-9 * xx * yy
+    divisor = np.where(fits, area, np.inf)
+    toward = np.stack((away[0] * yy - away[1] * xy, away[1] * xx - away[0] * xy)) / divisor
+    return np.concatenate((-toward.sum(axis=1, keepdims=True), toward), axis=1)

@@ -1,0 +1,146 @@
+"""What part of a field a mission needs: its box with a margin, from its start on; and where things are in its plane."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.errors import InputError
+from missionplan.mission.geodesy import to_plane
+from missionplan.mission.schema.site import Geographic
+from missionplan.scenario.currents.files import FieldFiles, Moments
+
+Turning = NDArray[np.complex128]
+"""Factor that turns velocities, complex, from a field's axes toward east and north."""
+MARGIN = 20_000.0
+"""Of a field, what is this far beyond the mission's places is read, or farther where these are farther apart [m]."""
+LOCAL = "local"
+"""Projection of a field whose coordinates are metres from the site's origin."""
+
+
+@dataclass(frozen=True)
+class Area:
+    """Place and time of a mission.
+
+    Attributes
+    ----------
+    origin : Geographic
+        Of the plane.
+    start : datetime64
+        Of the mission, UTC.
+    places : array, shape (2, k)
+        Of the mission [m].
+    projection : str or None
+        Of coordinates in metres: ``EPSG:32610``, or `LOCAL`.
+    """
+
+    origin: Geographic
+    start: np.datetime64
+    places: Array
+    projection: str | None = None
+
+    @cached_property
+    def box(self) -> tuple[Array, Array]:
+        """South-west and north-east corner of what is read, shape (2,) each [m]."""
+        places = self.places if self.places.size else np.zeros((2, 1))
+        low, high = places.min(axis=1), places.max(axis=1)
+        margin = max(MARGIN, float(np.hypot(*(high - low))))
+        return low - margin, high + margin
+
+    def holds(self, points: Array) -> NDArray[np.bool_]:
+        """Whether points, shape (2, ...), are in the box."""
+        low, high = (corner.reshape(2, *(1,) * (points.ndim - 1)) for corner in self.box)
+        return np.asarray(np.all((low <= points) & (points <= high), axis=0))
+
+    def seconds(self, moments: Moments) -> Array:
+        """Times since the mission's start [s]."""
+        return np.asarray((moments - self.start) / np.timedelta64(1, "s"), dtype=float)
+
+    def kept(self, moments: Moments) -> Moments:
+        """Times of a field that matter: from the last before the mission's start on."""
+        before = int(np.searchsorted(moments, self.start, side="right")) - 1
+        return moments[max(min(before, moments.size - 1), 0) :]
+
+    def placed(self, files: FieldFiles, names: tuple[str, str], x: Array, y: Array) -> tuple[Array, Turning]:
+        """Place points of a field in the plane.
+
+        Parameters
+        ----------
+        files : FieldFiles
+        names : tuple of str
+            Of the variables that hold x and y.
+        x, y : array
+            Longitude and latitude [deg], or a projection's [m].
+
+        Returns
+        -------
+        points, turning : array of shape (2, ...), array of complex
+            East and north of the origin [m]; the factor that turns velocities along x and y toward east and north.
+
+        Raises
+        ------
+        InputError
+            When the coordinates are of a projection that nobody names, or of none.
+        """
+        if _in_degrees(files, names, x, y):
+            # about the origin's meridian, so that neither the date line nor the convention of the file matters
+            east = (np.radians(x) - self.origin.longitude + np.pi) % (2.0 * np.pi) - np.pi
+            return np.stack(to_plane(np.radians(y), self.origin.longitude + east, self.origin)), np.ones(
+                x.shape, dtype=complex
+            )
+        if self.projection is None:
+            hint = "site.current.projection: EPSG:… names it; `local` places them from the site's origin"
+            raise files.problem(f"{names[0]} and {names[1]} are in metres of a projection that the file lacks", hint)
+        if self.projection == LOCAL:
+            return np.stack((x, y)), np.ones(x.shape, dtype=complex)
+        return self._projected(files, x, y)
+
+    def _projected(self, files: FieldFiles, x: Array, y: Array) -> tuple[Array, Turning]:
+        from pyproj import Transformer
+        from pyproj.exceptions import ProjError
+
+        try:
+            to_degrees = Transformer.from_crs(self.projection, "EPSG:4326", always_xy=True)
+        except ProjError as error:
+            raise files.problem(f"site.current.projection: {str(error).partition(':')[0]}") from None
+        longitude, latitude = np.radians(to_degrees.transform(x, y))
+        ahead = np.radians(to_degrees.transform(x + 10.0, y))
+        if not (np.isfinite(longitude) & np.isfinite(ahead[0])).all():
+            raise files.problem(f"its coordinates are not of {self.projection}")
+        along = (ahead[0] - longitude) * np.cos(latitude) + 1j * (ahead[1] - latitude)
+        return np.stack(to_plane(latitude, longitude, self.origin)), along / np.abs(along)
+
+
+def _in_degrees(files: FieldFiles, names: tuple[str, str], x: Array, y: Array) -> bool:
+    """Whether coordinates are longitudes and latitudes, by what the file says of them, else by their sizes."""
+    for name in names:
+        attributes = files.variable(name).attrs
+        if str(attributes.get("units", "")).startswith("degree"):
+            return True
+        if attributes.get("units") in ("m", "metre", "meter", "meters", "metres"):
+            return False
+    return bool(np.nanmax(np.abs(y)) <= 90.0 and np.nanmax(np.abs(x)) <= 360.0)
+
+
+def window_of(inside: NDArray[np.bool_], files: FieldFiles, ring: int = 1) -> tuple[slice, ...]:
+    """Rows and columns of a grid that hold what is inside the box, with a ring of nodes beyond.
+
+    Raises
+    ------
+    InputError
+        When nothing is.
+    """
+    if not inside.any():
+        raise outside_of(files)
+    spans = []
+    for axis in range(inside.ndim):
+        there = np.flatnonzero(inside.any(axis=tuple(other for other in range(inside.ndim) if other != axis)))
+        spans.append(slice(max(int(there[0]) - ring, 0), int(there[-1]) + 1 + ring))
+    return tuple(spans)
+
+
+def outside_of(files: FieldFiles) -> InputError:
+    """Return the error of a field that lies elsewhere."""
+    return files.problem("holds nothing within 20 km of the mission", "is site.origin right?")

@@ -1,0 +1,101 @@
+"""The field of an ocean model from its files: which model's they are, and the reader for its grid."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING
+
+from missionplan.errors import InputError, Problem
+from missionplan.mission.reading.includes import REMOTE
+from missionplan.phases.fields.gridded_current import GriddedCurrent
+from missionplan.scenario.currents.area import Area
+from missionplan.scenario.currents.files import FieldFiles
+from missionplan.scenario.currents.fvcom import read_fvcom
+from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE, read_regular
+from missionplan.scenario.currents.roms import EAST, read_curved
+from missionplan.scenario.currents.ugrid import read_ugrid, topology
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+
+def read_field(names: Sequence[str], area: Area, shown: str, member: int | None = None) -> GriddedCurrent:
+    """Read the field that some files hold together.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Paths, or addresses.
+    area : Area
+    shown : str
+        How messages name them.
+    member : int, optional
+        Of an ensemble along a dimension of the files, from 0.
+
+    Raises
+    ------
+    InputError
+        When they cannot be read, are of no grid that is known, or do not hold the mission's area.
+    """
+    with opened(names, shown) as files:
+        dimension = files.members()
+        if dimension is not None:
+            files = files.member(dimension, member or 0)
+        try:
+            return _read(files, area)
+        except InputError:
+            raise
+        except Exception as error:  # the libraries below raise many kinds for what is damaged
+            words = str(error).partition("\n")[0]
+            raise InputError([Problem(f"cannot be read as NetCDF: {words}", shown)]) from None
+
+
+def member_count(names: Sequence[str], shown: str) -> int:
+    """Count the members of the ensemble that files hold along a dimension; 1 where they hold none."""
+    with opened(names, shown) as files:
+        dimension = files.members()
+        return 1 if dimension is None else int(max(d.sizes.get(dimension, 1) for d in files.datasets))
+
+
+@contextmanager
+def opened(names: Sequence[str], shown: str) -> Iterator[FieldFiles]:
+    """Open files or addresses.
+
+    Raises
+    ------
+    InputError
+        When xarray is not installed, or one cannot be opened.
+    """
+    try:
+        import xarray  # noqa: F401
+    except ImportError:
+        hint = "pip install 'missionplan[netcdf]'"
+        raise InputError([Problem("reading NetCDF needs xarray and netCDF4", shown, hint=hint)]) from None
+    with ExitStack() as stack:
+        yield FieldFiles([stack.enter_context(_opened(name)) for name in names], shown)
+
+
+def _opened(name: str) -> "Dataset":
+    import xarray
+
+    try:
+        return xarray.open_dataset(name)
+    except Exception as error:  # the libraries below raise many kinds for what is damaged
+        words = str(error).partition("\n")[0]
+        if name.startswith(REMOTE):
+            hint = "an OPeNDAP address needs the network; a copy of the part you need serves without one"
+            raise InputError([Problem(f"cannot be opened: {words}", name, hint=hint)]) from None
+        raise InputError([Problem(f"cannot be read as NetCDF: {words}", name)]) from None
+
+
+def _read(files: FieldFiles, area: Area) -> GriddedCurrent:
+    if files.named("nv") and files.named("u"):
+        return read_fvcom(files, area)
+    if topology(files) is not None:
+        return read_ugrid(files, area)
+    position = files.named("lon_rho", "x_rho", *LATITUDE, "nav_lat")
+    if position is None:
+        looked = ", ".join((*LATITUDE, *LONGITUDE, "lon_rho", "nv"))
+        raise files.problem(f"is no grid that is known: no variable for latitude; looked for {looked}, {EAST[0]}")
+    if files.variable(position).ndim == 2:
+        return read_curved(files, area)
+    return read_regular(files, area)

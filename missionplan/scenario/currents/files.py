@@ -1,0 +1,200 @@
+"""NetCDF files that together hold one field: joined in time, variables by the names that models give them."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from xarray import DataArray, Dataset
+
+Moments = NDArray[np.datetime64]
+Window = Mapping[str, slice]
+
+FASTEST = 12.0
+"""Currents faster than this are no sea's [m/s]: Saltstraumen reaches 10."""
+_SPEED_UNITS = {"m/s": 1.0, "ms-1": 1.0, "cm/s": 0.01, "cms-1": 0.01, "mm/s": 1e-3, "mms-1": 1e-3}
+_KNOT = 1852.0 / 3600.0
+_SPEED_UNITS |= dict.fromkeys(("knot", "knots", "kt", "kn", "kts"), _KNOT)
+MEMBER_DIMENSIONS = ("member", "ensemble", "ensemble_member", "realization", "number", "ens")
+
+
+@dataclass(frozen=True)
+class FieldFiles:
+    """Open files of one field.
+
+    Attributes
+    ----------
+    datasets : sequence of Dataset
+        In the order of their names; of what two of them hold of the same time, the last counts (a later forecast).
+    shown : str
+        How messages name them.
+    """
+
+    datasets: "Sequence[Dataset]"
+    shown: str
+
+    def problem(self, message: str, hint: str = "") -> InputError:
+        """Return the error of the files."""
+        return InputError([Problem(message, self.shown, hint=hint)])
+
+    def named(self, *names: str, standard: Sequence[str] = ()) -> str | None:
+        """Return the first of some names that a file has, else a variable with one of the standard names."""
+        for name in names:
+            if any(name in dataset.variables for dataset in self.datasets):
+                return name
+        for dataset in self.datasets:
+            for other in dataset.variables:
+                if dataset[other].attrs.get("standard_name") in standard:
+                    return str(other)
+        return None
+
+    def required(self, what: str, *names: str, standard: Sequence[str] = ()) -> str:
+        """Return the name of a variable, or raise InputError that says what is missing."""
+        name = self.named(*names, standard=standard)
+        if name is None:
+            raise self.problem(f"has no variable for {what}; looked for {', '.join((*names, *standard))}")
+        return name
+
+    def variable(self, name: str) -> "DataArray":
+        """Return a variable as the first file has it that does."""
+        return next(dataset[name] for dataset in self.datasets if name in dataset.variables)
+
+    def fixed(self, name: str, window: Window | None = None) -> Array:
+        """Return the numbers of a variable that does not change; of one that has times, those of the first."""
+        found = self.variable(name)
+        found = found.isel({dim: part for dim, part in (window or {}).items() if dim in found.dims})
+        if found.ndim and self._times_of(found) is not None:
+            found = found.isel({found.dims[0]: 0})
+        return np.asarray(found.to_numpy(), dtype=float)
+
+    def moments(self, name: str) -> Moments:
+        """Return the times of a variable, increasing.
+
+        Raises
+        ------
+        InputError
+            When it has none, or they are no dates.
+        """
+        return np.array(sorted(self._places(name)), dtype="datetime64[ns]")
+
+    def series(self, name: str, moments: Moments, window: Window, order: Sequence[str]) -> NDArray[np.float32]:
+        """Return a variable at some times.
+
+        Parameters
+        ----------
+        name : str
+        moments : array of datetime64
+        window : mapping of str to slice
+            Part of each dimension.
+        order : sequence of str
+            Dimensions after the time, as wanted.
+
+        Raises
+        ------
+        InputError
+            When it lacks a time.
+        """
+        places = self._places(name)
+        rows: list[NDArray[np.float32]] = []
+        missing = [moment for moment in moments if moment not in places]
+        if missing:
+            raise self.problem(f"{name} lacks the time {np.datetime_as_string(missing[0], 's')}, which others have")
+        numbers = [places[moment][0] for moment in moments]
+        for number in dict.fromkeys(numbers):
+            found = self.datasets[number][name]
+            steps = [places[moment][1] for moment in moments if places[moment][0] == number]
+            first, last = min(steps), max(steps)
+            part = {found.dims[0]: slice(first, last + 1)}
+            part |= {dim: kept for dim, kept in window.items() if dim in found.dims}
+            block = found.isel(part).transpose(found.dims[0], *order).to_numpy()
+            rows.append(np.asarray(block[np.array(steps) - first], dtype=np.float32))
+        return np.concatenate(rows) if len(rows) > 1 else rows[0]
+
+    def _places(self, name: str) -> dict[np.datetime64, tuple[int, int]]:
+        """By time, the file and the step in it."""
+        found: dict[np.datetime64, tuple[int, int]] = {}
+        for number, dataset in enumerate(self.datasets):
+            if name not in dataset.variables:
+                continue
+            times = self._times_of(dataset[name], dataset)
+            if times is None:
+                hint = "its attribute `units` has to say since when, such as `hours since 2025-06-01`"
+                raise self.problem("its times are no dates", hint)
+            found |= {moment: (number, step) for step, moment in enumerate(times) if not np.isnat(moment)}
+        if not found:
+            raise self.problem("has no times")
+        return dict(sorted(found.items()))
+
+    def _times_of(self, variable: "DataArray", dataset: "Dataset | None" = None) -> Moments | None:
+        """Return the times along the first dimension of a variable; None where these are no dates."""
+        dataset = dataset if dataset is not None else next(d for d in self.datasets if variable.name in d.variables)
+        dim = variable.dims[0]
+        if "Times" in dataset.variables and dataset["Times"].dims[:1] == (dim,):  # exact where `time` is of 32 bits
+            return _from_text(dataset["Times"].to_numpy())
+        for name, other in dataset.variables.items():
+            if other.dims == (dim,) and np.issubdtype(other.dtype, np.datetime64):
+                return np.asarray(dataset[name].to_numpy(), dtype="datetime64[ns]")
+        return None
+
+    def speed_factor(self, name: str) -> float:
+        """Return what turns a velocity's unit into m/s; a variable without `units` is taken to be in m/s.
+
+        Raises
+        ------
+        InputError
+            When its attribute `units` is none of a speed.
+        """
+        written = str(self.variable(name).attrs.get("units", "m/s"))
+        plain = re.sub(r"met(er|re)s?", "m", written.strip().lower())
+        plain = re.sub(r"seconds?|sec", "s", plain).replace(" per ", "/")
+        plain = re.sub(r"[\s.*^]", "", plain)
+        if plain not in _SPEED_UNITS:
+            raise self.problem(f"{name} is in {written!r}; expected a speed such as m s-1, cm s-1 or knots")
+        return _SPEED_UNITS[plain]
+
+    def members(self) -> str | None:
+        """Return the dimension along which the members of an ensemble lie."""
+        dims = {str(dim) for dataset in self.datasets for dim in dataset.dims}
+        return next((name for name in MEMBER_DIMENSIONS if name in dims), None)
+
+    def member(self, dimension: str, number: int) -> "FieldFiles":
+        """Return one member of an ensemble."""
+        chosen = [d.isel({dimension: number}) if dimension in d.dims else d for d in self.datasets]
+        return FieldFiles(chosen, f"{self.shown}, {dimension} {number}")
+
+
+def velocities(
+    files: FieldFiles, names: tuple[str, str], parts: tuple[NDArray[np.float32], NDArray[np.float32]]
+) -> NDArray[np.complex64]:
+    """Join the components of a velocity in m/s, as complex numbers.
+
+    Raises
+    ------
+    InputError
+        When a unit is none of a speed, or a value is impossible: a fill value that the file does not declare.
+    """
+    scaled = [part * np.float32(files.speed_factor(name)) for name, part in zip(names, parts, strict=True)]
+    for name, part in zip(names, scaled, strict=True):
+        known = part[np.isfinite(part)]
+        if known.size and float(np.abs(known).max()) > FASTEST:
+            worst = float(known[np.argmax(np.abs(known))])
+            hint = "is its attribute `units` right, and `_FillValue` declared?"
+            raise files.problem(f"{name} reaches {worst:.6g} m/s; no sea is faster than {FASTEST:g} m/s", hint)
+    joined = np.empty(scaled[0].shape, dtype=np.complex64)
+    joined.real, joined.imag = scaled
+    joined[~np.isfinite(joined)] = np.nan
+    return joined
+
+
+def _from_text(texts: NDArray[np.generic]) -> Moments:
+    """Times by ISO 8601, as models write them: bytes, one string a row or one character a column."""
+    rows = texts if texts.ndim == 1 else np.array([b"".join(row) for row in texts])
+    words = [row.decode() if isinstance(row, bytes) else str(row) for row in rows]
+    return np.array([word.strip().rstrip("Z\0").replace(" ", "T") for word in words], dtype="datetime64[ns]")

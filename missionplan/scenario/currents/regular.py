@@ -1,0 +1,106 @@
+"""Fields on rows of latitude and columns of longitude: CF, the layout of operational forecasts, and surface radars."""
+
+import numpy as np
+
+from missionplan.arrays import Array
+from missionplan.mission.geodesy import to_plane
+from missionplan.phases.fields.gridded_current import GriddedCurrent
+from missionplan.phases.fields.grids import RegularGrid
+from missionplan.phases.fields.triangles import Indices
+from missionplan.scenario.currents.area import Area
+from missionplan.scenario.currents.building import assembled
+from missionplan.scenario.currents.files import FieldFiles, velocities
+from missionplan.scenario.currents.roms import EAST, NORTH, STANDARD_EAST, STANDARD_NORTH
+from missionplan.scenario.currents.vertical import SKIN
+
+TIME = ("time", "ocean_time", "Times")
+DEPTH = ("depth", "Depth", "lev", "z")
+LATITUDE = ("latitude", "lat", "Latitude")
+LONGITUDE = ("longitude", "lon", "Longitude")
+REACH = np.radians(8.0)
+"""Of a field, what is this far from the origin is looked at [rad]: 890 km, farther than a mission may go."""
+
+
+def read_regular(files: FieldFiles, area: Area) -> GriddedCurrent:
+    """Read a field whose latitudes and longitudes are one axis each.
+
+    Each row of the grid keeps the north coordinate of its point on the origin's meridian, each column the east
+    coordinate of its point on the origin's parallel. At a distance D to the north and east the error is
+    D² tan(latitude)/R: 12 m at 10 km and 37°, little beside the spacing of the grid.
+
+    Raises
+    ------
+    InputError
+        When something is missing or impossible, or the axes are not one-dimensional.
+    """
+    files.required("time", *TIME)
+    latitude, longitude = (
+        files.required(what, *names) for what, names in (("latitude", LATITUDE), ("longitude", LONGITUDE))
+    )
+    u = files.required("the current toward east", *EAST, standard=STANDARD_EAST)
+    v = files.required("the current toward north", *NORTH, standard=STANDARD_NORTH)
+    dims = [str(dim) for dim in files.variable(u).dims]
+    rows, columns = (str(files.variable(name).dims[0]) for name in (latitude, longitude))
+    across = [dim for dim in dims[1:] if dim not in (rows, columns)]
+    depth = _depths(files, across)
+    north, east, window, picked = _axes(files, area, (latitude, longitude))
+    moments = area.kept(files.moments(u))
+    order = [*across, rows, columns]
+    parts = [files.series(name, moments, window, order)[..., picked[0], picked[1]] for name in (u, v)]
+    velocity = velocities(files, (u, v), (parts[0], parts[1])).reshape(moments.size, -1, north.size * east.size)
+    alone = depth is None or (depth.size == 1 and float(depth[0]) <= SKIN)
+    bottom = np.full(velocity.shape[2], SKIN if alone else np.nan)
+    levels = np.zeros(1) if depth is None else depth
+    return assembled(files, area.seconds(moments), RegularGrid(north, east), levels, velocity, bottom)
+
+
+def _depths(files: FieldFiles, across: list[str]) -> Array | None:
+    """Depths of the levels; None where the field has none."""
+    if len(across) > 1:
+        raise files.problem(f"cannot tell which of {', '.join(across)} is the depth")
+    if not across:
+        return None
+    depth = np.abs(files.fixed(files.required("the depth", across[0], *DEPTH)))
+    if depth.ndim != 1 or depth.size == 0 or not np.isfinite(depth).all():
+        raise files.problem("expected one-dimensional time, depth, latitude and longitude")
+    order = np.diff(depth)
+    if not (np.all(order > 0.0) or np.all(order < 0.0)):
+        raise files.problem("its depths neither rise nor fall")
+    return depth
+
+
+def _axes(
+    files: FieldFiles, area: Area, names: tuple[str, str]
+) -> tuple[Array, Array, dict[str, slice], tuple[Array, Array]]:
+    """North and east coordinates of rows and columns near the mission, where they are, and in which order."""
+    latitude, longitude = (np.radians(files.fixed(name)) for name in names)
+    if latitude.ndim != 1 or longitude.ndim != 1:
+        raise files.problem("expected one-dimensional time, depth, latitude and longitude")
+    if not latitude.size or not longitude.size:
+        raise files.problem("has no times, depths or positions")
+    origin, low, high = area.origin, *area.box
+    # about the origin's meridian, so that neither the date line nor the convention of the file matters
+    beside = (longitude - origin.longitude + np.pi) % (2.0 * np.pi) - np.pi
+    reach = min(REACH / max(np.cos(origin.latitude), 0.1), 0.5 * np.pi)
+    near = _near(latitude - origin.latitude, REACH), _near(beside, reach)
+    here = np.full_like
+    _, north = to_plane(latitude[near[0]], here(latitude[near[0]], origin.longitude), origin)
+    east, _ = to_plane(here(beside[near[1]], origin.latitude), origin.longitude + beside[near[1]], origin)
+    found, window, picked = [], {}, []
+    for number, (axis, index, name) in enumerate(((north, near[0], names[0]), (east, near[1], names[1]))):
+        order = np.unique(axis, return_index=True)[1]
+        first, last = np.searchsorted(axis[order], (low[1 - number], high[1 - number]))
+        kept = order[max(first - 1, 0) : last + 1]  # and one node beyond on each side
+        kept = kept if kept.size else order[-1:]
+        start = int(index[kept].min())
+        window[str(files.variable(name).dims[0])] = slice(start, int(index[kept].max()) + 1)
+        found.append(axis[kept])
+        picked.append(index[kept] - start)
+    return found[0], found[1], window, (picked[0][:, None], picked[1][None, :])
+
+
+def _near(offset: Array, reach: float) -> Indices:
+    """Which nodes are within reach, in order, and one beyond on each side; a node that stands twice counts once."""
+    order = np.unique(offset, return_index=True)[1]
+    first, last = np.searchsorted(offset[order], (-reach, reach))
+    return np.asarray(order[max(first - 1, 0) : last + 1])

@@ -1,0 +1,96 @@
+"""Missions in the fields of ocean models: patterns of files, what is refused, and what validate says."""
+
+import numpy as np
+import pytest
+import yaml
+from model_files import fvcom, roms, ugrid
+
+from missionplan.errors import InputError
+from missionplan.mission import load
+from missionplan.scenario.site_current import recorded_current, with_contents_named
+from missionplan.studies.simulation.simulate import simulate
+from missionplan.studies.validation.validate import validate
+
+
+def mission(folder, depth="4 m", to=("1200 m", "300 m"), **current):
+    data = {
+        "name": "Along a coast",
+        "start": "2026-05-01T12:00:00Z",
+        "site": {"origin": {"latitude": "45 deg", "longitude": "-124 deg"}, "depth": "20 m", "current": current},
+        "navigation": {"velocity_error": {"sigma": "0.01 m/s"}, "surfacing_time": "60 s", "fix_error": "3 m"},
+        "phases": [
+            {
+                "transit": {
+                    "name": "out",
+                    "from": ["-600 m", "0 m"],
+                    "to": list(to),
+                    "depth": depth,
+                    "speed": "1.5 m/s",
+                    "d_max": "600 m",
+                    "arrival_radius": "50 m",
+                }
+            }
+        ],
+    }
+    (folder / "mission.yaml").write_text(yaml.safe_dump(data))
+    return load(folder / "mission.yaml")
+
+
+def test_a_mission_sails_in_a_roms_field_of_several_files(tmp_path):
+    calm = {"u": np.full((5, 5, 9, 10), 0.3), "v": np.zeros((5, 5, 8, 11)), "angle": None}
+    calm.pop("angle")
+    (tmp_path / "cache").mkdir()
+    roms(tmp_path / "cache" / "a.nc", 2, **calm)
+    roms(tmp_path / "cache" / "b.nc", 2, **calm)
+    found = simulate(mission(tmp_path, file="cache/*.nc"), trials=50)
+    assert found.total.events["success"].value == 1.0
+    assert len(mission(tmp_path, file="cache/*.nc").sources) == 3
+    (tmp_path / "cache" / "b.nc").unlink()
+    assert "SHA-256" in with_contents_named(str(tmp_path / "cache" / "*.nc"), mission(tmp_path, file="cache/*.nc"))
+
+
+@pytest.mark.parametrize(
+    ("write", "changes", "message"),
+    [
+        (ugrid, {"projection": "local"}, "the nominal out leaves the record, which .* is good down to 1 m"),
+        (ugrid, {}, "in metres of a projection that the file lacks"),
+        (ugrid, {"projection": "EPSG:0"}, "site.current.projection"),
+        (fvcom, {"start": "2026-05-01T12:00:00Z"}, "has dates of its own"),
+        (fvcom, {"file": "model-*.nc"}, "no file is named like that"),
+        (fvcom, {"file": "../elsewhere/*.nc"}, "lies outside the mission file's folder"),
+    ],
+)
+def test_what_a_field_cannot_serve_is_refused(tmp_path, write, changes, message):
+    write(tmp_path / "field.nc", "node" if write is ugrid else True)
+    with pytest.raises(InputError, match=message):
+        simulate(mission(tmp_path, **({"file": "field.nc"} | changes)), trials=10)
+
+
+def test_a_goal_on_land_is_refused_before_the_run(tmp_path):
+    mask = np.ones((9, 11))
+    mask[:, 7:] = 0.0
+    roms(tmp_path / "field.nc", 1, mask=mask)
+    with pytest.raises(InputError, match=r"out.to: lies on land, or in a gap of the grid"):
+        simulate(mission(tmp_path, file="field.nc", to=("2600 m", "1000 m")), trials=10)
+
+
+def test_trials_on_land_fail_with_the_reason(tmp_path):
+    """A field with an island in the middle: the record's gap is never read as still water."""
+    mask = np.ones((9, 11))
+    mask[3:6, 4:7] = 0.0
+    roms(tmp_path / "field.nc", 2, mask=mask, u=np.full((5, 5, 9, 10), 0.2), v=np.zeros((5, 5, 8, 11)))
+    with pytest.raises(InputError, match=r"lies on land|leave.* the record"):
+        simulate(mission(tmp_path, file="field.nc"), trials=50)
+    held = mission(tmp_path, file="field.nc", outside="hold")
+    here = np.zeros((2, 1))
+    assert np.hypot(*recorded_current(held).velocity(0.0, 4.0, here))[0] > 0.05
+
+
+def test_validate_says_what_the_field_covers(tmp_path):
+    fvcom(tmp_path / "field.nc", False)
+    mission(tmp_path, file="field.nc")
+    (found,) = validate(tmp_path / "mission.yaml")
+    assert not found.problems
+    assert "Current: from 2026-05-01 12:00 to 2026-05-01 15:00 UTC, " in found.summary
+    assert "km east and " in found.summary
+    assert found.summary.endswith("down to 28.47 m.")

@@ -1,0 +1,281 @@
+"""Fields on the grids of ocean models, written here by the models' formulas, against interpolation by brute force."""
+
+import brute_force as slow
+import numpy as np
+import pytest
+from model_files import HOURS, bent_grid, fvcom, mesh_nodes, roms, split, ugrid
+from pyproj import Transformer
+
+from missionplan.errors import InputError
+from missionplan.mission.schema.site import Geographic
+from missionplan.phases.currents import Span
+from missionplan.scenario.currents.area import Area
+from missionplan.scenario.currents.field import read_field
+
+netcdf = pytest.importorskip("netCDF4")
+ORIGIN = Geographic.model_construct(latitude=np.radians(45.0), longitude=np.radians(-124.0))
+START = np.datetime64("2026-05-01T12:00:00", "ns")
+
+
+def area(**changes):
+    return Area(**{"origin": ORIGIN, "start": START, "places": np.zeros((2, 1))} | changes)
+
+
+def inner_points(points, count, rng):
+    """Random places in the middle of a grid."""
+    middle = points.mean(axis=1)
+    reach = 0.4 * (points.max(axis=1) - points.min(axis=1))
+    return middle[:, None] + rng.uniform(-reach[:, None], reach[:, None], (2, count))
+
+
+@pytest.mark.parametrize("transform", [1, 2])
+def test_roms_is_linear_between_its_nodes(tmp_path, transform):
+    """1000 random places, times and depths: bilinear across, linear in depth and time, of turned means of the faces."""
+    made = roms(tmp_path / "roms.nc", transform)
+    current = read_field([str(tmp_path / "roms.nc")], area(), "roms.nc")
+    rng = np.random.default_rng(8)
+    rows, columns = made["angle"].shape
+    x, y = current.grid.points.reshape(2, rows - 2, columns - 2)
+    turned = [
+        [slow.rho_points(u, v, made["angle"]) for u, v in zip(*now, strict=True)]
+        for now in zip(made["u"], made["v"], strict=True)
+    ]
+    values = np.array(turned).transpose(0, 1, 3, 4, 2)[:, :, 1:-1, 1:-1]  # time, level, row, column, component
+    place, t, depth = (
+        inner_points(current.grid.points, 1200, rng),
+        rng.uniform(0.0, 10_800.0, 1200),
+        rng.uniform(0.0, 60.0, 1200),
+    )
+    found = current.velocity(t, depth, place)
+    compared = 0
+    for k in range(1200):
+        cell = slow.quad_about(x, y, place[:, k])
+        if cell is None:
+            continue
+        j, i, (a, b) = cell
+
+        def at(step, j=j, i=i, a=a, b=b, k=k):
+            total = np.zeros(2)
+            for dj, di, weight in ((0, 0, (1 - a) * (1 - b)), (0, 1, a * (1 - b)), (1, 0, (1 - a) * b), (1, 1, a * b)):
+                row, column = j + dj, i + di
+                levels = slow.s_level_depths(
+                    made["s"],
+                    made["stretching"],
+                    made["critical"],
+                    transform,
+                    made["bottom"][row + 1, column + 1],
+                    made["surface"][step, row + 1, column + 1],
+                )
+                total += weight * np.array(
+                    [slow.in_column(levels, values[step, :, row, column, part], depth[k]) for part in (0, 1)]
+                )
+            return total
+
+        assert found[:, k] == pytest.approx(slow.in_time(HOURS * 3600.0, t[k], at), abs=1e-5)
+        compared += 1
+    assert compared > 1000
+
+
+def test_a_depth_for_all_trials_gives_the_same_as_one_a_trial(tmp_path):
+    roms(tmp_path / "roms.nc", 2)
+    current = read_field([str(tmp_path / "roms.nc")], area(), "roms.nc")
+    rng = np.random.default_rng(1)
+    place, t = inner_points(current.grid.points, 50, rng), rng.uniform(0.0, 10_800.0, 50)
+    assert current.velocity(t, 7.0, place) == pytest.approx(current.velocity(t, np.full(50, 7.0), place), abs=1e-12)
+
+
+def test_land_is_no_water_and_a_face_on_the_coast_has_no_flow(tmp_path):
+    """West of the coast all is masked; the column beside it keeps half of the flow through its one open face."""
+    rows, columns = bent_grid()[0].shape
+    mask = np.ones((rows, columns))
+    mask[:, :5] = 0.0
+    u = np.full((HOURS.size, 5, rows, columns - 1), 0.4)
+    u[..., :5] = np.nan  # faces of land, and the one on the coast
+    v = np.zeros((HOURS.size, 5, rows - 1, columns))
+    v[..., :5] = np.nan
+    made = roms(tmp_path / "roms.nc", 2, mask=mask, u=u, v=v)
+    current = read_field([str(tmp_path / "roms.nc")], area(), "roms.nc")
+    points = current.grid.points.reshape(2, rows - 2, columns - 2)
+    at = [points[:, 3, column][:, None] for column in (2, 4, 5)]
+    assert [bool(current.holds(place)[0]) for place in at] == [False, True, True]
+    assert not current.covers(Span(0.0, 600.0, 5.0, (at[0], at[0])))[0]
+    assert current.covers(Span(0.0, 600.0, 5.0, (at[1], at[2])))[0]
+    speeds = [np.hypot(*current.velocity(0.0, 5.0, place))[0] for place in at]
+    assert speeds[1:] == pytest.approx([0.2, 0.4], abs=1e-6)
+    assert speeds[0] == pytest.approx(0.2, abs=1e-6), "beyond the coast the nearest water, never none"
+    assert made["mask"].sum() < rows * columns
+
+
+def test_outside_in_space_time_and_depth_is_told(tmp_path):
+    roms(tmp_path / "roms.nc", 2, bottom=np.full(bent_grid()[0].shape, 30.0), surface=np.zeros((HOURS.size, 9, 11)))
+    current = read_field([str(tmp_path / "roms.nc")], area(), "roms.nc")
+    here, away = np.zeros((2, 1)), np.array([[9e4], [0.0]])
+
+    def covered(start, end, depth, *places):
+        return bool(current.covers(Span(start, end, depth, places))[0])
+
+    assert covered(0.0, 3600.0, 20.0, here, here)
+    assert not covered(0.0, 3600.0, 20.0, here, away)
+    assert not covered(0.0, 11_000.0, 20.0, here, here)
+    assert covered(0.0, 3600.0, 36.0, here, here), "good to a fifth of the depth below the model's bottom"
+    assert not covered(0.0, 3600.0, 36.1, here, here)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"angle": np.full((9, 11), 20.0)}, "its rows run .* from east, `angle` says .*degrees or radians"),
+        ({"units": "furlong/fortnight"}, "u is in 'furlong/fortnight'; expected a speed"),
+        ({"u": np.full((5, 5, 9, 10), 9999.0)}, "u reaches 9999 m/s; no sea is faster"),
+        ({"u": np.full((5, 5, 9, 10), np.nan), "v": np.full((5, 5, 8, 11), np.nan)}, "a time without any value"),
+        ({"longitude": bent_grid()[0] + 5.0}, "holds nothing within 20 km of the mission"),
+        ({"s": np.arange(5.0)}, "do not lie between -1 and 0"),
+    ],
+)
+def test_what_no_model_means_is_refused(tmp_path, changes, message):
+    roms(tmp_path / "roms.nc", 2, **changes)
+    with pytest.raises(InputError, match=message):
+        read_field([str(tmp_path / "roms.nc")], area(), "roms.nc")
+
+
+def test_centimetres_and_degrees_are_converted_as_their_attributes_say(tmp_path):
+    made = roms(tmp_path / "metres.nc", 2)
+    others = {name: 100.0 * made[name] for name in ("u", "v")}
+    roms(tmp_path / "other.nc", 2, angle=np.degrees(made["angle"]), angle_units="degrees", units="cm/s", **others)
+    here = np.array([[100.0], [200.0]])
+    first, second = (
+        read_field([str(tmp_path / n)], area(), n).velocity(900.0, 8.0, here) for n in ("metres.nc", "other.nc")
+    )
+    assert first == pytest.approx(second, abs=1e-6)
+
+
+@pytest.mark.parametrize("layers", [None, -np.array([0.1, 0.4, 0.8]), np.array([0.0, 5.0, 20.0])])
+def test_a_ugrid_mesh_is_linear_in_triangles_and_in_depth(tmp_path, layers):
+    made = ugrid(tmp_path / "mesh.nc", "node", layers)
+    current = read_field([str(tmp_path / "mesh.nc")], area(projection="local"), "mesh.nc")
+    rng = np.random.default_rng(9)
+    nodes, triangles = np.stack((made["x"], made["y"]), axis=1), split(made["faces"])
+    place, t = rng.uniform(-1900.0, 1900.0, (2, 300)), rng.uniform(0.0, 10_800.0, 300)
+    depth = rng.uniform(0.0, 14.0, 300) if layers is not None else np.zeros(300)
+    found = current.velocity(t, depth, place)
+    for k in range(300):
+        number, shares = slow.triangle_about(nodes, np.array(triangles), place[:, k])
+        for part, name in enumerate(("ucx", "ucy")):
+
+            def at(step, name=name, number=number, shares=shares, k=k):
+                columns = []
+                for node in triangles[number]:
+                    if layers is None:
+                        columns.append(made[name][step, node])
+                        continue
+                    levels = layers if layers.max() > 0.0 else -layers * made["bottom"][node]
+                    columns.append(slow.in_column(levels, made[name][step, :, node], depth[k]))
+                return shares @ columns
+
+            assert found[part, k] == pytest.approx(slow.in_time(HOURS * 3600.0, t[k], at), abs=1e-6)
+
+
+def test_velocities_at_faces_reproduce_a_linear_field_inside_and_the_nearest_cell_at_the_edge(tmp_path):
+    made = ugrid(tmp_path / "mesh.nc", "face")
+    centre = np.array([[np.mean([made[c][n - 1] for n in face if n > 0]) for c in "xy"] for face in made["faces"]])
+    with netcdf.Dataset(tmp_path / "mesh.nc", "a") as file:
+        file["ucx"][:] = 0.1 + centre @ np.array([2e-5, -1e-5])
+        file["ucy"][:] = 0.2
+    current = read_field([str(tmp_path / "mesh.nc")], area(projection="local"), "mesh.nc")
+    place = np.random.default_rng(2).uniform(-1200.0, 1200.0, (2, 200))
+    east, north = current.velocity(600.0, 0.0, place)
+    assert east == pytest.approx(0.1 + np.array([2e-5, -1e-5]) @ place, abs=1e-7)
+    assert north == pytest.approx(0.2, abs=1e-7)
+    edge = np.array([[0.0], [-2150.0]])
+    assert current.velocity(600.0, 0.0, edge)[0, 0] in np.float32(0.1 + centre @ np.array([2e-5, -1e-5]))
+
+
+def test_coordinates_in_metres_need_a_projection(tmp_path):
+    ugrid(tmp_path / "mesh.nc", "node")
+    with pytest.raises(InputError, match=r"in metres of a projection that the file lacks.*site.current.projection"):
+        read_field([str(tmp_path / "mesh.nc")], area(), "mesh.nc")
+
+
+def test_a_projection_places_the_mesh_and_turns_its_velocities(tmp_path):
+    """UTM zone 10 has its meridian at 123° W: at 124° W and 45° N grid north is 0.71° west of north."""
+    made = ugrid(tmp_path / "mesh.nc", "node")
+    x, y = Transformer.from_crs("EPSG:4326", "EPSG:32610", always_xy=True).transform(-124.0, 45.0)
+    with netcdf.Dataset(tmp_path / "mesh.nc", "a") as file:
+        file["node_x"][:], file["node_y"][:] = made["x"] + x, made["y"] + y
+        file["ucx"][:], file["ucy"][:] = 0.5, 0.0
+    current = read_field([str(tmp_path / "mesh.nc")], area(projection="EPSG:32610"), "mesh.nc")
+    velocity = current.velocity(0.0, 0.0, np.zeros((2, 1)))[:, 0]
+    # west of its meridian the grid's north lies west of north, and its east north of east
+    assert np.arctan2(velocity[1], velocity[0]) == pytest.approx(np.radians(1.0) * np.sin(np.radians(45.0)), abs=2e-4)
+    assert np.hypot(*velocity) == pytest.approx(0.5, abs=1e-6)
+
+
+def test_files_are_joined_in_time_and_the_later_forecast_counts(tmp_path):
+    for name, hours, speed in (("a.nc", [-1.0, 0.0, 1.0], 0.1), ("b.nc", [1.0, 2.0, 3.0], 0.3)):
+        made = ugrid(tmp_path / name, "node")
+        with netcdf.Dataset(tmp_path / name, "a") as file:
+            file["ucx"][:] = speed
+            file["time"][:] = np.array([*hours, 99.0, 100.0])
+    names = [str(tmp_path / name) for name in ("a.nc", "b.nc")]
+    current = read_field(names, area(projection="local"), "*.nc")
+    assert current.time[:4] / 3600.0 == pytest.approx([0.0, 1.0, 2.0, 3.0])
+    speeds = [current.velocity(hour * 3600.0, 0.0, np.zeros((2, 1)))[0, 0] for hour in (0.0, 0.5, 1.0, 3.0)]
+    assert speeds == pytest.approx([0.1, 0.2, 0.3, 0.3])
+    assert made["x"].size
+
+
+def test_an_address_without_a_network_is_an_error_in_words():
+    with pytest.raises(InputError, match=r"cannot be opened: .*an OPeNDAP address needs the network"):
+        read_field(["http://127.0.0.1:9/field.nc"], area(), "field")
+
+
+@pytest.mark.parametrize("gradients", [True, False])
+def test_fvcom_has_a_gradient_in_each_cell(tmp_path, gradients):
+    made = fvcom(tmp_path / "fvcom.nc", gradients)
+    current = read_field([str(tmp_path / "fvcom.nc")], area(), "fvcom.nc")
+    middles = current.grid.points.T
+    rng = np.random.default_rng(7)
+    place, t, depth = (
+        rng.uniform(-1900.0, 1900.0, (2, 300)),
+        rng.uniform(0.0, 10_800.0, 300),
+        rng.uniform(0.0, 12.0, 300),
+    )
+    found = current.velocity(t, depth, place)
+    x, y = mesh_nodes()
+    corners = np.stack((x, y), axis=1) + np.array(
+        [middles[:, 0].mean() - x[made["faces"]].mean(), middles[:, 1].mean() - y[made["faces"]].mean()]
+    )
+    edges = 0
+    for k in range(300):
+        cell, shares = slow.triangle_about(corners, made["faces"], place[:, k])
+        if shares.min() < 0.01:
+            continue  # the plane of the package is not quite the one that the nodes were made in
+        others = made["beside"][:, cell] - 1
+
+        def column(step, name, which, k=k):
+            h, zeta = (values[made["faces"][which]].mean() for values in (made["bottom"], made["surface"][step]))
+            return slow.in_column(-made["sigma"] * (h + zeta), made[name][step, :, which], depth[k])
+
+        for part, name in enumerate(("u", "v")):
+
+            def at(step, cell=cell, others=others, name=name, k=k):
+                own = column(step, name, cell)
+                if others.min() < 0:
+                    return own
+                away = place[:, k] - middles[cell]
+                about = np.array([column(step, name, other) for other in others])
+                if gradients:
+                    return own + away @ (made["a"][:, :, cell] @ np.append(own, about))
+                return own + away @ np.linalg.lstsq(middles[others] - middles[cell], about - own, rcond=None)[0]
+
+            assert found[part, k] == pytest.approx(slow.in_time(HOURS * 3600.0, t[k], at), abs=1e-5)
+        edges += others.min() < 0
+    assert 0 < edges < 150
+
+
+def test_a_field_of_the_surface_alone_serves_nothing_below_it(tmp_path):
+    ugrid(tmp_path / "mesh.nc", "node")
+    current = read_field([str(tmp_path / "mesh.nc")], area(projection="local"), "mesh.nc")
+    here = np.zeros((2, 1))
+    assert current.covers(Span(0.0, 600.0, 0.0, (here, here)))[0]
+    assert not current.covers(Span(0.0, 600.0, 3.0, (here, here)))[0]
