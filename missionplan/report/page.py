@@ -8,6 +8,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from missionplan.report.html.readings import Slider, name_series, readings
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as MatplotlibFigure
 
@@ -31,12 +33,16 @@ SVG_DPI = 72
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure: file name without suffix, SVG text, alternative text for readers who cannot see it, and a caption."""
+    """A figure: file name without suffix, SVG text, alternative text for readers who cannot see it, and a caption.
+
+    `plot` is what the page's script reads off it, as JSON (`html.readings`).
+    """
 
     name: str
     svg: str
     alt: str
     caption: str = ""
+    plot: str = ""
 
 
 @dataclass(frozen=True)
@@ -134,7 +140,9 @@ def style() -> Iterator[None]:
         yield
 
 
-def to_figure(figure: "MatplotlibFigure", name: str, alt: str, caption: str = "") -> Figure:
+def to_figure(
+    figure: "MatplotlibFigure", name: str, alt: str, caption: str = "", *, slider: Slider | None = None
+) -> Figure:
     """Convert a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot) to SVG text."""
     import matplotlib as mpl
     from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -145,6 +153,7 @@ def to_figure(figure: "MatplotlibFigure", name: str, alt: str, caption: str = ""
         layout.execute(figure)
         with mpl.rc_context({"figure.constrained_layout.use": False}):
             figure.set_layout_engine(None)
+    series = name_series(figure)
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return Figure(name, buffer.getvalue(), alt, caption)
+    return Figure(name, buffer.getvalue(), alt, caption, readings(figure, series, slider))

@@ -213,7 +213,8 @@ def test_failed_blocks_are_told_first_and_what_files_say_is_escaped():
     assert re.findall("<h2>(.*?)</h2>", rendered.html)[0] == "1 block of trials failed numerically"
     tags = Tags()
     tags.feed(rendered.html)
-    assert not [tag for tag, _ in tags.seen if tag == "script"]
+    assert [tag for tag, _ in tags.seen].count("script") == 1
+    assert "alert(1)" not in rendered.html.partition("<script>")[2]
     assert not [key for _, attributes in tags.seen for key in attributes if key.startswith("on")]
     assert "49" not in re.findall(r'<p class="title">(.*?)</p>', rendered.html)[0]
 

@@ -1,7 +1,10 @@
 """A page as one self-contained HTML file: first what is printed on two pages, then the details."""
 
 import re
+from base64 import b64encode
 from collections.abc import Sequence
+from hashlib import sha256
+from importlib.resources import files
 from itertools import groupby
 
 from jinja2 import Environment, PackageLoader
@@ -31,6 +34,7 @@ def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenan
     """
     first = [*(section for section in page.sections if section.is_summary), *planned]
     details = sorted((section for section in page.sections if not section.is_summary), key=lambda each: each.is_sheet)
+    script = (files("missionplan.report.html") / "page.js").read_text(encoding="utf-8")
     html = (
         _environment()
         .get_template("page.html")
@@ -43,6 +47,8 @@ def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenan
             summary=provenance.summary(),
             mission_yaml=to_yaml(provenance.data),
             rerun=page.rerun or rerun_command(provenance),
+            script=Markup(script),
+            script_hash=b64encode(sha256(script.encode()).digest()).decode(),
         )
     )
     shown = [page.figure] if page.figure else []

@@ -7,8 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.display_units import Unit
-from missionplan.report.numbers import time_in_words
+from missionplan.report.html.readings import Slider
+from missionplan.report.numbers import length_in_words, number, share, time_in_words
 from missionplan.report.page import BLUE, GREEN, GRID, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
+from missionplan.report.typesetting import typeset
 from missionplan.results.sweep import Sweep, SweepCurve
 
 _COLOURS = (BLUE, ORANGE, GREEN, PINK, YELLOW, SKY)
@@ -35,6 +37,7 @@ def cost_figure(sweep: Sweep) -> Figure:
             "dashed: the critical points 1/a of the distance."
             + (" Level dashes: the mission's own table of legs." if sweep.curves[0].table is not None else "")
         ),
+        slider=_along_d_max(sweep),
     )
 
 
@@ -44,7 +47,7 @@ def draw_costs(axes: Axes, sweep: Sweep) -> None:
     for curve, colour in zip(sweep.curves, _COLOURS * len(sweep.curves), strict=False):
         _draw_curve(axes, curve, colour, sampled=sweep.method != "analytic")
     _mark_critical_points(axes, sweep.critical_points, top)
-    axes.set(xlabel=_X_LABEL, ylabel="Mean cost c (%)", ylim=(0.0, top), xlim=(0.0, 1.0))
+    axes.set(xlabel=_X_LABEL, ylabel="Mean cost c (%)", ylim=(_lower_limit(sweep), top), xlim=(0.0, 1.0))
     _label_curves(axes, sweep.curves, top)
 
 
@@ -55,22 +58,51 @@ def _upper_limit(sweep: Sweep) -> float:
     return float(np.ceil(115.0 * max(costs))) if costs else 1.0
 
 
+def _lower_limit(sweep: Sweep) -> float:
+    """Lower end of the cost axis [%]: below zero where the arrival circle shortens the way by more than errors cost."""
+    least = min((curve.best.cost for curve in sweep.curves if np.isfinite(curve.best.cost)), default=0.0)
+    return 100.0 * least - 0.05 * _upper_limit(sweep) if least < 0.0 else 0.0
+
+
+def _along_d_max(sweep: Sweep) -> Slider:
+    """What each d_max comes to, for the control under the figure."""
+    points = sweep.middle.points
+    texts = []
+    for index, point in enumerate(points):
+        costs = [
+            f"σ_v {curve.sigma:g} m/s: "
+            + (
+                f"cost {number(100.0 * curve.points[index].cost, 100.0 * curve.points[index].standard_error)} %, "
+                f"{share(curve.points[index].arrived)} arrive, {curve.points[index].surfacings:.1f} surfacings"
+                if np.isfinite(curve.points[index].cost)
+                else "none arrives"
+            )
+            for curve in sweep.curves
+        ]
+        texts.append(typeset(f"{length_in_words(point.d_max)}. {'; '.join(costs)}."))
+    places = [point.d_max_over_distance for point in points]
+    return Slider("d_max", places, texts, places.index(sweep.middle.recommended.d_max_over_distance))
+
+
 def _draw_curve(axes: Axes, curve: SweepCurve, colour: str, *, sampled: bool) -> None:
     ratio = np.array([point.d_max_over_distance for point in curve.points])
     cost = 100.0 * np.array([point.cost for point in curve.points])
+    name = f"σ_v {curve.sigma:g} m/s"
     if sampled:
         error = 196.0 * np.array([point.standard_error for point in curve.points])
-        axes.fill_between(ratio, cost - error, cost + error, color=colour, alpha=0.25, linewidth=0.0)
-        axes.plot(ratio, cost, ".", color=colour, markersize=3.5)
+        axes.fill_between(ratio, cost - error, cost + error, color=colour, alpha=0.25, linewidth=0.0, label=name)
+        axes.plot(ratio, cost, ".", color=colour, markersize=3.5, label=name)
     analytic = [point.cost_analytic for point in curve.points if point.cost_analytic is not None]
     if len(analytic) == len(curve.points):
-        axes.plot(ratio, 100.0 * np.array(analytic), color=colour, linewidth=0.8)
+        axes.plot(ratio, 100.0 * np.array(analytic), color=colour, linewidth=0.8, label="" if sampled else name)
     elif sampled:
         axes.plot(ratio, cost, color=colour, linewidth=0.8)
     if curve.table is not None:
         axes.axhline(100.0 * curve.table.cost, color=colour, linewidth=1.2, linestyle=(0, (6, 2)))
     best = curve.best
-    axes.plot(best.d_max_over_distance, 100.0 * best.cost, "o", color=colour, fillstyle="none", markersize=9)
+    axes.plot(
+        best.d_max_over_distance, 100.0 * best.cost, "o", color=colour, fillstyle="none", markersize=9, label=name
+    )
 
 
 def _mark_critical_points(axes: Axes, critical_points: Sequence[float], top: float) -> None:
