@@ -13,6 +13,7 @@ from missionplan.rendering import Presenter, register_presenter
 
 if TYPE_CHECKING:
     from missionplan.diagnosis.diagnose import diagnose
+    from missionplan.diagnosis.scoring.score import score
     from missionplan.importers.importing import import_logs
     from missionplan.importers.importing import import_logs as import_log
     from missionplan.mission import Mission, load
@@ -51,6 +52,7 @@ __all__ = [
     "init",
     "load",
     "plan_legs",
+    "score",
     "simulate",
     "size_anchor",
     "sweep_dmax",
@@ -72,6 +74,7 @@ _MODULES = {
     "init": "missionplan.studies.init",
     "load": "missionplan.mission",
     "plan_legs": "missionplan.studies.leg_length.plan_legs",
+    "score": "missionplan.diagnosis.scoring.score",
     "simulate": "missionplan.studies.simulation.simulate",
     "size_anchor": "missionplan.studies.anchor.size_anchor",
     "sweep_dmax": "missionplan.studies.leg_length.sweep_dmax",

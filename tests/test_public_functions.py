@@ -30,7 +30,16 @@ CALLS: dict[str, Callable[[], object]] = {
     "init": lambda: missionplan.init(tempfile.mkdtemp()),
     "diagnose": lambda: missionplan.diagnose(mission("chesapeake"), MISSIONS / "measured" / "avila-drag", plan=False),
 }
-ELSEWHERE = {"compare_missions", "explore", "plan_legs", "sweep_transition", "find_rare_failure", "compare", "tide"}
+ELSEWHERE = {
+    "score",
+    "compare_missions",
+    "explore",
+    "plan_legs",
+    "sweep_transition",
+    "find_rare_failure",
+    "compare",
+    "tide",
+}
 """Called in tests of their own: they take seconds."""
 CLASSES = {"Mission", "__version__", "InputError", "MissionplanError", "RunError"}
 UNDER_OTHER_NAMES = {"import": "import_log", "effects": "", "simulate --rare": "find_rare_failure"}

@@ -1,5 +1,6 @@
-"""Commands that learn from measurements: diagnose, identify."""
+"""Commands that learn from measurements: diagnose, identify, score."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -11,11 +12,28 @@ if TYPE_CHECKING:
     from missionplan.mission import Mission
     from missionplan.results.base import Result
 
+OUTSIDE_CHANCE = 3
+"""Exit status of a score whose intervals hold more or less than chance allows."""
+_Holdout = Annotated[
+    float | None,
+    typer.Option(
+        min=0.0,
+        max=1.0,
+        metavar="LAST",
+        help="Keep this last share of the record away from the diagnosis, and score the extended mission on it.",
+        show_default=False,
+    ),
+]
+_Datasets = Annotated[
+    list[Path], typer.Argument(metavar="DATASET...", help="Data sets of legs or dives.", show_default=False)
+]
+
 
 def register(app: typer.Typer) -> None:
     """Add the commands."""
     app.command()(o.with_option_groups(diagnose))
     app.command()(o.with_option_groups(identify))
+    app.command()(o.with_option_groups(score))
 
 
 def diagnose(
@@ -28,6 +46,7 @@ def diagnose(
     next_trial: Annotated[
         bool, typer.Option("--next-trial", help="Value the trials that could be made next: a few seconds more.")
     ] = False,
+    holdout: _Holdout = None,
     allow_outside: o.AllowOutside = False,
 ) -> None:
     """Find what the simulation gets wrong about measured data and why, and write the extended mission."""
@@ -49,6 +68,7 @@ def diagnose(
                 seed=seed,
                 jobs=processes,
                 next_trial=next_trial,
+                holdout=holdout,
                 allow_outside=allow_outside,
                 progress=progress,
             )
@@ -66,3 +86,30 @@ def identify(dataset: o.DatasetFolder, *, output: o.OutputOptions, allow_outside
 
     folder = checked_folder(output, dataset.resolve().name, "identify", dataset_files(dataset))
     deliver(identify(dataset, allow_outside=allow_outside), folder, output)
+
+
+def score(
+    mission: o.MissionFile,
+    datasets: _Datasets,
+    seed: o.Seed = None,
+    *,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Score how well a mission as it stands predicts measured legs or dives; nothing is fitted.
+
+    Example: missionplan score mission.yaml sea-trial
+    """
+
+    def study(loaded: "Mission", progress: Progress) -> "Result":
+        from missionplan.diagnosis.scoring.score import score
+
+        return score(loaded, *datasets, seed=seed, allow_outside=allow_outside, progress=progress)
+
+    from missionplan.datasets.reading import dataset_files
+    from missionplan.results.log_book.score import Score
+
+    inputs = [file for dataset in datasets for file in dataset_files(dataset)]
+    result = run_study(mission, "score", study, output, allow_outside=allow_outside, inputs=inputs)
+    if isinstance(result, Score) and not result.is_within_chance:
+        raise typer.Exit(OUTSIDE_CHANCE)

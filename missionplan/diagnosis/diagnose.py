@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
@@ -15,6 +16,7 @@ from missionplan.diagnosis.judgement import Judgement, judge
 from missionplan.diagnosis.next_trial.next_trial import next_trial as value_trials
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.result_builder import group_scores, ranked_sets
+from missionplan.diagnosis.scoring.holdout import first_part, score_last_part
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.base import Provenance
 from missionplan.results.diagnosis import Diagnosis, PlanGain
@@ -36,6 +38,7 @@ def diagnose(
     seed: int | None = None,
     jobs: int = 1,
     plan: bool = True,
+    holdout: float | None = None,
     next_trial: bool = False,
     allow_outside: bool = False,
     progress: Progress | None = None,
@@ -54,6 +57,8 @@ def diagnose(
         Processes for fits, predictions and plans; the numbers are the same with any.
     plan : bool
         Whether to plan with both models.
+    holdout : float, optional
+        Last share of the legs or dives that is kept away from everything, and on which the extended mission is scored.
     next_trial : bool
         Whether to value the trials that could be made next.
     allow_outside : bool
@@ -74,21 +79,24 @@ def diagnose(
         threadpool_limits(limits=1),
         files_outside(allowed=allow_outside),
     ):  # matrices of some hundred rows: more threads only wait for each other
-        wanted = _Wanted(plan, next_trial)
+        wanted = _Wanted(plan, next_trial, holdout)
         return _diagnose(mission, as_path(dataset, "dataset"), seed, jobs, wanted, _Stages(progress))
 
 
 @dataclass(frozen=True)
 class _Wanted:
-    """What is computed beside the diagnosis itself: the plans before and after, the value of further trials."""
+    """What is computed beside the diagnosis: plans, the value of further trials, the score on a part held out."""
 
     plan: bool
     next_trial: bool
+    holdout: float | None = None
 
 
 def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wanted, stage: "_Stages") -> Diagnosis:
     started = time.perf_counter()
-    explanations = weighed(mission, dataset, seed, jobs)
+    share = wanted.holdout
+    part = None if share is None else partial(first_part, share=share, seed=seed)
+    explanations = weighed(mission, dataset, seed, jobs, part)
     bound = explanations[0].bound
     stage()
     found = run_pipeline(bound.model, lambda what, done, of: stage(), jobs)
@@ -107,13 +115,14 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
         file=mission.file,
         seed=seed,
         trials=0,
-        options={"dataset": str(dataset), "jobs": jobs, "next_trial": wanted.next_trial},
+        options={"dataset": str(dataset), "jobs": jobs, "next_trial": wanted.next_trial, "holdout": share},
         elapsed_s=time.perf_counter() - started,
         data=mission.raw,
         notices=(*mission.notices(), *bound.data.notices),
     )
     result = _result(provenance, bound, found, judgement, separated, decision, extended)
-    return replace(result, next_trial=trial, explanations=odds(explanations, believed))
+    last = None if share is None else score_last_part(dataset, share, mission, extended, seed)
+    return replace(result, next_trial=trial, explanations=odds(explanations, believed), last_part=last)
 
 
 def _separated(bound: DataKind, found: PipelineResult, judgement: Judgement, jobs: int) -> tuple[Discrimination, ...]:

@@ -7,7 +7,7 @@ data that it was made from a mission gains no cause.
 
 import copy
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -140,8 +140,10 @@ def _renamed(pair: Mapping[str, Any], old: str, new: str) -> dict[str, object]:
     return {"between": [f"{new}{name.removeprefix(old)}" for name in pair["between"]], "rho": pair["rho"]}
 
 
-def weighed(mission: Mission, dataset: Path, seed: int, jobs: int) -> tuple[Weighed, ...]:
-    """Lay a data set against each explanation of a mission, the likeliest after the data first.
+def weighed(
+    mission: Mission, dataset: Path, seed: int, jobs: int, part: Callable[[DataKind], DataKind] | None = None
+) -> tuple[Weighed, ...]:
+    """Lay a data set, or a part of it, against each explanation of a mission, the likeliest after the data first.
 
     Raises
     ------
@@ -152,6 +154,7 @@ def weighed(mission: Mission, dataset: Path, seed: int, jobs: int) -> tuple[Weig
     """
     each = explained_missions(mission)
     bound = [bind_dataset(dataset, explained.mission, seed) for explained in each]
+    bound = bound if part is None else [part(one) for one in bound]
     if len(each) == 1:
         return (Weighed(each[0], bound[0], None, 1.0),)
     fits = [fitted(one.model, [((), ())], jobs)[0] for one in bound]

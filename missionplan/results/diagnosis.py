@@ -18,6 +18,7 @@ from missionplan.results.evidence import (
     RankedSet,
     Verdict,
 )
+from missionplan.results.log_book.score import DatasetScore
 from missionplan.results.next_trial import NextTrial
 
 Plan = Mapping[str, float | None]
@@ -106,6 +107,8 @@ class Diagnosis(Result):
         The trial worth making next, where it was asked for.
     explanations : tuple of ExplanationOdds
         What is in doubt, as that mission carries it; empty where nothing is.
+    last_part : DatasetScore or None
+        The extended mission's score on the part of the record that was held out of everything, where one was.
     """
 
     report: ClassVar[str] = "diagnosis.page"
@@ -139,6 +142,7 @@ class Diagnosis(Result):
     extended: Mapping[str, object]
     next_trial: NextTrial | None = None
     explanations: tuple[ExplanationOdds, ...] = ()
+    last_part: DatasetScore | None = None
 
     @property
     def best(self) -> RankedSet | None:
@@ -217,4 +221,12 @@ class Diagnosis(Result):
             "ranking.csv": to_csv(self.to_frame()),
             "mission.yaml": to_yaml(self.extended),
             **(self.next_trial.files() if self.next_trial is not None else {}),
+            **self._last_part_files(),
         }
+
+    def _last_part_files(self) -> dict[str, str | bytes]:
+        """``score.json`` and ``score-residuals.csv`` of the part that was held out."""
+        if self.last_part is None:
+            return {}
+        named = {"command": "score", "mission": self.provenance.mission, "datasets": [self.last_part.summary()]}
+        return {"score.json": to_json(named), "score-residuals.csv": to_csv(self.last_part.residuals())}

@@ -173,6 +173,11 @@ class DrawnMission:
             if CATALOGUE[entry.effect].changes_plan  # a clock or a sensor that is off moves no vehicle
         )
 
+    @cached_property
+    def effects_on_readings_too(self) -> tuple[Effect, ...]:
+        """All effects with their parameters as drawn, those on clocks and sensors too."""
+        return tuple(self._held(entry) for entry in self.mission.effects)
+
     def _held(self, entry: EffectEntry) -> Effect:
         """Make an effect, of an explanation for the trials in which that holds."""
         info = CATALOGUE[entry.effect]

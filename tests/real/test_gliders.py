@@ -37,3 +37,17 @@ def test_saanich_is_adequate(diagnosed):
     found = diagnosed("saanich")
     assert found.verdict == "adequate"
     assert () in found.credible_set
+
+
+@pytest.mark.slow
+def test_modena_extended_on_legs_1_to_60_predicts_the_rest():
+    """Better than the last leg does, with 90 % intervals whose binomial interval holds 0.90."""
+    folder = DATA / "modena"
+    if not folder.is_dir():
+        pytest.skip(f"no measured data: {folder}")
+    last = diagnose(load(folder / "mission.yaml"), folder, plan=False, holdout=0.38).last_part
+    assert last.groups == 37
+    assert last.one_step.skill("last_leg") > 0.1
+    covered = last.summary()["predictions"]["one_step"]["coverage_90"]
+    assert covered["low"] <= 0.9 <= covered["high"]
+    assert last.is_within_chance

@@ -97,8 +97,12 @@ class TransitFitting(TransitCovariance):
 
     @staticmethod
     def _variants(causes: Causes, near: Sequence[CauseFit]) -> list[Causes]:
-        """Oscillations that are modulated: none, or any that no smaller set has shown to be steady."""
-        known = {name for fit in near for name in fit.causes}
+        """Oscillations that are modulated: none, or any that no smaller set has shown to be steady.
+
+        A set shows it only beside the same persistent errors: without them an oscillation has to be steady.
+        """
+        persistent = {name for name in causes if CATALOGUE[name].part == "covariance"}
+        known = {name for fit in near if persistent <= set(fit.causes) for name in fit.causes}
         shown = {name for fit in near for name in fit.state.modulated}
         oscillations = [
             name for name in causes if CATALOGUE[name].is_modulated and (name not in known or name in shown)

@@ -43,7 +43,7 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     means = Scenario.at_means(mission, recorded)
     drawn = Scenario.drawn(mission, recorded, seed=seed, block=0, size=DRAWS)
     if means.current is not None:
-        _check_cover(data, means.current, float(np.mean(means[f"{transits.transit().name}.depth"])), mission)
+        check_cover(data, means.current, float(np.mean(means[f"{transits.transit().name}.depth"])), mission)
     base, spread = _expected_velocity(data, means, drawn, transits.transit().name)
     error = transits.navigation.velocity_error
     base = base + np.array([[mean_of(part)] for part in error.mean])
@@ -56,7 +56,7 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     return replace(model, base=_with_given_effects(model, mission))
 
 
-def _check_cover(data: TransitData, current: Current, depth: float, mission: Mission) -> None:
+def check_cover(data: TransitData, current: Current, depth: float, mission: Mission) -> None:
     """Refuse a log that leaves the record of the current: its misfit would be that of a current made up.
 
     Raises

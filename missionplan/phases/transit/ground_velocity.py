@@ -26,7 +26,16 @@ class GroundVelocity:
         self._memory: list[Array | None] = [None] * len(environment.effects)
         self._mid_leg: Array | None = None
 
-    def of_leg(self, number: int, normals: Array, t: Array, duration: Array, start: Array, through: Array) -> Array:
+    def of_leg(
+        self,
+        number: int,
+        normals: Array,
+        t: Array,
+        duration: Array,
+        start: Array,
+        through: Array,
+        speed: Scalars | None = None,
+    ) -> Array:
         """Mean velocity over a leg beyond the vehicle's own (Eq. 24, with the site's current).
 
         Parameters
@@ -39,6 +48,8 @@ class GroundVelocity:
             Start and length of the leg in time [s].
         start, through : array, shape (2, n)
             True position at the start, and displacement through the water [m].
+        speed : float or array, shape (n,), optional
+            Through the water, of a leg that was logged; default the plan's [m/s].
 
         Returns
         -------
@@ -48,7 +59,8 @@ class GroundVelocity:
         plan, current, effects = self._plan, self._environment.current, self._environment.effects
         velocity = random_part(plan.velocity_error, normals)
         length = np.hypot(*through)
-        leg = Leg(t, duration, start, through / np.where(length > 0.0, length, 1.0), plan.speed, plan.latitude)
+        speed = plan.speed if speed is None else speed
+        leg = Leg(t, duration, start, through / np.where(length > 0.0, length, 1.0), speed, plan.latitude)
         mid_leg = t + 0.5 * duration
         elapsed = np.zeros_like(t) if self._mid_leg is None else mid_leg - self._mid_leg
         persistent: Array | float = 0.0
@@ -72,7 +84,7 @@ class GroundVelocity:
             velocity, drift = velocity + carried, drift + carried
             end = start + through + velocity * duration
             self.left_record |= moving & ~current.covers(Span(t, t + duration, plan.depth, (start, end)))
-        self.outrun |= moving & (np.hypot(*drift) >= plan.speed)
+        self.outrun |= moving & (np.hypot(*drift) >= speed)
         return velocity
 
     def at_surface(self, t: Array, position: Array, moving: Array | None = None) -> Array | float:

@@ -16,6 +16,7 @@ from missionplan.report.diagnosis.evidence import (
     sized,
 )
 from missionplan.report.diagnosis.kinds import REPORTS
+from missionplan.report.diagnosis.last_part import last_part_sections, last_part_words
 from missionplan.report.diagnosis.next_trial import next_trial_section
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
@@ -45,6 +46,7 @@ def page(diagnosis: Diagnosis) -> Page:
         *known_section(diagnosis),
         *_residual_section(diagnosis),
         *held_out_section(diagnosis),
+        *last_part_sections(diagnosis),
         discrepancy_section(diagnosis),
         distinction_section(diagnosis),
         *plan_section(diagnosis),
@@ -66,7 +68,9 @@ def _rerun(diagnosis: Diagnosis) -> str:
     made = diagnosis.provenance
     files = " ".join(shlex.quote(str(path)) for path in (made.file, made.options["dataset"]))
     valued = " --next-trial" if diagnosis.next_trial is not None else ""
-    return f"missionplan diagnose {files} --seed {made.seed}{valued}"
+    share = made.options.get("holdout")
+    held_out = "" if share is None else f" --holdout {share:g}"
+    return f"missionplan diagnose {files} --seed {made.seed}{valued}{held_out}"
 
 
 def terminal(diagnosis: Diagnosis) -> Terminal:
@@ -77,7 +81,8 @@ def terminal(diagnosis: Diagnosis) -> Terminal:
 
 def answer(diagnosis: Diagnosis) -> str:
     """State the verdict in a sentence or two, with the size of the misfit."""
-    return f"{_verdict_words(diagnosis)} {diagnosis.misfit}{_coverage_words(diagnosis.coverage)}"
+    words = f"{_verdict_words(diagnosis)} {diagnosis.misfit}{_coverage_words(diagnosis.coverage)}"
+    return words + last_part_words(diagnosis)
 
 
 def _coverage_words(coverage: Coverage | None) -> str:

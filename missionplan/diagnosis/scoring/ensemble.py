@@ -1,0 +1,100 @@
+"""What a mission expects of a data set before it is seen: draws of the means, and covariances of the rest."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+
+RELATIVE_JITTER = 1e-10
+"""Added to the diagonal of a covariance, of its mean: a record may have values that are not uncertain at all."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What is random beside the draws: normal, independent of them.
+
+    Attributes
+    ----------
+    weight : float
+        Prior probability, among the noises of its part.
+    covariance : array, shape (v, v)
+        Of the v values.
+    scales : array, shape (s,)
+        Equally likely factors on the standard deviation of the share that has heavy tails; (1,) for none.
+    tailed : array, shape (v,)
+        Variance of that share in each value.
+    """
+
+    weight: float
+    covariance: Array
+    scales: Array
+    tailed: Array
+
+
+@dataclass(frozen=True)
+class Part:
+    """One explanation of the mission: its probability, and what it expects.
+
+    Attributes
+    ----------
+    probability : float
+        That it holds; those of all parts add up to 1.
+    draws : array, shape (d, v)
+        Expected values in each of d draws of the uncertain quantities; one row where nothing is uncertain.
+    noises : tuple of Noise
+        For as many draws of the sizes of what is random.
+    """
+
+    probability: float
+    draws: Array
+    noises: tuple[Noise, ...]
+
+
+@dataclass(frozen=True)
+class Component:
+    """One normal distribution of all values, of a mixture."""
+
+    log_weight: float
+    mean: Array
+    covariance: Array
+    noise: Noise
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """A mission's distribution of all values of a record.
+
+    Attributes
+    ----------
+    values : array, shape (v,)
+        As measured, group by group.
+    groups : array of int, shape (v,)
+        Leg or dive of each value, from 0, in the order of time.
+    parts : tuple of Part
+    """
+
+    values: Array
+    groups: NDArray[np.int_]
+    parts: tuple[Part, ...]
+
+    def slices(self) -> list[slice]:
+        """Values of each group."""
+        edges = np.searchsorted(self.groups, np.arange(int(self.groups[-1]) + 2))
+        return [slice(int(first), int(last)) for first, last in pairwise(edges)]
+
+    def components(self) -> Iterator[Component]:
+        """Yield normal distributions: the draws by their mean and covariance, each noise by itself."""
+        for part in self.parts:
+            mean = part.draws.mean(axis=0)
+            apart = part.draws - mean
+            spread = apart.T @ apart / max(len(apart) - 1, 1)
+            for noise in part.noises:
+                covariance = spread + noise.covariance
+                covariance[np.diag_indices_from(covariance)] += RELATIVE_JITTER * max(
+                    float(np.mean(np.diag(covariance))), 1e-12
+                )
+                yield Component(float(np.log(part.probability * noise.weight)), mean, covariance, noise)

@@ -1,0 +1,92 @@
+"""The last share of a record kept away from its diagnosis, and the extended mission's score on it."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from missionplan.datasets.leg_checks import MIN_LEGS
+from missionplan.datasets.legs import TransitData
+from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.dives.kind import DescentKind
+from missionplan.diagnosis.dives.model_factory import descent_model
+from missionplan.diagnosis.dives.preparation import MIN_DIVES, PreparedDives
+from missionplan.diagnosis.legs.kind import TransitKind
+from missionplan.diagnosis.legs.model_factory import transit_model
+from missionplan.diagnosis.scoring.score import read_record, scored_record
+from missionplan.errors import InputError
+from missionplan.mission import Mission
+from missionplan.results.log_book.score import DatasetScore
+
+
+def first_part(bound: DataKind, share: float, seed: int) -> DataKind:
+    """Return a record without its last share, bound to the same mission.
+
+    Parameters
+    ----------
+    bound : DataKind
+        Of legs or dives.
+    share : float
+        Of the legs or dives, from the end.
+    seed : int
+        Of draws from the mission's own uncertainty.
+
+    Raises
+    ------
+    InputError
+        When it is not a share, a part is too short, or the data are neither legs nor dives.
+    """
+    if isinstance(bound, TransitKind):
+        legs, _ = _split_legs(bound.data, share)
+        return TransitKind(bound.kind, bound.mission, legs, transit_model(legs, bound.mission, seed))
+    if isinstance(bound, DescentKind):
+        dives, _ = _split_dives(bound.data, share)
+        return DescentKind(bound.kind, bound.mission, dives, descent_model(dives, bound.mission))
+    raise InputError(f"holdout: given data of kind {bound.kind}, expected legs (transit) or dives (descent)")
+
+
+def score_last_part(
+    folder: Path, share: float, base: Mission, extended: Mapping[str, object], seed: int
+) -> DatasetScore:
+    """Score a mission that was extended on the first part of a record on the rest.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the data set.
+    share : float
+        Of the legs or dives, from the end.
+    base : Mission
+        For the origin and start to which the record refers.
+    extended : mapping
+        The extended mission's data.
+    seed : int
+        Of the draws.
+    """
+    record = read_record(folder, base)
+    last = _split_legs(record, share)[1] if isinstance(record, TransitData) else _split_dives(record, share)[1]
+    return scored_record(replace(last, notices=()), Mission.from_data(extended, file=base.file), seed)
+
+
+def _split_legs(data: TransitData, share: float) -> tuple[TransitData, TransitData]:
+    kept = _kept(data.n, share, MIN_LEGS, MIN_LEGS, "legs")
+    return data.subset(np.arange(kept)), data.subset(np.arange(kept, data.n))
+
+
+def _split_dives(data: PreparedDives, share: float) -> tuple[PreparedDives, PreparedDives]:
+    kept = _kept(len(data.dives), share, MIN_DIVES, 1, "dives")
+    return replace(data, dives=data.dives[:kept]), replace(data, dives=data.dives[kept:])
+
+
+def _kept(count: int, share: float, least_kept: int, least_held_out: int, what: str) -> int:
+    """Number of groups that a diagnosis sees."""
+    if not 0.0 < share < 1.0:
+        raise InputError(f"holdout: given {share:g}, expected a share of the record between 0 and 1")
+    kept = round(count * (1.0 - share))
+    if kept < least_kept or count - kept < least_held_out:
+        raise InputError(
+            f"holdout: leaves {kept} {what} for the diagnosis and {count - kept} for the score; "
+            f"expected at least {least_kept} and {least_held_out}"
+        )
+    return kept

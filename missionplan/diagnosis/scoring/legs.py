@@ -1,0 +1,216 @@
+"""What a mission expects of the legs of a navigation log, by the code that moves the vehicle in `simulate`.
+
+`GroundVelocity` is run along the legs as they were logged: with the draws of the mission and no random errors for what
+is expected, and with one random error at a time for the covariance of the rest, which is linear in them.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import ndtri
+
+from missionplan.arrays import Array
+from missionplan.datasets.legs import TransitData
+from missionplan.diagnosis.legs.model_factory import check_cover
+from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
+from missionplan.diagnosis.scoring.explanations import explained
+from missionplan.mission import Mission
+from missionplan.mission.schema.phases import TransitPhase
+from missionplan.mission.views import TransitMission
+from missionplan.phases.hooks import TransitEffect
+from missionplan.phases.transit.ground_velocity import GroundVelocity
+from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan
+from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import recorded_current
+
+DRAWS = 2048
+"""Draws of the mission's uncertain quantities."""
+NOISES, LEGS_TIMES_NOISES = (4, 64), 6400
+"""Draws of the sizes of what is random, at least and at most; their number times that of the legs."""
+SCALES = 32
+"""Equally likely scales of errors with heavy tails."""
+
+
+@dataclass(frozen=True)
+class SingleLegs:
+    """Standard normals of one source: zero but for one leg, one component and one trial each.
+
+    Attributes
+    ----------
+    legs : int
+        n.
+    trials : int
+        Of all sources together.
+    first : int or None
+        Trial of the first of the 2n; None: zero everywhere.
+    """
+
+    legs: int
+    trials: int
+    first: int | None
+
+    def leg(self, number: int) -> Array:
+        """Normals of a leg, shape (2, trials)."""
+        normals: Array = np.zeros((2, self.trials))
+        if self.first is not None:
+            here = self.first + 2 * number
+            normals[0, here], normals[1, here + 1] = 1.0, 1.0
+        return normals
+
+
+@dataclass(frozen=True)
+class LoggedLegs:
+    """A mission's first transit along the legs of a log."""
+
+    data: TransitData
+    phase: TransitPhase
+
+    def errors(self, scenario: Scenario, effects: Sequence[TransitEffect], sources: "_Sources", trials: int) -> Array:
+        """Position error on surfacing of each leg by the phase, without errors of fixes, shape (n, 2, trials) [m]."""
+        data, plan = self.data, scenario.transit_plan(self.phase)
+        environment = Environment(scenario.current, None, tuple(effects))
+        normals = TransitNormals(sources.velocity, effects=sources.effects)
+        found = np.zeros((data.n, 2, trials))
+        for run in np.unique(data.run):  # what persists begins anew with each run
+            moved = GroundVelocity(plan, environment, normals, trials)
+            for leg in np.flatnonzero(data.run == run).tolist():
+                found[leg] = self._error(leg, moved, plan, environment, normals, trials)
+        return found
+
+    def _error(
+        self,
+        leg: int,
+        moved: GroundVelocity,
+        plan: TransitPlan,
+        environment: Environment,
+        normals: TransitNormals,
+        trials: int,
+    ) -> Array:
+        data = self.data
+        seconds, surface = float(data.under_way[leg]), float(data.surface[leg])
+        t, duration = np.full(trials, data.t_start[leg]), np.full(trials, seconds)
+        start = np.repeat(data.start[:, leg : leg + 1], trials, axis=1)
+        through = np.repeat((data.dead_reckoned - data.start)[:, leg : leg + 1], trials, axis=1)
+        speed = float(np.hypot(*through[:, 0])) / seconds
+        own = normals.velocity.leg(leg)
+        velocity = moved.of_leg(leg, own[:, :trials], t, duration, start, through, speed) * seconds
+        if surface > 0.0:
+            afloat = GroundVelocity(replace(plan, surfacing_time=surface), environment, normals, trials)
+            velocity = velocity + afloat.at_surface(t + duration, start + through) * surface
+        return np.asarray(velocity)
+
+
+@dataclass(frozen=True)
+class _Sources:
+    """Normals of the velocity error and of each effect."""
+
+    velocity: SingleLegs
+    effects: tuple[SingleLegs, ...]
+
+
+def leg_ensemble(data: TransitData, mission: Mission, seed: int) -> Ensemble:
+    """Return a mission's distribution of the position errors of a log's legs [m].
+
+    Parameters
+    ----------
+    data : TransitData
+    mission : Mission
+    seed : int
+        Of the draws.
+
+    Raises
+    ------
+    InputError
+        When the mission has no transit or no navigation, or the log leaves the record of its current.
+    """
+    phase = TransitMission.of(mission).transit()
+    recorded = recorded_current(mission)
+    means = Scenario.at_means(mission, recorded)
+    if means.current is not None:
+        check_cover(data, means.current, float(np.mean(means[f"{phase.name}.depth"])), mission)
+    legs, parts = LoggedLegs(data, phase), []
+    for share, known in explained(mission):
+        drawn = Scenario.drawn(known, recorded, seed=seed, block=0, size=DRAWS)
+        trials = DRAWS if drawn.uncertain else 1
+        parts.append(Part(share, _expected(legs, drawn, trials), tuple(_noises(legs, drawn, trials))))
+    error = data.end - data.dead_reckoned
+    return Ensemble(error.T.ravel(), np.repeat(np.arange(data.n), 2), tuple(parts))
+
+
+def _expected(legs: LoggedLegs, drawn: Scenario, trials: int) -> Array:
+    """Expected errors in each draw, without any random error, shape (trials, 2n) [m]."""
+    effects, still = _linear(drawn.effects_under_way(legs.phase)), SingleLegs(legs.data.n, trials, None)
+    errors = legs.errors(drawn, effects, _Sources(still, (still,) * len(effects)), trials)
+    return errors.reshape(-1, trials).T
+
+
+def _linear(effects: Iterable[TransitEffect]) -> list[TransitEffect]:
+    """Effects that do not scale the tails of the velocity error: the errors are linear in the normals of the rest."""
+    return [effect for effect in effects if not _scales_tails(effect)]
+
+
+def _scales_tails(effect: TransitEffect) -> bool:
+    """Whether an effect has heavy tails: one of an explanation that does not hold has none."""
+    return bool(np.any(np.asarray(effect.error_scale(np.full((2, 1), 2.0))) != 1.0))
+
+
+def _noises(legs: LoggedLegs, drawn: Scenario, trials: int) -> list[Noise]:
+    """Covariances with the sizes of the random errors as in a few draws; a single one where they are all the same."""
+    count = min(trials, int(np.clip(LEGS_TIMES_NOISES // legs.data.n, *NOISES)))
+    found = [_noise(legs, single_draw(drawn, index)) for index in range(min(count, 2))]
+    if len(found) == 2 and np.allclose(found[0].covariance, found[1].covariance, rtol=1e-9):
+        found = found[:1]
+    else:
+        found += [_noise(legs, single_draw(drawn, index)) for index in range(2, count)]
+    return [replace(noise, weight=1.0 / len(found)) for noise in found]
+
+
+def single_draw(drawn: Scenario, index: int) -> Scenario:
+    """Return the mission as in one of its draws."""
+    draws = {
+        path: float(value[index]) if isinstance(value, np.ndarray) and value.ndim else value
+        for path, value in drawn.draws.items()
+    }
+    return replace(drawn, draws=draws)
+
+
+def _noise(legs: LoggedLegs, scenario: Scenario) -> Noise:
+    """Covariance of the random errors of all legs, and of their fixes."""
+    data, every = legs.data, scenario.effects_under_way(legs.phase)
+    effects = _linear(every)
+    random = [index for index, effect in enumerate(effects) if effect.is_random]
+    trials = 2 * data.n * (1 + len(random)) + 1  # the last: no error at all
+    velocity = SingleLegs(data.n, trials, 0)
+    sources = [
+        SingleLegs(data.n, trials, 2 * data.n * (1 + random.index(index)) if index in random else None)
+        for index in range(len(effects))
+    ]
+    errors = legs.errors(scenario, effects, _Sources(velocity, tuple(sources)), trials).reshape(2 * data.n, trials)
+    responses = errors[:, :-1] - errors[:, -1:]
+    covariance = responses @ responses.T + _fix_covariance(data, scenario, every)
+    tails = [effect for effect in every if _scales_tails(effect)]
+    if not tails:
+        return Noise(1.0, covariance, np.ones(1), np.zeros(2 * data.n))
+    levels = ndtri((np.arange(SCALES) + 0.5) / SCALES)
+    scales = np.ones(SCALES)
+    for effect in tails:
+        scales = scales * effect.error_scale(np.stack([levels, levels]))
+    return Noise(1.0, covariance, scales, np.sum(responses[:, : 2 * data.n] ** 2, axis=1))
+
+
+def _fix_covariance(data: TransitData, scenario: Scenario, effects: Iterable[TransitEffect]) -> Array:
+    """Covariance of the legs' errors by those of the fixes; neighbours that share a fix share its error [m²].
+
+    The log's own statement of its fixes goes before the mission's; an effect on fixes is added to either.
+    """
+    extra = sum(float(np.mean(effect.fix_variance())) for effect in effects)
+    stated = data.typical_fix_sd
+    own = float(np.mean(scenario.fix_error)) if stated is None else stated
+    after = own * data.fix_scale
+    shares = np.append(False, np.all(data.end[:, :-1] == data.start[:, 1:], axis=0) & (data.run[:-1] == data.run[1:]))
+    before = np.where(shares, np.append(own, after[:-1]), own)
+    total = np.diag(before**2 + after**2 + 2.0 * extra)
+    later = np.flatnonzero(shares)
+    total[later, later - 1] = total[later - 1, later] = -(before[later] ** 2 + extra)
+    return np.asarray(np.kron(total, np.eye(2)), dtype=float)

@@ -1,0 +1,191 @@
+"""Predictive distributions of each value of a record: mixtures of normal distributions.
+
+*One step ahead* a group (a leg, a dive) is predicted from all groups before it: each component of the mixture by the
+conditional normal distribution, which the Cholesky factor of its covariance holds (Durbin & Koopman 2012, section
+4.13), the components weighted by how well they have predicted the past. *The whole* record is predicted from nothing:
+every draw of the mission is a component.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.special import logsumexp, ndtr, ndtri
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.scoring.ensemble import Component, Ensemble, Noise, Part
+
+WHOLE_COMPONENTS = 1024
+"""Components, at most, of the distribution without the past."""
+BISECTIONS = 50
+EXACT_PAIRS = 100
+"""Components up to which the pairs of the CRPS are summed in closed form."""
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """A mixture of c normal distributions for each of v values.
+
+    Attributes
+    ----------
+    weights, means, sds : array, shape (c, v)
+        The weights of each value add up to 1.
+    """
+
+    weights: Array
+    means: Array
+    sds: Array
+
+    @cached_property
+    def mean(self) -> Array:
+        """Means, shape (v,)."""
+        return np.asarray((self.weights * self.means).sum(axis=0))
+
+    @cached_property
+    def sd(self) -> Array:
+        """Standard deviations, shape (v,)."""
+        second = (self.weights * (self.sds**2 + (self.means - self.mean) ** 2)).sum(axis=0)
+        return np.asarray(np.sqrt(second))
+
+    def cdf(self, y: Array) -> Array:
+        """Probability of less than y, shape (v,)."""
+        return np.asarray((self.weights * ndtr((y - self.means) / self.sds)).sum(axis=0))
+
+    def log_density(self, y: Array) -> Array:
+        """Ln density at y, shape (v,)."""
+        z = (y - self.means) / self.sds
+        return np.asarray(logsumexp(-0.5 * z**2 - np.log(self.sds), axis=0, b=self.weights) - 0.5 * np.log(2.0 * np.pi))
+
+    def quantile(self, probability: float) -> Array:
+        """Quantile of each value, by bisection, shape (v,)."""
+        ends = self.means + ndtri(probability) * self.sds
+        low, high = ends.min(axis=0), ends.max(axis=0)
+        if len(ends) == 1:
+            return np.asarray(low)
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            below = self.cdf(middle) < probability
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        return np.asarray(0.5 * (low + high))
+
+    def crps(self, y: Array) -> Array:
+        """Continuous ranked probability score, E|X − y| − ½E|X − X′|, shape (v,) [unit of the values].
+
+        In closed form for few components (Grimit et al. 2006, *Q. J. R. Meteorol. Soc.* 132, Eq. 5), which is that of
+        Gneiting et al. 2005 for one; for many the second part is that of a sample of one draw a component.
+        """
+        first = (self.weights * _mean_absolute(y - self.means, self.sds)).sum(axis=0)
+        if len(self.weights) <= EXACT_PAIRS:
+            pairs = sum(
+                (
+                    weight * (self.weights * _mean_absolute(mean - self.means, np.hypot(sd, self.sds))).sum(axis=0)
+                    for weight, mean, sd in zip(self.weights, self.means, self.sds, strict=True)
+                ),
+                np.zeros_like(first),
+            )
+            return np.asarray(first - 0.5 * pairs)
+        return np.asarray(first - 0.5 * self._sampled_difference())
+
+    def _sampled_difference(self) -> Array:
+        """E|X − X′| from a sample of one draw a component, in random strata; weighted and sorted."""
+        count = len(self.weights)
+        order = np.random.default_rng(0).permutation(count)
+        x = self.means + ndtri((order[:, None] + 0.5) / count) * self.sds
+        places = np.argsort(x, axis=0)
+        x, w = np.take_along_axis(x, places, axis=0), np.take_along_axis(self.weights, places, axis=0)
+        before, sums = np.cumsum(w, axis=0) - w, np.cumsum(w * x, axis=0) - w * x
+        unequal = np.maximum(1.0 - (w**2).sum(axis=0), 1e-12)
+        return np.asarray(2.0 * (w * (x * before - sums)).sum(axis=0) / unequal)
+
+
+def _mean_absolute(shift: Array, sd: Array) -> Array:
+    """E|X| of a normal X of a mean and standard deviation."""
+    z = shift / sd
+    density = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
+    return np.asarray(shift * (2.0 * ndtr(z) - 1.0) + 2.0 * sd * density)
+
+
+@dataclass(frozen=True)
+class OneStep:
+    """Predictions of each group from those before it.
+
+    Attributes
+    ----------
+    mixture : Mixture
+    roots : list of list of array
+        For each component and group, the triangular root of the covariance of the group's values.
+    effective : float
+        Effective number of components at the end of the record, 1/Σw².
+    """
+
+    mixture: Mixture
+    roots: list[list[Array]]
+    effective: float
+
+
+def one_step_ahead(ensemble: Ensemble) -> OneStep:
+    """Predict every group of a record from the groups before it."""
+    groups, y = ensemble.slices(), ensemble.values
+    means, sds, log_weights, scaled, roots = [], [], [], [], []
+    for component in ensemble.components():
+        factor = np.linalg.cholesky(component.covariance)
+        z = solve_triangular(factor, y - component.mean, lower=True, check_finite=False)
+        own = [np.asarray(factor[rows, rows], dtype=float) for rows in groups]
+        innovation = np.concatenate([root @ z[rows] for root, rows in zip(own, groups, strict=True)])
+        logs = np.array(
+            [-0.5 * z[rows] @ z[rows] - np.log(np.diag(root)).sum() for root, rows in zip(own, groups, strict=True)]
+        )
+        known = np.append(0.0, np.cumsum(logs)[:-1])
+        variance = np.concatenate([np.sum(root**2, axis=1) for root in own])
+        means.append(y - innovation)
+        sds.append(np.sqrt(variance))
+        log_weights.append(component.log_weight + known)
+        scaled.append(_scaled_sds(variance, component))
+        roots.append(own)
+    logs = np.array(log_weights)
+    weights = np.exp(logs - logsumexp(logs, axis=0))
+    mixture = _with_scales(weights[:, ensemble.groups], np.array(means), scaled)
+    return OneStep(mixture, roots, float(1.0 / np.sum(weights[:, -1] ** 2)))
+
+
+def _scaled_sds(variance: Array, component: Component) -> Array:
+    """Standard deviations with each scale of the tails, shape (s, v)."""
+    noise = component.noise
+    change = (noise.scales[:, None] ** 2 - 1.0) * np.minimum(noise.tailed, variance)
+    return np.asarray(np.sqrt(np.maximum(variance + change, 1e-12 * variance)))
+
+
+def _with_scales(weights: Array, means: Array, scaled: list[Array]) -> Mixture:
+    """Mixture of c components, each of s scales of its tails."""
+    sds = np.concatenate(scaled)
+    each = len(scaled[0])
+    return Mixture(np.repeat(weights / each, each, axis=0), np.repeat(means, each, axis=0), sds)
+
+
+def without_past(ensemble: Ensemble) -> Mixture:
+    """Predict every value of a record before any of it is seen."""
+    weights, means, sds = [], [], []
+    for part in ensemble.parts:
+        for share, mean, noise in paired(part, max(1, int(WHOLE_COMPONENTS * part.probability))):
+            variance = np.diag(noise.covariance)
+            change = (noise.scales[:, None] ** 2 - 1.0) * np.minimum(noise.tailed, variance)
+            own = np.sqrt(np.maximum(variance + change, 1e-12 * variance + 1e-18))
+            weights += [part.probability * share / len(own)] * len(own)
+            means += [mean] * len(own)
+            sds += list(own)
+    wide = np.repeat(np.array(weights)[:, None], len(ensemble.values), axis=1)
+    return Mixture(wide / wide.sum(axis=0), np.array(means), np.array(sds))
+
+
+def paired(part: Part, most: int) -> list[tuple[float, Array, Noise]]:
+    """Pair the draws of a part with its noises, in proportion to their weights: share, expected values and noise."""
+    count = min(max(len(part.draws), 1), most)
+    if len(part.draws) == 1:
+        return [(noise.weight, part.draws[0], noise) for noise in part.noises]
+    edges = np.cumsum([noise.weight for noise in part.noises])
+    chosen = np.searchsorted(edges / edges[-1], (np.arange(count) + 0.5) / count)
+    mixed = np.random.default_rng(1).permutation(chosen)
+    return [
+        (1.0 / count, mean, part.noises[index]) for mean, index in zip(part.draws[:count], mixed.tolist(), strict=True)
+    ]

@@ -1,0 +1,206 @@
+"""`score`: how well a mission as it stands predicts measured legs and dives."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from missionplan.arrays import Array
+from missionplan.datasets.dives import read_descent
+from missionplan.datasets.legs import TransitData, read_transit
+from missionplan.datasets.reading import dataset_kind, files_outside
+from missionplan.diagnosis.dives.model_factory import check_leaves_surface
+from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
+from missionplan.diagnosis.scoring.chance import intervals, one_step_coverages, whole_coverages
+from missionplan.diagnosis.scoring.dives import dive_ensemble
+from missionplan.diagnosis.scoring.ensemble import Ensemble
+from missionplan.diagnosis.scoring.explanations import bare_mission
+from missionplan.diagnosis.scoring.legs import leg_ensemble
+from missionplan.diagnosis.scoring.predictive import Mixture, one_step_ahead, without_past
+from missionplan.diagnosis.scoring.vehicle_filter import expected_by_vehicle
+from missionplan.diagnosis.scoring.yardsticks import Point, with_spread, yardsticks
+from missionplan.errors import InputError
+from missionplan.mission import Mission, MissionOrPath
+from missionplan.results.base import Provenance
+from missionplan.results.log_book.score import STATED, DatasetScore, Prediction, Score, Yardstick
+from missionplan.store.paths import as_path
+from missionplan.studies.arguments import check_arguments
+
+FALSE_ALARM = 0.05
+"""Probability, at most, with which a mission that is true is said to be outside chance, all data sets together."""
+KINDS = ("transit", "descent")
+Progress = Callable[[int, int], None]
+"""Called with data sets done, of how many."""
+
+
+def score(
+    mission: MissionOrPath,
+    *datasets: str | Path,
+    seed: int | None = None,
+    allow_outside: bool = False,
+    progress: Progress | None = None,
+) -> Score:
+    """Score how well a mission as it stands predicts data sets of legs or dives; nothing is fitted.
+
+    Parameters
+    ----------
+    mission : Mission, str or Path
+        With or without effects.
+    *datasets : str or Path
+        Folders of data sets of kind ``transit`` or ``descent``.
+    seed : int, optional
+        Of the draws; default the mission's.
+    allow_outside : bool
+        Whether a data set's table may lie outside its folder.
+    progress : callable, optional
+        Called with data sets done, of how many.
+
+    Raises
+    ------
+    InputError
+        When data set or mission lack what a prediction needs.
+    """
+    started = time.perf_counter()
+    mission = check_arguments(mission, seed=seed)
+    if not datasets:
+        raise InputError("expected at least one data set to score the mission on")
+    seed = mission.monte_carlo.seed if seed is None else seed
+    folders = [as_path(dataset, "dataset") for dataset in datasets]
+    level = FALSE_ALARM / (2 * len(folders))
+    found = []
+    with threadpool_limits(limits=1), files_outside(allowed=allow_outside):
+        for done, folder in enumerate(folders):
+            found.append(scored_record(read_record(folder, mission), mission, seed, level))
+            if progress is not None:
+                progress(done + 1, len(folders))
+    provenance = Provenance(
+        command="score",
+        mission=mission.name,
+        file=mission.file,
+        seed=seed,
+        trials=0,
+        options={"datasets": [str(folder) for folder in folders]},
+        elapsed_s=time.perf_counter() - started,
+        data=mission.raw,
+        notices=(*mission.notices(), *dict.fromkeys(notice for each in found for notice in each.notices)),
+    )
+    return Score(provenance, tuple(found))
+
+
+def read_record(folder: Path, mission: Mission) -> TransitData | PreparedDives:
+    """Read the legs or dives of a data set.
+
+    Raises
+    ------
+    InputError
+        All problems of the folder; when it holds neither.
+    """
+    if dataset_kind(folder, KINDS) == "transit":
+        return read_transit(folder, mission)
+    measured = read_descent(folder, mission)
+    check_leaves_surface(measured, mission)
+    return prepare_dives(measured)
+
+
+def scored_record(
+    record: TransitData | PreparedDives, mission: Mission, seed: int, level: float = 0.5 * FALSE_ALARM
+) -> DatasetScore:
+    """Score a mission on a record.
+
+    Parameters
+    ----------
+    record : TransitData or PreparedDives
+    mission : Mission
+    seed : int
+        Of the draws.
+    level : float
+        Probability with which each of the two coverages of a true mission is outside chance.
+    """
+    if isinstance(record, TransitData):
+        return _score_legs(record, mission, seed, level)
+    return _score_dives(record, mission, seed, level)
+
+
+def _score_legs(data: TransitData, mission: Mission, seed: int, level: float) -> DatasetScore:
+    ensemble, bare = leg_ensemble(data, mission, seed), leg_ensemble(data, bare_mission(mission), seed)
+    error = (data.end - data.dead_reckoned).T
+    scales = [np.full(2, seconds) for seconds in data.under_way]
+    first = float(np.sqrt(np.mean((without_past(ensemble).sd / np.repeat(data.under_way, 2)) ** 2)))
+    others = yardsticks(
+        list(error), lambda later, earlier: error[earlier] / scales[earlier] * scales[later], scales, first
+    )
+    expected = expected_by_vehicle(data, mission)
+    if expected is not None:
+        others["vehicle"] = with_spread(list(error), expected, scales, first)
+    places = np.tile(["east", "north"], data.n)
+    found = _scored(ensemble, bare, others, 2, seed, level)
+    return DatasetScore(
+        data.name, "transit", data.n, np.repeat(data.labels, 2), places, ensemble.values, *found, data.notices
+    )
+
+
+def _score_dives(data: PreparedDives, mission: Mission, seed: int, level: float) -> DatasetScore:
+    ensemble, bare = dive_ensemble(data, mission, seed), dive_ensemble(data, bare_mission(mission), seed)
+    expected = without_past(bare)
+    apart = [(ensemble.values - expected.mean)[rows] for rows in ensemble.slices()]
+    times = [log.t for log in data.dives]
+
+    def carried(later: int, earlier: int) -> Array:
+        return np.asarray(np.interp(times[later], times[earlier], apart[earlier]))
+
+    first = float(np.sqrt(np.mean(without_past(ensemble).sd ** 2)))
+    others = {
+        name: replace(point, mean=point.mean + expected.mean)
+        for name, point in yardsticks(apart, carried, [np.ones_like(each) for each in apart], first).items()
+    }
+    places = np.concatenate([np.char.mod("%.2f", log.t) for log in data.dives])
+    labels = np.concatenate([np.full(len(log.t), log.name) for log in data.dives])
+    found = _scored(ensemble, bare, others, 1, seed, level)
+    return DatasetScore(data.name, "descent", len(data.dives), labels, places, ensemble.values, *found, data.notices)
+
+
+def _scored(
+    ensemble: Ensemble, bare: Ensemble, others: dict[str, Point], axes: int, seed: int, level: float
+) -> tuple[Prediction, Prediction, float]:
+    """Score both predictions beside the yardsticks; `axes` values are the components of one error."""
+    y, ahead = ensemble.values, one_step_ahead(ensemble)
+    plain_ahead, whole = one_step_ahead(bare).mixture, without_past(ensemble)
+    low, high = intervals(ahead.mixture, STATED)
+    chance = np.quantile(one_step_coverages(ensemble, ahead, low, high, seed), [0.5 * level, 1.0 - 0.5 * level])
+    common = {name: _yardstick(_mixture(point), y, axes) for name, point in others.items()}
+    one_step = _prediction(ahead.mixture, y, axes, chance, {"no_effects": _yardstick(plain_ahead, y, axes), **common})
+    low, high = intervals(whole, STATED)
+    chance = np.quantile(whole_coverages(ensemble, low, high, seed), [0.5 * level, 1.0 - 0.5 * level])
+    plain = _yardstick(without_past(bare), y, axes)
+    return one_step, _prediction(whole, y, axes, chance, {"no_effects": plain, **common}), ahead.effective
+
+
+def _mixture(point: Point) -> Mixture:
+    return Mixture(np.ones((1, len(point.mean))), point.mean[None], np.maximum(point.sd, 1e-9)[None])
+
+
+def _yardstick(mixture: Mixture, y: Array, axes: int) -> Yardstick:
+    rmse = float(np.sqrt(axes * np.mean((y - mixture.mean) ** 2)))
+    return Yardstick(rmse, float(np.mean(mixture.log_density(y))), float(np.mean(mixture.crps(y))))
+
+
+def _prediction(mixture: Mixture, y: Array, axes: int, chance: Array, others: dict[str, Yardstick]) -> Prediction:
+    own, pit = _yardstick(mixture, y, axes), mixture.cdf(y)
+    inside_50, inside_90 = (int(np.count_nonzero(np.abs(pit - 0.5) <= 0.5 * share)) for share in (0.5, STATED))
+    z = (y - mixture.mean) / mixture.sd
+    return Prediction(
+        own.rmse,
+        own.log_score,
+        own.crps,
+        inside_50,
+        inside_90,
+        (float(chance[0]), float(chance[1])),
+        mixture.mean,
+        mixture.sd,
+        z,
+        pit,
+        others,
+    )

@@ -1,0 +1,201 @@
+"""Report of `score`: how well a mission as it stands predicts measured data."""
+
+import shlex
+
+from missionplan.montecarlo.statistics import wilson
+from missionplan.report.page import Page, PageSection, Table, Terminal
+from missionplan.report.scoring.figures import pit_figure, prediction_figure
+from missionplan.results.log_book.score import STATED, DatasetScore, Prediction, Score
+
+NAMES = {"one_step": "one step ahead", "whole": "all the way"}
+EXPLAINED = {
+    "one_step": "One step ahead: each {group} from those before it in the record, as the vehicle could.",
+    "whole": "All the way: every {group} from nothing of the record, as the plan must.",
+}
+GROUPS = {"transit": ("leg", "legs"), "descent": ("dive", "dives")}
+YARDSTICKS = {
+    "no_effects": "the mission without its effects",
+    "mean_of_past": "the mean of the past",
+    "last_leg": "the last {group}",
+    "random_walk": "a random walk seen through noise",
+    "vehicle": "the vehicle's own drift compensation",
+}
+SAME = 0.03
+"""Skills that are as good as one another."""
+SHARES = ((0.8, "four fifths"), (2 / 3, "two thirds"), (0.5, "half"), (1 / 3, "a third"), (0.25, "a quarter"))
+
+
+def page(score: Score) -> Page:
+    """Build the page of a score."""
+    sections = [PageSection("All data sets", [_overview(score)])] if len(score.datasets) > 1 else []
+    for each in score.datasets:
+        sections += dataset_sections(each)
+    folders = score.provenance.options["datasets"]
+    named = [shlex.quote(str(path)) for path in (folders if isinstance(folders, list) else [])]
+    return Page(
+        title=f"How well {score.provenance.mission} predicts what was measured",
+        answer=answer(score),
+        figure=prediction_figure(score.datasets[0]),
+        numbers=_numbers(score.datasets[0]),
+        sections=sections,
+        verdict="good" if score.is_within_chance else "bad",
+        rerun=f"missionplan score mission.yaml {' '.join(named)} --seed {score.provenance.seed}",
+    )
+
+
+def terminal(score: Score) -> Terminal:
+    """Build the terminal's view: one row a data set and prediction, or the yardsticks of a single data set."""
+    verdict = "good" if score.is_within_chance else "bad"
+    table = _overview(score) if len(score.datasets) > 1 else _table(score.datasets[0])
+    return Terminal(answer(score), table.columns, table.rows, verdict)
+
+
+def answer(score: Score) -> str:
+    """Say how well the next leg or dive is predicted, against the last one, and what the intervals hold."""
+    said = [told(each) for each in score.datasets[:3]]
+    if len(score.datasets) == 1:
+        words = f"This mission {said[0]}"
+    else:
+        words = " ".join(f"{each.name}: this mission {one}" for each, one in zip(score.datasets, said, strict=False))
+    if score.is_within_chance:
+        return f"{words} Nothing was fitted; chance allows these coverages."
+    off = [
+        f"{NAMES[name]}" for each in score.datasets for name, p in each.predictions.items() if not p.is_within_chance
+    ]
+    return f"{words} Chance does not allow that coverage ({', '.join(dict.fromkeys(off))}): the intervals are wrong."
+
+
+def told(each: DatasetScore) -> str:
+    """Say how a data set was predicted, after the words "this mission"."""
+    one, many = GROUPS[each.kind]
+    ahead = each.one_step
+    held = f"its 90 % intervals hold {100.0 * ahead.coverage_90:.0f} % of {many}"
+    if not each.whole.is_within_chance:
+        held += f", without the past {100.0 * each.whole.coverage_90:.0f} %"
+    return f"predicts the next {one} to {_metres(ahead.rmse)}, {_against(ahead.skill('last_leg'), one)}; {held}."
+
+
+def _against(skill: float, one: str) -> str:
+    """Put a skill against the last leg in words."""
+    if abs(skill) < SAME:
+        return f"as well as the last {one} would"
+    if skill < -1.0:
+        return f"{1.0 - skill:.1f} times the error that the last {one} would give"
+    near = next((word for share, word in SHARES if abs(abs(skill) - share) < SAME), f"{100.0 * abs(skill):.0f} %")
+    return f"{near} {'better' if skill > 0.0 else 'worse'} than the last {one} would"
+
+
+def _metres(value: float) -> str:
+    return f"{value / 1000.0:.2f} km" if value >= 100.0 else f"{value:.3g} m"
+
+
+def _overview(score: Score) -> Table:
+    rows = [
+        [
+            each.name,
+            NAMES[name],
+            str(each.groups),
+            _metres(prediction.rmse),
+            f"{100.0 * prediction.skill('last_leg'):.0f} %",
+            f"{prediction.log_score:.2f}",
+            _held(prediction.inside_90, len(prediction.z)),
+            "yes" if prediction.is_within_chance else "no",
+        ]
+        for each in score.datasets
+        for name, prediction in each.predictions.items()
+    ]
+    columns = [
+        "Data set",
+        "Prediction",
+        "Groups",
+        "Error, rms",
+        "Skill against the last",
+        "Log score",
+        "In 90 %",
+        "Chance",
+    ]
+    return Table(columns, rows, "Groups are legs or dives.", text_columns=2)
+
+
+def _held(inside: int, count: int) -> str:
+    interval = wilson(inside, count)
+    return f"{100.0 * inside / count:.0f} % ({100.0 * interval.low:.0f} to {100.0 * interval.high:.0f})"
+
+
+def _numbers(each: DatasetScore) -> list[tuple[str, str]]:
+    one, _ = GROUPS[each.kind]
+    ahead = each.one_step
+    return [
+        (f"Error of the next {one}, rms", _metres(ahead.rmse)),
+        ("90 % intervals, one step ahead", _held(ahead.inside_90, len(ahead.z))),
+        ("90 % intervals, all the way", _held(each.whole.inside_90, len(each.whole.z))),
+    ]
+
+
+def _table(each: DatasetScore) -> Table:
+    one, many = GROUPS[each.kind]
+    rows = []
+    for name, prediction in each.predictions.items():
+        rows.append(
+            [
+                f"this mission, {NAMES[name]}",
+                _metres(prediction.rmse),
+                "",
+                f"{prediction.log_score:.2f}",
+                _metres(prediction.crps),
+                _held(prediction.inside_50, len(prediction.z)),
+                _held(prediction.inside_90, len(prediction.z)),
+            ]
+        )
+        bare = prediction.yardsticks["no_effects"]
+        label = f"{YARDSTICKS['no_effects']}, {NAMES[name]}"
+        rows.append(_row(label, bare.rmse, prediction.skill("no_effects"), bare.log_score, bare.crps))
+    for name, other in each.one_step.yardsticks.items():
+        if name != "no_effects":
+            label = YARDSTICKS[name].format(group=one)
+            rows.append(_row(label, other.rmse, each.one_step.skill(name), other.log_score, other.crps))
+    caption = (
+        f"Skill: the part of a yardstick's error that the mission avoids, one step ahead but for the last row without "
+        f"effects. Log scores are means over {len(each.measured)} values (greater is better), CRPS likewise (less is "
+        f"better). Yardsticks predict {many} from those before, with the spread of their own errors so far."
+    )
+    columns = ["Prediction", "Error, rms", "Skill", "Log score", "CRPS", "In 50 %", "In 90 %"]
+    return Table(columns, rows, caption)
+
+
+def _row(label: str, rmse: float, skill: float, log_score: float, crps: float) -> list[str]:
+    return [label, _metres(rmse), f"{100.0 * skill:.0f} %", f"{log_score:.2f}", _metres(crps), "", ""]
+
+
+def dataset_sections(each: DatasetScore, name: str = "") -> list[PageSection]:
+    """Show the scores of a data set beside yardsticks; `name` stands for its own."""
+    name = name or each.name
+    one, _ = GROUPS[each.kind]
+    words = [EXPLAINED[name].format(group=one) + _chance(prediction) for name, prediction in each.predictions.items()]
+    words.append(_assumed(each.kind))
+    return [
+        PageSection(f"{name}: scores beside yardsticks", [_table(each), *words]),
+        PageSection(f"{name}: where in their distributions the values fell", [pit_figure(each)]),
+    ]
+
+
+def _chance(prediction: Prediction) -> str:
+    low, high = prediction.chance_90
+    return (
+        f" Its {100.0 * STATED:.0f} % intervals hold {100.0 * prediction.coverage_90:.0f} % of the values; were the "
+        f"mission true, chance would leave {100.0 * low:.0f} to {100.0 * high:.0f} %. Errors over their standard "
+        f"deviations have a mean of {prediction.z.mean():.2f} and a standard deviation of {prediction.z.std():.2f}."
+    )
+
+
+def _assumed(kind: str) -> str:
+    if kind == "transit":
+        return (
+            "Expected errors and their covariances come from the transit that simulate runs, along the legs as they "
+            "were logged. The past is taken in as if the expected errors were normal about their mean."
+        )
+    return (
+        "Expected depths come from the descent that simulate runs. Sensor, turbulence and scatter from dive to dive "
+        "are those that the diagnosis assumes. The past is taken in as if the expected depths were normal about "
+        "their mean."
+    )
