@@ -13,6 +13,24 @@ TIES = {"compass-bias": ("compass-deviation", "mean-current"), "speed-scale": ("
 """Effects that on a single heading cannot be distinguished from an effect."""
 
 
+STRONG = {
+    "mean-current": (0.15, 0.5),
+    "tidal-current": (0.36, 1.2),
+    "inertial-current": (0.45, 1.0),
+    "compass-bias": (0.15, 0.5),
+    "compass-deviation": (0.2, 0.6),
+    "speed-scale": (0.12, 0.35),
+    "surface-drift": (0.6, 1.2),
+    "current-shear": (0.2, 0.6),
+}
+"""Sizes of strong effects: 3 to 10 times the usual ones, at most half of what is possible [as in the catalogue]."""
+
+
+def _strong_size(rng: np.random.Generator, name: str) -> float:
+    low, high = STRONG[name]
+    return float(low * (high / low) ** rng.random())
+
+
 def draw(seed: int, scenario: str, effect: str | None = None) -> Case:
     """Draw a transit case; deterministic for its arguments."""
     base = [seed, 2, sum(map(ord, scenario))]
@@ -20,12 +38,13 @@ def draw(seed: int, scenario: str, effect: str | None = None) -> Case:
     if effect is not None:
         names = (effect,)
     scale = 0.25 if scenario == "weak" else 1.0
+    size = _strong_size(np.random.default_rng([*base, 99]), names[0]) if scenario == "strong" else None
     for attempt in range(30):
         shape, hiding = np.random.default_rng([*base, attempt]).spawn(2)
         survey = draw_survey(shape, scenario, names)
         if scenario == "control":
             survey = with_scaled_nuisances(survey, shape)
-        hidden = draw_hidden(survey, names, hiding, [*base, attempt, 7], scale)
+        hidden = draw_hidden(survey, names, hiding, [*base, attempt, 7], scale, size)
         if hidden is not None:
             break
     else:
@@ -63,8 +82,10 @@ def _pick_effects(rng: np.random.Generator, scenario: str) -> tuple[str, ...]:
         return ()
     if scenario == "outside":
         return (str(rng.choice(list(OUTSIDE))),)
-    if scenario == "tie":
+    if scenario in ("tie", "narrow"):
         return (str(rng.choice(["compass-bias", "speed-scale"])),)
+    if scenario == "strong":
+        return (str(rng.choice(list(STRONG))),)
     while True:
         names = tuple(sorted(str(name) for name in rng.choice(list(CATALOGUE), 1 + (scenario == "pair"), False)))
         if len(RANDOM & set(names)) < 2:

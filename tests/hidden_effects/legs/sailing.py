@@ -76,7 +76,7 @@ def _steer(survey: Survey, leg: int, aim: Array) -> tuple[float, float]:
     """Heading [rad] and time under way [s] of a leg towards its target."""
     time = survey.planned[leg]
     if survey.heading is not None:
-        return survey.heading, time
+        return float(survey.heading[leg]), time
     heading = float(np.arctan2(aim[0], aim[1]))
     return heading, float(np.clip(np.hypot(*aim) / survey.speed[leg], 0.5 * time, 1.6 * time))
 

@@ -103,6 +103,7 @@ class _Trial:
 
     def __init__(self, survey: Survey, shape: Mapping[str, int], noise_seed: Sequence[int]) -> None:
         self.survey, self.shape, self.noise_seed = survey, shape, noise_seed
+        self.size: float | None = None  # of every effect, in the place of its severity
 
     def build(self, severity: Mapping[str, float], scale: float) -> dict[str, BuiltEffect]:
         """Build the effects; severities 0 to 1 span their ranges of sizes."""
@@ -110,6 +111,7 @@ class _Trial:
         for name in self.shape:
             kind = (CATALOGUE | OUTSIDE)[name]
             size = scale * kind.low * (kind.high / kind.low) ** severity[name]
+            size = size if self.size is None else self.size
             rng = np.random.default_rng(self.shape[name])
             built[name] = BuiltEffect(*kind.build(size, rng, self.survey.conditions), float(size))
         return built
@@ -120,12 +122,18 @@ class _Trial:
 
 
 def draw_hidden(
-    survey: Survey, names: Sequence[str], rng: np.random.Generator, noise_seed: Sequence[int], scale: float
+    survey: Survey,
+    names: Sequence[str],
+    rng: np.random.Generator,
+    noise_seed: Sequence[int],
+    scale: float,
+    size: float | None = None,
 ) -> HiddenEffects | None:
-    """Draw sizes, enlarging effects that are not clear; None if the largest is not clear."""
+    """Draw sizes, enlarging effects that are not clear; None if the largest is not clear. A size given is kept."""
     severity = {name: rng.uniform(0.0, 0.9 if len(names) == 1 else 0.6) for name in names}
     trial = _Trial(survey, {name: int(rng.integers(2**32)) for name in names}, noise_seed)
-    if not _adjust(trial, severity):
+    trial.size = size
+    if size is None and not _adjust(trial, severity):
         return None
     built = trial.build(severity, scale)
     log = trial.log(*built.values())

@@ -9,6 +9,8 @@ from .catalogue import Array, LegConditions
 
 CURRENT_SD, COMPASS_SD, SPEED_SD = 0.004, np.radians(0.15), 0.002
 """Prior uncertainty without any misfit: mean current [m/s], compass [rad], relative speed."""
+NARROW = np.radians(10.0)
+"""Half the range of headings of a narrow survey [rad]."""
 MAX_COURSE_LENGTH = 120e3
 """Length of a one-way course [m]."""
 RANDOM = {"persistent-error", "random-walk", "fix-error", "heavy-tails"}
@@ -23,8 +25,8 @@ class Survey:
     pattern: str
     targets: Array
     """Target of each leg, shape (legs, 2) [m]."""
-    heading: float | None
-    """Constant heading steered [rad], or None."""
+    heading: Array | None
+    """Heading steered on each leg whatever its target, shape (legs,) [rad], or None."""
     planned: Array
     speed: Array
     surface: Array
@@ -66,7 +68,7 @@ def draw_survey(rng: np.random.Generator, scenario: str, wanted: Sequence[str]) 
     return Survey(
         pattern=pattern,
         targets=_targets(rng, pattern, planned * speeds, step, heading),
-        heading=heading if pattern == "one-heading" and scenario == "tie" else None,
+        heading=_fixed_headings(rng, scenario, heading, legs),
         planned=planned,
         speed=np.round(speeds, 3),
         surface=np.round(np.minimum(surface, 0.4 * planned)),
@@ -81,11 +83,18 @@ def draw_survey(rng: np.random.Generator, scenario: str, wanted: Sequence[str]) 
     )
 
 
+def _fixed_headings(rng: np.random.Generator, scenario: str, heading: float, legs: int) -> Array | None:
+    """One heading for a tie, headings within a narrow range, or None."""
+    if scenario == "tie":
+        return np.full(legs, heading)
+    return heading + NARROW * rng.uniform(-1.0, 1.0, legs) if scenario == "narrow" else None
+
+
 def _draw_pattern(rng: np.random.Generator, scenario: str, names: set[str]) -> str:
     patterns = ["lawnmower", "survey", "out-and-back", "triangle", "one-heading"]
     if names & (PERIODIC | NEED_SEVERAL_HEADINGS | {"current-shear"}) or scenario in ("pair", "outside"):
         patterns = ["lawnmower", "survey", "triangle"]
-    return "one-heading" if scenario == "tie" else str(rng.choice(patterns))
+    return "one-heading" if scenario in ("tie", "narrow") else str(rng.choice(patterns))
 
 
 def _draw_length(rng: np.random.Generator, scenario: str, names: set[str], pattern: str) -> tuple[int, float, float]:
@@ -101,7 +110,7 @@ def _draw_length(rng: np.random.Generator, scenario: str, names: set[str], patte
     speed = rng.uniform(0.3, 1.5)
     if pattern in ("one-heading", "out-and-back"):
         # at lower speeds a compass error would not exceed the uncertainty of the current
-        slowest = 0.7 if scenario == "tie" else 0.25
+        slowest = 0.7 if scenario in ("tie", "narrow") else 0.25
         speed = max(slowest, min(speed, MAX_COURSE_LENGTH / (legs * leg_time)))
         leg_time = min(leg_time, MAX_COURSE_LENGTH / (legs * speed))
     return legs, leg_time, speed
