@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from . import further
-from .legs import random_records
-from .legs.draw import STRONG
-from .tool import Outcome
+from .. import further
+from ..tool import Outcome
+from . import random_records
+from .draw import STRONG
 
 
 def test_a_strong_effect_is_several_times_the_usual_size():
