@@ -65,6 +65,8 @@ def percent(probability: Probability) -> str:
     if not math.isfinite(value):
         return "–"
     half = 0.5 * (high - low)
+    if half == 0.0 and value in (0.0, 100.0):  # certain: computed, not counted in trials
+        return f"{value:.0f}\u00a0%"
     decimals = max(0, _decimals(half)) if half > 0.0 else 1
     if min(value, 100.0 - value) > 3.0 * half:
         return f"{value:.{decimals}f}\u00a0±\u00a0{half:.{decimals}f}\u00a0%"

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from missionplan.montecarlo.statistics import Statistic, wilson
+from missionplan.montecarlo.statistics import Probability, Statistic, wilson
 from missionplan.report.display_units import Unit, split_key, unit_for
 from missionplan.report.numbers import number, percent, span, time_in_words, with_error
 
@@ -132,3 +132,9 @@ def test_times_are_in_minutes_from_a_minute_and_a_half():
         "1.6\u00a0min",
         "18.2\u00a0min",
     ]
+
+
+def test_a_probability_that_is_certain_has_no_interval() -> None:
+    """As in a sweep by the integral equation alone, where no trial may fail to arrive."""
+    assert percent(Probability(1.0, 1.0, 1.0)) == "100\u00a0%"
+    assert percent(Probability(0.0, 0.0, 0.0)) == "0\u00a0%"
