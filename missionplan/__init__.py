@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from missionplan.importers.importing import import_logs
     from missionplan.importers.importing import import_logs as import_log
     from missionplan.mission import Mission, load
+    from missionplan.store.reports import reports
     from missionplan.studies.anchor.size_anchor import size_anchor
     from missionplan.studies.comparison.compare import compare
     from missionplan.studies.comparison.compare_missions import compare_missions
@@ -52,6 +53,7 @@ __all__ = [
     "init",
     "load",
     "plan_legs",
+    "reports",
     "score",
     "simulate",
     "size_anchor",
@@ -73,6 +75,7 @@ _MODULES = {
     "import_logs": "missionplan.importers.importing",
     "init": "missionplan.studies.init",
     "load": "missionplan.mission",
+    "reports": "missionplan.store.reports",
     "plan_legs": "missionplan.studies.leg_length.plan_legs",
     "score": "missionplan.diagnosis.scoring.score",
     "simulate": "missionplan.studies.simulation.simulate",

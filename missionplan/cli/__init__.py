@@ -14,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from missionplan.cli import exploring, exporting, files, importing, measurements, planning, tides
+from missionplan.cli import exploring, exporting, files, importing, measurements, planning, reports, tides
 from missionplan.cli.streams import answering, note, prepare_streams
 from missionplan.errors import OUT_OF_FILES, MissionplanError, out_of_files
 
@@ -28,7 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for module in (planning, exploring, measurements, tides, importing, exporting, files):
+for module in (planning, exploring, measurements, tides, importing, exporting, files, reports):
     module.register(app)
 
 
