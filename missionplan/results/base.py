@@ -104,6 +104,11 @@ class Result(ABC):
     def files(self) -> dict[str, str | bytes]:
         """Tables and other files of the report folder, by name."""
 
+    def __init_subclass__(cls) -> None:
+        """Keep the text of one screen: a data class would write out every field."""
+        super().__init_subclass__()
+        cls.__repr__ = Result.__repr__  # type: ignore[method-assign]
+
     def __repr__(self) -> str:
         return presenter().text(self)
 

@@ -91,7 +91,7 @@ class ComparedNumber:
         }
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Comparison(Result):
     """Two runs of one command, side by side.
 

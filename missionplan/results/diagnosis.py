@@ -54,7 +54,7 @@ class PlanGain:
         return found
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Diagnosis(Result):
     """What the simulation gets wrong, why, the extended model, the gain.
 

@@ -157,7 +157,7 @@ class TankAnalysis:
     derived: tuple[IdentifiedParameter, ...] = ()
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Identification(Result):
     """Result of `identify`.
 

@@ -47,7 +47,7 @@ class TrackLines:
     depth: Array
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class ImportedData(Result):
     """Result of `import`.
 

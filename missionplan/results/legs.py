@@ -16,7 +16,7 @@ LEAST_ERRORS = 3.0
 """Standard errors of the saving that a table must save."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class LegPlan(Result):
     """Legs that adapt to the distance left, beside the best fixed d_max.
 

@@ -54,7 +54,7 @@ class FailureMode:
     causes: tuple[Cause, ...]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class RareFailure(Result):
     """Result of `simulate --rare`.
 

@@ -179,7 +179,7 @@ class Tracks:
     origin: tuple[float, float] | None
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Outcome(Result):
     """Result of `simulate`.
 

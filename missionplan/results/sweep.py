@@ -188,7 +188,7 @@ class ExplainedSweep:
         }
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Sweep(Result):
     """Cost of each d_max for each velocity error.
 

@@ -100,7 +100,7 @@ class DepthTide:
     held_out: HeldOut | None
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class TideResult(Result):
     """The tide in a record of a current.
 

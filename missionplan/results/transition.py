@@ -31,7 +31,7 @@ class TimeHistory:
     sternplane: Array
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class TransitionSweep(Result):
     """Result of `sweep-transition`.
 

@@ -100,7 +100,7 @@ class ExplainedAnchor:
         }
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class AnchorSizing(Result):
     """The anchor of a mooring: for the worst case and, where one was given, for a probability.
 
