@@ -98,6 +98,11 @@ class Current(ABC):
         return np.ones(1, dtype=bool)
 
     @property
+    def is_record(self) -> bool:
+        """Whether it is known at some times, depths or places alone."""
+        return False
+
+    @property
     def is_binding(self) -> bool:
         """Whether a trial that leaves what is known of the current fails."""
         return False

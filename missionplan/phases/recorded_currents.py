@@ -43,6 +43,11 @@ class RecordedCurrent(Current):
 
     @property
     @override
+    def is_record(self) -> bool:
+        return True
+
+    @property
+    @override
     def is_binding(self) -> bool:
         return self.outside == "error"
 

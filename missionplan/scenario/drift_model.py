@@ -31,6 +31,8 @@ class DriftSample:
         Of the transit [m, s].
     effects : tuple of TransitEffect
         As drawn.
+    forecast_error : tuple of float or array, shape (n,), or None
+        Standard deviation and correlation time of the recorded current's error along the track [m/s, s].
     """
 
     trials: int
@@ -40,6 +42,7 @@ class DriftSample:
     depth: Scalars
     surfacing_time: Scalars
     effects: tuple[TransitEffect, ...]
+    forecast_error: tuple[Scalars, Scalars] | None = None
 
 
 def drift_model(
@@ -64,6 +67,8 @@ def drift_model(
         Standard deviation of a fix, each axis, with effects [m].
     """
     parts = [effect.drift() for effect in sample.effects]
+    if sample.forecast_error is not None:
+        parts.append(DriftParts(persistent=sample.forecast_error))
     periods = list(dict.fromkeys(period for part in parts for period in part.waves))
     turns = any(part.inertial is not None for part in parts)
     persistent = [part.persistent for part in parts if part.persistent is not None]

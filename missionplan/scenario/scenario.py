@@ -20,6 +20,7 @@ from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitPlan
 from missionplan.physics.energy import propulsive_power
 from missionplan.scenario.carried_anchor import carried_anchor
+from missionplan.scenario.currents.drawn_current import error_statistics, with_error
 from missionplan.scenario.drawn_mission import DrawnMission
 from missionplan.scenario.drift_model import DriftSample, drift_model
 from missionplan.scenario.propulsion import PropelledVehicle
@@ -41,10 +42,13 @@ class Scenario(DrawnMission):
         The site's current where the mission reads it from a file (`site_current.recorded_current`).
     expected : Scenario or None
         The mission at its means, if already made; see `means`.
+    sailed : Current or None
+        The recorded current with what was drawn of it, one a trial; None at the means.
     """
 
     recorded: Current | None = None
     expected: "Scenario | None" = None
+    sailed: Current | None = None
 
     @classmethod
     def at_means(cls, mission: Mission, recorded: Current | None = None) -> "Scenario":
@@ -66,7 +70,10 @@ class Scenario(DrawnMission):
     def sampled_from(self, source: NormalSource, size: int) -> "Scenario":
         """Draw trials from a source of normals; as `sampled`."""
         draws = {**self.draws, **self._joint.draw_from(source, size)}
-        return replace(self, draws=draws, expected=self)._with_shaft_speeds()
+        drawn = replace(self, draws=draws, expected=self)._with_shaft_speeds()
+        if self.recorded is None or (statistics := error_statistics(self.mission, draws)) is None:
+            return drawn
+        return replace(drawn, sailed=with_error(self.recorded, statistics, source, size))
 
     @cached_property
     def _joint(self) -> JointDistribution:
@@ -98,7 +105,7 @@ class Scenario(DrawnMission):
     def current(self) -> Current | None:
         """The site's current; None in still water."""
         if self.recorded is not None:
-            return self.recorded
+            return self.sailed or self.recorded
         written = self.mission.site.current if self.mission.site else ()
         if not isinstance(written, tuple) or not written:
             return None
@@ -195,7 +202,18 @@ class Scenario(DrawnMission):
             depth=self[f"{phase.name}.depth"],
             surfacing_time=self.surfacing_time,
             effects=self.transit_effects,
+            forecast_error=self._error_along(phase),
         )
+
+    def _error_along(self, phase: TransitPhase) -> tuple[Scalars, Scalars] | None:
+        """Standard deviation and correlation time, along a track, of the forecast's error [m/s, s]."""
+        error = error_statistics(self.mission, self.draws) if self.recorded is not None else None
+        if error is None:
+            return None
+        lost = 1.0 / np.asarray(error.time)
+        if error.length is not None:
+            lost = lost + self[f"{phase.name}.speed"] / np.asarray(error.length)
+        return error.sigma, 1.0 / lost
 
 
 def leg_table(table: LegTableSection) -> LegTable:

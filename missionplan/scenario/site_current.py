@@ -15,7 +15,7 @@ from missionplan.mission.schema.site import CurrentFile, Geographic, TidalCurren
 from missionplan.mission.views import required_origin
 from missionplan.phases.currents import Current
 from missionplan.phases.recorded_currents import RecordedCurrent, SeriesCurrent
-from missionplan.scenario.tide_forecast import tidal_stream
+from missionplan.scenario.currents.tide_forecast import tidal_stream
 from missionplan.store.paths import matching
 
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")

@@ -14,6 +14,7 @@ from missionplan.montecarlo.distributions import Quantity
 _FixedSignedSpeed = Annotated[float, ReadBy(QuantityParser("m/s", low=-12.0, high=12.0, fixed=True))]
 _LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
 Latitude = Annotated[float, ReadBy(_LATITUDE)]
+PositiveDuration = Annotated[Quantity, ReadBy(QuantityParser("s", low=0.0, open_low=True))]
 SlopeAngle = Annotated[Quantity, ReadBy(QuantityParser("rad", low=0.0, high=1.0))]
 """Steeper than 57° is a cliff, on which nothing lies."""
 
@@ -59,6 +60,14 @@ class CurrentLayer(FileSection):
     toward: q.Angle
 
 
+class ForecastError(FileSection):
+    """Error of a forecast on each axis: its standard deviation, and over what time and length it is forgotten."""
+
+    sigma: q.Speed
+    time: PositiveDuration
+    length: q.PositiveLength | None = None
+
+
 class CurrentFile(FileSection):
     """A current read from files: a CSV record, or the NetCDF field of an ocean model.
 
@@ -66,12 +75,14 @@ class CurrentFile(FileSection):
     coordinates are metres, such as ``EPSG:32610``, or ``local`` for metres from the origin. `outside` is for what is
     beyond the record's times, depths and places: `error`, a trial that leaves it fails; `hold`, the values at its end;
     `zero`, no current. `start`: when the seconds of a CSV record begin to count, UTC; without it, at the mission's.
+    `error`: by how much the current differs from it.
     """
 
     file: str
     start: datetime | None = None
     projection: str | None = None
     outside: Literal["error", "hold", "zero"] = "error"
+    error: ForecastError | None = None
 
     @property
     def members(self) -> tuple[str, ...]:
@@ -117,10 +128,11 @@ class TideSection(FileSection):
 
 
 class TidalCurrent(FileSection):
-    """A current forecast from tidal constituents; `outside`: what is above and below their depths."""
+    """A current forecast from tidal constituents; `outside`: above and below their depths; `error`: its error."""
 
     tide: TideSection
     outside: Literal["error", "hold", "zero"] = "error"
+    error: ForecastError | None = None
 
 
 def _current_tag(value: object) -> str:

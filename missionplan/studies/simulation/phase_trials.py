@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.currents import Current
-from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.phases.state import TrialState
 from missionplan.scenario.scenario import Scenario
 
@@ -105,7 +104,7 @@ def limit_events(current: Current | None, **happened: Flags) -> dict[str, Flags]
     return {
         name: values
         for name, values in happened.items()
-        if name != "left_record" or isinstance(current, RecordedCurrent)
+        if name != "left_record" or (current is not None and current.is_record)
     }
 
 

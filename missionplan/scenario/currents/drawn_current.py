@@ -1,0 +1,35 @@
+"""The current of a block of trials: a recorded one, with the error of the forecast that the mission expects."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from missionplan.arrays import Scalars
+from missionplan.mission import Mission
+from missionplan.montecarlo.streams import NormalSource
+from missionplan.phases.currents import Current
+from missionplan.phases.fields.forecast_error import NORMALS, WAVES, ErringCurrent, ErrorWaves, Statistics
+
+ERROR = "site.current.error"
+"""Key path of the error, and name of its stream."""
+
+
+def error_statistics(mission: Mission, draws: Mapping[str, Scalars]) -> Statistics | None:
+    """Return the statistics of a forecast's error, as drawn; None where the mission expects none."""
+    written = mission.site.current if mission.site else ()
+    error = getattr(written, "error", None)
+    if error is None:
+        return None
+    length = draws[f"{ERROR}.length"] if error.length is not None else None
+    return Statistics(draws[f"{ERROR}.sigma"], draws[f"{ERROR}.time"], length)
+
+
+def with_error(forecast: Current, statistics: Statistics | None, source: NormalSource, size: int) -> Current:
+    """Return a forecast with an error drawn for each trial; itself where there is none."""
+    if statistics is None:
+        return forecast
+    stream = source.legs(ERROR)
+    pairs = NORMALS // 2
+    normals = np.concatenate([stream.leg(number)[:, :size] for number in range(pairs * WAVES)])
+    waves = normals.reshape(WAVES, NORMALS, size).transpose(1, 0, 2)
+    return ErringCurrent(forecast, ErrorWaves.drawn(statistics, waves))
