@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 from missionplan.datasets.reading import files_outside
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import hypotheses, mission_in_doubt, odds, weighed
+from missionplan.diagnosis.forecast_error import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.judgement import Judgement, judge
 from missionplan.diagnosis.next_trial.next_trial import next_trial as value_trials
@@ -118,7 +119,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
         options={"dataset": str(dataset), "jobs": jobs, "next_trial": wanted.next_trial, "holdout": share},
         elapsed_s=time.perf_counter() - started,
         data=mission.raw,
-        notices=(*mission.notices(), *bound.data.notices),
+        notices=(*mission.notices(), *bound.data.notices, *forecast_notice(mission, found.best.causes)),
     )
     result = _result(provenance, bound, found, judgement, separated, decision, extended)
     last = None if share is None else score_last_part(dataset, share, mission, extended, seed)

@@ -15,6 +15,7 @@ from scipy.special import ndtri
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, estimates
+from missionplan.diagnosis.forecast_error import along_a_track
 from missionplan.effects import CATALOGUE, Effect, EffectInfo, exclusive_groups
 from missionplan.effects.oscillation import MODULATION, MODULATION_PARAMETERS
 from missionplan.errors import InputError, Problem
@@ -104,6 +105,9 @@ def given_priors(mission: Mission, wanted: Iterable[EffectInfo]) -> tuple[GivenE
     """
     known = {info.id: info for info in wanted}
     found = [_given(known[entry.effect], entry.parameters) for entry in mission.effects if entry.effect in known]
+    error = along_a_track(mission)
+    if error is not None and error[0].id in known:
+        found.append(_given(*error))
     return tuple(given for given in found if given is not None)
 
 

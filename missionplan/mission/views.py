@@ -8,7 +8,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission.mission import Mission
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
-from missionplan.mission.schema.site import Geographic, Site
+from missionplan.mission.schema.site import CurrentFile, ForecastError, Geographic, Site, TidalCurrent
 from missionplan.mission.schema.transition import Manoeuvring, TransitionPhase
 from missionplan.mission.schema.vehicle import Anchor, Vehicle
 
@@ -26,6 +26,12 @@ def required(section: _Section | None, mission: Mission, key: str, reason: str) 
 def required_origin(mission: Mission, reason: str) -> Geographic:
     """Return the site's origin, or raise InputError with the reason why it is needed."""
     return required(mission.site.origin if mission.site else None, mission, "site.origin", reason)
+
+
+def forecast_error(mission: Mission) -> ForecastError | None:
+    """Return what a mission says of the error of its forecast of the current; None where it says nothing."""
+    current = mission.site.current if mission.site else None
+    return current.error if isinstance(current, CurrentFile | TidalCurrent) else None
 
 
 @dataclass(frozen=True)

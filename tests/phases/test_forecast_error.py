@@ -18,7 +18,14 @@ def waves(length=LENGTH, sigma=SIGMA, trials=TRIALS, seed=1):
 
 @pytest.mark.parametrize(
     ("elapsed", "away"),
-    [(0.0, (0.0, 0.0)), (600.0, (0.0, 0.0)), (9000.0, (0.0, 0.0)), (0.0, (800.0, 600.0)), (0.0, (-4000.0, 3000.0)), (3000.0, (0.0, 2000.0))],
+    [
+        (0.0, (0.0, 0.0)),
+        (600.0, (0.0, 0.0)),
+        (9000.0, (0.0, 0.0)),
+        (0.0, (800.0, 600.0)),
+        (0.0, (-4000.0, 3000.0)),
+        (3000.0, (0.0, 2000.0)),
+    ],
 )
 def test_its_covariance_is_exponential_in_time_and_space(elapsed, away):
     error = waves()

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 
 from missionplan.datasets.legs import TransitData
 from missionplan.diagnosis.extended_mission import extended_mission
+from missionplan.diagnosis.forecast_error import as_forecast_error
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import CATALOGUE
 from missionplan.results.evidence import ParameterEstimate
@@ -46,7 +47,7 @@ def extended_transit_mission(raw: Mapping[str, object], best: CauseFit, data: Tr
         Gives origin and start to missions that lack them: the phases of currents refer to them.
     """
     found = (*best.given, *best.estimates)
-    mission = extended_mission(raw, found, best.calibration, best.correlations)
+    mission = as_forecast_error(extended_mission(raw, found, best.calibration, best.correlations))
     if not found:
         return mission
     given = mission.get("site")

@@ -6,6 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Scalars
 from missionplan.mission import Mission
+from missionplan.mission.views import forecast_error
 from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.currents import Current
 from missionplan.phases.fields.forecast_error import NORMALS, WAVES, ErringCurrent, ErrorWaves, Statistics
@@ -16,8 +17,7 @@ ERROR = "site.current.error"
 
 def error_statistics(mission: Mission, draws: Mapping[str, Scalars]) -> Statistics | None:
     """Return the statistics of a forecast's error, as drawn; None where the mission expects none."""
-    written = mission.site.current if mission.site else ()
-    error = getattr(written, "error", None)
+    error = forecast_error(mission)
     if error is None:
         return None
     length = draws[f"{ERROR}.length"] if error.length is not None else None

@@ -43,7 +43,11 @@ def test_a_mission_without_an_error_has_the_same_numbers(tmp_path):
 
 def test_one_leg_misses_by_the_integral_of_the_error(tmp_path):
     """One leg of 1600 m in a memory so long that the error is steady: it misses by σT, and drifts on for t_s."""
-    one = {"phases.0.transit.d_max": "5000 m", "phases.0.transit.arrival_radius": "900 m", "navigation.drift_compensation": "forecast"}
+    one = {
+        "phases.0.transit.d_max": "5000 m",
+        "phases.0.transit.arrival_radius": "900 m",
+        "navigation.drift_compensation": "forecast",
+    }
     mission = erring(tmp_path, one, time="1000000 s")
     block = simulate_block(mission, seed=2, block=0, trials=4000)
     miss, lasting = block.phases[0].miss, block.phases[0].quantities["duration_s"]
