@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from missionplan.studies.leg_length.plan_legs import plan_legs
     from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
     from missionplan.studies.mission_plan.export import export
+    from missionplan.studies.optimisation.optimise import optimise
     from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
     from missionplan.studies.simulation.simulate import simulate
     from missionplan.studies.tide.find_tide import tide
@@ -52,6 +53,7 @@ __all__ = [
     "import_logs",
     "init",
     "load",
+    "optimise",
     "plan_legs",
     "reports",
     "score",
@@ -76,6 +78,7 @@ _MODULES = {
     "init": "missionplan.studies.init",
     "load": "missionplan.mission",
     "reports": "missionplan.store.reports",
+    "optimise": "missionplan.studies.optimisation.optimise",
     "plan_legs": "missionplan.studies.leg_length.plan_legs",
     "score": "missionplan.diagnosis.scoring.score",
     "simulate": "missionplan.studies.simulation.simulate",

@@ -1,15 +1,18 @@
-"""Commands that choose: explore."""
+"""Commands that choose: explore, optimise."""
 
 from dataclasses import replace
 from enum import StrEnum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from missionplan.cli import options as o
 from missionplan.cli.planning import REQUIREMENT_NOT_MET
 from missionplan.cli.resuming import BLOCKS, discard_blocks, last_unfinished, resume_hint
-from missionplan.cli.running import deliver, new_folder_name, progress_bar
+from missionplan.cli.running import Progress, deliver, new_folder_name, progress_bar, run_study
+
+if TYPE_CHECKING:
+    from missionplan.mission import Mission
 
 
 class ExplorationAim(StrEnum):
@@ -23,6 +26,7 @@ class ExplorationAim(StrEnum):
 def register(app: typer.Typer) -> None:
     """Add the commands."""
     app.command()(o.with_option_groups(explore))
+    app.command()(o.with_option_groups(optimise))
 
 
 _Vary = Annotated[
@@ -88,4 +92,60 @@ def explore(
     discard_blocks(folder)  # of thousands of cells
     deliver(found, folder, replace(output, force=True))
     if not found.any_meets_all:
+        raise typer.Exit(REQUIREMENT_NOT_MET)
+
+
+class Least(StrEnum):
+    """What is to be least."""
+
+    ENERGY = "energy"
+    DURATION = "duration"
+
+
+_Choose = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="KEY=FROM:TO:STEP",
+        help="What may be chosen, as explore's --vary; repeatable. Default: the mission's section optimise.",
+        show_default=False,
+    ),
+]
+_Least = Annotated[
+    Least | None,
+    typer.Option("--aim", help="What is to be least; default: the mission's, or energy.", show_default=False),
+]
+
+
+def optimise(
+    mission: o.MissionFile,
+    choose: _Choose = None,
+    aim: _Least = None,
+    trials: o.Trials = None,
+    seed: o.Seed = None,
+    jobs: o.Jobs = 0,
+    *,
+    output: o.OutputOptions,
+    allow_outside: o.AllowOutside = False,
+) -> None:
+    """Choose anchor, line, legs, speed and start together, so that all requirements hold at the least energy or time.
+
+    Example: missionplan optimise missions/estuary.yaml
+    """
+    from missionplan.results.optimisation import Optimised
+
+    def study(loaded: "Mission", progress: Progress) -> Optimised:
+        from missionplan.studies.optimisation.optimise import optimise
+
+        return optimise(
+            loaded,
+            choose=choose or (),
+            aim=aim.value if aim else None,
+            trials=trials,
+            seed=seed,
+            jobs=o.worker_count(jobs),
+            progress=progress,
+        )
+
+    found = run_study(mission, "optimise", study, output, allow_outside=allow_outside)
+    if isinstance(found, Optimised) and not found.feasible:
         raise typer.Exit(REQUIREMENT_NOT_MET)

@@ -29,7 +29,7 @@ from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
 from missionplan.mission.schema.section import FileSection
 from missionplan.mission.schema.site import CurrentFile, Site
-from missionplan.mission.schema.sweep import SweepSection
+from missionplan.mission.schema.sweep import OptimiseSection, SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import Distribution, Quantity
@@ -48,6 +48,7 @@ class Mission(FileSection):
     navigation: Navigation | None = None
     entries: tuple[PhaseEntry, ...] = Field(default=(), alias="phases")
     sweep: SweepSection = SweepSection()
+    optimise: OptimiseSection = OptimiseSection()
     monte_carlo: MonteCarlo = MonteCarlo()
     energy: EnergyBudget | None = None
     requirements: tuple[Requirement, ...] = ()
@@ -207,7 +208,7 @@ class Mission(FileSection):
 
     def _limits(self) -> Findings:
         """List what the world does not allow, and what is unusual."""
-        sections = [(name, value) for name, value in self if name not in ("entries", "effect_list")]
+        sections = [(name, value) for name, value in self if name not in ("entries", "effect_list", "optimise")]
         return (
             check_ranges(sections, self.phases)
             + check_effects(self.effects)
@@ -286,7 +287,7 @@ class Mission(FileSection):
                     collect_quantities(phase, phase.name, found)
             elif name == "effect_list":
                 found |= self.effect_list.quantities()
-            elif name != "sweep":
+            elif name not in ("sweep", "optimise"):
                 collect_quantities(value, name, found)
         return found
 

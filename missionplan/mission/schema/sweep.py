@@ -1,4 +1,4 @@
-"""Values that `sweep-dmax` tries: greatest lengths of legs and velocity errors."""
+"""Values that `sweep-dmax` tries, and what `optimise` may choose."""
 
 from typing import Annotated, Literal
 
@@ -52,3 +52,41 @@ class SweepSection(FileSection):
             values = np.linspace(self.d_max.start, self.d_max.stop, self.d_max.points)
             return values * distance if self.d_max.of else values
         return np.sort(np.array(self.d_max))
+
+
+AsWritten = str | float | int | bool | dict[str, object] | list[object]
+"""A value of another key, read when it is put there."""
+
+
+class ChoiceSection(FileSection):
+    """One key, or several that take the same value; `from` and `to`, in steps of `step`, or a list of `choices`."""
+
+    key: str | None = None
+    keys: tuple[str, ...] = ()
+    low: str | float | None = Field(default=None, alias="from")
+    high: str | float | None = Field(default=None, alias="to")
+    step: str | float | None = None
+    choices: tuple[AsWritten, ...] = ()
+
+    @model_validator(mode="after")
+    def _complete(self) -> "ChoiceSection":
+        if (self.key is None) == (not self.keys):
+            raise invalid("expected either key or keys")
+        bounded = self.low is not None and self.high is not None
+        if bounded == bool(self.choices) or (self.low is None) != (self.high is None):
+            raise invalid("expected either from and to, or choices")
+        if self.step is not None and not bounded:
+            raise invalid("needs from and to", ("step",))
+        return self
+
+    @property
+    def all_keys(self) -> tuple[str, ...]:
+        """The keys that take the value."""
+        return self.keys or ((self.key,) if self.key else ())
+
+
+class OptimiseSection(FileSection):
+    """What `optimise` may choose, so that all requirements are met at the least of `aim`."""
+
+    aim: Literal["energy", "duration"] = "energy"
+    choose: Annotated[tuple[ChoiceSection, ...], Field(max_length=8)] = ()

@@ -47,7 +47,7 @@ def known_keys(mission: Mission) -> set[str]:
         elif name == "effect_list":
             plain = [entry for entry in mission.effects if entry.explanation is None]
             found |= {f"effects.{entry.effect}.{parameter}" for entry in plain for parameter in entry.parameters}
-        elif name not in ("sweep", "requirements", "correlations"):
+        elif name not in ("sweep", "optimise", "requirements", "correlations"):
             _collect(value, name, found)
     return found
 

@@ -17,7 +17,7 @@ from missionplan.studies.exploration.key_paths import check_key
 
 MAX_CELLS = 5000
 OPTION = "vary"
-_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s:].*?)?\s*")
+NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s:].*?)?\s*")
 _CLOCK = re.compile(r"\s*\d{1,2}:\d{2}(?::\d{2})?\s*")
 _EXAMPLE = "such as ingress.speed=0.8:2:0.1 m/s, start=04:00:12:00:10 min or vehicle=a.yaml,b.yaml"
 
@@ -69,7 +69,7 @@ def read_axis(mission: Mission, text: str) -> Axis:
         return _times(mission, values)
     if keys == ("vehicle",):
         return _vehicles(mission, values)
-    numbered = [_NUMBER.fullmatch(part) for part in re.split(r"[:,]", values)]
+    numbered = [NUMBER.fullmatch(part) for part in re.split(r"[:,]", values)]
     if ":" in values:
         if len(numbered) != 3 or None in numbered:
             raise _wrong(f"given {shown(values)}, expected FROM:TO:STEP, numbers with units", _EXAMPLE)

@@ -1,0 +1,243 @@
+"""Report of `optimise`: the choice, its check, what binds, the front, or what the obstacle is."""
+
+import shlex
+from collections.abc import Iterator
+
+import numpy as np
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.montecarlo.statistics import Statistic
+from missionplan.report.display_units import Unit, unit_for
+from missionplan.report.numbers import number, percent, share, with_error
+from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Listing, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.wording import in_words
+from missionplan.results.optimisation import Optimised, Tried
+
+_MOST_ROWS = 25
+
+
+def page(found: Optimised) -> Page:
+    """Build the page."""
+    return Page(
+        title=f"What to choose? {found.provenance.mission}",
+        answer=answer(found),
+        figure=front_figure(found),
+        numbers=_numbers(found),
+        sections=[section for part in _PARTS for section in part(found)],
+        verdict="good" if found.feasible else "bad",
+        rerun=_rerun(found),
+    )
+
+
+def terminal(found: Optimised) -> Terminal:
+    """Build the terminal's view: what is chosen."""
+    rows = [(_name(name), value) for name, value in found.chosen.items()]
+    verdict, heading = ("good", "chosen") if found.feasible else ("bad", "nearest")
+    return Terminal(answer(found), ("", heading), rows, verdict)
+
+
+def answer(found: Optimised) -> str:
+    """Write the choice, what it costs and how it was checked, or which requirement is the obstacle and by how much."""
+    values = ", ".join(f"{_name(name)} {value}" for name, value in found.chosen.items())
+    if not found.feasible:
+        return f"No choice tried meets all requirements. {_obstacle_words(found)} Nearest comes {values}."
+    least = "energy" if found.aim == "energy" else "time"
+    sentences = [f"The least {least}, {_cost(found)}, takes {values}."]
+    if found.checked is not None and found.fresh is not None:
+        trials, fresh = number(found.fresh.provenance.trials), percent(found.fresh.total.events["success"])
+        sentences.append(f"All requirements are met, on {trials} fresh trials too, of which {fresh} succeed.")
+    return " ".join([*sentences, _binding_words(found)])
+
+
+def _obstacle_words(found: Optimised) -> str:
+    known = [each for each in found.obstacles if each.reached is not None]
+    if not known:
+        return "More than one requirement stands in the way: none can be dropped alone."
+    parts = [
+        f"the {in_words(each.quantity)}, which is met with {percent(each.reached)} at most where all others are, "
+        f"{100.0 * each.required:g}\u00a0% required"
+        for each in known
+        if each.reached is not None
+    ]
+    return f"The obstacle is {'; or '.join(parts)}."
+
+
+def _binding_words(found: Optimised) -> str:
+    buying = sorted((each for each in found.relaxations if each.saved > 0.0), key=lambda each: -each.saved)
+    if not buying:
+        return "No requirement binds: relaxing any by 1 % saves nothing."
+    first = buying[0]
+    saved = with_error(first.saved, first.error, _unit(found))
+    return f"The {in_words(first.quantity)} binds: with {first.change}, {saved} less would do."
+
+
+def _name(name: str) -> str:
+    return " and ".join(in_words(key) for key in name.split("+"))
+
+
+def _unit(found: Optimised) -> Unit:
+    return unit_for("total", found.key, found.provenance.data, typical=_statistic(found).mean)
+
+
+def _statistic(found: Optimised) -> Statistic:
+    return found.checked.total.quantities[found.key] if found.checked else Statistic.of_constant(float("nan"), 1)
+
+
+def _cost(found: Optimised) -> str:
+    statistic = _statistic(found)
+    return with_error(statistic.mean, statistic.standard_error, _unit(found))
+
+
+def _numbers(found: Optimised) -> list[tuple[str, str]]:
+    numbers = [("Combinations", number(found.combinations)), ("Trials of the search", number(found.search_trials))]
+    if found.fresh is not None:
+        numbers.insert(0, ("P(success), fresh trials", percent(found.fresh.total.events["success"])))
+    return numbers
+
+
+def _choice(found: Optimised) -> Iterator[PageSection]:
+    rows = [
+        (
+            _name(axis.name),
+            found.chosen[axis.name],
+            f"{axis.labels[0]} to {axis.shown(len(axis.values) - 1)}",
+            _where(found, index),
+        )
+        for index, axis in enumerate(found.axes)
+    ]
+    heading = "The choice" if found.feasible else "The choice that comes nearest"
+    yield PageSection(heading, [Table(("", "chosen", "tried", ""), rows, text_columns=4)])
+
+
+def _where(found: Optimised, index: int) -> str:
+    """Say where a choice lies at a bound: the bound, not a requirement, may then decide."""
+    axis = found.axes[index]
+    if axis.numbers is None or len(axis.values) < 2:
+        return ""
+    at = [axis.exact(i) for i in range(len(axis.values))].index(found.chosen[axis.name])
+    return "at its bound" if at in (0, len(axis.values) - 1) else ""
+
+
+def _checks(found: Optimised) -> Iterator[PageSection]:
+    if found.checked is None or found.fresh is None:
+        return
+    rows = [
+        (
+            in_words(item.quantity),
+            _required(item.required),
+            percent(item.probability),
+            percent(fresh.probability),
+        )
+        for item, fresh in zip(found.checked.requirements, found.fresh.requirements, strict=True)
+    ]
+    caption = f"Each with {number(found.provenance.trials)} trials; mission-optimised.yaml has the seed of the first."
+    columns = ("requirement", "required", "reached", "reached on fresh random numbers")
+    yield PageSection("It meets all requirements on fresh random numbers too", [Table(columns, rows, caption)])
+
+
+def _required(probability: float) -> str:
+    return f"{100.0 * probability:g}\u00a0%"
+
+
+def _relaxed(found: Optimised) -> Iterator[PageSection]:
+    if not found.relaxations:
+        return
+    rows = [
+        (
+            in_words(each.quantity),
+            each.change,
+            with_error(each.saved, each.error, _unit(found)) if each.saved else "nothing",
+            ", ".join(each.values.values()) if each.saved else "",
+        )
+        for each in found.relaxations
+    ]
+    columns = ("requirement", "relaxed", "saves", "with the choice")
+    caption = "Found by steps from the best choices known, on the same random numbers, not by a new wide search."
+    binding = [each for each in found.relaxations if each.saved > 0.0]
+    heading = f"{len(binding)} requirement{'' if len(binding) == 1 else 's'} bind{'s' if len(binding) == 1 else ''}"
+    yield PageSection(heading if binding else "No requirement binds", [Table(columns, rows, caption, text_columns=2)])
+
+
+def _obstacles(found: Optimised) -> Iterator[PageSection]:
+    if found.obstacles:
+        rows = [
+            (
+                in_words(each.quantity),
+                _required(each.required),
+                percent(each.reached) if each.reached else "–",
+            )
+            for each in found.obstacles
+        ]
+        columns = ("requirement", "required", "most that meets all others")
+        yield PageSection("What stands in the way", [Table(columns, rows)])
+
+
+def _front(found: Optimised) -> Iterator[PageSection]:
+    front = sorted((each for each in found.tried if each.on_front), key=lambda each: each.energy)
+    if front:
+        rows = [_row(found, each) for each in front[:_MOST_ROWS]]
+        columns = [*(_name(axis.name) for axis in found.axes), "P(success)", "energy", "duration", "requirements"]
+        more = f"The first {_MOST_ROWS} of {len(front)}; all are in front.csv." if len(front) > _MOST_ROWS else ""
+        yield PageSection(f"The front of what was tried has {len(front)} choices", [Table(columns, rows, more)])
+
+
+def _row(found: Optimised, each: Tried) -> list[str]:
+    values = [each.values[axis.name] for axis in found.axes]
+    energy, duration = (unit_for("total", key, found.provenance.data, typical=value) for key, value in _costs(each))
+    costs = [f"{number(energy(each.energy))}{energy.suffix}", f"{number(duration(each.duration))}{duration.suffix}"]
+    return [*values, share(each.success), *costs, "met" if each.feasible else "not met"]
+
+
+def _costs(each: Tried) -> tuple[tuple[str, float], tuple[str, float]]:
+    return ("energy_wh", each.energy), ("duration_s", each.duration)
+
+
+def front_figure(found: Optimised) -> Figure | None:
+    """Draw P(success) against the cost of all that was tried with many trials."""
+    tried = [each for each in found.tried if np.isfinite(getattr(each, found.aim))]
+    if not tried:
+        return None
+    typical = float(np.median([getattr(each, found.aim) for each in tried]))
+    unit = unit_for("total", found.key, found.provenance.data, typical=typical)
+    figure = MatplotlibFigure(figsize=(6.0, 3.4))
+    axes = figure.subplots()
+    groups = (
+        ("misses a requirement", GREY, [each for each in tried if not each.feasible]),
+        ("meets all requirements", BLUE, [each for each in tried if each.feasible]),
+    )
+    for label, colour, members in groups:
+        x, y = [unit(getattr(each, found.aim)) for each in members], [100.0 * each.success.value for each in members]
+        axes.plot(x, y, "o", color=colour, markersize=4, label=label)
+    chosen = [each for each in tried if each.values == found.chosen]
+    if chosen and found.feasible:
+        x = [unit(getattr(each, found.aim)) for each in chosen]
+        axes.plot(x, [100.0 * each.success.value for each in chosen], "*", color=ORANGE, markersize=14, label="chosen")
+    what = "energy" if found.aim == "energy" else "duration"
+    axes.set(xlabel=f"Mean {what}{unit.axis}", ylabel="P(success) (%)")
+    axes.legend()
+    return to_figure(
+        figure,
+        "optimise",
+        f"Probability of success against mean {what} of the choices tried",
+        f"Choices that were tried with {max(each.trials for each in tried)} trials each.",
+    )
+
+
+def _effort(found: Optimised) -> Iterator[PageSection]:
+    text = (
+        f"Of {number(found.combinations)} combinations {number(found.search_trials)} trials searched, "
+        f"{number(found.check_trials)} checked it and {number(found.relaxation_trials)} relaxed requirements. "
+        "All choices have the same random numbers. A wide search (differential evolution) is followed by steps of one "
+        "value along one key or two, with more trials; the best of a large lattice is not guaranteed to be found."
+    )
+    yield PageSection("How it was found", [text, Listing("missionplan simulate mission-optimised.yaml")])
+
+
+def _rerun(found: Optimised) -> str:
+    choose = found.provenance.options.get("choose")
+    words = [f"--choose {shlex.quote(str(each))}" for each in (choose if isinstance(choose, list) else [])]
+    trials = f"--trials {found.provenance.trials} --seed {found.provenance.seed}"
+    return " ".join(["missionplan optimise mission.yaml", *words, f"--aim {found.aim}", trials])
+
+
+_PARTS = (_choice, _checks, _relaxed, _obstacles, _front, _effort)

@@ -1,0 +1,111 @@
+"""How far a choice is from the requirements, as they are or relaxed."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from missionplan.mission import Mission
+from missionplan.montecarlo.statistics import Count, Probability
+from missionplan.studies.optimisation.evaluations import Evaluation
+from missionplan.studies.simulation.block_statistics import SCALES, bound_of, requirement_key
+
+RELAXED = 0.01
+"""By which a bound is widened, or a required probability lowered."""
+_CANNOT_RUN = 100.0
+"""Violation of a choice that cannot be run: more than of any that can."""
+_FARTHEST = 1.0
+"""Greatest overshoot of a bound that counts, relative to the bound."""
+
+
+@dataclass(frozen=True)
+class Demand:
+    """A requirement as the search sees it.
+
+    Attributes
+    ----------
+    quantity : str
+        As the mission writes it.
+    column : str
+        Of the trials.
+    side : 'at_most', 'at_least' or None
+        None for an event.
+    limit : float
+        In the column's unit; nan for an event.
+    required : float
+        Probability.
+    """
+
+    quantity: str
+    column: str
+    side: Literal["at_most", "at_least"] | None
+    limit: float
+    required: float
+
+    def relaxed(self) -> "Demand":
+        """Return the demand with its bound one percent wider, or of an event with a percentage point less."""
+        if self.side is None:
+            return replace(self, required=max(self.required - RELAXED, 0.0))
+        wider = RELAXED * abs(self.limit)
+        return replace(self, limit=self.limit + (wider if self.side == "at_most" else -wider))
+
+    def probability(self, evaluation: Evaluation) -> Probability:
+        """Probability that a trial does as demanded."""
+        met = self._met(evaluation)
+        return Count(int(met.sum()), met.size).probability()
+
+    def slack(self, evaluation: Evaluation) -> float:
+        """Probability reached less that required; that of a choice that cannot be run is −1."""
+        return -1.0 if evaluation.reason else float(self._met(evaluation).mean()) - self.required
+
+    def _met(self, evaluation: Evaluation) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+        values = evaluation.columns[self.column]
+        if self.side is None:
+            return np.asarray(values, dtype=bool)
+        return np.asarray(values <= self.limit if self.side == "at_most" else values >= self.limit)  # type: ignore[operator]
+
+    def violation(self, evaluation: Evaluation) -> float:
+        """Return how far a choice is from the demand: the probability that lacks, and the quantile beyond the bound.
+
+        The second leads the search where hardly any trial does as demanded, and the first is the same everywhere.
+        """
+        lacking = max(-self.slack(evaluation), 0.0)
+        if lacking == 0.0 or self.side is None:
+            return lacking
+        values = evaluation.columns[self.column].astype(float)
+        worst = math.inf if self.side == "at_most" else -math.inf
+        reached = np.sort(np.where(np.isfinite(values), values, worst))
+        share = self.required if self.side == "at_most" else 1.0 - self.required
+        quantile = reached[min(math.floor(share * reached.size), reached.size - 1)]
+        beyond = (quantile - self.limit) if self.side == "at_most" else (self.limit - quantile)
+        return lacking + min(float(beyond) / max(abs(self.limit), 1e-9), _FARTHEST)
+
+
+def demands_of(mission: Mission) -> tuple[Demand, ...]:
+    """Return a mission's requirements as demands."""
+    found = []
+    for item in mission.requirements:
+        column, unit = requirement_key(mission, item.quantity)
+        side, limit = bound_of(item) or (None, math.nan)
+        found.append(Demand(item.quantity, column, side, limit * SCALES.get(unit or "", 1.0), item.probability))
+    return tuple(found)
+
+
+def violations(demands: Sequence[Demand], evaluation: Evaluation) -> list[float]:
+    """How far a choice is from each demand."""
+    if evaluation.reason:
+        return [_CANNOT_RUN] * len(demands)
+    return [demand.violation(evaluation) for demand in demands]
+
+
+def is_feasible(demands: Sequence[Demand], evaluation: Evaluation, *, doubt: float = 0.0) -> bool:
+    """Whether a choice meets all demands, or may, by so many standard errors of what is required."""
+    return not evaluation.reason and all(
+        demand.slack(evaluation) >= -doubt * _error(demand.required, evaluation.trials) for demand in demands
+    )
+
+
+def _error(required: float, trials: int) -> float:
+    return math.sqrt(required * (1.0 - required) / max(trials, 1))

@@ -1,0 +1,256 @@
+"""`optimise`: anchor, line, legs, speed and start together: all requirements met at the least energy or time."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from missionplan.errors import InputError, Problem
+from missionplan.mission import Mission
+from missionplan.montecarlo.paired import paired_difference, pareto_front
+from missionplan.montecarlo.statistics import Probability
+from missionplan.results.base import Provenance
+from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
+from missionplan.results.simulation import Outcome
+from missionplan.studies.arguments import check_arguments
+from missionplan.studies.exploration.cells import SUCCESS
+from missionplan.studies.exploration.findings import AIM_COLUMNS
+from missionplan.studies.exploration.key_paths import with_values
+from missionplan.studies.exploration.shared_current import SharedCurrent
+from missionplan.studies.optimisation.choices import Lattice, Point, read_lattice
+from missionplan.studies.optimisation.evaluations import ChoiceTask, Evaluation, Evaluations, columns_needed
+from missionplan.studies.optimisation.judging import Demand, demands_of, is_feasible, violations
+from missionplan.studies.optimisation.search import FINE, Search
+from missionplan.studies.simulation.simulate import simulate
+
+MOST_CHECKS = 12
+"""Choices that are checked with all trials, the least costly first."""
+_DOUBT = 2.0
+"""Standard errors by which a choice may fall short with few trials and still be checked with all."""
+_FRESH = 1_000_003
+"""Added to the mission's seed for the check on fresh random numbers."""
+Progress = Callable[[int, int], None]
+
+
+def optimise(
+    mission: Mission,
+    *,
+    choose: Sequence[str] = (),
+    aim: Literal["energy", "duration"] | None = None,
+    trials: int | None = None,
+    seed: int | None = None,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> Optimised:
+    """Choose values of some keys so that all requirements hold at the least mean energy or duration.
+
+    Parameters
+    ----------
+    mission : Mission
+        With requirements, and a section `optimise` unless `choose` is given.
+    choose : sequence of str
+        What may be chosen, as ``KEY=FROM:TO:STEP`` or ``KEY=A,B,C``; default: the mission's section `optimise`.
+    aim : {'energy', 'duration'}, optional
+        Default: the mission's, which is energy unless it says otherwise.
+    trials, seed : int, optional
+        Of the checks; default: the mission's.
+    jobs : int
+        Processes. The result does not depend on them.
+    progress : callable, optional
+        Called with the steps done and their total.
+
+    Raises
+    ------
+    InputError
+        When there is nothing to choose, no requirement, an argument is wrong, or no choice can be run.
+    """
+    started = time.perf_counter()
+    check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of={"aim": (aim, (None, "energy", "duration"))})
+    lattice, demands = read_lattice(mission, choose), demands_of(mission)
+    if not demands:
+        raise InputError([Problem("missing; what every choice must meet", mission.file, key="requirements")])
+    least = mission.optimise.aim if aim is None else aim
+    seed = mission.monte_carlo.seed if seed is None else seed
+    trials = mission.monte_carlo.trials if trials is None else trials
+    task = ChoiceTask(mission.raw, lattice, SharedCurrent.of(mission), seed, columns_needed(mission), mission.file)
+    run = _Run(Evaluations(mission, lattice, task, jobs), demands, least, seed, trials, progress)
+    provenance = Provenance(
+        command="optimise",
+        mission=mission.name,
+        file=mission.file,
+        seed=seed,
+        trials=trials,
+        options={"aim": least, "choose": list(choose), "jobs": jobs},
+        elapsed_s=0.0,
+        data=mission.raw,
+        notices=mission.notices(),
+    )
+    found = run.find(provenance)
+    return replace(found, provenance=replace(provenance, elapsed_s=time.perf_counter() - started))
+
+
+@dataclass
+class _Run:
+    """One problem and its search."""
+
+    evaluations: Evaluations
+    demands: tuple[Demand, ...]
+    aim: Literal["energy", "duration"]
+    seed: int
+    trials: int
+    progress: Progress | None
+    checked_trials: int = 0
+
+    @property
+    def lattice(self) -> Lattice:
+        return self.evaluations.lattice
+
+    def find(self, provenance: Provenance) -> Optimised:
+        """Search, check, and see what binds or what the obstacle is."""
+        search = Search(self.evaluations, self.demands, self.aim, self.seed)
+        self._report(0)
+        search.widely()
+        self._report(1)
+        ranked = search.closely()
+        self._check_any_runs()
+        self._report(2)
+        spent = self.evaluations.spent
+        choice, checked, fresh = self._check([each for each in ranked if is_feasible(self.demands, each, doubt=_DOUBT)])
+        self._report(3)
+        relaxations = () if choice is None else self._relaxations(search, choice)
+        self._report(4)
+        shown = self._nearest() if choice is None else choice
+        return Optimised(
+            provenance=provenance,
+            aim=self.aim,
+            axes=self.lattice.axes,
+            combinations=len(self.lattice),
+            chosen=self._values(shown.point),
+            feasible=choice is not None,
+            mission=self._mission_data(shown.point),
+            checked=checked,
+            fresh=fresh,
+            tried=self._tried(),
+            relaxations=relaxations,
+            obstacles=() if choice is not None else self._obstacles(),
+            search_trials=spent,
+            check_trials=self.checked_trials,
+            relaxation_trials=self.evaluations.spent - spent,
+        )
+
+    def _report(self, done: int) -> None:
+        if self.progress is not None:
+            self.progress(done, 4)
+
+    def _check_any_runs(self) -> None:
+        known = self.evaluations.best_known()
+        if all(each.reason for each in known):
+            reasons = list(dict.fromkeys(each.reason for each in known))[:3]
+            raise InputError([Problem(f"no choice tried can be run: {'; '.join(reasons)}", key="choose")])
+
+    def _values(self, point: Point) -> dict[str, str]:
+        return {axis.name: axis.exact(index) for axis, index in zip(self.lattice.axes, point, strict=True)}
+
+    def _mission_data(self, point: Point) -> dict[str, object]:
+        """The mission with a choice, as `simulate` takes it: with the trials and the seed that it was checked with."""
+        values = self.lattice.values_at(point)
+        settings = {"monte_carlo.trials": self.trials, "monte_carlo.seed": self.seed}
+        return with_values(self.evaluations.mission.raw, {**values, **settings})
+
+    def _check(self, candidates: Sequence[Evaluation]) -> tuple[Evaluation | None, Outcome | None, Outcome | None]:
+        """Simulate candidates with all trials, on the same random numbers and on fresh ones, until one meets all."""
+        for each in candidates[:MOST_CHECKS]:
+            mission = Mission.from_data(self._mission_data(each.point), file=self.evaluations.mission.file)
+            checked = self._simulated(mission, self.seed)
+            if checked is None or not _is_good(checked):
+                continue
+            fresh = self._simulated(mission, self.seed + _FRESH)
+            if fresh is not None and _is_good(fresh):
+                return each, checked, fresh
+        return None, None, None
+
+    def _simulated(self, mission: Mission, seed: int) -> Outcome | None:
+        """Simulate a choice as the command does; None where it refuses to, as where a record does not cover it."""
+        self.checked_trials += self.trials
+        try:
+            return simulate(mission, trials=self.trials, seed=seed, jobs=self.evaluations.jobs)
+        except InputError:
+            return None
+
+    def _nearest(self) -> Evaluation:
+        """Return the choice that comes nearest to meeting all requirements."""
+        known = [each for each in self.evaluations.best_known() if not each.reason]
+        return min(known, key=lambda each: (sum(violations(self.demands, each)), each.cost(self.aim)))
+
+    def _relaxations(self, search: Search, choice: Evaluation) -> tuple[Relaxation, ...]:
+        """Solve the problem again with each requirement relaxed, from what is known of it."""
+        found = []
+        base = self._best_of(search.closely(starts=1), self.demands) or choice
+        for number, demand in enumerate(self.demands):
+            demands = (*self.demands[:number], demand.relaxed(), *self.demands[number + 1 :])
+            best = self._best_of(search.closely(demands, starts=1), demands) or base
+            column = AIM_COLUMNS[self.aim]
+            saved, error, _ = paired_difference(best.columns[column], base.columns[column], most=True)
+            gain = max(-saved, 0.0) if best is not base else 0.0
+            found.append(
+                Relaxation(demand.quantity, _change(demand), gain, error if gain else 0.0, self._values(best.point))
+            )
+        return tuple(found)
+
+    def _best_of(self, ranked: Sequence[Evaluation], demands: Sequence[Demand]) -> Evaluation | None:
+        good = [each for each in ranked if is_feasible(demands, each)]
+        return min(good, key=lambda each: each.cost(self.aim), default=None)
+
+    def _obstacles(self) -> tuple[Obstacle, ...]:
+        """Find the requirements without which a choice would do, and the most that can be reached of each."""
+        known = [each for each in self.evaluations.best_known() if not each.reason]
+        found = []
+        for number, demand in enumerate(self.demands):
+            others = (*self.demands[:number], *self.demands[number + 1 :])
+            rest = [each for each in known if is_feasible(others, each) and each.trials >= FINE]
+            rest = rest or [each for each in known if is_feasible(others, each)]
+            reached = max((demand.probability(each) for each in rest), key=lambda p: p.value, default=None)
+            if reached is None or reached.value < demand.required:
+                found.append(Obstacle(demand.quantity, demand.required, reached))
+        single = tuple(each for each in found if each.reached is not None)
+        return single or tuple(found)
+
+    def _tried(self) -> tuple[Tried, ...]:
+        known = [each for each in self.evaluations.best_known() if not each.reason]
+        known = [each for each in known if each.trials >= FINE] or known
+        costs = np.array([[-_share(each), each.cost("energy"), each.cost("duration")] for each in known])
+        costs[~np.isfinite(costs)] = np.nan
+        front = pareto_front(costs)
+        return tuple(
+            Tried(
+                values=self._values(each.point),
+                success=_success(each),
+                energy=each.cost("energy"),
+                duration=each.cost("duration"),
+                slack={f"{of.quantity} {i + 1}": of.slack(each) for i, of in enumerate(self.demands)},
+                feasible=is_feasible(self.demands, each),
+                on_front=bool(on),
+                trials=each.trials,
+            )
+            for each, on in zip(known, front, strict=True)
+        )
+
+
+def _is_good(outcome: Outcome) -> bool:
+    return outcome.requirements_met and outcome.can_be_built
+
+
+def _share(each: Evaluation) -> float:
+    return float(each.columns[SUCCESS].astype(float).mean())
+
+
+def _success(each: Evaluation) -> Probability:
+    return Demand("total.success", SUCCESS, None, float("nan"), 0.0).probability(each)
+
+
+def _change(demand: Demand) -> str:
+    if demand.side is None:
+        return f"{100.0 * demand.relaxed().required:g} % required instead of {100.0 * demand.required:g} %"
+    return "its bound 1 % wider"

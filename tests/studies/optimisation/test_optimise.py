@@ -1,0 +1,139 @@
+"""The choice meets all requirements, is that of a full grid, and says what binds or what the obstacle is."""
+
+from pathlib import Path
+
+import pytest
+
+import missionplan
+from missionplan.errors import InputError
+from missionplan.mission import Mission
+from missionplan.report.optimisation import answer
+from missionplan.studies.optimisation.choices import read_lattice
+
+MISSIONS = Path(__file__).parents[3] / "missions"
+CHOOSE = ["out.speed=0.6:2:0.1 m/s", "out.d_max=150:1650:150 m"]
+
+
+def transit(*, minutes=26.0, **changes):
+    """A transit alone, that must end in time: fast is early and costly, and a surfacing takes time too."""
+    whole = missionplan.load(MISSIONS / "chesapeake.yaml").raw
+    data = {
+        "vehicle": whole["vehicle"],
+        "site": whole["site"],
+        "navigation": whole["navigation"],
+        "phases": [
+            {
+                "transit": {
+                    **{"name": "out", "from": ["0 m", "0 m"], "to": ["1600 m", "0 m"], "depth": "2 m"},
+                    **{"speed": "1.5 m/s", "d_max": "350 m", "arrival_radius": "15 m"},
+                }
+            }
+        ],
+        "requirements": [
+            {"quantity": "out.arrived", "probability": 0.95},
+            {"quantity": "total.duration", "at_most": f"{minutes} min", "probability": 0.9},
+        ],
+        "monte_carlo": {"trials": 2000, "seed": 3},
+    }
+    return Mission.from_data(data | changes)
+
+
+@pytest.fixture(scope="module")
+def mission():
+    return transit()
+
+
+@pytest.fixture(scope="module")
+def found(mission):
+    return missionplan.optimise(mission, choose=CHOOSE)
+
+
+def test_the_choice_is_that_of_the_full_grid(mission, found):
+    grid = missionplan.explore(mission, CHOOSE, aim="energy", trials=2000)
+    best = grid.best_cell.quantities["total.energy_wh"].mean
+    assert found.feasible
+    assert found.checked.total.quantities["energy_wh"].mean <= 1.01 * best
+    assert found.search_trials < 0.3 * 2000 * len(grid.cells)  # of 165 cells; of larger lattices far fewer
+
+
+def test_simulate_confirms_the_mission_that_is_written(found, tmp_path):
+    found.save(tmp_path / "report")
+    again = missionplan.simulate(missionplan.load(tmp_path / "report" / "mission-optimised.yaml"))
+    assert again.requirements_met
+    assert again.total.quantities == found.checked.total.quantities
+    assert found.fresh.requirements_met
+    assert found.fresh.provenance.seed != found.checked.provenance.seed
+    page = (tmp_path / "report" / "report.html").read_text()
+    assert "The least energy" in page
+    assert (tmp_path / "report" / "front.csv").read_text().count("\n") > 1
+
+
+def test_a_deadline_that_binds_says_what_a_later_one_would_buy(found):
+    buys = {each.quantity: each.saved for each in found.relaxations}
+    assert set(buys) == {"out.arrived", "total.duration"}
+    assert all(value >= 0.0 for value in buys.values())
+    free = missionplan.optimise(transit(minutes=60.0), choose=CHOOSE, trials=500)
+    assert free.checked.total.quantities["energy_wh"].mean < found.checked.total.quantities["energy_wh"].mean
+    assert not any(each.saved for each in free.relaxations if each.quantity == "total.duration")
+
+
+def test_the_obstacle_is_named_with_how_much_is_reached(tmp_path):
+    hopeless = missionplan.optimise(transit(minutes=12.0), choose=CHOOSE, trials=300)
+    assert not hopeless.feasible
+    assert [each.quantity for each in hopeless.obstacles] == ["total.duration"]
+    assert hopeless.obstacles[0].reached.value < 0.9
+    assert answer(hopeless).startswith("No choice tried meets all requirements. The obstacle is the total duration")
+    hopeless.save(tmp_path / "report")
+    assert not (tmp_path / "report" / "mission-optimised.yaml").exists()
+
+
+def test_the_choice_does_not_depend_on_the_number_of_processes(mission):
+    one, two = (missionplan.optimise(mission, choose=CHOOSE[:1], trials=400, jobs=jobs) for jobs in (1, 2))
+    assert one.chosen == two.chosen
+    assert one.tried == two.tried
+
+
+def test_the_section_of_the_mission_says_what_may_be_chosen():
+    section = {
+        "aim": "duration",
+        "choose": [
+            {"key": "out.speed", "from": "1 m/s", "to": "2 m/s"},
+            {"keys": ["out.d_max"], "choices": ["350 m", {"table": [["0 m", "100 m"], ["1600 m", "400 m"]]}]},
+            {"key": "navigation.drift_compensation", "choices": ["none", "mean"]},
+        ],
+    }
+    mission = transit(optimise=section)
+    lattice = read_lattice(mission, [])
+    assert lattice.shape == (41, 2, 2)
+    assert dict(lattice[1]) == {"out.speed": "1 m/s", "out.d_max": "350 m", "navigation.drift_compensation": "mean"}
+    assert lattice.number((40, 1, 1)) == len(lattice) - 1
+    assert len(set(lattice.neighbours((0, 0, 0)))) == 3 + 3
+
+
+@pytest.mark.parametrize(
+    ("changes", "choose", "words"),
+    [
+        ({}, [], "what may be chosen"),
+        ({"requirements": []}, CHOOSE, "what every choice must meet"),
+        ({}, ["out.sped=1:2:1 m/s"], "did you mean out.speed"),
+        ({}, [CHOOSE[0], CHOOSE[0]], "chosen twice"),
+        ({"optimise": {"choose": [{"key": "out.spee", "from": "1 m/s", "to": "2 m/s"}]}}, [], "did you mean out.speed"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_message(changes, choose, words):
+    with pytest.raises(InputError, match=words):
+        missionplan.optimise(transit(**changes), choose=choose)
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [
+        ({"choose": [{"key": "out.speed"}]}, "either from and to, or choices"),
+        ({"choose": [{"from": "1 m/s", "to": "2 m/s"}]}, "either key or keys"),
+        ({"choose": [{"key": "out.speed", "choices": ["1 m/s"], "step": "1 m/s"}]}, "needs from and to"),
+        ({"aim": "cost"}, "'energy' or 'duration'"),
+    ],
+)
+def test_a_section_that_is_wrong_is_refused_when_the_mission_is_read(section, words):
+    with pytest.raises(InputError, match=words):
+        transit(optimise=section)
