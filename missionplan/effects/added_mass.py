@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import DescentEffect
 
@@ -29,6 +30,13 @@ INFO = EffectInfo(
         )
     },
     what="Flooded spaces and added mass that the drawings do not show: vehicle and anchor accelerate more slowly.",
+    finding=Finding(
+        "fraction",
+        "vehicle, anchor and the water that they move are {size} heavier than the model has them",
+        "vehicle, anchor and the water that they move are {size} lighter than the model has them",
+        remedy="weigh the flooded vehicle, and plan with the extended mission",
+        in_percent=True,
+    ),
     sizes=(
         "The free-flooding volume of a hull is 10 to 80 % of its dry mass. A mass below the drawings can only be "
         "missing water, about a tenth of vehicle and anchor together, as their dry masses were weighed."

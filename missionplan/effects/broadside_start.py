@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import DescentEffect
 
@@ -33,6 +34,12 @@ INFO = EffectInfo(
         "time": Parameter("s", "time constant of the pitching", 0.1, 8.0, median=2.0, factor=1.9, default=1.5),
     },
     what="The line pulls a level vehicle down: until it pitches nose down, the water meets its side and not its nose.",
+    finding=Finding(
+        "extra_drag",
+        "while the line goes taut the vehicle lies across its way, with {size} more drag",
+        remedy="give the line more room to pay out before it goes taut, or plan with the longer dive",
+        in_percent=True,
+    ),
     sizes=(
         "The cross-flow drag of a slender hull is 10 to 30 times its axial drag; it pitches nose down in 1 to 5 s. A "
         "hull that takes longer has sunk by several lengths meanwhile, and is not about to pitch down."

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
@@ -32,6 +33,12 @@ INFO = EffectInfo(
         )
     },
     what="A misaligned compass, a wrong declination, or magnetisation that turns with the hull.",
+    finding=Finding(
+        "angle",
+        "the compass reads {size} low",
+        "the compass reads {size} high",
+        remedy="swing it, or enter the correction",
+    ),
     sizes="1 to 10°, either sign.",
     confused_with=("compass-deviation", "mean-current"),
     distinguished_by="Legs on at least three headings.",

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Instrument, LegRecord, Likeness, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
@@ -43,6 +44,12 @@ INFO = EffectInfo(
         "phase": Parameter("rad", "heading at which the deviation is greatest, clockwise from north"),
     },
     what="Hard iron near the compass: the error is a sine of the heading (semicircular deviation).",
+    finding=Finding(
+        "amplitude",
+        "the compass errs by up to {size}, by its heading",
+        "the compass errs by up to {size}, by its heading",
+        remedy="swing it all round and enter the table of deviations",
+    ),
     sizes="2 to 15° for a compass that was not calibrated (swung).",
     confused_with=("compass-bias", "mean-current", "speed-scale"),
     distinguished_by="Legs on headings all round the compass.",

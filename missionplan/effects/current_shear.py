@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
@@ -50,6 +51,11 @@ INFO = EffectInfo(
         for axis in ("east", "north")
     },
     what="The edge of a jet, a river mouth, the shelf edge: the current differs from one end of the area to the other.",
+    finding=Finding(
+        "",
+        "the current differs from one place of the site to another",
+        remedy="take the current from a model or from measurements along the way",
+    ),
     sizes="0.1 m/s over 1 to 10 km: 1e-5 to 1e-4 1/s.",
     confused_with=("mean-current", "tidal-current", "persistent-error"),
     distinguished_by="Legs that visit the same place at different times.",

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import DescentEffect
 
@@ -29,6 +30,13 @@ INFO = EffectInfo(
         )
     },
     what="Wrong sensor range, or pressure converted to depth with the wrong density.",
+    finding=Finding(
+        "fraction",
+        "the depth sensor reads {size} too deep",
+        "the depth sensor reads {size} too shallow",
+        remedy="calibrate it; the plan stays as it is",
+        in_percent=True,
+    ),
     sizes="Fresh water taken for sea water gives 2.6 %; sensors without calibration are wrong by 1 to 10 %.",
     confused_with=("drag-bias", "vertical-current"),
     distinguished_by="Readings at a known depth (a lead line, the seafloor at touchdown).",

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter, TankRecord
 from missionplan.phases.hooks import DescentEffect
 
@@ -39,6 +40,13 @@ INFO = EffectInfo(
     },
     what=(
         "Form factor, roughness, fins, line and fittings: the drag of vehicle and anchor is wrong by a constant factor."
+    ),
+    finding=Finding(
+        "fraction",
+        "vehicle and anchor have {size} more drag than the model",
+        "vehicle and anchor have {size} less drag than the model",
+        remedy="plan with the extended mission, and measure the drag by a tow",
+        in_percent=True,
     ),
     sizes="Drag build-ups of streamlined bodies are wrong by 10 to 40 %; Table I of Briggs et al. requires 60 to 80 %.",
     confused_with=("depth-scale", "vertical-current", "trapped-gas", "drag-crisis"),

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import scipy
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import DescentEffect
 
@@ -36,6 +37,12 @@ INFO = EffectInfo(
         "width": Parameter("m/s", "half width of the change", 0.01, 2.0, median=0.12, factor=2.0, default=0.1),
     },
     what="The boundary layer of the anchor's blunt nose turns turbulent and the wake narrows.",
+    finding=Finding(
+        "fraction",
+        "above a critical speed {size} of the drag is lost",
+        remedy="plan dives that stay clear of that speed, or with the extended mission",
+        in_percent=True,
+    ),
     sizes="Spheres lose up to 80 % near Re 3e5, blunt anchors 10 to 50 %, at 0.8 to 1.8 m/s for this size.",
     confused_with=("drag-bias", "stratification"),
     distinguished_by="Anchor weights whose terminal speeds lie well below and well above the critical speed.",

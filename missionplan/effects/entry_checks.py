@@ -62,6 +62,9 @@ def _reference_problems(info: EffectInfo) -> Iterator[str]:
         yield f"instrument: {info.instrument.parameter} is no parameter"
     if info.likeness is not None and info.likeness.parameter not in info.parameters:
         yield f"likeness: {info.likeness.parameter} is no parameter"
+    if info.finding is not None:
+        told = {info.finding.parameter, *(info.finding.toward or ())} - {"", *info.parameters}
+        yield from (f"finding: {name} is no parameter" for name in sorted(told))
     if info.is_modulated and not (
         info.polar and issubclass(info.effect, Oscillation) and {*MODULATION_PARAMETERS} <= {*info.parameters}
     ):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import TransitEffect
 
@@ -29,6 +30,11 @@ INFO = EffectInfo(
         "sd": Parameter("m", "extra standard deviation of a fix, each axis", 0.0, 2000.0, median=25.0, factor=2.0)
     },
     what="Few satellites, waves over the antenna, outdated ephemerides: fixes scatter more than assumed.",
+    finding=Finding(
+        "sd",
+        "a fix errs by {size} more than stated",
+        remedy="wait longer at the surface for better fixes, or raise the antenna",
+    ),
     sizes="10 to 100 m for a first fix with a wet antenna at the waterline.",
     confused_with=("heavy-tails",),
     distinguished_by=(

@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import TransitEffect
 
@@ -47,6 +48,11 @@ INFO = EffectInfo(
         )
     },
     what="Most legs are as accurate as expected and a few are bad: fronts, a bad fix, a propeller fouled for one leg.",
+    finding=Finding(
+        "",
+        "some legs err far more than the others",
+        remedy="look at the worst legs one by one: a current, a wrong fix or a bad record",
+    ),
     sizes="3 to 6 degrees of freedom in navigation logs with occasional bad legs.",
     confused_with=("fix-error", "persistent-error"),
     distinguished_by="The log of the bad legs: number of satellites, currents, revolutions.",

@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, LegRecord, Parameter
 from missionplan.effects.oscillation import (
     MODULATION_PARAMETERS,
@@ -74,6 +75,12 @@ INFO = EffectInfo(
         **MODULATION_PARAMETERS,
     },
     what="Water set in motion by a wind that has ceased rotates by the Coriolis force alone.",
+    finding=Finding(
+        "amplitude",
+        "a current of {size} turns with the inertial period",
+        "a current of {size} turns with the inertial period",
+        remedy="plan with the extended mission, or with a forecast that has such a current",
+    ),
     sizes="0.05 to 0.5 m/s for days after a storm.",
     confused_with=("tidal-current", "persistent-error", "mean-current"),
     distinguished_by="A record of two inertial periods or more; both components, which are in quadrature.",

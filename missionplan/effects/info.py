@@ -6,6 +6,7 @@ from math import inf
 from typing import Literal
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.phases.hooks import DescentEffect, TransitEffect
 
 Phase = Literal["transit", "descent", "tank"]
@@ -241,6 +242,8 @@ class EffectInfo:
         What measures it directly.
     likeness : Likeness, optional
         What to say of it where it is found too large to be true.
+    finding : Finding, optional
+        How it is told to the operator, and what to do about it.
     tank : tuple of str
         Kinds of tank data that could show it.
     lacking_in_tank : callable
@@ -273,6 +276,7 @@ class EffectInfo:
     is_sensor_lag: bool = False
     instrument: Instrument | None = None
     likeness: Likeness | None = None
+    finding: Finding | None = None
     tank: tuple[TankKind, ...] = ()
     lacking_in_tank: Callable[[TankRecord], str] = lacks_nothing
     vehicle_key: VehicleKey = ""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
 
@@ -36,6 +37,12 @@ INFO = EffectInfo(
         "north": Parameter("m/s", f"north {_COMPONENT}", -3.0, 3.0, scale=0.15, spike=0.004),
     },
     what="A current that is constant over the whole record, in addition to the site's current.",
+    finding=Finding(
+        "east",
+        "a current of {size} toward {direction} is not in the mission",
+        remedy="enter it as the site's current, or let the vehicle correct for its drift",
+        toward=("east", "north"),
+    ),
     sizes="0.02 to 0.5 m/s in coastal water.",
     confused_with=("speed-scale", "compass-bias", "current-shear", "persistent-error"),
     distinguished_by=(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
 
@@ -61,6 +62,11 @@ INFO = EffectInfo(
         "time": Parameter("s", "correlation time", 60.0, 1e7, median=30000.0, factor=6.0, default=7200.0),
     },
     what="The error of one leg resembles that of the leg before: eddies, slow currents, a compass that drifts.",
+    finding=Finding(
+        "sigma",
+        "velocity errors of {size} last from one leg to the next",
+        remedy="correct for the drift of the last legs (drift_compensation: filter), or surface more often",
+    ),
     sizes="Mesoscale and tidal currents: 0.02 to 0.3 m/s over half an hour to weeks.",
     confused_with=("random-walk", "tidal-current", "inertial-current", "current-shear", "mean-current"),
     distinguished_by="A longer record, or a current meter near the track, which would show the physical cause.",

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import TransitEffect
 
@@ -46,6 +47,11 @@ INFO = EffectInfo(
         )
     },
     what="The position error gathers within a leg, step by step: gusts, small eddies, a heading that yaws.",
+    finding=Finding(
+        "rate",
+        "the position wanders by {size} within a leg",
+        remedy="surface more often; a better speed sensor would mend it",
+    ),
     sizes=(
         "0.1 to 3 m per root second: 6 to 180 m in an hour, an eddy diffusivity rate²/2 of 0.005 to 5 m²/s as at "
         "scales of 100 m to 10 km (Okubo 1971, Deep-Sea Res. 18)."

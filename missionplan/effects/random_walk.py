@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
 
@@ -61,6 +62,11 @@ INFO = EffectInfo(
         )
     },
     what="The error drifts without bound: an ageing gyro or calibration, water that changes along the way.",
+    finding=Finding(
+        "rate",
+        "the velocity error wanders by {size}",
+        remedy="correct for the drift of the last leg (drift_compensation: filter), or surface more often",
+    ),
     sizes="0.01 to 0.1 m/s after an hour: 2e-4 to 2e-3 m/s per root second.",
     confused_with=("persistent-error", "current-shear", "mean-current", "tidal-current"),
     distinguished_by="A record several times as long: a persistent error stays within bounds, a walk does not.",

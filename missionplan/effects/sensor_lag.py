@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import DescentEffect
 
@@ -47,6 +48,12 @@ INFO = EffectInfo(
     effect=SensorLag,
     parameters={"time": Parameter("s", "time constant of the sensor", 0.0, 10.0, scale=0.5, spike=0.02)},
     what="A filtered or slow pressure sensor: at a steady speed its reading is late by its time constant.",
+    finding=Finding(
+        "time",
+        "the depth sensor lags by {size}",
+        "the depth sensor leads by {size}",
+        remedy="correct the log for it; the plan stays as it is",
+    ),
     sizes="Averaging in loggers gives 0.1 to 1 s; a lag is positive.",
     confused_with=("clock-offset", "line-payout"),
     distinguished_by=(

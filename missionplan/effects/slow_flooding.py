@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import DescentEffect
 
@@ -31,6 +32,12 @@ INFO = EffectInfo(
         "time": Parameter("s", "time constant of the flooding", 0.2, 60.0, median=4.0, factor=2.2, default=5.0),
     },
     what="The anchor's tube floods through small holes: it starts light and approaches its wet weight exponentially.",
+    finding=Finding(
+        "fraction",
+        "{size} of the anchor's wet weight is missing when it separates, until it has flooded",
+        remedy="open larger flooding holes, or wet the anchor before its release",
+        in_percent=True,
+    ),
     sizes=(
         "The tube's free volume relative to its wet weight allows 0 to 60 %; holes of a few mm flood it in 1 to 15 s."
     ),

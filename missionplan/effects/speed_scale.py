@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import Leg, TransitEffect
 
@@ -29,6 +30,13 @@ INFO = EffectInfo(
         )
     },
     what="Revolutions converted to speed with a wrong factor: fouling, propeller, battery voltage.",
+    finding=Finding(
+        "fraction",
+        "the vehicle goes {size} faster than it reckons",
+        "the vehicle goes {size} slower than it reckons",
+        remedy="calibrate speed against shaft rate on a measured mile, or enter the correction",
+        in_percent=True,
+    ),
     sizes="2 to 20 %; either sign.",
     confused_with=("mean-current", "compass-deviation"),
     distinguished_by="Legs in both directions along one line.",

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import scipy
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import DescentEffect
 
@@ -38,6 +39,12 @@ INFO = EffectInfo(
         "thickness": Parameter("m", "thickness of the layer", 0.05, 100.0, median=2.5, factor=2.0, default=2.0),
     },
     what="The vehicle is ballasted at the surface; below the pycnocline the denser water buoys it up.",
+    finding=Finding(
+        "lift",
+        "below a layer of denser water the vehicle is {size} lighter",
+        "below a layer the vehicle is {size} heavier",
+        remedy="measure temperature and salinity to the bottom, and weigh the anchor for the denser water",
+    ),
     sizes="Δρ of 1 to 20 kg/m³ on 10 L: 0.1 to 2 N. Water is denser below, so the lift is positive.",
     confused_with=("trapped-gas", "drag-bias", "drag-crisis"),
     distinguished_by="A density profile (CTD), or dives past the layer with a light anchor.",

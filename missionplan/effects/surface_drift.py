@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, LegRecord, Parameter
 from missionplan.phases.hooks import DriftParts, TransitEffect
 
@@ -39,6 +40,12 @@ INFO = EffectInfo(
         "north": Parameter("m/s", "north component, toward positive", -3.0, 3.0, scale=0.25, spike=0.01),
     },
     what="Windage and Stokes drift move the vehicle between surfacing and its fix, in addition to the current.",
+    finding=Finding(
+        "east",
+        "at the surface the vehicle drifts at {size} toward {direction}",
+        remedy="take the fix at once on surfacing, and dive at once after it",
+        toward=("east", "north"),
+    ),
     sizes="About 3 % of the wind's speed: 0.1 to 0.5 m/s.",
     confused_with=("mean-current",),
     distinguished_by="Surfacing times that vary; two fixes a few minutes apart at one surfacing.",

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter, TankEffect, TankRecord
 
 
@@ -34,6 +35,12 @@ INFO = EffectInfo(
         )
     },
     what="Blades, nozzle and hub are designed for one direction: the same command gives a different thrust astern.",
+    finding=Finding(
+        "fraction",
+        "astern, {size} of the thrust ahead is missing",
+        remedy="enter the thrust astern in the vehicle file",
+        in_percent=True,
+    ),
     sizes="0 to 40 % less astern; a third for the thruster of Avila et al.",
     confused_with=("jet-suction",),
     distinguished_by="Bollard pull with the same commands ahead and astern.",

@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, LegRecord, Parameter
 from missionplan.effects.oscillation import MODULATION_PARAMETERS, USUAL_TIME, Oscillation, mean_phasor, polar, wave
 from missionplan.phases.hooks import DriftParts, Leg
@@ -176,6 +177,11 @@ INFO = EffectInfo(
     effect=TidalCurrent,
     parameters={**_parameters(), **MODULATION_PARAMETERS},
     what="Tidal ellipses: each component of the current oscillates with the periods of the moon and the sun.",
+    finding=Finding(
+        "",
+        "a tide that the mission does not have sets the vehicle",
+        remedy="add it to the mission, and choose the start by `missionplan tide`",
+    ),
     sizes="0.02 to 0.5 m/s on shelves and in inlets; a few cm/s or less in the deep ocean.",
     confused_with=("inertial-current", "persistent-error", "current-shear"),
     distinguished_by=(

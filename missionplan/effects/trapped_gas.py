@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
 from missionplan.phases.hooks import DescentEffect
 
@@ -35,6 +36,11 @@ INFO = EffectInfo(
     },
     what=(
         "Air under fairings or in the sail buoys the vehicle up and is compressed with depth: the descent accelerates."
+    ),
+    finding=Finding(
+        "lift",
+        "gas trapped in the vehicle lifts it by {size} at the surface",
+        remedy="vent it before the dive, with the nose down",
     ),
     sizes="0.1 to 0.4 L of air, 1 to 4 N; always upward.",
     confused_with=("stratification", "drag-bias", "slow-flooding"),

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Instrument, Parameter
 from missionplan.phases.hooks import DescentEffect
 
@@ -26,6 +27,12 @@ INFO = EffectInfo(
     parameters={"speed": Parameter("m/s", "of the water, down positive", -1.0, 1.0, scale=0.12, spike=0.003)},
     what=(
         "Up- or downwelling along a slope, Langmuir circulation, internal waves: the bodies sink through moving water."
+    ),
+    finding=Finding(
+        "speed",
+        "the water sinks at {size}",
+        "the water rises at {size}",
+        remedy="dive at another state of the tide, or plan with the extended mission",
     ),
     sizes="0.02 to 0.3 m/s in coastal water, where more is not known. Either sign.",
     confused_with=("drag-bias", "depth-scale"),

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.arrays import Array
 from missionplan.report.diagnosis.kind_report import KindReport
 from missionplan.report.diagnosis.residual_figures import ResidualSeries, against_axes, autocorrelation
+from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.results.diagnosis import Diagnosis
 
@@ -26,7 +27,7 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
     for axes in panels[len(runs) :]:
         axes.set_visible(False)
     panels[0].invert_yaxis()
-    panels[0].legend(loc="lower left", fontsize=7.5, frameon=False)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", fontsize=8, ncols=3)
     for axes in panels[: len(runs)][-columns:]:
         axes.set_xlabel("Time since separation (s)", fontsize=8.5)
         axes.tick_params(labelbottom=True)
@@ -72,8 +73,13 @@ def _column(runs: list[pd.DataFrame], name: str) -> list[Array]:
     return [run[name].to_numpy() for run in runs]
 
 
+def _gained(diagnosis: Diagnosis, before: float, after: float) -> str:
+    return f"; the depth is then predicted to {number(after, 0.2 * after)} m, not {number(before, 0.2 * before)} m"
+
+
 REPORT = KindReport(
     unit="m",
+    gained=_gained,
     data_figure=_data_figure,
     residual_figures=_residual_figures,
     calibration={

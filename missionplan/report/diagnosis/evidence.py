@@ -18,7 +18,9 @@ def ranking_section(diagnosis: Diagnosis) -> PageSection:
         return PageSection("No cause of the catalogue could be fitted", ["See the failures below."])
     columns, rows = ranking_rows(diagnosis.ranking)
     best = diagnosis.ranking[0]
-    heading = f"{names(best.causes).capitalize()} {'comes' if len(best.causes) == 1 else 'come'} first"
+    heading = "What else was tried: no set of causes stands out"
+    if diagnosis.causes:
+        heading = f"What else was tried: {names(best.causes)} {'comes' if len(best.causes) == 1 else 'come'} first"
     meaning = (
         "ln BF is the evidence for a set of causes over the mission's own model: 3 means that the data are 20 times "
         "more probable with it. It is computed with the model linearised at its best fit, and checked for the first "
@@ -54,7 +56,7 @@ def _parameters(best: RankedSet) -> Table:
         [f"{p.effect}: {p.name}", _shown(p, p.value), f"{_shown(p, p.low)} to {_shown(p, p.high)}", _unit(p)]
         for p in best.parameters
     ]
-    caption = "Parameters of the first set, with 90 % intervals."
+    caption = "Parameters of the set in the first row, with 90 % intervals."
     return Table(["Parameter", "Value", "90 % interval", "Unit"], rows, caption)
 
 

@@ -15,7 +15,8 @@ def ranking_figure(diagnosis: Diagnosis) -> Figure:
     entries = diagnosis.ranking[:_LISTED]
     figure = MatplotlibFigure(figsize=(6.2, 0.36 * len(entries) + 0.9))
     draw_ranking(figure.subplots(), diagnosis)
-    alt = f"Scores of the best {len(entries)} sets of causes; {' + '.join(diagnosis.ranking[0].causes)} is first"
+    first = f"; {' + '.join(diagnosis.ranking[0].causes)} is first" if diagnosis.causes else ""
+    alt = f"Scores of the best {len(entries)} sets of causes{first}"
     return to_figure(figure, "ranking", alt=alt, caption="Evidence for each set of causes over the mission's model.")
 
 
@@ -27,7 +28,10 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis) -> None:
     axes.barh(range(len(entries)), scores, color=colours, height=0.6)
     axes.set_yticks(range(len(entries)), [" + ".join(entry.causes) for entry in entries], fontsize=8)
     axes.axvline(3.0, color=ORANGE, linewidth=1.0, linestyle="--")
-    axes.annotate("claimed above 3", (3.0, len(entries) - 0.45), fontsize=7.5, color=ORANGE, annotation_clip=False)
+    axes.annotate(
+        "claimed above 3", (3.0, 1.0), (4, 2), xycoords=("data", "axes fraction"), textcoords="offset points",
+        fontsize=7.5, color=ORANGE, annotation_clip=False,
+    )  # fmt: skip
     axes.set_xlabel("Score (nats)")
 
 
@@ -59,7 +63,10 @@ def held_out_figure(diagnosis: Diagnosis) -> Figure:
     better = sum(gain > 0.0 for gain in gains)
     alt = f"Held-out gain of {len(gains)} parts; {better} of them better with the extended model"
     return to_figure(
-        figure, "held-out", alt=alt, caption="Gain of the first set on each part of the data, each held out in turn."
+        figure,
+        "held-out",
+        alt=alt,
+        caption="Gain of the set that scores best, on each part of the data held out in turn.",
     )
 
 

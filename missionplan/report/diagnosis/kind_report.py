@@ -15,6 +15,10 @@ def _no_numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     return []
 
 
+def _no_gain(diagnosis: Diagnosis, before: float, after: float) -> str:
+    return ""
+
+
 @dataclass(frozen=True)
 class KindReport:
     """A kind of data in the report; `kinds.REPORTS` lists them all.
@@ -29,6 +33,9 @@ class KindReport:
         Draws what is left before and after.
     numbers : callable
         Further main numbers, as label and value.
+    gained : callable
+        Writes what the causes gain on data held out, from the rms errors before and after [`unit`]: the end of a
+        sentence, or nothing.
     calibration : mapping
         Keys of `Diagnosis.calibration` in words.
     """
@@ -37,4 +44,5 @@ class KindReport:
     data_figure: Callable[[Diagnosis], Figure]
     residual_figures: Callable[[Diagnosis], list[Figure]] = _no_figures
     numbers: Callable[[Diagnosis], list[tuple[str, str]]] = _no_numbers
+    gained: Callable[[Diagnosis, float, float], str] = _no_gain
     calibration: Mapping[str, str] = field(default_factory=dict)

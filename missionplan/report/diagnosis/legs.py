@@ -1,11 +1,14 @@
 """Navigation logs in the report: velocity errors leg by leg, against time, heading and duration, and on the chart."""
 
+import math
+
 import numpy as np
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.report.diagnosis.kind_report import KindReport
 from missionplan.report.diagnosis.residual_figures import ResidualSeries, against_axes, autocorrelation
+from missionplan.report.numbers import number, time_in_words
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.results.diagnosis import Diagnosis
 
@@ -27,7 +30,7 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
             predicted = error - 100.0 * table[f"residual_extended_{component}_m_s"].to_numpy()
             axes.plot(hours, predicted, "-", color=BLUE, linewidth=1.1, label="extended, a leg ahead")
         axes.set(ylabel=f"{component.capitalize()} (cm/s)")
-    panels[0].legend(loc="best", fontsize=8, ncols=3, frameon=False)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", fontsize=8, ncols=3)
     panels[1].set_xlabel("Time (h)")
     return to_figure(
         figure,
@@ -79,8 +82,12 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
         axes.set_title(title, fontsize=9)
         axes.set_xlabel("East (km)")
         axes.set_aspect("equal")
+    tips = [np.array([east, north]) + np.array(values) / scale for values in (left.before, left.after)]
+    for tip in tips:  # arrows are no part of the limits by themselves
+        axes.update_datalim(tip.T)
+    axes.autoscale_view()
     axes.quiverkey(
-        arrows, 0.85, 0.06, 0.5 * longest, f"{0.5 * longest:.1f} {left.unit}", labelpos="N", fontproperties={"size": 8}
+        arrows, 0.72, 1.06, 0.5 * longest, f"{0.5 * longest:.1f} {left.unit}", labelpos="E", fontproperties={"size": 8}
     )
     panels[0].set_ylabel("North (km)")
     return to_figure(
@@ -100,8 +107,18 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     return [("Next leg's position error: mean so far, and model", f"{mean:.0f} → {model:.0f} m")]
 
 
+def _gained(diagnosis: Diagnosis, before: float, after: float) -> str:
+    """Write how far a usual leg ends from where it is expected, before and after; both errors are of one axis [m/s]."""
+    duration = float(diagnosis.residuals["duration_s"].median())
+    was, now = (math.sqrt(2.0) * error * duration for error in (before, after))
+    return f"; a leg of {time_in_words(duration)} then ends {number(now, 0.2 * now)} m from where it is expected, " + (
+        f"not {number(was, 0.2 * was)} m"
+    )
+
+
 REPORT = KindReport(
     unit="m/s",
+    gained=_gained,
     data_figure=_data_figure,
     residual_figures=_residual_figures,
     numbers=_numbers,

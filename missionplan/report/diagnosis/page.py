@@ -15,13 +15,15 @@ from missionplan.report.diagnosis.evidence import (
     ranking_section,
     sized,
 )
+from missionplan.report.diagnosis.how_sure import how_sure
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.diagnosis.last_part import last_part_sections, last_part_words
 from missionplan.report.diagnosis.next_trial import next_trial_section
+from missionplan.report.diagnosis.operator import finding_in_words
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
 from missionplan.results.diagnosis import Diagnosis
-from missionplan.results.evidence import Coverage, NextMeasurement, ParameterEstimate
+from missionplan.results.evidence import NextMeasurement, ParameterEstimate
 
 _INDISTINGUISHABLE = 1.0
 """Expected nats below which a measurement separates nothing."""
@@ -39,7 +41,9 @@ def page(diagnosis: Diagnosis) -> Page:
     """Build the page of a diagnosis."""
     kind = REPORTS[diagnosis.kind]
     sections = [
-        PageSection("What to do next", _next_words(diagnosis)),
+        PageSection("What to do next", _next_words(diagnosis), is_summary=True),
+        *plan_section(diagnosis),
+        PageSection("How sure this is", how_sure(diagnosis), is_summary=True),
         *next_trial_section(diagnosis.next_trial),
         ranking_section(diagnosis),
         *causes_section(diagnosis),
@@ -49,7 +53,6 @@ def page(diagnosis: Diagnosis) -> Page:
         *last_part_sections(diagnosis),
         discrepancy_section(diagnosis),
         distinction_section(diagnosis),
-        *plan_section(diagnosis),
         PageSection("How the data were treated", _treatment(diagnosis)),
     ]
     return Page(
@@ -80,21 +83,10 @@ def terminal(diagnosis: Diagnosis) -> Terminal:
 
 
 def answer(diagnosis: Diagnosis) -> str:
-    """State the verdict in a sentence or two, with the size of the misfit."""
-    words = f"{_verdict_words(diagnosis)} {diagnosis.misfit}{_coverage_words(diagnosis.coverage)}"
-    return words + last_part_words(diagnosis)
-
-
-def _coverage_words(coverage: Coverage | None) -> str:
-    """Say that 90 % intervals do not hold 90 %, where chance does not explain it."""
-    if coverage is None or not coverage.is_off:
-        return ""
-    wide = "narrow" if coverage.scale > 1.0 else "wide"
-    return (
-        f" Its 90 % intervals are too {wide}: they hold {100.0 * coverage.inside / coverage.count:.0f} % of what was "
-        f"held out. With random errors {coverage.scale:.2f} times as large, as in the extended mission, they hold "
-        f"{100.0 * coverage.inside_scaled / coverage.count:.0f} %."
-    )
+    """Tell what was found and what to do about it, then the verdict, with the size of the misfit."""
+    found = finding_in_words(diagnosis)
+    verdict = f"{_verdict_words(diagnosis)} {diagnosis.misfit}"
+    return f"{found} {verdict}{last_part_words(diagnosis)}".strip()
 
 
 def _verdict_words(diagnosis: Diagnosis) -> str:
@@ -162,9 +154,8 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
         gain = best.held_out
         errors = f"{gain.rmse_base:#.2g} → {gain.rmse_extended:#.2g} {kind.unit}"
         numbers.append(("Error on data held out, before and after", errors))
-        better = f"{gain.groups_improved} of {gain.groups} parts better"
-        log = f"{gain} nats, {better}"
-        numbers.append(("Gain in log score on data held out", log))
+        better = f"{gain.groups_improved} of {gain.groups}"
+        numbers.append(("Parts of the data that the rest then predicts better", better))
     return numbers + kind.numbers(diagnosis)
 
 

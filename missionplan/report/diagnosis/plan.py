@@ -2,18 +2,19 @@
 
 import math
 
+from missionplan.report.numbers import number
 from missionplan.report.page import PageSection, Table
 from missionplan.report.wording import capitalised
 from missionplan.results.diagnosis import Diagnosis, Plan
 
 _COLUMNS = {
     "d_max_m": "d_max (m)",
-    "cost": "Mean cost",
-    "arrived": "P(arrived)",
+    "cost": "Mean cost (%)",
+    "arrived": "Arrive (%)",
     "anchor_wet_weight_n": "Anchor's wet weight (N)",
-    "within_radius": "P(within radius)",
-    "struck_seafloor": "P(struck seafloor)",
-    "success": "P(success), all phases",
+    "within_radius": "Within the radius (%)",
+    "struck_seafloor": "Strike the seafloor (%)",
+    "success": "Missions that succeed (%)",
 }
 _NOTES = {
     "anchor_wet_weight_n": (
@@ -38,13 +39,16 @@ def plan_section(diagnosis: Diagnosis) -> list[PageSection]:
         "The mission's plan, if the extended model is true": gain.base_choice_under_extended,
     }
     keys = [key for key in _COLUMNS if key in gain.after]
-    rows = [[name, *(_cell(plan.get(key)) for key in keys)] for name, plan in plans.items() if plan]
+    rows = [[name, *(_cell(key, plan.get(key)) for key in keys)] for name, plan in plans.items() if plan]
     table = Table(["", *(_COLUMNS[key] for key in keys)], rows, _NOTES[keys[0]])
-    return [PageSection("What it means for the plan", [table])]
+    return [PageSection("What it means for the plan", [table], is_summary=True)]
 
 
-def _cell(value: float | None) -> str:
-    return "" if value is None else f"{value:.3g}"
+def _cell(key: str, value: float | None) -> str:
+    """Write a number of a plan; shares, as everywhere in the report, in per cent."""
+    if value is None:
+        return ""
+    return number(value) if key.endswith(("_m", "_n")) else number(100.0 * value, 0.1 if key == "cost" else 1.0)
 
 
 def plan_words(diagnosis: Diagnosis) -> list[str]:

@@ -1,0 +1,59 @@
+"""What a diagnosis tells the operator: size, sign and remedy, as the effects declare them."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from missionplan.effects import CATALOGUE
+from missionplan.report.diagnosis.operator import finding_in_words
+from missionplan.results.evidence import ParameterEstimate
+
+
+def estimate(effect: str, name: str, value: float, sd: float, unit: str) -> ParameterEstimate:
+    return ParameterEstimate(effect, name, value, sd, value - 1.645 * sd, value + 1.645 * sd, unit)
+
+
+def told(*found: ParameterEstimate, verdict: str = "explained") -> str:
+    causes = tuple(dict.fromkeys(each.effect for each in found))
+    best = SimpleNamespace(parameters=found, held_out=None)
+    return finding_in_words(SimpleNamespace(causes=causes, best=best, verdict=verdict, kind="transit"))
+
+
+@pytest.mark.parametrize(("angle", "side"), [(0.0506, "low"), (-0.0506, "high")])
+def test_a_compass_that_reads_low_is_told_so(angle, side):
+    words = told(estimate("compass-bias", "angle", angle, 0.0052, "rad"))
+    assert words == f"The compass reads 2.9° ± 0.3° {side}: swing it, or enter the correction."
+
+
+def test_a_share_is_told_in_per_cent_and_doubt_is_told():
+    words = told(estimate("speed-scale", "fraction", -0.03, 0.004, ""), verdict="ambiguous")
+    assert words.startswith("It looks as if the vehicle goes 3.0 ± 0.4\u00a0% slower than it reckons: ")
+
+
+def test_a_current_has_a_size_and_a_direction():
+    parts = [
+        estimate("mean-current", "east", 0.3, 0.01, "m/s"),
+        estimate("mean-current", "north", 0.0, 0.02, "m/s"),
+    ]
+    assert told(*parts).startswith("A current of 0.300 ± 0.010\u00a0m/s toward 90° is not in the mission: ")
+
+
+def test_what_is_too_large_to_be_its_cause_is_left_to_the_verdict():
+    limited = [info for info in CATALOGUE.values() if info.likeness is not None and info.finding is not None]
+    assert limited
+    for info in limited:
+        words = told(*(estimate(info.id, name, 2.0 * info.likeness.size, 1e-3, "") for name in info.parameters))
+        assert words == ""
+
+
+def test_every_finding_can_be_written():
+    for info in CATALOGUE.values():
+        for sign in (1.0, -1.0):
+            found = [
+                estimate(info.id, name, sign * 0.7 * (parameter.scale or parameter.median), 1e-3, parameter.unit)
+                for name, parameter in info.parameters.items()
+            ]
+            words = told(*found)
+            assert "{" not in words
+            if info.tier == "physical" and info.phase != "tank":
+                assert words.endswith(".")
