@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 
 from missionplan.report.diagnosis.causes import names, percent
+from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.figures import held_out_figure, ranking_figure
-from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.numbers import number
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.results.diagnosis import Diagnosis

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from missionplan.effects import CATALOGUE
 from missionplan.effects.finding import Finding
+from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.evidence import claimed_parameters, sized
-from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.wording import capitalised
 from missionplan.results.diagnosis import Diagnosis
 from missionplan.results.evidence import ParameterEstimate

@@ -5,6 +5,7 @@ import shlex
 
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.causes import causes_section, explanations_in_words, found_causes, names
+from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.discrepancy import discrepancy_section, resemblance
 from missionplan.report.diagnosis.evidence import (
     claimed_parameters,
@@ -16,7 +17,6 @@ from missionplan.report.diagnosis.evidence import (
     sized,
 )
 from missionplan.report.diagnosis.how_sure import how_sure
-from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.diagnosis.last_part import last_part_sections, last_part_words
 from missionplan.report.diagnosis.next_trial import next_trial_section
 from missionplan.report.diagnosis.operator import finding_in_words

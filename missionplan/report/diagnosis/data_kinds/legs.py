@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
-from missionplan.report.diagnosis.kind_report import KindReport
-from missionplan.report.diagnosis.residual_figures import ResidualSeries, against_axes, autocorrelation
+from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
+from missionplan.report.diagnosis.data_kinds.residual_figures import ResidualSeries, against_axes, autocorrelation
 from missionplan.report.numbers import number, time_in_words
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.results.diagnosis import Diagnosis

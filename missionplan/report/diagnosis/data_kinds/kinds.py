@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from missionplan.report.diagnosis import dives, legs, summaries, tank
-from missionplan.report.diagnosis.kind_report import KindReport
+from missionplan.report.diagnosis.data_kinds import dives, legs, summaries, tank
+from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
 
 REPORTS: Mapping[str, KindReport] = {
     "transit": legs.REPORT,
