@@ -57,6 +57,8 @@ class LegCase:
     late_saving, late_saving_error : float
         For the aim ``p95`` alone: by how much sooner 95 % of all trials arrive, and its standard error [s]; where the
         mission has a deadline, by how much its probability is greater.
+    probability : float or None
+        Of the mission's explanation that the case takes to hold; None for other cases.
     """
 
     name: str
@@ -71,6 +73,7 @@ class LegCase:
     energy_saving_error: float
     late_saving: float = float("nan")
     late_saving_error: float = float("nan")
+    probability: float | None = None
 
     def saving_for(self, aim: str) -> tuple[float, float]:
         """Return what the table saves by an aim, and its standard error [J for energy, s, or a probability]."""
@@ -85,6 +88,7 @@ class LegCase:
         late = np.isfinite(self.late_saving_error)
         return {
             "name": self.name or "as the mission",
+            **({} if self.probability is None else {"explanation": self.probability}),
             "sigma_m_s": self.sigma,
             "mean_error_m_s": list(self.mean_error),
             "surface_drift_m_s": list(self.surface_drift),

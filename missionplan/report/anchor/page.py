@@ -4,6 +4,7 @@ import math
 
 from missionplan.report.anchor import sections
 from missionplan.report.anchor.drawing import drawing
+from missionplan.report.anchor.explained import explanation_in_words, explanation_section
 from missionplan.report.anchor.figures import descent_profile
 from missionplan.report.anchor.numbers_table import numbers_table
 from missionplan.report.held_vehicle import hold_section
@@ -31,6 +32,7 @@ def page(sizing: AnchorSizing) -> Page:
         sections=[
             *sections.problems(anchor),
             *sections.probable(sizing),
+            *explanation_section(sizing),
             sections.probabilities(sizing),
             *sections.dive(sizing),
             *([hold_section(sizing.held)] if sizing.held is not None else []),
@@ -56,7 +58,7 @@ def _verdict(sizing: AnchorSizing) -> str:
 
 def answer(sizing: AnchorSizing) -> str:
     """Write which anchor to build and what it achieves, what that of the worst case would, and whether it drags."""
-    return f"{_which(sizing)}{_drags_in_words(sizing)}"
+    return f"{_which(sizing)}{explanation_in_words(sizing)}{_drags_in_words(sizing)}"
 
 
 def _which(sizing: AnchorSizing) -> str:

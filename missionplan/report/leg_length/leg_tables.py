@@ -75,7 +75,8 @@ def cases_table(plan: LegPlan) -> Table:
 
 def _case_row(plan: LegPlan, case: LegCase) -> list[str]:
     costs = [case.fixed, case.adaptive] if plan.adapts else [case.fixed]
-    row = [case.name or "as the mission", *(with_error(it.cost, it.standard_error, _BARE_PERCENT) for it in costs)]
+    named = case.name if case.probability is None else f"{case.name} ({100.0 * case.probability:.0f}\u00a0%)"
+    row = [named or "as the mission", *(with_error(it.cost, it.standard_error, _BARE_PERCENT) for it in costs)]
     unit = Unit("", saving_unit(plan)[1].size)
     return [*row, with_error(*case.saving_for(plan.aim), unit)] if plan.adapts else row
 

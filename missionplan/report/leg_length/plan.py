@@ -65,7 +65,23 @@ def _verdict(plan: LegPlan) -> str:
 
 
 def answer(plan: LegPlan) -> str:
-    """Write whether to let the legs adapt, and what it saves."""
+    """Write whether to let the legs adapt, what it saves, and whether what is in doubt changes that."""
+    return f"{_choice(plan)}{_doubt_in_words(plan)}"
+
+
+def _doubt_in_words(plan: LegPlan) -> str:
+    """Say whether the choice between table and fixed d_max is the same under each explanation; nothing without any."""
+    explained = [case for case in plan.cases if case.probability is not None]
+    if not explained or not plan.adapts:
+        return ""
+    gaining = [case for case in explained if case.saving_for(plan.aim)[0] > 0.0]
+    if len(gaining) in (0, len(explained)):
+        return f" Whichever explanation holds, the table {'saves' if gaining else 'saves nothing'}."
+    losing = " or ".join(case.name for case in explained if case not in gaining)
+    return f" It depends on which explanation holds: with {losing} the table saves nothing."
+
+
+def _choice(plan: LegPlan) -> str:
     fixed = f"the best fixed d_max, {length_in_words(plan.fixed_d_max)}"
     speed = _speed_in_words(plan) if plan.aim == "energy" else ""
     if not plan.reaches:

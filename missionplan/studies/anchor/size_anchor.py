@@ -1,20 +1,22 @@
 """Which anchor? From the worst current to an anchor one can build, the dive it gives, and how often that is enough."""
 
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.schema.phases import MoorPhase
-from missionplan.mission.views import MooringMission
+from missionplan.mission.views import MooringMission, under_each_explanation
 from missionplan.montecarlo.parallel_blocks import Backend
 from missionplan.results.base import Provenance
 from missionplan.results.mooring.sized_anchor import SizedAnchor
-from missionplan.results.mooring.sizing import AnchorSizing, ProbableAnchor
+from missionplan.results.mooring.sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
 from missionplan.scenario.anchor_weight import worst_case_weight
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.dive_trials import AnchorTrials, ParallelOptions
+from missionplan.studies.anchor.lightest_anchor import lightest_anchor
 from missionplan.studies.anchor.sizing import AnchorSizer
 from missionplan.studies.anchor.trim_check import trim_states
 from missionplan.studies.arguments import check_arguments
@@ -84,7 +86,19 @@ def size_anchor(
         data=mission.raw,
         notices=mission.notices(),
     )
-    return _anchor_sizing(provenance, sizer, anchor, probable, required)
+    sizing = _anchor_sizing(provenance, sizer, anchor, probable, required)
+    return replace(sizing, explanations=tuple(_explained(sizing, dives, wanted, weight)))
+
+
+def _explained(
+    sizing: AnchorSizing, dives: AnchorTrials, wanted: float | None, worst_case: float
+) -> Iterator[ExplainedAnchor]:
+    """Dive with the anchor to build under each explanation, and seek the lightest that would do for it alone."""
+    weight, line = sizing.to_build.wet_weight, sizing.line_length
+    for each in under_each_explanation(dives.mission):
+        known = replace(dives, mission=each.mission)
+        needed = lightest_anchor(known.probabilities, wanted, worst_case, line).weight if wanted is not None else None
+        yield ExplainedAnchor(each.causes, each.probability, known.probabilities(weight).good, needed)
 
 
 def _check_probability(probability: float | None) -> None:

@@ -1,21 +1,25 @@
 """How long should each leg be? The best legs for an aim, run in the mission's own Monte Carlo."""
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import get_args
 
 from missionplan.arrays import Array
 from missionplan.mission import MissionOrPath
+from missionplan.mission.views import under_each_explanation
 from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import block_count
 from missionplan.results.base import Provenance
+from missionplan.results.explained import label
 from missionplan.results.leg_cases import CandidatePlan, LegCase
 from missionplan.results.legs import LegPlan
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.leg_length.integral_equation import analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs
+from missionplan.studies.leg_length.paired_trials import AS_PLANNED
 from missionplan.studies.leg_length.plan_comparison import compare_plans, late_gain
 from missionplan.studies.leg_length.robustness import PairedPlansTask, error_scenarios, leg_case
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
@@ -60,10 +64,10 @@ def plan_legs(
     wanted = LegAim(aim, _deadline(scenario)) if aim == "p95" else LegAim(aim)
     best = optimise_legs(scenario, wanted, seed, progress=progress)
     task = PairedPlansTask(scenario, error_scenarios(scenario), best.fixed, best.adaptive, trials, seed)
-    items = [(number, block) for block in range(block_count(trials)) for number in range(len(task.cases))]
-    results = run_blocks(task, items, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
+    tasks = [(task, None), *_explained(task)]
+    run = partial(run_blocks, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
     evaluation = _Evaluation(
-        cases=_judged(_cases(task, items, results), task, wanted, best),
+        cases=tuple(case for each, share in tasks for case in _judged(_cases(each, share, run), each, wanted, best)),
         candidates=compare_plans(scenario, wanted, best, trials, seed) if aim != "mean" else (),
         tracks=task.tracks(),
     )
@@ -90,12 +94,22 @@ class _Evaluation:
     tracks: tuple[Array, Array]
 
 
-def _cases(task: PairedPlansTask, items: Sequence[tuple[int, int]], results: Iterable[Moments]) -> tuple[LegCase, ...]:
-    """Merge the blocks of each case."""
+def _explained(task: PairedPlansTask) -> Iterator[tuple[PairedPlansTask, float]]:
+    """Yield the same plans under each explanation of the mission, with its probability."""
+    for each in under_each_explanation(task.scenario.mission):
+        known = replace(SweepScenario.of(each.mission), sigmas=(None,))
+        case = replace(AS_PLANNED, name=label(each.causes))
+        yield replace(task, scenario=known, cases=(case,)), each.probability
+
+
+def _cases(task: PairedPlansTask, share: float | None, run: Callable[..., Iterable[Moments]]) -> tuple[LegCase, ...]:
+    """Run every block of each case, and merge its blocks."""
+    items = [(number, block) for block in range(block_count(task.trials)) for number in range(len(task.cases))]
     totals: dict[int, Moments] = {}
-    for (number, _), moments in zip(items, results, strict=True):
+    for (number, _), moments in zip(items, run(task, items), strict=True):
         totals[number] = totals[number].merge(moments) if number in totals else moments
-    return tuple(leg_case(task.scenario, case, totals[number]) for number, case in enumerate(task.cases))
+    found = (leg_case(task.scenario, case, totals[number]) for number, case in enumerate(task.cases))
+    return tuple(replace(case, probability=share) for case in found)
 
 
 def _judged(cases: tuple[LegCase, ...], task: PairedPlansTask, aim: LegAim, best: OptimisedLegs) -> tuple[LegCase, ...]:

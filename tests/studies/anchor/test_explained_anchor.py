@@ -1,0 +1,63 @@
+"""`size-anchor` of a mission in doubt: what the anchor to build achieves under each explanation, and what would do."""
+
+import pytest
+
+from missionplan import Mission, size_anchor
+from missionplan.report.anchor.page import answer
+from missionplan.report.render import render_report
+
+BASE = {
+    "name": "dives in doubt",
+    "vehicle": {
+        "hull": {"length": "1.12 m", "diameter": "0.12 m"},
+        "appendage_factor": 1.25,
+        "mass": "10.2 kg",
+        "net_buoyancy": "0.9 N",
+        "anchor": {"diameter": "0.12 m", "flooded_mass": "2.6 kg"},
+    },
+    "site": {
+        "depth": "24 m",
+        "water": {"density": "1000 kg/m^3", "viscosity": "1.1e-6 m^2/s"},
+        "current": [{"down_to": "24 m", "speed": {"mean": "0.4 m/s", "sd": "0.05 m/s"}, "toward": "60 deg"}],
+    },
+    "phases": [{"moor": {"radius": "15 m", "anchor_wet_weight": "12 N", "line_length": "5 m"}}],
+}
+
+
+def sized(*effects, probability=0.95):
+    share = 1.0 / len(effects)
+    explanations = [{"probability": share, "effects": [effect]} for effect in effects]
+    mission = Mission.from_data({**BASE, "effects": [{"one-of": explanations}]})
+    return mission, size_anchor(mission, probability=probability, trials=300)
+
+
+def test_a_doubt_that_changes_the_anchor_is_told():
+    mission, found = sized({"drag-bias": {"fraction": 0.5}}, {"depth-scale": {"fraction": 0.05}})
+    heavy, light = found.explanations
+    assert heavy.needed > 1.3 * light.needed
+    assert light.needed < found.to_build.wet_weight <= 1.002 * heavy.needed
+    assert light.good.value == 1.0
+    assert "The doubt changes the choice: with depth scale" in answer(found)
+    assert "Which explanation holds" in render_report(found).html
+    assert [each["causes"] for each in found.summary()["explanations"]] == [["drag-bias"], ["depth-scale"]]
+    known = size_anchor(mission.knowing("effects[0].one-of", 0), probability=0.95, trials=300)
+    assert known.to_build.wet_weight == pytest.approx(heavy.needed, rel=2e-3)  # found from another start
+
+
+def test_readings_alone_change_no_anchor():
+    _, found = sized({"clock-offset": {"time": "1 s"}}, {"depth-scale": {"fraction": 0.05}})
+    assert "Whichever explanation holds, the same anchor is best" in answer(found)
+    first, second = found.explanations
+    assert first.needed == second.needed
+
+
+def test_without_a_probability_each_explanation_is_judged_by_the_anchor():
+    _, found = sized({"drag-bias": {"fraction": 0.5}}, {"trapped-gas": {"lift": "0.1 N"}}, probability=None)
+    assert all(each.needed is None for each in found.explanations)
+    assert "hichever explanation holds" in answer(found) or "It depends on which explanation holds" in answer(found)
+
+
+def test_a_mission_without_doubt_has_none():
+    found = size_anchor(Mission.from_data(BASE), trials=100)
+    assert found.explanations == ()
+    assert "explanation" not in answer(found)
