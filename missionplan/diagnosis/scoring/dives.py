@@ -2,7 +2,8 @@
 
 Each draw of the mission is a trial of the descent phase with the wet weight and the line of the dive. What is random
 besides is that of the diagnosis' base model: sensor, turbulence and scatter from dive to dive
-(`diagnosis.dives.noise`), averaged over its grid, and the little that no mission can rule out of each effect of the catalogue (1 % of the drag).
+(`diagnosis.dives.noise`), averaged over its grid, and the little that no mission can rule out of each effect of the
+catalogue (1 % of the drag).
 """
 
 from dataclasses import replace
