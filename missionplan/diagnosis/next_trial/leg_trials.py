@@ -11,6 +11,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from missionplan.arrays import Array
+from missionplan.datasets.leg_checks import MIN_LEGS
 from missionplan.datasets.legs import TransitData
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given_effects import held
@@ -35,8 +36,8 @@ SHAPES: Mapping[str, tuple[float, ...]] = {
     "a figure of eight": (0.0, 90.0, 180.0, 270.0, 180.0, 90.0, 0.0, 270.0),
 }
 """Headings from the mission's course [deg]; each ends where it begins."""
-LENGTHS, TIMES = (0.5, 1.0, 2.0), (1, 3)
-"""Lengths of the legs over the mission's d_max, and how often the shape is sailed."""
+LENGTHS = (0.5, 1.0, 2.0)
+"""Lengths of the legs over the mission's d_max."""
 LONG_LEG = 4.0
 """Length of one long leg over the mission's d_max."""
 LATER = 86_400.0
@@ -108,7 +109,7 @@ class LegTrials(TrialKind):
                         course + np.radians(headings * times),
                         length,
                     )
-                    for times in TIMES
+                    for times in _repeats(len(headings))
                 ]
         length = LONG_LEG * self._usual_length
         return (*found, _Legs(f"one long leg of {_metres(length)}", np.array([course]), length))
@@ -191,6 +192,11 @@ class LegTrials(TrialKind):
     def alternatives(self) -> Alternatives:
         """Return maximum leg lengths, of all transits alike."""
         return Alternatives("d_max_m", SHARES * self._distance, _with_d_max)
+
+
+def _repeats(legs: int) -> tuple[int, int]:
+    """How often a shape is sailed: once, and so often that its legs are a data set of their own, at least twice."""
+    return 1, max(2, math.ceil(MIN_LEGS / legs))
 
 
 def _with_d_max(mission: Mission, d_max: float) -> Mission:

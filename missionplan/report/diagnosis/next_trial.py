@@ -2,6 +2,7 @@
 
 import math
 
+from missionplan.datasets.leg_checks import MIN_LEGS
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.causes import names
 from missionplan.report.numbers import length_in_words, number
@@ -25,7 +26,7 @@ def next_trial_section(found: NextTrial | None) -> list[PageSection]:
     heading = "No trial is worth it" if found.best is None else "The next trial"
     blocks: list[Block] = [next_trial_words(found), _assumptions(found)]
     if found.best is not None:
-        blocks += [_outcomes(found), *_rule_words(found)]
+        blocks += [*_few_legs(found), _outcomes(found), *_rule_words(found)]
     return [PageSection(heading, [*blocks, _designs(found)])]
 
 
@@ -85,6 +86,15 @@ def _assumptions(found: NextTrial) -> str:
         f"counts as {_loss(found.failure_loss, found)} lost, ten missions that work; only {_CHOSEN[found.decides]} is "
         "chosen anew after the trial; random errors are as large in the trial as in the data so far."
     )
+
+
+def _few_legs(found: NextTrial) -> list[str]:
+    """Say what to do with a trial of so few legs that they are no data set of their own."""
+    phases = found.trial.get("phases") if found.trial is not None else None
+    legs = len(phases) if isinstance(phases, list) and found.decides == "d_max_m" else MIN_LEGS
+    if legs >= MIN_LEGS:
+        return []
+    return [f"Fewer than {MIN_LEGS} legs are no data set of their own: add them to the log so far, as another run."]
 
 
 def _outcomes(found: NextTrial) -> Table:
