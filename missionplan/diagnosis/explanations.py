@@ -194,7 +194,7 @@ def hypotheses(
     """
     first, others = explanations[0], explanations[1:]
     fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
-    shares = _shares(found, judgement, fits)
+    shares = shares_in_doubt(found, judgement, fits)
     masses = explanation_weights(explanations, found)
     listed = [(first, fits[causes], masses[0] * share) for causes, share in shares.items()]
     listed += [(one, one.base, mass) for one, mass in zip(others, masses[1:], strict=True) if one.base is not None]
@@ -226,7 +226,7 @@ def explanation_weights(explanations: Sequence[Weighed], found: PipelineResult) 
     return np.asarray(np.exp(np.array(logs) - max(logs)))
 
 
-def _shares(found: PipelineResult, judgement: Judgement, fits: Collection[Causes]) -> dict[Causes, float]:
+def shares_in_doubt(found: PipelineResult, judgement: Judgement, fits: Collection[Causes]) -> dict[Causes, float]:
     """Probabilities of the sets found beside the likeliest explanation; one set alone where no other is in question."""
     if not judgement.rivals:
         return {found.best.causes: 1.0}

@@ -66,13 +66,22 @@ def sail(
 HEADER = ["leg", "t_start_s", "t_end_s", "x_start_m", "y_start_m", "x_dr_m", "y_dr_m", "x_end_m", "y_end_m"]
 
 
-def write_log(folder: Path, vehicle: Vehicle, rows: Sequence[Sequence[str]]) -> Path:
-    """Write a data set of kind ``transit``."""
+def write_log(folder: Path, vehicle: Vehicle, rows: Sequence[Sequence[str]], runs: Sequence[int] | None = None) -> Path:
+    """Write a data set of kind ``transit``; `runs` are the numbers of the legs' runs, by default one run."""
     folder.mkdir(parents=True, exist_ok=True)
-    told = {"kind": "transit", "name": "Made-up sea", "file": "legs.csv", "noise": {"fix": f"{vehicle.fix} m"}}
+    told = {
+        "kind": "transit",
+        "name": "Legs at a made-up sea",
+        "file": "legs.csv",
+        "source": "made up",
+        "noise": {"fix": f"{vehicle.fix} m"},
+    }
     (folder / "dataset.yaml").write_text(yaml.safe_dump(told), encoding="utf-8")
     with (folder / "legs.csv").open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([HEADER, *rows])
+        writer = csv.writer(file)
+        writer.writerow([*HEADER, "run"] if runs is not None else HEADER)
+        for number, row in enumerate(rows):
+            writer.writerow([str(number + 1), *row[1:], *([str(runs[number])] if runs is not None else [])])
     return folder
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.explanations import Weighed, explanation_weights
+from missionplan.diagnosis.explanations import Weighed, explanation_weights, shares_in_doubt
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.trials.experiment import Explanation
 from missionplan.diagnosis.judgement import Judgement
@@ -76,8 +76,8 @@ Fits = list[tuple[Weighed, CauseFit, float]]
 def possible_fits(explanations: Sequence[Weighed], found: PipelineResult, judgement: Judgement) -> Fits:
     """Return what may hold with probabilities that add up to 1, the likeliest first.
 
-    Beside the mission's likeliest explanation the sets of the credible set and the rivals, then its other explanations.
-    A set that the data cannot separate from the claimed one, however the evidence falls, counts as much as that.
+    Beside the mission's likeliest explanation the sets of the credible set, with the probabilities that the extended
+    mission gives them where the verdict is in doubt, then its other explanations.
 
     Parameters
     ----------
@@ -87,10 +87,9 @@ def possible_fits(explanations: Sequence[Weighed], found: PipelineResult, judgem
         With that one.
     """
     fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
-    claimed = found.posterior.get(found.best.causes, 1.0)
-    named = dict.fromkeys((*judgement.credible_set, *judgement.rivals))
-    shares = {causes: found.posterior.get(causes, claimed) for causes in named if causes in fits}
-    shares = shares or {found.best.causes: 1.0}
+    shares = {causes: found.posterior.get(causes, 0.0) for causes in judgement.credible_set if causes in fits}
+    if judgement.rivals or not any(shares.values()):
+        shares = shares_in_doubt(found, judgement, fits)
     masses = explanation_weights(explanations, found)
     listed = [
         (explanations[0], fits[causes], float(masses[0]) * share / sum(shares.values()))

@@ -138,6 +138,8 @@ def _threshold(rule: OutcomeRule) -> str:
 
 
 def _designs(found: NextTrial) -> Table:
+    first = () if found.best is None else (found.best,)
+    listed = (*first, *(each for each in found.designs if each is not found.best))[:_LISTED]
     rows = [
         [
             capitalised(each.name),
@@ -146,12 +148,13 @@ def _designs(found: NextTrial) -> Table:
             f"{each.information:.2g}",
             _saving(each, found),
         ]
-        for each in found.designs[:_LISTED]
+        for each in listed
     ]
     columns = ["Trial", "Time (min)", "Energy (W h)", "Information (nats)", f"Saves ({found.unit} a mission)"]
     rest = len(found.designs) - _LISTED
     more = f" {rest} more in next-trials.csv." if rest > 0 else ""
-    return Table(columns, rows, f"Best first. {_NOTHING} {_NO_SHORE}{more}")
+    order = "The recommended one, then those that save or tell most." if first else "Those that tell most first."
+    return Table(columns, rows, f"{order} {_NOTHING} {_NO_SHORE}{more}")
 
 
 def _saving(design: ValuedDesign, found: NextTrial) -> str:
