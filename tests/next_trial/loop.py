@@ -13,8 +13,12 @@ import yaml
 from .campaign import legs_of
 from .sea import Truth, Vehicle, mission, sail, write_log
 
+HEADING = (
+    "# The mission of the second round in docs/loop.md; its sea is made up by `python -m tests.next_trial.loop`.\n"
+)
 VEHICLE, TRUTH = Vehicle(sigma=0.02, fix=5.0), Truth(current=(0.0, -0.15))
 LEGS, LENGTH, SEED = 12, 150.0, 5
+THIRD_LEGS, THIRD_LENGTH, DAYS_LATER = 20, 300.0, 4.3 * 86_400.0
 NEXT_AFTERNOON = 31.0 * 3600.0
 """When the trial is sailed [s]: at another state of the tide."""
 
@@ -23,7 +27,8 @@ def write_first(folder: Path) -> tuple[Path, Path]:
     """Write the mission and the first log."""
     folder.mkdir(parents=True, exist_ok=True)
     plan = folder / "mission.yaml"
-    plan.write_text(yaml.safe_dump(mission(VEHICLE, 3000.0, 800.0, 480.0, 100.0), sort_keys=False), encoding="utf-8")
+    told = yaml.safe_dump(mission(VEHICLE, 3000.0, 800.0, 480.0, 100.0), sort_keys=False)
+    plan.write_text(HEADING + told, encoding="utf-8")
     return plan, write_log(folder / "first-log", VEHICLE, _first_rows(), runs=[1] * LEGS)
 
 
@@ -43,6 +48,14 @@ def write_second(folder: Path, trial: object) -> Path:
     return write_log(folder / "both-logs", VEHICLE, [*first, *rows], runs=runs)
 
 
+def write_third(folder: Path) -> Path:
+    """Write the log of the mission itself, sailed there and back some days later."""
+    headings = np.repeat([0.0, np.pi], THIRD_LEGS // 2)
+    rng = np.random.default_rng(SEED + 2)
+    rows = sail(TRUTH, VEHICLE, headings, np.full(THIRD_LEGS, THIRD_LENGTH), DAYS_LATER, rng)
+    return write_log(folder / "third-log", VEHICLE, rows)
+
+
 def _first_rows() -> list[list[str]]:
     return sail(TRUTH, VEHICLE, np.zeros(LEGS), np.full(LEGS, LENGTH), 0.0, np.random.default_rng(SEED))
 
@@ -50,5 +63,6 @@ def _first_rows() -> list[list[str]]:
 if __name__ == "__main__":
     place = Path(sys.argv[1])
     write_first(place)
+    write_third(place)
     if (place / "next-trial.yaml").exists():
         write_second(place, yaml.safe_load((place / "next-trial.yaml").read_text(encoding="utf-8")))
