@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from missionplan.studies.mission_plan.export import export
     from missionplan.studies.optimisation.optimise import optimise
     from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
+    from missionplan.studies.schemas.schema import schema
     from missionplan.studies.simulation.simulate import simulate
     from missionplan.studies.tide.find_tide import tide
     from missionplan.studies.transition.sweep_transition import sweep_transition
@@ -56,6 +57,7 @@ __all__ = [
     "optimise",
     "plan_legs",
     "reports",
+    "schema",
     "score",
     "simulate",
     "size_anchor",
@@ -80,6 +82,7 @@ _MODULES = {
     "reports": "missionplan.store.reports",
     "optimise": "missionplan.studies.optimisation.optimise",
     "plan_legs": "missionplan.studies.leg_length.plan_legs",
+    "schema": "missionplan.studies.schemas.schema",
     "score": "missionplan.diagnosis.scoring.score",
     "simulate": "missionplan.studies.simulation.simulate",
     "size_anchor": "missionplan.studies.anchor.size_anchor",

@@ -34,6 +34,7 @@ CALLS: dict[str, Callable[[], object]] = {
     "import_logs": lambda: missionplan.import_logs([Path(__file__).parent / "importers" / "made.gli"]),
     "identify": lambda: missionplan.identify(MISSIONS / "measured" / "avila-drag"),
     "import_log": lambda: missionplan.import_log(Path(__file__).parent / "importers" / "made.gli"),
+    "schema": lambda: missionplan.schema("dataset"),
     "reports": lambda: missionplan.reports(Path(__file__).parent),
     "validate": lambda: missionplan.validate([MISSIONS / "fig8.yaml", mission("chesapeake")]),
     "init": lambda: missionplan.init(tempfile.mkdtemp()),

@@ -24,7 +24,6 @@ app = typer.Typer(
     name="missionplan",
     help="Plan missions of a self-mooring AUV by Monte Carlo, and diagnose what the plan's model gets wrong.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )

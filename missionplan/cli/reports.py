@@ -1,4 +1,4 @@
-"""`reports`: what was computed so far, and one of the reports opened."""
+"""`reports`: what was computed so far, and one of the reports opened; `schema`: what files may hold, for editors."""
 
 import textwrap
 import webbrowser
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from missionplan.cli.streams import note
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
     from missionplan.store.reports import ReportEntry
@@ -26,6 +26,7 @@ _Root = Annotated[Path, typer.Option(metavar="DIR", help="Folder of the reports.
 def register(app: typer.Typer) -> None:
     """Add the command."""
     app.command()(reports)
+    app.command()(schema)
 
 
 def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
@@ -48,6 +49,24 @@ def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
     typer.echo(str(page))
     if not webbrowser.open(page.resolve().as_uri()):
         note("No browser could be started: open that file in one.")
+
+
+_Kind = Annotated[str, typer.Argument(metavar="KIND", help="mission, vehicle or dataset.", show_default=False)]
+
+
+def schema(kind: _Kind) -> None:
+    """Print the JSON schema of mission, vehicle or data set files, for completion and checks in editors.
+
+    missionplan schema mission > mission.json; then begin a mission with: # yaml-language-server: $schema=mission.json
+    """
+    import json
+
+    from missionplan.studies.schemas.schema import KINDS, schema
+
+    if kind not in KINDS:
+        hint = did_you_mean(kind, KINDS)
+        raise InputError([Problem(f"given {shown(kind)}, expected {', '.join(KINDS)}", file="KIND", hint=hint)])
+    typer.echo(json.dumps(schema(kind), indent=2, ensure_ascii=False))
 
 
 def _lines(place: int, entry: "ReportEntry") -> list[str]:

@@ -13,10 +13,11 @@ from missionplan.mission import Mission, load
 from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.streams import stream
-from missionplan.results.base import to_csv
+from missionplan.results.base import to_csv, to_json
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.folder import write_atomically
 from missionplan.store.paths import as_path, vacant
+from missionplan.studies.schemas.schema import KINDS, Kind, schema
 
 COMPASS_BIAS = math.radians(3.0)
 """Compass error of the sea trial, unknown to the mission: the course made, clockwise of that steered [rad]."""
@@ -27,6 +28,8 @@ SIDE = 400.0
 
 _TEXTS = {"mission.yaml": "mission.yaml", "vehicle.yaml": "vehicle.yaml", "dataset.yaml": "sea-trial/dataset.yaml"}
 _LOG = "sea-trial/legs.csv"
+_SCHEMAS: dict[str, Kind] = {f"schema/{kind}.json": kind for kind in KINDS}
+"""For completion and checks in editors, named by the first line of each file."""
 
 
 def init(folder: str | Path = ".") -> tuple[Path, ...]:
@@ -50,10 +53,12 @@ def init(folder: str | Path = ".") -> tuple[Path, ...]:
         When the folder cannot be written.
     """
     folder = as_path(folder, "folder")
-    paths = vacant(folder, (*_TEXTS.values(), _LOG))
+    paths = vacant(folder, (*_TEXTS.values(), _LOG, *_SCHEMAS))
     for source, name in _TEXTS.items():
         write_atomically(folder / name, (files("missionplan") / "starter" / source).read_text(encoding="utf-8"))
     write_atomically(folder / _LOG, to_csv(sea_trial(load(folder / "mission.yaml"))))
+    for name, kind in _SCHEMAS.items():
+        write_atomically(folder / name, to_json(schema(kind)))
     return tuple(paths)
 
 

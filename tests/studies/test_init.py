@@ -22,7 +22,8 @@ def starter(tmp_path_factory):
 def test_the_files_are_those_named(tmp_path):
     written = init(tmp_path / "new" / "folder")
     names = {str(path.relative_to(tmp_path / "new/folder")) for path in written}
-    assert names == {"mission.yaml", "vehicle.yaml", "sea-trial/dataset.yaml", "sea-trial/legs.csv"}
+    schemas = {"schema/mission.json", "schema/vehicle.json", "schema/dataset.json"}
+    assert names == {"mission.yaml", "vehicle.yaml", "sea-trial/dataset.yaml", "sea-trial/legs.csv"} | schemas
     assert all(path.stat().st_size > 500 for path in written)
 
 
@@ -46,7 +47,7 @@ def test_nothing_is_written_over(starter, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["mission.yaml"]
     with pytest.raises(InputError) as caught:
         init(starter)
-    assert len(caught.value.problems) == 4
+    assert len(caught.value.problems) == 7
 
 
 def test_other_files_are_left_alone(tmp_path):

@@ -1,0 +1,93 @@
+"""`schema`: the JSON schema of a kind of file, from the models that read it."""
+
+from collections.abc import Mapping
+from typing import Literal, get_args
+
+from pydantic import BaseModel
+
+from missionplan.datasets.dives import DESCENT
+from missionplan.datasets.legs import TRANSIT
+from missionplan.datasets.reading import DatasetFormat
+from missionplan.datasets.summaries import SUMMARY
+from missionplan.datasets.tank.drag import DRAG
+from missionplan.datasets.tank.oscillation import FREE_OSCILLATION
+from missionplan.datasets.tank.propeller import PROPELLER_TRANSIENT
+from missionplan.datasets.tank.thruster import THRUSTER
+from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.mission import Mission
+from missionplan.mission.schema.vehicle import Vehicle
+from missionplan.studies.schemas.effects import effects
+from missionplan.studies.schemas.sections import TEXT_OR_NUMBER, Sections
+from missionplan.studies.schemas.values import Schema
+
+Kind = Literal["mission", "vehicle", "dataset"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+_DRAFT = "http://json-schema.org/draft-07/schema#"
+_FORMATS: tuple[DatasetFormat, ...] = (  # type: ignore[type-arg]
+    TRANSIT,
+    DESCENT,
+    SUMMARY,
+    DRAG,
+    FREE_OSCILLATION,
+    THRUSTER,
+    PROPELLER_TRANSIENT,
+)
+_DEPENDENT: Mapping[tuple[str, str], Schema] = {
+    ("Requirement", "at_most"): TEXT_OR_NUMBER,
+    ("Requirement", "at_least"): TEXT_OR_NUMBER,
+    ("SweepGrid", "from"): TEXT_OR_NUMBER,
+    ("SweepGrid", "to"): TEXT_OR_NUMBER,
+}
+"""Keys whose unit follows from others."""
+
+
+def schema(kind: Kind) -> dict[str, object]:
+    """Return the JSON schema (draft 7) of a kind of file, for completion and checks in editors.
+
+    It tells keys, units, ranges of numbers and the effects of the catalogue; what depends on several keys at once only
+    `validate` checks.
+
+    Parameters
+    ----------
+    kind : {'mission', 'vehicle', 'dataset'}
+
+    Raises
+    ------
+    InputError
+        When there is no such kind.
+    """
+    if kind not in KINDS:
+        message = f"given {shown(kind)}, expected one of {', '.join(KINDS)}"
+        raise InputError([Problem(message, key="kind", hint=did_you_mean(str(kind), KINDS))])
+    head: Schema = {"$schema": _DRAFT, "title": f"missionplan {kind} file"}
+    return {**head, **(_of_datasets() if kind == "dataset" else _of_model(Mission if kind == "mission" else Vehicle))}
+
+
+def _of_model(model: type[BaseModel]) -> Schema:
+    listed, definitions = effects()
+    sections = Sections({**_DEPENDENT, ("Mission", "effects"): listed})
+    top = sections.written(model)
+    if model is Mission:
+        properties = top["properties"]
+        if isinstance(properties, dict):
+            file: Schema = {"type": "string", "description": "the vehicle's file, relative to this one"}
+            properties["vehicle"] = {"anyOf": [file, sections.of(Vehicle)]}
+    return {**top, "definitions": {**sections.definitions, **(definitions if model is Mission else {})}}
+
+
+def _of_datasets() -> Schema:
+    sections = Sections(_DEPENDENT)
+    kinds: list[Schema] = []
+    for form in _FORMATS:
+        written = sections.written(form.settings)
+        properties = written["properties"]
+        if isinstance(properties, dict):
+            properties["kind"] = {"const": form.kind}
+        kinds.append({"if": {"properties": {"kind": {"const": form.kind}}}, "then": written})
+    return {
+        "type": "object",
+        "properties": {"kind": {"enum": [form.kind for form in _FORMATS]}},
+        "required": ["kind"],
+        "allOf": kinds,
+        "definitions": sections.definitions,
+    }

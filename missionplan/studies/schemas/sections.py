@@ -1,0 +1,115 @@
+"""JSON schemas of the sections that read files: every key with its unit and range, and no other."""
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import date, datetime
+from types import NoneType, UnionType
+from typing import Annotated, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from missionplan.mission.reading.fields import keys_of
+from missionplan.mission.schema.quantities import OrWord
+from missionplan.mission.schema.quantity_parser import QuantityParser
+from missionplan.mission.schema.section import ReadBy
+from missionplan.studies.schemas.values import NUMBER_WITH_UNIT, Schema, quantity
+
+_PLAIN: Mapping[object, Schema] = {
+    str: {"type": ["string", "number"]},
+    int: {"type": "integer"},
+    float: {"type": "number"},
+    bool: {"type": "boolean"},
+    datetime: {"type": "string", "description": "a time, ISO 8601"},
+    date: {"type": "string", "description": "a date, ISO 8601"},
+    NoneType: {"type": "null"},
+    object: {},
+}
+_LIMITS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"}
+TEXT_OR_NUMBER: Schema = {"anyOf": [{"type": "string", "pattern": NUMBER_WITH_UNIT}, {"type": "number"}]}
+"""A quantity whose unit follows from other keys."""
+
+
+@dataclass
+class Sections:
+    """Definitions of sections, by name, as they are met.
+
+    Attributes
+    ----------
+    replaced : mapping
+        Schemas of keys that no annotation tells, by the section's name and the key.
+    definitions : dict
+    """
+
+    replaced: Mapping[tuple[str, str], Schema]
+    definitions: dict[str, Schema] = field(default_factory=dict)
+
+    def of(self, section: type[BaseModel]) -> Schema:
+        """Return a reference to a section, which is defined where it is not yet."""
+        name = section.__name__
+        if name not in self.definitions:
+            self.definitions[name] = {}  # sections may hold themselves
+            self.definitions[name] = self.written(section)
+        return {"$ref": f"#/definitions/{name}"}
+
+    def written(self, section: type[BaseModel]) -> Schema:
+        """Write a section out."""
+        keys = keys_of(section)
+        if "kind" in section.model_fields and not section.model_fields["kind"].exclude:
+            keys = {"kind": section.model_fields["kind"], **keys}
+        required = [name for name, each in keys.items() if each.default is PydanticUndefined and each.is_required()]
+        return {
+            "type": "object",
+            "description": inspect.getdoc(section) or "",
+            "properties": {name: self._key(section, name, each) for name, each in keys.items()},
+            **({"required": required} if required else {}),
+            "additionalProperties": False,
+        }
+
+    def _key(self, section: type[BaseModel], name: str, info: FieldInfo) -> Schema:
+        replaced = self.replaced.get((section.__name__, name))
+        return dict(replaced) if replaced is not None else self._annotated(info.annotation, info.metadata)
+
+    def _annotated(self, annotation: object, metadata: list[object]) -> Schema:
+        for item in metadata:
+            if isinstance(item, ReadBy):
+                return self._read(item)
+        schema = self._value(annotation)
+        for item in metadata:
+            for name, keyword in _LIMITS.items():
+                if getattr(item, name, None) is not None:
+                    schema = {**schema, keyword: getattr(item, name)}
+        return schema
+
+    def _read(self, reader: ReadBy) -> Schema:
+        if isinstance(reader.read, QuantityParser):
+            return quantity(reader.read)
+        if isinstance(reader.read, OrWord):
+            words: Schema = {"enum": list(reader.read.words)}
+            return {"anyOf": [words, quantity(reader.read.parser)]}
+        return {}
+
+    def _value(self, annotation: object) -> Schema:
+        origin, arguments = get_origin(annotation), get_args(annotation)
+        if origin is Annotated:
+            return self._annotated(arguments[0], list(arguments[1:]))
+        if origin in (Union, UnionType):
+            several = [self._value(each) for each in arguments if each is not NoneType]
+            return several[0] if len(several) == 1 else {"anyOf": several}
+        if origin is Literal:
+            return {"enum": list(arguments)}
+        if origin is tuple:
+            return self._list(arguments)
+        if isinstance(origin, type) and issubclass(origin, Mapping):
+            return {"type": "object", "additionalProperties": self._value(arguments[1])}
+        if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+            return self.of(annotation)
+        return dict(_PLAIN.get(annotation, {}))
+
+    def _list(self, items: tuple[object, ...]) -> Schema:
+        if len(items) == 2 and items[1] is Ellipsis:
+            return {"type": "array", "items": self._value(items[0])}
+        written = [self._value(each) for each in items]
+        return {"type": "array", "items": written, "minItems": len(items), "maxItems": len(items)}

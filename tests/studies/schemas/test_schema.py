@@ -1,0 +1,102 @@
+"""JSON schemas of files: what is shipped fits them, what is mistyped does not."""
+
+import copy
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import cast
+
+import jsonschema
+import pytest
+import yaml
+
+import missionplan
+from missionplan.effects import CATALOGUE
+from missionplan.errors import InputError
+
+MISSIONS = Path(__file__).parents[3] / "missions"
+VALIDATORS = {kind: jsonschema.Draft7Validator(missionplan.schema(kind)) for kind in ("mission", "vehicle", "dataset")}
+
+
+def problems(kind: str, data: object) -> list[str]:
+    return [error.message for error in VALIDATORS[kind].iter_errors(data)]
+
+
+@pytest.mark.parametrize("kind", VALIDATORS)
+def test_each_is_a_schema(kind: str) -> None:
+    jsonschema.Draft7Validator.check_schema(VALIDATORS[kind].schema)
+
+
+@pytest.mark.parametrize("path", sorted(MISSIONS.glob("*.yaml")), ids=lambda path: path.stem)
+def test_shipped_missions_fit(path: Path) -> None:
+    assert problems("mission", yaml.safe_load(path.read_text())) == []
+    assert problems("mission", json.loads(json.dumps(missionplan.load(path).raw, default=str))) == []
+
+
+@pytest.mark.parametrize("path", sorted((MISSIONS / "vehicles").glob("*.yaml")), ids=lambda path: path.stem)
+def test_shipped_vehicles_fit(path: Path) -> None:
+    assert problems("vehicle", yaml.safe_load(path.read_text())) == []
+
+
+@pytest.mark.parametrize("path", sorted(MISSIONS.rglob("dataset.yaml")), ids=lambda path: path.parent.name)
+def test_shipped_data_sets_fit(path: Path) -> None:
+    assert problems("dataset", yaml.safe_load(path.read_text())) == []
+
+
+def test_the_starter_files_name_their_schemas_and_fit_them(tmp_path: Path) -> None:
+    missionplan.init(tmp_path)
+    for name in ("mission.yaml", "vehicle.yaml", "sea-trial/dataset.yaml"):
+        path = tmp_path / name
+        first = path.read_text().splitlines()[0]
+        assert first.startswith("# yaml-language-server: $schema=")
+        schema = json.loads((path.parent / first.partition("=")[2]).read_text())
+        assert not list(jsonschema.Draft7Validator(schema).iter_errors(yaml.safe_load(path.read_text())))
+
+
+def _starter(tmp_path: Path) -> dict[str, object]:
+    missionplan.init(tmp_path)
+    return cast(dict[str, object], yaml.safe_load((tmp_path / "mission.yaml").read_text()))
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("navigatoin",), {}),
+        (("phases", 0, "transit", "sped"), "1 m/s"),
+        (("phases", 0, "transit", "speed"), 1.5),
+        (("phases", 1, "moor", "release_time"), {"mean": "1 s", "sdd": "1 s"}),
+        (("navigation", "drift_compensation"), "means"),
+        (("monte_carlo", "trials"), "many"),
+        (("effects",), [{"compas-bias": {"angle": "2 deg"}}]),
+        (("effects",), [{"compass-bias": {"angel": "2 deg"}}]),
+    ],
+)
+def test_what_is_mistyped_does_not_fit(tmp_path: Path, path: tuple[str | int, ...], value: object) -> None:
+    data = _starter(tmp_path)
+    assert problems("mission", data) == []
+    changed: object = copy.deepcopy(data)
+    place: object = changed
+    for part in path[:-1]:
+        place = place[part]  # type: ignore[index]
+    place[path[-1]] = value  # type: ignore[index]
+    assert problems("mission", changed)
+
+
+def test_effects_and_explanations_fit(tmp_path: Path) -> None:
+    data = _starter(tmp_path)
+    known = {"compass-bias": {"angle": {"mean": "2 deg", "sd": "0.5 deg"}}}
+    data["effects"] = [known, {"one-of": [{"probability": 0.6, "effects": [{"speed-scale": {"fraction": 0.1}}]}]}]
+    assert problems("mission", data) == []
+
+
+def test_every_parameter_of_the_catalogue_is_described() -> None:
+    definitions = cast(Mapping[str, Mapping[str, Mapping[str, Mapping[str, object]]]], VALIDATORS["mission"].schema)
+    entries = definitions["definitions"]["effect"]["properties"]
+    assert set(entries) == set(CATALOGUE)
+    for name, info in CATALOGUE.items():
+        assert set(cast(Mapping[str, object], entries[name]["properties"])) == set(info.parameters)
+
+
+def test_another_kind_is_refused() -> None:
+    with pytest.raises(InputError, match="expected one of mission, vehicle, dataset"):
+        missionplan.schema("misson")  # type: ignore[arg-type]
