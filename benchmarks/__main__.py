@@ -9,7 +9,7 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from benchmarks import commands, descent, monaco_peer, rare, scaling, sweep, table
+from benchmarks import choosing, commands, descent, monaco_peer, rare, scaling, sweep, table
 from benchmarks.common import Comparison, Options, circumstances, load_average
 
 COMPARISONS: dict[str, Comparison] = {
@@ -18,6 +18,7 @@ COMPARISONS: dict[str, Comparison] = {
     "descent": descent.compare,
     "monaco": monaco_peer.compare,
     "rare": rare.compare,
+    "choosing": choosing.compare,
     "trials": scaling.trials,
     "legs": scaling.legs,
 }

@@ -48,6 +48,7 @@ _Quantities = Annotated[
         "--quantity", metavar="NAME", help="Report this too, such as moor.offset; repeatable.", show_default=False
     ),
 ]
+_OnlyBest = Annotated[bool, typer.Option("--only-best", help="Few trials of what cannot be the best; no windows.")]
 _Resume = Annotated[bool, typer.Option("--resume", help="Go on with the finished blocks of a run cut short.")]
 
 
@@ -55,6 +56,7 @@ def explore(
     mission: o.MissionFile,
     vary: _Vary,
     aim: _Aim = ExplorationAim.SUCCESS,
+    only_best: _OnlyBest = False,
     quantity: _Quantities = None,
     *,
     run: o.MonteCarloOptions,
@@ -83,6 +85,7 @@ def explore(
             loaded,
             vary,
             aim=aim.value,
+            only_best=only_best,
             quantities=quantity or (),
             checkpoint=folder / BLOCKS,
             resume=resume,

@@ -88,6 +88,8 @@ class Cell:
     on_front : bool
         Whether no other cell is at least as good in P(success), mean energy and mean duration, and better in one.
     trials : int
+    dropped : bool
+        Whether a race ended before the cell had all trials, because it cannot be the best.
     """
 
     place: tuple[int, ...]
@@ -101,6 +103,7 @@ class Cell:
     as_good: bool = False
     on_front: bool = False
     trials: int = 0
+    dropped: bool = False
 
     @property
     def status(self) -> Status:
@@ -177,7 +180,8 @@ class Exploration(Result):
     @property
     def windows(self) -> tuple[Window, ...]:
         """Ranges of the only axis in which all requirements are met; none where there are two, or no numbers."""
-        return self._ranges([self.has_requirements and cell.meets_all for cell in self.cells])
+        known = not any(cell.dropped for cell in self.cells)
+        return self._ranges([known and self.has_requirements and cell.meets_all for cell in self.cells])
 
     @property
     def ranges_as_good(self) -> tuple[Window, ...]:
@@ -230,6 +234,7 @@ class Exploration(Result):
             "as_good": cell.as_good,
             "on_front": cell.on_front,
             "trials": cell.trials,
+            "dropped": cell.dropped,
         }
 
     def to_frame(self) -> pd.DataFrame:

@@ -24,6 +24,7 @@ def answer(found: Exploration) -> str:
         _as_good(found),
         _windows(found),
         _invalid(found),
+        _dropped(found),
     ]
     return " ".join(filter(None, sentences))
 
@@ -95,7 +96,7 @@ def _as_good(found: Exploration) -> str:
 
 
 def _windows(found: Exploration) -> str:
-    if not found.has_requirements or not found.constrained:
+    if not found.has_requirements or not found.constrained or any(cell.dropped for cell in found.cells):
         return ""
     met = sum(cell.meets_all for cell in found.cells)
     if len(found.axes) == 1 and found.axes[0].numbers is not None:
@@ -114,6 +115,11 @@ def ranges_in_words(axis: Axis, windows: Sequence[Window]) -> str:
     if len(windows) > _MOST_RANGES:
         parts.append(f"in {len(windows) - _MOST_RANGES} more ranges")
     return ", ".join(parts[:-1]) + f" and {parts[-1]}" if len(parts) > 1 else parts[0]
+
+
+def _dropped(found: Exploration) -> str:
+    count = sum(cell.dropped for cell in found.cells)
+    return f"{count} cells that cannot be the best were run with fewer trials." if count else ""
 
 
 def _invalid(found: Exploration) -> str:

@@ -3,8 +3,8 @@
 import itertools
 import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -22,8 +22,9 @@ from missionplan.store.checkpoints import Checkpoints, Identity
 from missionplan.store.paths import as_path
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.exploration.cell_run import CellRun, CellTrials
-from missionplan.studies.exploration.cells import CellTask
+from missionplan.studies.exploration.cells import CellItem, CellTask
 from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of, find_best
+from missionplan.studies.exploration.racing import Race, race
 from missionplan.studies.exploration.shared_current import SharedCurrent
 from missionplan.studies.exploration.variation import OPTION, read_axes
 from missionplan.studies.simulation.block_statistics import requirement_key
@@ -40,6 +41,7 @@ def explore(
     vary: Sequence[str] | str,
     *,
     aim: Aim = "success",
+    only_best: bool = False,
     quantities: Sequence[str] = (),
     trials: int | None = None,
     seed: int | None = None,
@@ -62,6 +64,8 @@ def explore(
     aim : {'success', 'energy', 'duration'}
         What is best: the greatest P(success); or of the cells that meet all requirements the least mean energy or
         duration.
+    only_best : bool
+        Run cells that cannot be the best with few trials; there are then no windows.
     quantities : sequence of str
         Reported besides, as requirements name them: ``moor.offset``, ``ingress.arrived``.
     trials, seed : int, optional
@@ -93,13 +97,14 @@ def explore(
     plan = CellPlan.of(mission, axes, seed, columns)
     plan.check_size(trials)
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
-    run = CellRun(
-        task=plan.task,
-        items=[(cell, block, block_size(trials, block)) for cell in plan.cells for block in range(block_count(trials))],
-        store=Checkpoints(folder, plan.identity(mission), resume=resume) if folder else None,
-    )
-    found = run.run(len(plan.places), progress, jobs=jobs, backend=backend, scheduler=scheduler)
-    cells = plan.summed_up(mission, found)
+    store = Checkpoints(folder, plan.identity(mission), resume=resume) if folder else None
+
+    def run(items: Sequence[CellItem]) -> list[CellTrials]:
+        parallel = CellRun(plan.task, items, store)
+        return parallel.run(len(plan.places), progress, jobs=jobs, backend=backend, scheduler=scheduler)
+
+    raced = _run(plan, mission, trials, aim, run, only_best=only_best)
+    found, cells = raced.trials, plan.summed_up(mission, raced)
     _check_any_runs(cells)
     best = find_best(cells, [each.columns for each in found], aim)
     return Exploration(
@@ -109,8 +114,13 @@ def explore(
             file=mission.file,
             seed=seed,
             trials=trials,
-            options={"vary": list(vary) if not isinstance(vary, str) else [vary], "aim": aim, "jobs": jobs}
-            | {"quantity": list(quantities)},
+            options={
+                "vary": list(vary) if not isinstance(vary, str) else [vary],
+                "aim": aim,
+                "jobs": jobs,
+                "only_best": only_best,
+            }
+            | {"quantity": list(quantities), "trials_run": raced.spent},
             elapsed_s=time.perf_counter() - started,
             data=mission.raw,
             notices=_notices(mission, plan),
@@ -168,11 +178,28 @@ class CellPlan:
         options = to_yaml({"seed": self.task.seed, "columns": list(self.task.quantities), "vary": values})
         return Identity(with_contents_named(to_yaml(data), mission), options, version("missionplan"))
 
-    def summed_up(self, mission: Mission, found: Sequence[CellTrials]) -> list[Cell]:
+    def summed_up(self, mission: Mission, raced: Race) -> list[Cell]:
         """Return the cells with their own numbers."""
-        return [
-            cell_of(place, mission, each.columns, each.reason) for place, each in zip(self.places, found, strict=True)
-        ]
+        pairs = zip(self.places, raced.trials, strict=True)
+        cells = [cell_of(place, mission, each.columns, each.reason) for place, each in pairs]
+        return [replace(cell, dropped=i in raced.dropped and not cell.reason) for i, cell in enumerate(cells)]
+
+
+def _run(
+    plan: CellPlan,
+    mission: Mission,
+    trials: int,
+    aim: Aim,
+    run: Callable[[Sequence[CellItem]], list[CellTrials]],
+    *,
+    only_best: bool,
+) -> Race:
+    """Run all cells with all trials, or a race."""
+    if only_best:
+        return race(mission, len(plan.places), trials, aim, run)
+    blocks = range(block_count(trials))
+    found = run([(cell, block, block_size(trials, block)) for cell in plan.cells for block in blocks])
+    return Race(found, frozenset(), trials * len(plan.places))
 
 
 def _columns(mission: Mission, quantities: Sequence[str]) -> tuple[str, ...]:

@@ -104,7 +104,7 @@ def find_best(cells: Sequence[Cell], trials: Sequence[Trials], aim: Aim) -> Best
         Columns of each cell, empty for one that could not be run.
     aim : 'success', 'energy' or 'duration'
     """
-    valid = [index for index, cell in enumerate(cells) if not cell.reason]
+    valid = [index for index, cell in enumerate(cells) if not cell.reason and not cell.dropped]
     good = [index for index in valid if cells[index].requirements and cells[index].meets_all]
     constrained = bool(good)
     unmet = not good and any(cells[index].requirements for index in valid)
@@ -112,7 +112,7 @@ def find_best(cells: Sequence[Cell], trials: Sequence[Trials], aim: Aim) -> Best
     compared = [index for index in (good if constrained else valid) if _is_known(cells[index], column)]
     if not compared:
         return Best(_with_front(cells), None, constrained)
-    best = min(compared, key=lambda index: _rank(cells[index], column))
+    best = min(compared, key=lambda index: rank(cells[index], column))
     found = compare_with_best(
         [trials[index][column] for index in compared], compared.index(best), most=column == SUCCESS
     )
@@ -132,7 +132,8 @@ def _is_known(cell: Cell, column: str) -> bool:
     return column == SUCCESS or cell.quantities[column].count > 0
 
 
-def _rank(cell: Cell, column: str) -> tuple[float, float]:
+def rank(cell: Cell, column: str) -> tuple[float, float]:
+    """Order of cells, the best first."""
     energy = cell.quantities[ENERGY].mean
     tie = energy if np.isfinite(energy) else np.inf
     return (-cell.success.value, tie) if column == SUCCESS else (cell.quantities[column].mean, -cell.success.value)
