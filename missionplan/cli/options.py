@@ -41,6 +41,20 @@ _Out = Annotated[
     Path | None,
     typer.Option("--out", "-o", help="Report folder; default: reports/MISSION/COMMAND-TIME.", show_default=False),
 ]
+
+
+class UnitSystem(StrEnum):
+    """Units of a report."""
+
+    METRIC = "metric"
+    NAUTICAL = "nautical"
+    IMPERIAL = "imperial"
+
+
+_Units = Annotated[
+    UnitSystem | None,
+    typer.Option("--units", help="Units of the report; default: the mission's. Files are in SI.", show_default=False),
+]
 _Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
 _Json = Annotated[
     bool, typer.Option("--json", help="Print the summary as JSON on standard output, and nothing else there.")
@@ -86,6 +100,12 @@ class OutputOptions:
     force: _Force = False
     as_json: _Json = False
     quiet: Quiet = False
+    units: _Units = None
+
+    @property
+    def system(self) -> str | None:
+        """System of units for the report; None: the mission's."""
+        return self.units.value if self.units else None
 
 
 def worker_count(jobs: int) -> int:

@@ -64,12 +64,15 @@ def new_folder_name(stem: str, command: str) -> Path:
 
 def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
-    result.save(folder, force=output.force)
-    with answering(f"; the report is saved in {folder}"):
-        if output.as_json:
-            _print_summary(result)
-        elif not output.quiet:
-            _print_result(result)
+    from missionplan.report.crew.conversion import using_units
+
+    with using_units(output.system):
+        result.save(folder, force=output.force)
+        with answering(f"; the report is saved in {folder}"):
+            if output.as_json:
+                _print_summary(result)
+            elif not output.quiet:
+                _print_result(result)
     if output.as_json:
         return
     if not output.quiet:

@@ -4,6 +4,7 @@ import copy
 from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
+from typing import Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, field_validator
 
@@ -43,6 +44,7 @@ class Mission(FileSection):
 
     name: str = ""
     start: datetime | None = None
+    units: Literal["metric", "nautical", "imperial"] | None = None
     vehicle: Vehicle | None = None
     site: Site | None = None
     navigation: Navigation | None = None

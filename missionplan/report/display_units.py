@@ -144,8 +144,3 @@ def _unit_of(value: object, unit: str) -> Unit | None:
 
 def _shown(unit: str) -> str:
     return unit.replace("**", "^").replace("*", "\u202f").replace("^2", "²").replace("^3", "³")
-
-
-def in_crew_units(text: str) -> str:
-    """Write a quantity of a mission file in the units of the crew, where they chose some."""
-    return text

@@ -4,6 +4,8 @@ from importlib import import_module
 from typing import Protocol, cast
 
 from missionplan.rendering import Rendered
+from missionplan.report.crew.conversion import in_units, units_of
+from missionplan.report.crew.pages import page_in_units, section_in_units, terminal_in_units
 from missionplan.report.html.rendering import render_page
 from missionplan.report.page import Page, Terminal, style
 from missionplan.report.planned.section import planned_sections
@@ -24,15 +26,23 @@ class ReportModule(Protocol):
 def render_report(result: Result) -> Rendered:
     """Render a result as one self-contained page, its figures, and files for other programs."""
     made = result.provenance
+    units = units_of(made.data)
     with style():
         page = typeset_page(_module(result).page(result))
         planned = [typeset_section(section) for section in planned_sections(made)]
-    return render_page(page, planned, made, [typeset(notice) for notice in made.notices])
+    notices = [typeset(notice) for notice in made.notices]
+    if units:
+        page = page_in_units(page, units)
+        planned = [section_in_units(section, units) for section in planned]
+        notices = [in_units(notice, units) for notice in notices]
+    return render_page(page, planned, made, notices)
 
 
 def terminal_view(result: Result) -> Terminal:
     """Present a result for a terminal."""
-    return typeset_terminal(_module(result).terminal(result))
+    shown = typeset_terminal(_module(result).terminal(result))
+    units = units_of(result.provenance.data)
+    return terminal_in_units(shown, units) if units else shown
 
 
 def _module(result: Result) -> ReportModule:

@@ -5,10 +5,13 @@ Numbers are rounded where they are written (`numbers`); here their signs, groups
 
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from missionplan.report.page import Block, Figure, Listing, Page, PageSection, Table, Terminal
+
+Words = Callable[[str], str]
+"""Sets a text, or converts it."""
 
 _NARROW_SPACE, _NO_BREAK_SPACE, _MINUS = "\u202f", "\u00a0", "\u2212"
 _UNITS = (
@@ -40,26 +43,27 @@ def typeset(text: str) -> str:
     return _LONG_WHOLE.sub(lambda found: _GROUPS.sub(_NARROW_SPACE, found[0]), text)
 
 
-def typeset_page(page: Page) -> Page:
+def typeset_page(page: Page, words: Words = typeset) -> Page:
     """Set the texts of a page; listings stay as a program takes them."""
     return replace(
         page,
-        title=typeset(page.title),
-        answer=typeset(page.answer),
-        figure=_figure(page.figure) if page.figure else None,
-        numbers=[(typeset(label), typeset(value)) for label, value in page.numbers],
-        sections=[typeset_section(section) for section in page.sections],
+        title=words(page.title),
+        answer=words(page.answer),
+        figure=_figure(page.figure, words) if page.figure else None,
+        numbers=[(words(label), words(value)) for label, value in page.numbers],
+        sections=[typeset_section(section, words) for section in page.sections],
     )
 
 
-def typeset_section(section: PageSection) -> PageSection:
+def typeset_section(section: PageSection, words: Words = typeset) -> PageSection:
     """Set the texts of a section."""
-    return replace(section, heading=typeset(section.heading), blocks=[_block(block) for block in section.blocks])
+    return replace(section, heading=words(section.heading), blocks=[_block(block, words) for block in section.blocks])
 
 
-def typeset_terminal(shown: Terminal) -> Terminal:
+def typeset_terminal(shown: Terminal, words: Words = typeset) -> Terminal:
     """Set the texts of a terminal's view."""
-    return replace(shown, sentence=typeset(shown.sentence), columns=_cells(shown.columns), rows=_rows(shown.rows))
+    columns, rows = _cells(shown.columns, words), _rows(shown.rows, words)
+    return replace(shown, sentence=words(shown.sentence), columns=columns, rows=rows)
 
 
 def wrapped(sentence: str, width: int) -> str:
@@ -67,25 +71,25 @@ def wrapped(sentence: str, width: int) -> str:
     return textwrap.fill(sentence, max(width, 20), break_long_words=False, break_on_hyphens=False)
 
 
-def _block(block: Block) -> Block:
+def _block(block: Block, words: Words) -> Block:
     if isinstance(block, Listing):
         return block
     if isinstance(block, Figure):
-        return _figure(block)
+        return _figure(block, words)
     if isinstance(block, Table):
-        columns, rows = _cells(block.columns), _rows(block.rows)
-        return replace(block, columns=columns, rows=rows, caption=typeset(block.caption))
-    return typeset(block)
+        columns, rows = _cells(block.columns, words), _rows(block.rows, words)
+        return replace(block, columns=columns, rows=rows, caption=words(block.caption))
+    return words(block)
 
 
-def _figure(figure: Figure) -> Figure:
-    svg = re.sub(r"(?<=>)([^<>]*\S[^<>]*)(?=</t(?:ext|span)>)", lambda found: typeset(found[1]), figure.svg)
-    return replace(figure, svg=svg, alt=typeset(figure.alt), caption=typeset(figure.caption))
+def _figure(figure: Figure, words: Words) -> Figure:
+    svg = re.sub(r"(?<=>)([^<>]*\S[^<>]*)(?=</t(?:ext|span)>)", lambda found: words(found[1]), figure.svg)
+    return replace(figure, svg=svg, alt=words(figure.alt), caption=words(figure.caption))
 
 
-def _cells(cells: Sequence[str]) -> list[str]:
-    return [typeset(cell) for cell in cells]
+def _cells(cells: Sequence[str], words: Words) -> list[str]:
+    return [words(cell) for cell in cells]
 
 
-def _rows(rows: Sequence[Sequence[str]]) -> list[list[str]]:
-    return [_cells(row) for row in rows]
+def _rows(rows: Sequence[Sequence[str]], words: Words) -> list[list[str]]:
+    return [_cells(row, words) for row in rows]

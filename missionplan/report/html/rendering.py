@@ -11,6 +11,7 @@ from jinja2 import Environment, PackageLoader
 from markupsafe import Markup
 
 from missionplan.rendering import Rendered
+from missionplan.report.crew.conversion import given_units
 from missionplan.report.page import BLUE, GRID, INK, Block, Figure, Page, PageSection, Table
 from missionplan.results.base import Provenance, to_yaml
 
@@ -112,7 +113,8 @@ def inline(figure: Figure) -> Markup:
 def rerun_command(provenance: Provenance) -> str:
     """Write the command that reproduces the result from the folder's own `mission.yaml`."""
     options = [f"--{name.replace('_', '-')} {value}" for name, value in provenance.options.items() if _is_given(value)]
-    return " ".join(["missionplan", provenance.command, "mission.yaml", f"--seed {provenance.seed}", *options])
+    units = [f"--units {given_units()}"] if given_units() else []
+    return " ".join(["missionplan", provenance.command, "mission.yaml", f"--seed {provenance.seed}", *options, *units])
 
 
 def _is_given(value: object) -> bool:

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Mapping
 
-from missionplan.report.display_units import in_crew_units
 from missionplan.report.wording import in_words
 
 _QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\D.*?)?\s*")
@@ -20,7 +19,7 @@ def value_in_words(value: object) -> str:
         )
     if isinstance(value, list | tuple):
         return f"({', '.join(map(value_in_words, value))})"
-    return _degrees(in_crew_units(str(value)))
+    return _degrees(str(value))
 
 
 def _degrees(text: str) -> str:

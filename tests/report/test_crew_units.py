@@ -1,0 +1,74 @@
+"""Reports in the units of the crew: texts, columns, a whole page, and files that stay in SI."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from missionplan.errors import InputError
+from missionplan.mission import Mission, load
+from missionplan.report.crew.conversion import column_in_units, in_units, using_units
+from missionplan.report.render import render_report, terminal_view
+from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+
+
+@pytest.mark.parametrize(
+    ("text", "system", "expected"),
+    [
+        ("350\u00a0m", "imperial", "1148\u00a0ft"),
+        ("75 ft", "metric", "22.9\u00a0m"),
+        ("7.41\u00a0km", "nautical", "4.001\u00a0nmi"),
+        ("0.4 ± 0.1\u00a0kn", "metric", "0.21 ± 0.05\u00a0m/s"),
+        ("1.5 m/s", "nautical", "2.9\u00a0kn"),
+        ("11.8\u00a0N wet", "imperial", "2.65\u00a0lbf wet"),
+        ("−3 to 12 m", "imperial", "−10 to 39\u00a0ft"),
+        ("40 m", "nautical", "40 m"),
+        ("3 min, 20 mm, 4 m², 0.5 N m, 8 kg/m³, 12 W h", "imperial", "3 min, 20 mm, 4 m², 0.5 N m, 8 kg/m³, 12 W h"),
+        ("(0 m, 700 m)", "imperial", "(0\u00a0ft, 2297\u00a0ft)"),
+    ],
+)
+def test_quantities_of_a_text(text, system, expected):
+    assert in_units(text, system) == expected
+
+
+@given(st.floats(0.1, 9000.0), st.integers(0, 3), st.sampled_from(["imperial", "nautical", "metric"]))
+def test_a_converted_length_is_the_same_length(metres, decimals, system):
+    written = f"{metres:.{decimals}f}"
+    number, unit = in_units(f"{written} m", system).replace("\u202f", "").replace("\u00a0", " ").split()
+    size = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "mi": 1609.344, "nmi": 1852.0}[unit]
+    last = size * 10.0 ** -len(number.partition(".")[2])
+    assert abs(float(number) * size - float(written)) <= 0.5001 * last + 1e-9
+    assert last <= 2.1 * 10.0**-decimals + 1e-9 or size > 900.0
+
+
+def test_a_column_is_converted_whole_or_not_at_all():
+    assert column_in_units("radius (m)", ["15", "4.25 ± 0.10", "–"], "imperial") == (
+        "radius (ft)", ["49", "13.94 ± 0.33", "–"],
+    )  # fmt: skip
+    assert column_in_units("half axes (m)", ["18 (circle)", "5"], "imperial")[0] == "half axes (m)"
+
+
+def test_a_mission_or_the_run_chooses_the_units_and_the_summary_stays_in_si():
+    data = dict(load(MISSIONS / "fig8.yaml").raw)
+    plain = sweep_dmax(Mission.from_data(data), trials=20)
+    chosen = sweep_dmax(Mission.from_data({**data, "units": "nautical"}), trials=20)
+    assert "nmi" not in terminal_view(plain).sentence
+    assert "nmi" in terminal_view(chosen).sentence
+    unlike = ("created_utc", "elapsed_s")
+    assert {k: v for k, v in chosen.summary().items() if k not in unlike} == {
+        k: v for k, v in plain.summary().items() if k not in unlike
+    }
+    with using_units("imperial"):
+        html = render_report(plain).html
+    assert "\u00a0mi" in html
+    assert "--units imperial" in html
+    assert "nmi" in json.dumps(plain.provenance.data)
+
+
+def test_unknown_units_are_refused_with_what_is_known():
+    with pytest.raises(InputError, match=r"units.*nautical"):
+        Mission.from_data({"units": "naval"})
