@@ -1,4 +1,4 @@
-"""Commands that learn from measurements: diagnose, identify, score."""
+"""Commands that learn from measurements: diagnose, identify, score, history."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -34,6 +34,7 @@ def register(app: typer.Typer) -> None:
     app.command()(o.with_option_groups(diagnose))
     app.command()(o.with_option_groups(identify))
     app.command()(o.with_option_groups(score))
+    app.command()(o.with_option_groups(history))
 
 
 def diagnose(
@@ -113,3 +114,20 @@ def score(
     result = run_study(mission, "score", study, output, allow_outside=allow_outside, inputs=inputs)
     if isinstance(result, Score) and not result.is_within_chance:
         raise typer.Exit(OUTSIDE_CHANCE)
+
+
+def history(
+    folder: Annotated[
+        Path, typer.Argument(metavar="FOLDER", help="Holds reports of diagnose, at any depth.", show_default=False)
+    ],
+    *,
+    output: o.OutputOptions,
+) -> None:
+    """Draw how each learned parameter has moved from mission to mission, and when the vehicle changed.
+
+    Example: missionplan history reports
+    """
+    from missionplan.studies.history.history import history
+
+    report = checked_folder(output, folder.resolve().name, "history")
+    deliver(history(folder), report, output)

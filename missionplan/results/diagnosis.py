@@ -187,6 +187,7 @@ class Diagnosis(Result):
             "confirmed": self._confirmed_summary(),
             "explanations": [each.summary() for each in self.explanations],
             "changed": bool(self.changed),
+            "changed_effects": list(self.changed),
             "not_constant": list(self.not_constant),
             "none_of_these": self.none_of_these,
             "coverage_scale": self.coverage.scale if self.coverage is not None else 1.0,

@@ -1,0 +1,123 @@
+"""Report of `history`: each learned parameter from mission to mission, with its intervals, and where it changed."""
+
+import shlex
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.results.log_book.history import History, Learned
+
+MOST_PANELS = 12
+"""Parameters drawn, those with most values first."""
+COLUMNS = ("Parameter", "Report", "Value", "90 % interval", "State")
+
+
+def page(history: History) -> Page:
+    """Build the page of a history."""
+    folder = shlex.quote(str(history.provenance.options["folder"]))
+    order = "the missions' starts" if history.by_start else "the times at which the reports were made"
+    return Page(
+        title="What was learned from mission to mission",
+        answer=answer(history),
+        figure=_figure(history),
+        numbers=[
+            ("Diagnoses", str(len(history.reports))),
+            ("Parameters", str(len(history.parameters))),
+            ("Changes", str(len(history.changes))),
+        ],
+        sections=[PageSection("All values", [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)])],
+        verdict="",
+        rerun=f"missionplan history {folder}",
+    )
+
+
+def terminal(history: History) -> Terminal:
+    """Build the terminal's view."""
+    return Terminal(answer(history), COLUMNS, _rows(history))
+
+
+def answer(history: History) -> str:
+    """Say how many diagnoses there are, what changed last, and what held still."""
+    count = len(history.reports)
+    many = len(history.parameters)
+    known = f"{many} parameter{'' if many == 1 else 's'}"
+    words = f"{count} {'diagnosis' if count == 1 else 'diagnoses'} {'tells' if count == 1 else 'tell'} of {known}."
+    if not history.parameters:
+        return f"{count} {'diagnosis has' if count == 1 else 'diagnoses have'} learned no parameter."
+    changes = history.changes
+    if changes:
+        told = "; ".join(f"{_named(each)} in {each.report}, to {_valued(each)}" for each in changes[-3:])
+        return f"{words} Not as before: {told}."
+    followed = [entries for entries in history.parameters.values() if len(entries) > 1]
+    if not followed:
+        return f"{words} None was seen twice yet."
+    last = max(followed, key=len)
+    return f"{words} None changed: {_named(last[-1])} is {_valued(last[-1])} after {len(last)} diagnoses."
+
+
+def _named(entry: Learned) -> str:
+    return f"{entry.name.replace('_', ' ')} of {entry.effect.replace('-', ' ')}"
+
+
+def _valued(entry: Learned) -> str:
+    scale, unit = _scale(entry.unit)
+    return f"{scale * entry.value:.3g} ± {scale * entry.sd:.2g} {unit}".strip()
+
+
+def _scale(unit: str) -> tuple[float, str]:
+    """Factor and unit in which a value is shown: angles in degrees."""
+    return (float(np.degrees(1.0)), "°") if unit == "rad" else (1.0, unit)
+
+
+def _rows(history: History) -> list[list[str]]:
+    rows = []
+    for entries in history.parameters.values():
+        for each in entries:
+            scale, unit = _scale(each.unit)
+            interval = f"{scale * each.low:.3g} to {scale * each.high:.3g} {unit}".strip()
+            state = "changed" if each.is_change else each.state
+            rows.append([_named(each), each.report, _valued(each), interval, state])
+    return rows
+
+
+def _figure(history: History) -> Figure | None:
+    """Draw each parameter over the diagnoses; vertical lines where it was no longer as before."""
+    drawn = sorted(history.parameters.values(), key=lambda entries: -len(entries))[:MOST_PANELS]
+    if not drawn:
+        return None
+    columns = 1 if len(drawn) == 1 else 2
+    rows = -(-len(drawn) // columns)
+    figure = MatplotlibFigure(figsize=(6.4, 0.7 + 1.7 * rows))
+    panels = figure.subplots(rows, columns, sharex=True, squeeze=False).ravel()
+    place = {report: index + 1 for index, report in enumerate(history.reports)}
+    for axes, entries in zip(panels, drawn, strict=False):
+        _panel(axes, entries, place)
+    for axes in panels[len(drawn) :]:
+        axes.set_axis_off()
+    for axes in panels[max(len(drawn) - columns, 0) : len(drawn)]:
+        axes.set_xlabel("Diagnosis")
+        axes.xaxis.set_tick_params(labelbottom=True)
+    panels[0].set_xlim(0.5, len(history.reports) + 0.5)
+    panels[0].set_xticks(range(1, len(history.reports) + 1))
+    return to_figure(
+        figure,
+        "history",
+        alt="Learned parameters from mission to mission with their 90 % intervals",
+        caption=(
+            "What each diagnosis left of each parameter, with its 90 % interval; a dashed line stands where it was no "
+            "longer as before. Numbers are those of the reports in the table, in the order of time."
+        ),
+    )
+
+
+def _panel(axes: Axes, entries: list[Learned], place: dict[str, int]) -> None:
+    scale, unit = _scale(entries[-1].unit)
+    for entry in entries:
+        at, colour = place[entry.report], ORANGE if entry.is_change else BLUE
+        if entry.is_change:
+            axes.axvline(at - 0.5, color=GREY, linestyle="--", linewidth=1.0)
+        axes.vlines(at, scale * entry.low, scale * entry.high, color=colour, linewidth=1.6)
+        axes.plot(at, scale * entry.value, "o", color=colour, markersize=4.0)
+    axes.set_title(f"{_named(entries[-1])}{f' ({unit})' if unit else ''}", fontsize=9)

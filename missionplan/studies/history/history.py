@@ -1,0 +1,151 @@
+"""`history`: read the reports of `diagnose` below a folder, and follow each parameter through them."""
+
+import json
+import math
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from missionplan.errors import InputError, Problem
+from missionplan.mission.reading.documents import load_document, read_text
+from missionplan.results.base import Provenance
+from missionplan.results.log_book.history import History, Learned, State
+from missionplan.store.paths import as_path
+
+
+@dataclass(frozen=True)
+class _Report:
+    """A report of `diagnose`: its place, its summary, and the start of its mission."""
+
+    place: str
+    summary: Mapping[str, object]
+    start: str
+
+    @property
+    def created(self) -> str:
+        return str(self.summary.get("created_utc", ""))
+
+
+def history(folder: str | Path) -> History:
+    """Follow learned parameters from mission to mission.
+
+    Reports are in the order of their missions' `start` where all have one, else of the time at which they were made.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Holds report folders of `diagnose`, at any depth.
+
+    Raises
+    ------
+    InputError
+        When there is no such folder, or no report in it, or one cannot be read.
+    """
+    began = time.perf_counter()
+    root = as_path(folder, "folder")
+    if not root.is_dir():
+        raise InputError([Problem("no such folder", str(root))])
+    places = sorted(path.parent for path in root.rglob("diagnosis.json") if (path.parent / "summary.json").is_file())
+    if not places:
+        raise InputError([Problem("holds no report of diagnose (summary.json beside diagnosis.json)", str(root))])
+    reports = [_read(place, root) for place in places]
+    by_start = all(report.start for report in reports)
+    reports.sort(key=lambda report: (_moment(report.start if by_start else report.created), report.place))
+    entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
+    missions = dict.fromkeys(str(report.summary.get("mission", "")) for report in reports)
+    provenance = Provenance(
+        command="history",
+        mission=", ".join(missions),
+        file="",
+        seed=0,
+        trials=0,
+        options={"folder": str(root)},
+        elapsed_s=time.perf_counter() - began,
+        data={"folder": str(root), "reports": [report.place for report in reports]},
+    )
+    return History(provenance, tuple(report.place for report in reports), tuple(_with_jumps(entries)), by_start)
+
+
+def _read(place: Path, root: Path) -> _Report:
+    """Read a report.
+
+    Raises
+    ------
+    InputError
+        When its summary is no JSON of a diagnosis.
+    """
+    file = place / "summary.json"
+    try:
+        summary = json.loads(read_text(file, str(file)))
+    except ValueError as error:
+        raise InputError([Problem(f"is no JSON: {error}", str(file))]) from None
+    if not isinstance(summary, dict) or not isinstance(summary.get("ranking"), list):
+        raise InputError([Problem("is not the summary of a diagnosis", str(file))])
+    mission = load_document(place / "mission.yaml").data if (place / "mission.yaml").is_file() else {}
+    return _Report(place.relative_to(root).as_posix(), summary, str(mission.get("start") or ""))
+
+
+def _moment(text: str) -> datetime:
+    """Time of a report; without a zone it is UTC."""
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
+        return datetime.min.replace(tzinfo=UTC)
+    return moment if moment.tzinfo else moment.replace(tzinfo=UTC)
+
+
+def _learned(report: _Report, moment: str) -> Iterator[Learned]:
+    """Yield what a diagnosis says of each parameter: of its causes, and of what the mission knew."""
+    summary = report.summary
+    best = _mappings(summary.get("ranking"))[:1] if summary.get("causes") else []
+    for parameter in [each for entry in best for each in _mappings(entry.get("parameters"))]:
+        changed = bool(summary.get("changed")) and _was_known(summary, str(parameter["effect"]))
+        yield _entry(report, moment, parameter, parameter, "changed" if changed else "found")
+    for each in _mappings(summary.get("confirmed")):
+        yield from (_entry(report, moment, each, value, "confirmed") for value in _mappings([each.get("posterior")]))
+
+
+def _was_known(summary: Mapping[str, object], effect: str) -> bool:
+    """Whether the mission that was diagnosed had an effect."""
+    known = summary.get("changed_effects")
+    return effect in known if isinstance(known, list) else True
+
+
+def _entry(
+    report: _Report, moment: str, named: Mapping[str, object], value: Mapping[str, object], state: State
+) -> Learned:
+    numbers = {key: _number(value.get(key)) for key in ("value", "sd", "low", "high")}
+    return Learned(
+        report=report.place,
+        mission=str(report.summary.get("mission", "")),
+        dataset=str(report.summary.get("dataset", "")),
+        time=moment,
+        effect=str(named["effect"]),
+        name=str(named["name"]),
+        unit=str(value.get("unit", "")),
+        state=state,
+        **numbers,
+    )
+
+
+def _number(value: object) -> float:
+    return float(value) if isinstance(value, int | float) else math.nan
+
+
+def _mappings(value: object) -> list[Mapping[str, object]]:
+    return [each for each in value if isinstance(each, dict)] if isinstance(value, list) else []
+
+
+def _with_jumps(entries: list[Learned]) -> Iterator[Learned]:
+    """Add how far each value found anew lies from the one before."""
+    last: dict[tuple[str, str], Learned] = {}
+    for entry in entries:
+        before = last.get(entry.key)
+        last[entry.key] = entry
+        spread = 0.0 if before is None else math.hypot(entry.sd, before.sd)
+        if before is None or entry.state != "found" or not spread > 0.0:
+            yield entry  # a posterior has its prior in it: their difference is not that of two measurements
+        else:
+            yield replace(entry, jump=(entry.value - before.value) / spread)

@@ -1,0 +1,101 @@
+"""Parameters from mission to mission: read from reports, in the order of time, with changes."""
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+
+import missionplan
+
+
+def report(
+    root: Path,
+    name: str,
+    created: str,
+    *,
+    found: dict[str, tuple[float, float]] | None = None,
+    confirmed: dict[str, tuple[float, float]] | None = None,
+    changed: tuple[str, ...] = (),
+    start: str = "",
+) -> None:
+    """Write what `diagnose` writes of a compass and other effects of one parameter in degrees."""
+
+    def numbers(value: float, sd: float) -> dict[str, object]:
+        return {"value": value, "sd": sd, "low": value - 1.645 * sd, "high": value + 1.645 * sd, "unit": "rad"}
+
+    folder = root / name
+    folder.mkdir(parents=True)
+    parameters = [{"effect": key, "name": "angle", **numbers(*value)} for key, value in (found or {}).items()]
+    summary = {
+        "mission": "made",
+        "dataset": name,
+        "created_utc": created,
+        "causes": list(found or {}),
+        "ranking": [{"parameters": parameters}],
+        "confirmed": [
+            {"effect": key, "name": "angle", "prior": {}, "posterior": numbers(*value)}
+            for key, value in (confirmed or {}).items()
+        ],
+        "changed": bool(changed),
+        "changed_effects": list(changed),
+    }
+    (folder / "summary.json").write_text(json.dumps(summary))
+    (folder / "diagnosis.json").write_text("{}")
+    (folder / "mission.yaml").write_text(yaml.safe_dump({"name": "made", **({"start": start} if start else {})}))
+
+
+def test_parameters_are_followed_in_the_order_of_time(tmp_path: Path) -> None:
+    report(tmp_path, "c", "2026-05-03T00:00:00+00:00", found={"compass-bias": (0.10, 0.01)}, changed=("compass-bias",))
+    report(tmp_path, "a", "2026-05-01T00:00:00+00:00", found={"compass-bias": (0.05, 0.01)})
+    report(tmp_path, "deep/b", "2026-05-02T00:00:00+00:00", confirmed={"compass-bias": (0.049, 0.006)})
+    found = missionplan.history(tmp_path)
+    assert found.reports == ("a", "deep/b", "c")
+    (entries,) = found.parameters.values()
+    assert [each.state for each in entries] == ["found", "confirmed", "changed"]
+    assert [each.value for each in entries] == [0.05, 0.049, 0.10]
+    assert [each.report for each in found.changes] == ["c"]
+
+
+def test_starts_of_the_missions_go_before_the_times_of_the_reports(tmp_path: Path) -> None:
+    """Old missions may be diagnosed late."""
+    report(tmp_path, "a", "2026-05-09T00:00:00Z", found={"compass-bias": (0.05, 0.01)}, start="2026-01-01T00:00:00Z")
+    report(tmp_path, "b", "2026-05-01T00:00:00Z", found={"compass-bias": (0.05, 0.01)}, start="2026-02-01T00:00:00Z")
+    assert missionplan.history(tmp_path).reports == ("a", "b")
+
+
+def test_values_found_afresh_that_differ_are_a_change(tmp_path: Path) -> None:
+    """Two fresh estimates 0.05 apart with 0.01 each: 3.5 standard deviations of their difference; 0.03 apart: 2.1."""
+    for last, changes in ((0.10, 1), (0.08, 0)):
+        root = tmp_path / str(last)
+        report(root, "a", "2026-05-01T00:00:00Z", found={"compass-bias": (0.05, 0.01)})
+        report(root, "b", "2026-05-02T00:00:00Z", found={"compass-bias": (last, 0.01)})
+        assert len(missionplan.history(root).changes) == changes
+
+
+def test_what_is_new_beside_a_change_is_not_a_change(tmp_path: Path) -> None:
+    found = {"compass-bias": (0.10, 0.01), "speed-scale": (0.02, 0.01)}
+    report(tmp_path, "a", "2026-05-01T00:00:00Z", found=found, changed=("compass-bias",))
+    assert [each.effect for each in missionplan.history(tmp_path).changes] == ["compass-bias"]
+
+
+def test_the_report_names_the_change(tmp_path: Path) -> None:
+    report(tmp_path / "in", "a", "2026-05-01T00:00:00Z", found={"compass-bias": (0.05, 0.01)})
+    report(
+        tmp_path / "in", "b", "2026-05-02T00:00:00Z", found={"compass-bias": (0.10, 0.01)}, changed=("compass-bias",)
+    )
+    folder = missionplan.history(tmp_path / "in").save(tmp_path / "out")
+    assert "Not as before: angle of compass bias in b" in (folder / "report.html").read_text()
+    assert (folder / "history.csv").read_text().count("\n") == 3
+    assert (folder / "figures" / "history.svg").is_file()
+
+
+def test_a_folder_without_reports_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(missionplan.InputError, match="holds no report of diagnose"):
+        missionplan.history(tmp_path)
+    with pytest.raises(missionplan.InputError, match="no such folder"):
+        missionplan.history(tmp_path / "none")
+    (tmp_path / "summary.json").write_text("[")
+    (tmp_path / "diagnosis.json").write_text("{}")
+    with pytest.raises(missionplan.InputError, match="is no JSON"):
+        missionplan.history(tmp_path)
