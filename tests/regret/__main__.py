@@ -8,6 +8,7 @@ last one ended.
 
 import argparse
 import csv
+import itertools
 import json
 import sys
 import tempfile
@@ -40,15 +41,18 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=300_000, help="of the first case")
     parser.add_argument("--results", type=Path, default=Path("regret.jsonl"), help="file that is continued")
     parser.add_argument("--minutes", type=float, default=np.inf, help="start no further case after this time")
+    parser.add_argument("--kind", choices=tuple(TRIALS), help="run these alone")
     options = parser.parse_args(words)
-    done = read(options.results)
-    until, number = time.monotonic() + 60.0 * options.minutes, len(done)
+    done, until = read(options.results), time.monotonic() + 60.0 * options.minutes
+    known = {each["seed"] for each in done}
+    seeds = (
+        seed for seed in itertools.count(options.seed) if seed not in known and options.kind in (None, _kind(seed))
+    )
     while sum(_in_doubt(each) for each in done) < options.cases and time.monotonic() < until:
-        done.append(run_case(options.seed + number))
+        done.append(run_case(next(seeds)))
         with options.results.open("a", encoding="utf-8") as file:
             file.write(json.dumps(done[-1]) + "\n")
-        number += 1
-        print(f"\r{number} drawn, {sum(_in_doubt(each) for each in done)} in doubt", end="", file=sys.stderr)
+        print(f"\r{len(done)} drawn, {sum(_in_doubt(each) for each in done)} in doubt", end="", file=sys.stderr)
     print(file=sys.stderr)
     print(table(done))
     return 0
@@ -61,7 +65,7 @@ def read(file: Path) -> list[dict[str, Any]]:
 
 def run_case(seed: int) -> dict[str, Any]:
     """Draw, diagnose and plan one case: dives of an even seed, legs of an odd one."""
-    case = draw_dives(seed) if seed % 2 == 0 else draw_legs(seed)
+    case = draw_dives(seed) if _kind(seed) == "dives" else draw_legs(seed)
     (cause,) = case.truth
     found: dict[str, Any] = {"seed": seed, "kind": case.kind, "truth": cause}
     base = Mission.from_data(case.mission)
@@ -97,6 +101,10 @@ def regrets(case: Hidden, base: Mission, diagnosis: Diagnosis) -> dict[str, floa
         return {}
     missions = dict(zip(WAYS, (averaged, best, base), strict=True))
     return {way: choose(mission, trials).regret(truth) for way, mission in missions.items()}
+
+
+def _kind(seed: int) -> str:
+    return "dives" if seed % 2 == 0 else "legs"
 
 
 def _in_doubt(result: Mapping[str, Any]) -> bool:

@@ -46,12 +46,12 @@ class Hidden:
 
 
 def draw_dives(seed: int) -> Hidden:
-    """Draw a mooring to plan, and one to three dives of one weight that were made before it."""
+    """Draw a mooring to plan, and two or three dives of one weight that were made before it."""
     rng = np.random.default_rng([seed, 71])
     shape, noise_rng = rng.spawn(2)
     plan = draw_plan(shape, "tie", ())
     weight, line, site = plan.dives[0].wet_weight, plan.dives[0].line, plan.site_depth
-    count = int(rng.integers(1, 4))
+    count = int(rng.integers(2, 4))
     dives = tuple(replace(plan.dives[0], wet_weight=weight, line=line, site_depth=site, number=k) for k in range(count))
     plan = replace(plan, dives=dives, vehicle_form="inline")
     effect, truth = _cause(str(rng.choice(CAUSES)), rng, plan.craft, weight)
@@ -63,6 +63,7 @@ def draw_dives(seed: int) -> Hidden:
     moor = mission["phases"][0]["moor"]
     moor["radius"] = f"{current * site / rng.uniform(0.7, 1.2) + 3.0:.1f} m"
     moor["carry_net_buoyancy"] = True
+    moor["line_length"] = "8 m"  # so that an anchor heavy enough does not take the vehicle to the seafloor
     return Hidden("dives", mission, dataset, header, rows, truth)
 
 

@@ -19,7 +19,7 @@ def draw_legs(seed: int) -> Hidden:
     middle = rng.uniform(0.0, 2.0 * np.pi)
     heading = middle + np.radians(10.0) * rng.uniform(-1.0, 1.0, count)
     time = rng.uniform(500.0, 1100.0, count)
-    turn, pace, current, truth = _cause(str(rng.choice(CAUSES)), rng, speed, float(np.sum(time + SURFACING)))
+    turn, pace, current, truth = _cause(str(rng.choice(CAUSES)), rng, middle, float(np.sum(time + SURFACING)))
     rows, start, here = [], 0.0, np.zeros(2)
     for number in range(count):
         made = heading[number] + turn
@@ -40,7 +40,7 @@ def _along(heading: float) -> np.ndarray:
     return np.array([np.sin(heading), np.cos(heading)])
 
 
-def _cause(name: str, rng: np.random.Generator, speed: float, span: float) -> tuple[float, float, Any, dict[str, Any]]:
+def _cause(name: str, rng: np.random.Generator, middle: float, span: float) -> tuple[float, float, Any, dict[str, Any]]:
     """Turn of the course, factor on the speed, displacement by a current over a leg, and the truth of one cause."""
     sign = 1.0 if rng.random() < 0.5 else -1.0
 
@@ -54,7 +54,10 @@ def _cause(name: str, rng: np.random.Generator, speed: float, span: float) -> tu
         size = sign * np.radians(rng.uniform(2.0, 8.0))
         return size, 1.0, still, {name: {"angle": f"{size} rad"}}
     if name == "mean-current":
-        velocity = rng.uniform(0.05, 0.15) * _along(rng.uniform(0.0, 2.0 * np.pi))
+        quarter = (
+            0.5 * np.pi * rng.integers(4)
+        )  # along the legs or across them: else they show that it is none of these
+        velocity = rng.uniform(0.05, 0.15) * _along(middle + quarter + rng.uniform(-0.1, 0.1))
         return 0.0, 1.0, lambda start, time: velocity * time, {name: _components(velocity)}
     size, memory = rng.uniform(0.05, 0.12), rng.uniform(0.2, 1.0) * span
     t = np.arange(0.0, 1.2 * span, 30.0)
