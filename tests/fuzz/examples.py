@@ -38,12 +38,22 @@ def _rich(starter: dict) -> dict:
         {"compass-bias": {"angle": {"mean": "0 deg", "sd": "2 deg"}}},
         {"mean-current": {"east": "0.05 m/s", "north": {"low": "-0.05 m/s", "high": "0.05 m/s"}}},
         {"line-payout": {"delay_per_length": "0.1 s/m"}},
+        {"one-of": [_explanation(0.6, "speed-scale", "fraction"), _explanation(0.3, "drag-bias", "fraction")]},
     ]
     data["correlations"] = [{"between": ["site.current[0].speed", "site.current[1].speed"], "rho": 0.5}]
     data["sweep"] = {"d_max": {"from": 0.1, "to": 1.0, "points": 4, "of": "distance"}, "sigma": ["0.03 m/s"]}
     data["site"]["depth"] = {"choices": ["30 m", "31 m"]}
     data["navigation"]["surfacing_time"] = {"median": "90 s", "factor": 1.2}
     return data
+
+
+def _explanation(probability: float, effect: str, parameter: str) -> dict:
+    effects = [
+        {effect: {parameter: {"mean": 0.01, "sd": 0.02}}},
+        {"surface-drift": {"east": {"mean": "0 m/s", "sd": "0.1 m/s"}}},
+    ]
+    pair = {"between": [f"{effect}.{parameter}", "surface-drift.east"], "rho": 0.3}
+    return {"probability": probability, "effects": effects, "correlations": [pair]}
 
 
 def mission(name: str) -> dict:

@@ -25,8 +25,8 @@ def explanation_in_words(outcome: Outcome) -> str:
     if success_differs(tried):
         ends = f"{low} with {label(worst.causes)}, {high} with {label(best.causes)}"
         return f"It depends on which explanation holds: it succeeds {ends}."
-    ends = f"{low} to {high}" if low != high else f"in {low} of the trials"
-    return f"Whichever explanation holds, it succeeds as often, as far as the trials can tell ({ends})."
+    ends = f" ({low} to {high})" if low != high else ""
+    return f"Whichever explanation holds, it succeeds as often, as far as the trials can tell{ends}."
 
 
 def explanation_sections(outcome: Outcome) -> Iterator[PageSection]:
