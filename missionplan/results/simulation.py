@@ -214,6 +214,8 @@ class Outcome(Result):
         What to know if the vehicle does not come back; None where too few trials come back.
     explanations : tuple of ExplainedOutcome
         The same trials by the explanation that holds in each; empty for a mission without doubts.
+    members : tuple of ExplainedOutcome
+        The same trials by the member of the current's ensemble that each sails in; empty without an ensemble.
     """
 
     report: ClassVar[str] = "simulation.page"
@@ -234,6 +236,7 @@ class Outcome(Result):
     plan: Plan | None = None
     overdue: Overdue | None = None
     explanations: tuple[ExplainedOutcome, ...] = ()
+    members: tuple[ExplainedOutcome, ...] = ()
 
     @property
     def trials(self) -> pd.DataFrame:
@@ -270,6 +273,11 @@ class Outcome(Result):
             "failed_blocks": list(self.failed_blocks),
             "overdue": self.overdue.summary() if self.overdue else None,
             "explanations": [each.summary() for each in self.explanations],
+            "members": [
+                {("member" if key == "causes" else key): value for key, value in each.summary().items()}
+                | {"member": each.causes[0]}
+                for each in self.members
+            ],
         }
 
     def to_frame(self) -> pd.DataFrame:

@@ -13,6 +13,8 @@ from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.draws import JointDistribution
 from missionplan.montecarlo.streams import BLOCK, BlockStreams, NormalSource
 from missionplan.phases.currents import Current, LayeredCurrent, layers
+from missionplan.phases.fields.ensemble import Ensemble
+from missionplan.phases.fields.forecast_error import ErringCurrent
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.transit.compensation import Compensation, Forecast, compensation_named
 from missionplan.phases.transit.kalman_filter import DriftFilter
@@ -20,7 +22,7 @@ from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitPlan
 from missionplan.physics.energy import propulsive_power
 from missionplan.scenario.carried_anchor import carried_anchor
-from missionplan.scenario.currents.drawn_current import error_statistics, with_error
+from missionplan.scenario.currents.drawn_current import MEMBER, error_statistics, with_error, with_member
 from missionplan.scenario.drawn_mission import DrawnMission
 from missionplan.scenario.drift_model import DriftSample, drift_model
 from missionplan.scenario.propulsion import PropelledVehicle
@@ -71,9 +73,13 @@ class Scenario(DrawnMission):
         """Draw trials from a source of normals; as `sampled`."""
         draws = {**self.draws, **self._joint.draw_from(source, size)}
         drawn = replace(self, draws=draws, expected=self)._with_shaft_speeds()
-        if self.recorded is None or (statistics := error_statistics(self.mission, draws)) is None:
+        if self.recorded is None:
             return drawn
-        return replace(drawn, sailed=with_error(self.recorded, statistics, source, size))
+        member = with_member(self.recorded, source, size)
+        if isinstance(member, Ensemble) and member.chosen is not None:
+            drawn = replace(drawn, draws={**drawn.draws, MEMBER: member.chosen.astype(float)})
+        sailed = with_error(member, error_statistics(self.mission, draws), source, size)
+        return replace(drawn, sailed=sailed)
 
     @cached_property
     def _joint(self) -> JointDistribution:
@@ -99,7 +105,8 @@ class Scenario(DrawnMission):
     @property
     def uncertain(self) -> Sequence[str]:
         """The quantities that are distributions, by key path."""
-        return tuple(self.means._joint.marginals)
+        member = [MEMBER] if MEMBER in self.draws else []
+        return (*self.means._joint.marginals, *member)
 
     @cached_property
     def current(self) -> Current | None:
@@ -194,11 +201,12 @@ class Scenario(DrawnMission):
         return compensation_named(way, forecast, covariance, self.fix_error)
 
     def _drift_sample(self, phase: TransitPhase) -> DriftSample:
+        current = self.current
         return DriftSample(
             trials=self.trials,
             velocity_error=self.velocity_error.mean,
-            current=self.current,
-            is_recorded=self.recorded is not None,
+            current=current.forecast if isinstance(current, ErringCurrent) else current,
+            is_recorded=self.recorded is not None and not isinstance(self.recorded, Ensemble),
             depth=self[f"{phase.name}.depth"],
             surfacing_time=self.surfacing_time,
             effects=self.transit_effects,

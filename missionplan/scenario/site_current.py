@@ -14,6 +14,7 @@ from missionplan.mission.reading.includes import REMOTE
 from missionplan.mission.schema.site import CurrentFile, Geographic, TidalCurrent
 from missionplan.mission.views import required_origin
 from missionplan.phases.currents import Current
+from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.phases.recorded_currents import RecordedCurrent, SeriesCurrent
 from missionplan.scenario.currents.tide_forecast import tidal_stream
 from missionplan.store.paths import matching
@@ -41,7 +42,7 @@ def recorded_current(mission: Mission, also: Array | None = None) -> Current | N
     written = current_source(mission)
     if written is None:
         return None
-    return replace(_read(mission, written, written.file, also), outside=written.outside)
+    return replace(_members(mission, written, also), outside=written.outside)
 
 
 def current_source(mission: Mission) -> CurrentFile | None:
@@ -68,7 +69,29 @@ def is_netcdf(name: str) -> bool:
     return name.startswith(REMOTE) or Path(name).suffix.lower() in NETCDF
 
 
-def _read(mission: Mission, written: CurrentFile, name: str, also: Array | None) -> RecordedCurrent:
+def _members(mission: Mission, written: CurrentFile, also: Array | None) -> RecordedCurrent:
+    """Read the current, or all members of an ensemble: files of their own, or along a dimension of one."""
+    names: list[tuple[str, int | None, str]] = [(name, None, Path(name).name) for name in written.members]
+    if len(names) == 1 and is_netcdf(written.members[0]):
+        from missionplan.scenario.currents.field import member_count
+
+        count = member_count(matching(written.members[0]), written.members[0])
+        if count > 1:
+            names = [(written.members[0], number, f"member {number + 1}") for number in range(count)]
+    if len(names) == 1:
+        return _read(mission, written, written.members[0], also)
+    weights = written.weights or (1.0,) * len(names)
+    if len(weights) != len(names):
+        message = f"{len(weights)} weights for {len(names)} members"
+        raise InputError([Problem(message, mission.file, key="site.current.weights")])
+    shown = [name for *_, name in names]
+    shown = shown if len(set(shown)) == len(shown) else [name for name, *_ in names]
+    return Ensemble.of([_read(mission, written, name, also, number) for name, number, _ in names], shown, weights)
+
+
+def _read(
+    mission: Mission, written: CurrentFile, name: str, also: Array | None, member: int | None = None
+) -> RecordedCurrent:
     if not is_netcdf(name):
         return _read_csv(mission, written, name)
     if written.start is not None:
@@ -84,7 +107,7 @@ def _read(mission: Mission, written: CurrentFile, name: str, also: Array | None)
     start = np.datetime64(mission.start.replace(tzinfo=None) if moment is None else round(moment * 1e9), "ns")
     places = _places(mission, origin)
     places = places if also is None else np.hstack((places, also))
-    return read_field(matching(name), Area(origin, start, places, written.projection), name)
+    return read_field(matching(name), Area(origin, start, places, written.projection), name, member)
 
 
 def _read_csv(mission: Mission, written: CurrentFile, name: str) -> SeriesCurrent:

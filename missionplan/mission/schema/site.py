@@ -15,6 +15,7 @@ _FixedSignedSpeed = Annotated[float, ReadBy(QuantityParser("m/s", low=-12.0, hig
 _LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
 Latitude = Annotated[float, ReadBy(_LATITUDE)]
 PositiveDuration = Annotated[Quantity, ReadBy(QuantityParser("s", low=0.0, open_low=True))]
+Weight = Annotated[float, ReadBy(QuantityParser("", low=0.0, fixed=True))]
 SlopeAngle = Annotated[Quantity, ReadBy(QuantityParser("rad", low=0.0, high=1.0))]
 """Steeper than 57° is a cliff, on which nothing lies."""
 
@@ -75,10 +76,12 @@ class CurrentFile(FileSection):
     coordinates are metres, such as ``EPSG:32610``, or ``local`` for metres from the origin. `outside` is for what is
     beyond the record's times, depths and places: `error`, a trial that leaves it fails; `hold`, the values at its end;
     `zero`, no current. `start`: when the seconds of a CSV record begin to count, UTC; without it, at the mission's.
-    `error`: by how much the current differs from it.
+    `error`: by how much the current differs from it. Of an ensemble `file` lists the members, or the file has a
+    dimension of members; `weights`: their probabilities, in any scale.
     """
 
-    file: str
+    file: str | tuple[str, ...]
+    weights: tuple[Weight, ...] | None = None
     start: datetime | None = None
     projection: str | None = None
     outside: Literal["error", "hold", "zero"] = "error"
@@ -87,7 +90,18 @@ class CurrentFile(FileSection):
     @property
     def members(self) -> tuple[str, ...]:
         """Path, pattern or address of each member of an ensemble; one where it is none."""
-        return (self.file,)
+        return (self.file,) if isinstance(self.file, str) else self.file
+
+    @model_validator(mode="after")
+    def _weighted(self) -> "CurrentFile":
+        if isinstance(self.file, tuple) and len(self.file) < 2:
+            raise invalid("an ensemble has two members or more; a single file is no list", ("file",))
+        if self.weights is not None:
+            if isinstance(self.file, tuple) and len(self.weights) != len(self.file):
+                raise invalid(f"{len(self.weights)} weights for {len(self.file)} members", ("weights",))
+            if not sum(self.weights) > 0.0:
+                raise invalid("expected at least one weight above zero", ("weights",))
+        return self
 
 
 class TidalConstituent(FileSection):

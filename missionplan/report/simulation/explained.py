@@ -1,12 +1,12 @@
 """What a mission does under each explanation that it carries, and whether it is worth finding out which holds."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from missionplan.report.display_units import unit_for
 from missionplan.report.numbers import percent, share, span
 from missionplan.report.page import PageSection, Table
 from missionplan.report.wording import in_words
-from missionplan.results.explained import label, success_differs
+from missionplan.results.explained import ExplainedOutcome, label, success_differs
 from missionplan.results.simulation import Outcome, Sensitivity
 
 SMALL = 0.05
@@ -29,34 +29,62 @@ def explanation_in_words(outcome: Outcome) -> str:
     return f"Whichever explanation holds, it succeeds as often, as far as the trials can tell{ends}."
 
 
+def member_in_words(outcome: Outcome) -> str:
+    """Write in a sentence which member of the current's ensemble spoils the mission; empty without an ensemble."""
+    tried = sorted((each for each in outcome.members if each.trials), key=lambda each: each.success.value)
+    if not tried:
+        return ""
+    worst, best = tried[0], tried[-1]
+    low, high = share(worst.success), share(best.success)
+    if success_differs(tried):
+        return f"It depends on the forecast: it succeeds {low} in {worst.causes[0]}, {high} in {best.causes[0]}."
+    ends = f"{low} to {high}" if low != high else f"in {low} of the trials"
+    return f"In each member of the current's ensemble it succeeds as often, as far as the trials can tell ({ends})."
+
+
+def member_sections(outcome: Outcome) -> Iterator[PageSection]:
+    """Tabulate the members of the current's ensemble, the worst first."""
+    if outcome.members:
+        tried = sorted(outcome.members, key=lambda each: each.success.value if each.trials else 2.0)
+        note = "Each trial sails in one member of the ensemble; a row has the trials that sail in it."
+        columns = ("member", *_COLUMNS[1:])
+        rows = [(each.causes[0], *row[1:]) for each, row in zip(tried, _rows(outcome, tried), strict=True)]
+        words = [_worth(found, "member") for found in _by_place(outcome, outcome.members)]
+        yield PageSection("Which member of the ensemble spoils it", [*words, Table(columns, rows, note)])
+
+
 def explanation_sections(outcome: Outcome) -> Iterator[PageSection]:
     """Tabulate the explanations, and say how much of the variance is due to which of them holds."""
-    if not outcome.explanations:
-        return
+    if outcome.explanations:
+        words = [_worth(found, "cause") for found in _by_place(outcome, outcome.explanations)]
+        note = "Each trial draws which explanation holds; a row has the trials in which it does."
+        rows = _rows(outcome, outcome.explanations)
+        yield PageSection("Which explanation holds", [*words, Table(_COLUMNS, rows, note)])
+
+
+def _rows(outcome: Outcome, explained: Sequence[ExplainedOutcome]) -> list[tuple[str, ...]]:
     rows = []
-    for each in outcome.explanations:
+    for each in explained:
         ranges = []
         for key, statistic in (("duration_s", each.duration), ("energy_wh", each.energy)):
             unit = unit_for("total", key, outcome.provenance.data, typical=statistic.p50)
             low, _, high = span(statistic, unit)
             ranges.append("–" if not statistic.count else f"{low} to {high}{unit.suffix}")
         rows.append((label(each.causes), f"{100.0 * each.probability:.1f} %", percent(each.success), *ranges))
-    words = [_worth(found) for found in _by_place(outcome)]
-    note = "Each trial draws which explanation holds; a row has the trials in which it does."
-    yield PageSection("Which explanation holds", [*words, Table(_COLUMNS, rows, note)])
+    return rows
 
 
-def _by_place(outcome: Outcome) -> list[list[Sensitivity]]:
-    """Influences of which explanation holds, of each of the mission's doubts."""
-    places = dict.fromkeys(each.place for each in outcome.explanations)
+def _by_place(outcome: Outcome, explained: Sequence[ExplainedOutcome]) -> list[list[Sensitivity]]:
+    """Influences of which explanation holds, of each of the mission's doubts, or of which member."""
+    places = dict.fromkeys(each.place for each in explained)
     found = [[s for s in outcome.sensitivities if s.source == place and s.output in _MATTERS] for place in places]
     return [each for each in found if each]
 
 
-def _worth(found: list[Sensitivity]) -> str:
+def _worth(found: list[Sensitivity], what: str) -> str:
     """Say for which share of the variance it matters which explanation holds, and whether to find out."""
     shares = [f"{_percent(each.first_order)} of the variance of the {in_words(each.output)}" for each in found]
-    words = f"Which cause it is matters for {', '.join(shares)}"
+    words = f"Which {what} it is matters for {', '.join(shares)}"
     if all(each.first_order < SMALL for each in found):
         return f"{words}: no need to find out."
     return f"{words}: find out what you can before you rely on the plan."

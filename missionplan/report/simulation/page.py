@@ -12,7 +12,12 @@ from missionplan.report.held_vehicle import hold_section
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Page, Terminal
 from missionplan.report.simulation import sections
-from missionplan.report.simulation.explained import explanation_in_words, explanation_sections
+from missionplan.report.simulation.explained import (
+    explanation_in_words,
+    explanation_sections,
+    member_in_words,
+    member_sections,
+)
 from missionplan.report.simulation.figures import waterfall
 from missionplan.report.simulation.overdue import overdue_section, search_areas_geojson
 from missionplan.report.simulation.quantities import (
@@ -38,6 +43,7 @@ def page(outcome: Outcome) -> Page:
             *sections.failed_blocks(outcome),
             *requirements_section(outcome),
             *explanation_sections(outcome),
+            *member_sections(outcome),
             *sections.tracks(outcome),
             sections.timeline(outcome),
             *overdue_section(outcome),
@@ -81,6 +87,7 @@ def answer(outcome: Outcome) -> str:
     parts = (
         _success_in_words(outcome),
         explanation_in_words(outcome),
+        member_in_words(outcome),
         *_anchors_in_words(outcome),
         *_holds_in_words(outcome),
         *_limits_in_words(outcome),

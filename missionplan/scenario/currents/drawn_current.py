@@ -1,4 +1,4 @@
-"""The current of a block of trials: a recorded one, with the error of the forecast that the mission expects."""
+"""The current of a block of trials: a recorded one or a member of an ensemble, with the error expected of it."""
 
 from collections.abc import Mapping
 
@@ -9,10 +9,13 @@ from missionplan.mission import Mission
 from missionplan.mission.views import forecast_error
 from missionplan.montecarlo.streams import NormalSource
 from missionplan.phases.currents import Current
+from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.phases.fields.forecast_error import NORMALS, WAVES, ErringCurrent, ErrorWaves, Statistics
 
 ERROR = "site.current.error"
 """Key path of the error, and name of its stream."""
+MEMBER = "site.current.member"
+"""Name of which member of an ensemble a trial sails in, and of its stream."""
 
 
 def error_statistics(mission: Mission, draws: Mapping[str, Scalars]) -> Statistics | None:
@@ -22,6 +25,13 @@ def error_statistics(mission: Mission, draws: Mapping[str, Scalars]) -> Statisti
         return None
     length = draws[f"{ERROR}.length"] if error.length is not None else None
     return Statistics(draws[f"{ERROR}.sigma"], draws[f"{ERROR}.time"], length)
+
+
+def with_member(recorded: Current, source: NormalSource, size: int) -> Current:
+    """Return an ensemble with a member drawn for each trial; any other current as it is."""
+    if not isinstance(recorded, Ensemble):
+        return recorded
+    return recorded.drawn(source.legs(MEMBER).leg(0)[0, :size])
 
 
 def with_error(forecast: Current, statistics: Statistics | None, source: NormalSource, size: int) -> Current:

@@ -15,6 +15,7 @@ from missionplan.montecarlo.quantile_sketch import QuantileSketch
 from missionplan.montecarlo.running_statistics import RunningStatistics
 from missionplan.montecarlo.statistics import Count, Moments
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.scenario.currents.drawn_current import MEMBER
 from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.phase_trials import Flags
 
@@ -124,7 +125,7 @@ def with_prefix(named: Mapping[str, Value], prefix: str) -> dict[str, Value]:
     return {name.removeprefix(prefix): named[name] for name in named if name.startswith(prefix)}
 
 
-def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: bool) -> BlockStatistics:
+def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: bool, members: int = 0) -> BlockStatistics:
     """Reduce one block.
 
     Parameters
@@ -133,6 +134,8 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
     trials : MissionTrials
     sampled : bool
         Whether to keep inputs and key figures trial by trial.
+    members : int
+        Of the current's ensemble.
     """
     columns = trials.columns()
     happened = {
@@ -144,6 +147,7 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
     }
     counts = {name: Count.of(trial) for name, trial in happened.items()}
     held = _held(mission, trials)
+    held |= {explained_name(MEMBER, number): trials.draws[MEMBER] == number for number in range(members)}
     counts |= {name: Count(int((trials.success & where).sum()), int(where.sum())) for name, where in held.items()}
     sample = _sample(trials, columns) if sampled else {}
     explained = {

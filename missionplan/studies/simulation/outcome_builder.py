@@ -13,7 +13,7 @@ from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.montecarlo.statistics import Count, Integers, RunningStatistic, Statistic
 from missionplan.results.base import Provenance
-from missionplan.results.explained import ExplainedOutcome
+from missionplan.results.explained import Causes, ExplainedOutcome
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.simulation import (
@@ -25,6 +25,7 @@ from missionplan.results.simulation import (
     Sensitivity,
     Tracks,
 )
+from missionplan.scenario.currents.drawn_current import MEMBER
 from missionplan.studies.simulation.block_statistics import (
     LIMIT,
     BlockStatistics,
@@ -59,6 +60,8 @@ class OutcomeBuilder:
         As of `Outcome`.
     held : tuple of HeldVehicle
         As of `Outcome`.
+    members : tuple of (str, float)
+        Of the current's ensemble: names and probabilities.
     """
 
     mission: Mission
@@ -68,6 +71,7 @@ class OutcomeBuilder:
     trials_table: bytes | None = None
     anchors: tuple[MooringAnchor, ...] = ()
     held: tuple[HeldVehicle, ...] = ()
+    members: tuple[tuple[str, float], ...] = ()
 
     def outcome(self, provenance: Provenance) -> Outcome:
         """Return the result."""
@@ -88,17 +92,22 @@ class OutcomeBuilder:
             failed_blocks=self.failed_blocks,
             trials_table=self.trials_table,
             explanations=tuple(self._explanations()),
+            members=tuple(
+                self._explained(MEMBER, number, (name,), weight) for number, (name, weight) in enumerate(self.members)
+            ),
         )
 
     def _explanations(self) -> Iterator[ExplainedOutcome]:
         """What the mission does under each explanation."""
         for doubt in (doubt for doubt in self.mission.doubts if doubt.known is None):
             for number, (causes, share) in enumerate(zip(doubt.causes, doubt.probabilities, strict=True)):
-                name = explained_name(doubt.place, number)
-                count, statistics = self.totals.counts[name], self.totals.statistics
-                duration, energy = (statistics[f"{name}.{key}"].statistic() for key in ("duration_s", "energy_wh"))
-                success = count.probability()
-                yield ExplainedOutcome(doubt.place, number, causes, share, success, duration, energy, count.trials)
+                yield self._explained(doubt.place, number, causes, share)
+
+    def _explained(self, place: str, number: int, causes: Causes, share: float) -> ExplainedOutcome:
+        name = explained_name(place, number)
+        count, statistics = self.totals.counts[name], self.totals.statistics
+        duration, energy = (statistics[f"{name}.{key}"].statistic() for key in ("duration_s", "energy_wh"))
+        return ExplainedOutcome(place, number, causes, share, count.probability(), duration, energy, count.trials)
 
     def _clocks(self) -> Iterator[Statistic]:
         """Mission time at the start, and at the end of each phase of the trials that completed it."""

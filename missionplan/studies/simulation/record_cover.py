@@ -12,6 +12,7 @@ from missionplan.errors import InputError, MissionplanError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
 from missionplan.phases.currents import Current
+from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.recorded_currents import RecordedCurrent
 from missionplan.scenario.scenario import Scenario
@@ -77,6 +78,8 @@ def cover_in_words(mission: Mission, current: Current | None) -> str:
         return ""
     words = f" Current: {_moment(mission, current.time[0])} to {_moment(mission, current.time[-1])}"
     words += " UTC" if mission.start else " of the mission's start"
+    if isinstance(current, Ensemble):
+        words += f", {len(current.members)} members"
     if isinstance(current, GriddedCurrent):
         low, high = current.grid.extent / 1000.0
         words += f", from {low[0]:.1f} to {high[0]:.1f} km east and from {low[1]:.1f} to {high[1]:.1f} km north"
@@ -137,6 +140,9 @@ def _problem(mission: Mission, message: str) -> Problem:
 
 def _outside_in_place(mission: Mission, means: Scenario, current: RecordedCurrent) -> Iterator[Problem]:
     """Positions of the mission beyond a field that must hold them, or on its land."""
+    if isinstance(current, Ensemble):
+        for member in current.members:
+            yield from _outside_in_place(mission, means, replace(member, outside=current.outside))
     if not isinstance(current, GriddedCurrent) or not current.is_binding:
         return
     low, high = current.grid.extent

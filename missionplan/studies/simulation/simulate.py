@@ -122,7 +122,8 @@ def simulate(
     )
     table = run.table.parquet() if run.table else None
     anchors, held = mooring_anchors(mission, means), held_vehicles(mission, means)
-    built = OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held).outcome(provenance)
+    builder = OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held, task.members)
+    built = builder.outcome(provenance)
     return replace(built, plan=plan_if_any(mission, means, seed), overdue=_overdue(task, merged.first))
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from missionplan.errors import MissionplanError
 from missionplan.montecarlo.streams import BLOCK
+from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockResult, FailedBlock
 from missionplan.studies.simulation.block_statistics import SAMPLED_BLOCKS, statistics_of_block
@@ -31,6 +32,14 @@ class BlockTask:
     seed: int
     keep_trials: bool = False
 
+    @property
+    def members(self) -> tuple[tuple[str, float], ...]:
+        """Names and probabilities of the members of the current's ensemble; none where it is none."""
+        ensemble = self.means.recorded
+        if not isinstance(ensemble, Ensemble):
+            return ()
+        return tuple(zip(ensemble.names, ensemble.weights.tolist(), strict=True))
+
     def trials(self, block: int, size: int, *, tracked: int = 0, inputs: bool = True) -> MissionTrials:
         """Run one block."""
         scenario = self.means.sampled(seed=self.seed, block=block, size=size)
@@ -46,7 +55,7 @@ class BlockTask:
         tracked = TRACKED_TRIALS if block == 0 else 0
         try:
             trials = self.trials(block, size, tracked=tracked, inputs=sampled or self.keep_trials)
-            reduced = statistics_of_block(self.means.mission, trials, sampled=sampled)
+            reduced = statistics_of_block(self.means.mission, trials, sampled=sampled, members=len(self.members))
         except MissionplanError:
             raise
         except Exception as error:

@@ -1,0 +1,121 @@
+"""Ensembles of currents: each trial sails in one member, and the result says which spoils the mission."""
+
+import numpy as np
+import pytest
+import yaml
+from simulate_missions import chesapeake
+from test_simulate_currents import STEADY, csv
+
+from missionplan.errors import InputError
+from missionplan.phases.currents import layers
+from missionplan.phases.fields.ensemble import Ensemble
+from missionplan.phases.recorded_currents import SeriesCurrent
+from missionplan.report.simulation.page import answer
+from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import recorded_current
+from missionplan.studies.simulation.simulate import simulate, simulate_block
+
+SPEEDS = (0.0, 0.1, 1.2)
+WEIGHTS = (5.0, 3.0, 2.0)
+
+
+def series(speed):
+    east = np.full((2, 1), speed)
+    return SeriesCurrent(np.array([0.0, 1e5]), np.array([0.0]), east, 0.0 * east)
+
+
+def ensemble_mission(folder, speeds=SPEEDS, weights=WEIGHTS, changes=None):
+    for number, speed in enumerate(speeds):
+        csv(folder, lambda t, depth, speed=speed: (0.0, -speed))
+        (folder / "current.csv").rename(folder / f"run-{number}.csv")
+    files = [f"run-{number}.csv" for number in range(len(speeds))]
+    current = {"file": files, "outside": "hold"}
+    if weights is not None:
+        current["weights"] = list(weights)
+    return chesapeake(folder, STEADY | {"site.current": current} | (changes or {}))
+
+
+def test_each_trial_has_one_member_by_its_weight():
+    whole = Ensemble.of([series(speed) for speed in SPEEDS], "abc", WEIGHTS)
+    drawn = whole.drawn(np.random.default_rng(1).normal(size=20_000))
+    place = np.zeros((2, 20_000))
+    speeds = drawn.velocity(np.arange(20_000.0), 0.0, place)[0]
+    for speed, weight in zip(SPEEDS, WEIGHTS, strict=True):
+        assert np.mean(np.isclose(speeds, speed)) == pytest.approx(weight / 10.0, abs=0.012)
+    kept = np.array([7, 3, 11])
+    assert drawn.take(kept).velocity(50.0, 0.0, place[:, kept])[0] == pytest.approx(speeds[kept])
+    assert whole.velocity(50.0, 0.0, place[:, :1])[0] == pytest.approx(0.3 * 0.1 + 0.2 * 1.2)
+    mean = drawn.mean_velocity(np.arange(20_000.0), 60.0, 0.0, place, place)
+    assert mean[0] == pytest.approx(speeds)
+    assert layers([1.0], [0.0], [0.0]).is_record is False
+
+
+def test_an_ensemble_of_one_and_the_same_is_that_current(tmp_path):
+    same = ensemble_mission(tmp_path, (0.1, 0.1), None)
+    alone = chesapeake(tmp_path, STEADY | csv(tmp_path, lambda t, depth: (0.0, -0.1)), name="alone.yaml")
+    found = [simulate_block(each, seed=1, block=0, trials=100).columns() for each in (alone, same)]
+    for name, values in found[0].items():
+        assert found[1][name] == pytest.approx(values, rel=1e-9, nan_ok=True), name
+
+
+def test_the_member_that_spoils_the_mission_is_named(tmp_path):
+    alone = {"navigation.drift_compensation": "none"}  # the mean of the members would carry the others astray
+    found = simulate(ensemble_mission(tmp_path, changes=alone), trials=600)
+    successes = {each.causes[0]: each.success.value for each in found.members}
+    assert successes["run-0.csv"] == successes["run-1.csv"] == 1.0
+    assert successes["run-2.csv"] == 0.0
+    assert sum(each.trials for each in found.members) == 600
+    said = answer(found).replace("\N{NO-BREAK SPACE}", " ")
+    assert "It depends on the forecast: it succeeds 0 % in run-2.csv, 100 % in run-" in said
+    (entry,) = [each for each in found.summary()["members"] if each["member"] == "run-2.csv"]
+    assert entry["probability"] == pytest.approx(0.2)
+    assert entry["success"]["value"] == 0.0
+    importance = {each.source: each.first_order for each in found.sensitivities if each.output == "total.success"}
+    assert importance["site.current.member"] > 0.9
+
+
+def test_the_forecast_is_the_weighted_mean(tmp_path):
+    mission = ensemble_mission(tmp_path, (0.0, 0.2), (1.0, 3.0))
+    means = Scenario.at_means(mission, recorded_current(mission))
+    assert means.current.velocity(0.0, 2.0, np.zeros((2, 1)))[:, 0] == pytest.approx([0.0, -0.15])
+    drawn = means.sampled(seed=1, block=0, size=500)
+    assert set(np.round(drawn.current.velocity(0.0, 2.0, np.zeros((2, 500)))[1], 9)) == {0.0, -0.2}
+
+
+def test_a_dimension_of_members_is_an_ensemble(tmp_path):
+    netcdf = pytest.importorskip("netCDF4")
+    with netcdf.Dataset(tmp_path / "ens.nc", "w") as file:
+        axes = {"member": [1, 2, 3], "time": [0.0, 12.0], "lat": [37.15, 37.35], "lon": [-76.5, -76.3]}
+        for name, values in axes.items():
+            file.createDimension(name, len(values))
+            file.createVariable(name, "f8", (name,))[:] = values
+        file["time"].units = "hours since 2026-05-01 11:00:00"
+        for name in ("u", "v"):
+            file.createVariable(name, "f4", tuple(axes)).units = "m s-1"
+            file[name][:] = 0.0
+        file["u"][:] = np.array([0.0, 0.05, 0.1])[:, None, None, None]
+    changes = {"start": "2026-05-01T12:00:00Z", "site.current": {"file": "ens.nc", "weights": [1, 1, 2]}}
+    found = recorded_current(chesapeake(tmp_path, STEADY | changes))
+    assert isinstance(found, Ensemble)
+    assert found.names == ("member 1", "member 2", "member 3")
+    assert found.velocity(0.0, 0.0, np.zeros((2, 1)))[0] == pytest.approx((0.05 + 2 * 0.1) / 4.0)
+    changes["site.current"]["weights"] = [1, 1]
+    with pytest.raises(InputError, match="2 weights for 3 members"):
+        recorded_current(chesapeake(tmp_path, STEADY | changes))
+
+
+@pytest.mark.parametrize(
+    ("current", "message"),
+    [
+        ({"weights": [1, 2]}, "2 weights for 3 members"),
+        ({"weights": [0, 0, 0]}, "at least one weight above zero"),
+        ({"weights": [1, -1, 1]}, "site.current.weights"),
+        ({"file": ["run-0.csv"]}, "an ensemble has two members or more"),
+        ({"file": ["run-0.csv", "run-9.csv"]}, "there is no such file"),
+    ],
+)
+def test_impossible_ensembles_are_refused(tmp_path, current, message):
+    ensemble_mission(tmp_path, weights=None)
+    data = yaml.safe_load((tmp_path / "mission.yaml").read_text())
+    with pytest.raises(InputError, match=message):
+        chesapeake(tmp_path, STEADY | {"site.current": data["site"]["current"] | current})
