@@ -143,7 +143,7 @@ def parameter_table(result: Identification) -> Table:
         for e in estimates
     ]
     columns = ("parameter", "model", "value", "standard error", "90 % interval", "unit")
-    return Table(columns, rows, "The first model is the preferred one.")
+    return Table(columns, rows, "The first model is the preferred one.", text_columns=2)
 
 
 def _fits_heading(fits: Sequence[FittedModel]) -> str:

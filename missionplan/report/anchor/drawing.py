@@ -32,13 +32,14 @@ def drawing(design: AnchorDesign) -> Figure:
     axes.grid(visible=False)
     axes.set_yticks([])
     axes.spines["left"].set_visible(False)
-    built = "" if design.feasible else " It cannot be built: see the problems."
+    built = "" if design.feasible else " It cannot be built; what would lie outside it is not drawn."
+    ring = f", a trim ring at {design.trim_position * _MM:.0f} mm from the tip" if _has_ring(design) else ""
     return to_figure(
         figure,
         "anchor",
         alt=(
-            f"Section of the anchor: a round front, a tube of {design.cylinder_length * _MM:.0f} mm, "
-            f"a trim ring at {design.trim_position * _MM:.0f} mm from the tip, a back that takes in the vehicle's nose"
+            f"Section of the anchor: a round front, a tube of {design.cylinder_length * _MM:.0f} mm{ring}, "
+            "a back that takes in the vehicle's nose"
         ),
         caption=(
             "The anchor in section, to scale. Front, tube and back stand for their masses; their shapes inside are "
@@ -108,7 +109,12 @@ def _bands(design: AnchorDesign) -> Iterator[_Band]:
 
 
 def _has_ring(design: AnchorDesign) -> bool:
-    return design.trim_mass > 0.0 and math.isfinite(design.trim_position)
+    return design.trim_mass > 0.0 and _is_inside(design, design.trim_position)
+
+
+def _is_inside(design: AnchorDesign, place: float) -> bool:
+    """Whether a place [m from the tip] lies in the anchor: of one that cannot be built it need not."""
+    return 0.0 <= place <= design.length
 
 
 def _draw_bands(axes: Axes, design: AnchorDesign) -> None:
@@ -133,6 +139,8 @@ def _label_parts(axes: Axes, design: AnchorDesign) -> None:
 
 def _mark_centre(axes: Axes, design: AnchorDesign, place: float, label: str, marker: str, *, side: float) -> None:
     """Mark a point on the axis [m], its label above (side 1) or below (-1)."""
+    if not _is_inside(design, place):
+        return
     x, r = place * _MM, design.problem.radius * _MM
     axes.plot(x, 0.0, marker, color=INK, markerfacecolor="none", markersize=10, markeredgewidth=1.3, zorder=6)
     axes.annotate(
@@ -153,7 +161,7 @@ def _draw_dimensions(axes: Axes, design: AnchorDesign) -> None:
     below = -r - 12.0
     _dimension(axes, 0.0, end, below - 16.0, f"{end:.0f} mm")
     _dimension(axes, r, end, below, f"C = {design.cylinder_length * _MM:.1f} mm")
-    if math.isfinite(design.trim_position):
+    if _has_ring(design):
         ring = design.trim_position * _MM
         _dimension(axes, 0.0, ring, r + 24.0, f"ring at {ring:.1f} mm")
     axes.set(xlim=(-14.0, end + 62.0), ylim=(below - 26.0, r + 36.0), xlabel="From the tip (mm)", aspect="equal")

@@ -56,7 +56,10 @@ class Frame:
 
 
 def _rounded(metres: float) -> str:
-    return f"{metres / 1000.0:.3g}\u00a0km" if metres >= 1000.0 else f"{metres:.0f}\u00a0m"
+    kilometres = metres / 1000.0
+    if kilometres < 1.0:
+        return f"{metres:.0f}\u00a0m"
+    return f"{kilometres:.{0 if kilometres >= 10.0 else 1}f}\u00a0km"
 
 
 def frame(tracks: Sequence[Array], always: Sequence[Array] = ()) -> Frame:

@@ -1,5 +1,7 @@
 """Report of `sweep-dmax`: which d_max to choose, what it saves, and the curve of Fig. 8."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from missionplan.report.display_units import Unit
@@ -19,6 +21,9 @@ _WHY_TEETH = (
     "high at it and just above. Where a whole leg errs by less than the arrival radius, teeth are small or reversed."
 )
 
+_FEWEST_FOR_TEETH = 12
+"""Points of a curve below which no tooth can be told."""
+
 
 def page(sweep: Sweep) -> Page:
     """Build the page of a sweep."""
@@ -32,7 +37,7 @@ def page(sweep: Sweep) -> Page:
             *_explanation_section(sweep),
             *_table_section(sweep),
             *_arrival_section(sweep),
-            PageSection("The cost jumps at each critical point", [_WHY_TEETH, close_up_figure(sweep, sweep.middle)]),
+            _close_up_section(sweep),
             PageSection(_surfacings_heading(sweep), [surfacings_figure(sweep), "The surfacing on arrival is counted."]),
             PageSection("The numbers behind the curves", [cost_table(sweep)]),
         ],
@@ -224,6 +229,36 @@ def _arrival_section(sweep: Sweep) -> list[PageSection]:
         "the mission's max_legs. Costs are means over the trials that arrived: where some did not, they are too low."
     )
     return [PageSection("Not every trial arrives", [words])]
+
+
+def _close_up_section(sweep: Sweep) -> PageSection:
+    """Draw the curve about its least cost, and explain its teeth where it has some."""
+    drawn = close_up_figure(sweep, sweep.middle)
+    if has_teeth(sweep.middle, sweep.critical_points):
+        return PageSection("The cost jumps at each critical point", [_WHY_TEETH, drawn])
+    return PageSection("The cost about its least", [drawn])
+
+
+def has_teeth(curve: SweepCurve, critical_points: Sequence[float]) -> bool:
+    """Whether the cost jumps up at a critical point: beyond chance, and by more than it changes on either side.
+
+    A step of the curve counts as at a critical point if it begins or ends within half a step of it.
+    """
+    ratio = np.array([point.d_max_over_distance for point in curve.points])
+    cost = np.array([point.cost for point in curve.points])
+    error = np.array([point.standard_error for point in curve.points])
+    if len(ratio) < _FEWEST_FOR_TEETH or not np.isfinite(cost).all():
+        return False
+    rise, noise, width = np.diff(cost), np.hypot(error[1:], error[:-1]), np.diff(ratio)
+    around = np.maximum(np.abs(np.roll(rise, 2)), np.abs(np.roll(rise, -2)))
+    jumps = (rise > 3.0 * noise) & (rise > 2.0 * around)
+    jumps[:2] = jumps[-2:] = False
+    near = [
+        np.minimum(np.abs(ratio[1:] - place), np.abs(ratio[:-1] - place)) <= 0.55 * width
+        for place in critical_points
+        if place < 1.0
+    ]
+    return bool(np.any(jumps & np.any(near, axis=0))) if near else False
 
 
 def _surfacings_heading(sweep: Sweep) -> str:

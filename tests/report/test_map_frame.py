@@ -1,0 +1,46 @@
+"""Maps whose limits no single trial sets, and curves that are said to have teeth only where they have."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from missionplan.report.geography.frame import frame
+from missionplan.report.leg_length.sweep import has_teeth
+
+
+def tracks(count: int, *, astray: float = 0.0) -> list[np.ndarray]:
+    generator = np.random.default_rng(1)
+    found = [np.linspace((0.0, 0.0), (1600.0, 0.0), 6).T + generator.normal(0.0, 10.0, (2, 6)) for _ in range(count)]
+    return [*found, np.array([[0.0, astray], [0.0, -astray]])] if astray else found
+
+
+def test_a_trial_gone_astray_does_not_set_the_limits_but_is_told():
+    usual, robust = frame(tracks(199)), frame(tracks(199, astray=1e6))
+    assert robust.width == pytest.approx(usual.width, rel=0.05)
+    assert usual.outliers_in_words() == ""
+    assert robust.outliers_in_words() == " 1 trial leaves the map, the farthest by 1000\u00a0km."
+
+
+def test_what_always_counts_lies_inside():
+    far = np.array([[5000.0], [0.0]])
+    assert frame(tracks(50), [far]).west_east[1] > 5000.0
+    assert frame([], [far, np.zeros((2, 1))]).west_east[0] < 0.0
+
+
+def curve(cost) -> SimpleNamespace:
+    ratio = np.linspace(0.05, 1.0, 96)
+    points = [
+        SimpleNamespace(d_max_over_distance=r, cost=c, standard_error=1e-4)
+        for r, c in zip(ratio, cost(ratio), strict=True)
+    ]
+    return SimpleNamespace(points=points)
+
+
+def test_teeth_are_told_only_where_the_cost_jumps_at_a_critical_point():
+    smooth = curve(lambda r: 0.1 * (r - 0.6) ** 2)
+    steep = curve(lambda r: 0.02 / r + np.where(r > 0.7, 3.0 * (r - 0.7), 0.0))
+    toothed = curve(lambda r: 0.1 * (r - 0.6) ** 2 + np.where(r > 0.5, 0.01, 0.0))
+    elsewhere = curve(lambda r: 0.1 * (r - 0.6) ** 2 + np.where(r > 0.42, 0.01, 0.0))
+    found = [has_teeth(each, (1.0, 0.5, 1.0 / 3.0, 0.25)) for each in (smooth, steep, toothed, elsewhere)]
+    assert found == [False, False, True, False]
