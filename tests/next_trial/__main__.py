@@ -6,7 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from . import campaign, dive_campaign
 from .campaign import Campaign, recorded
+
+KINDS = {"transit": campaign.made, "descent": dive_campaign.made}
 
 
 def slope(predicted: Sequence[float], realised: Sequence[float]) -> tuple[float, float]:
@@ -40,11 +43,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1000)
+    parser.add_argument("--kind", choices=list(KINDS), default="transit")
     parser.add_argument("--folder", type=Path, default=Path("next-trial-cases"))
     options = parser.parse_args()
     found: list[Campaign] = []
     for seed in range(options.seed, options.seed + options.cases):
-        found.append(recorded(options.folder, seed))
+        found.append(recorded(options.folder / options.kind, seed, KINDS[options.kind]))
         last = found[-1]
         print(
             f"{last.seed} {last.causes}, {last.design}: {last.expected:.2f} → {last.gained:.2f} nats, "

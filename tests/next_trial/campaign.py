@@ -2,6 +2,7 @@
 
 import json
 import tempfile
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -155,10 +156,10 @@ def legs_of(trial: object) -> tuple[np.ndarray, np.ndarray]:
     return np.arctan2(steps[0], steps[1]), np.hypot(*steps)
 
 
-def recorded(folder: Path, seed: int) -> Campaign:
+def recorded(folder: Path, seed: int, make: Callable[[int], Campaign]) -> Campaign:
     """Make a campaign, or read it where it was made before."""
     file = folder / f"{seed}.json"
     if not file.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        file.write_text(json.dumps(asdict(made(seed))), encoding="utf-8")
+        file.write_text(json.dumps(asdict(make(seed))), encoding="utf-8")
     return Campaign(**json.loads(file.read_text(encoding="utf-8")))
