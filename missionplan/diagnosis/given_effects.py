@@ -94,7 +94,7 @@ def given_effects(mission: Mission) -> list[Effect]:
     """Return a mission's effects at their means, those on readings included."""
     return [
         CATALOGUE[entry.effect].make({name: mean_of(value) for name, value in entry.parameters.items()})
-        for entry in mission.effects
+        for entry in mission.effect_list.known
     ]
 
 
@@ -104,7 +104,9 @@ def given_priors(mission: Mission, wanted: Iterable[EffectInfo]) -> tuple[GivenE
     An effect whose shape is at its neutral value (infinite degrees of freedom) or whose size is nil is left out.
     """
     known = {info.id: info for info in wanted}
-    found = [_given(known[entry.effect], entry.parameters) for entry in mission.effects if entry.effect in known]
+    found = [
+        _given(known[entry.effect], entry.parameters) for entry in mission.effect_list.known if entry.effect in known
+    ]
     error = along_a_track(mission)
     if error is not None and error[0].id in known:
         found.append(_given(*error))

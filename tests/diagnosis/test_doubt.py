@@ -7,6 +7,7 @@ import yaml
 from missionplan import diagnose
 from missionplan.diagnosis.coordinates import coordinates_of, correlations, estimates
 from missionplan.diagnosis.explanations import Hypothesis, explained_missions, mission_in_doubt
+from missionplan.diagnosis.given_effects import given_priors
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.draws import is_joint
@@ -158,3 +159,11 @@ def test_correlations_that_rounding_makes_impossible_are_made_smaller():
     ]
     one = np.ones((len(coordinates), 1))
     assert is_joint(correlations(coordinates, one[:, 0], one @ one.T))  # of rank one
+
+
+def test_effects_of_explanations_that_may_not_hold_are_no_given_effects(base):
+    mission = Mission.from_data(mission_in_doubt([hypothesis("two", 0.5, base), hypothesis("one", 0.5, base)]))
+    wanted = [CATALOGUE[name] for name in ("speed-scale", "compass-bias", "mean-current", "fix-error")]
+    assert [each.effect for each in given_priors(mission, wanted)] == ["speed-scale"]
+    known = mission.knowing(mission.doubts[0].place, 1)
+    assert [each.effect for each in given_priors(known, wanted)] == ["speed-scale", "compass-bias", "fix-error"]

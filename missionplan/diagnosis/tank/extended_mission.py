@@ -33,7 +33,7 @@ def extended_tank_mission(mission: Mission, best: CauseFit, data: TankData) -> d
         What was diagnosed.
     """
     found = (*best.given, *best.estimates)
-    carried = {entry.effect for entry in mission.effects}
+    carried = {entry.effect for entry in mission.effect_list.known}
     keys = {e.effect: CATALOGUE[e.effect].vehicle_key for e in found if e.effect not in carried}
     own = {keys[estimate.effect]: estimate for estimate in found if keys.get(estimate.effect)}
     others = [estimate for estimate in found if not keys.get(estimate.effect)]

@@ -29,7 +29,7 @@ def given_in_tank(data: TankData, mission: Mission, candidates: Iterable[str]) -
     effects = [CATALOGUE[name] for name in candidates]
     given = given_priors(mission, effects)
     check_together(given, mission, "tank")
-    own = {entry.effect for entry in mission.effects}
+    own = {entry.effect for entry in mission.effect_list.known}
     stated = [_stated(info, data, mission.vehicle) for info in effects if info.vehicle_key and info.id not in own]
     return (*given, *(each for each in stated if each is not None))
 

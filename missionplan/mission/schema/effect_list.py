@@ -137,6 +137,12 @@ class EffectList:
         return tuple(found)
 
     @property
+    def known(self) -> tuple[EffectEntry, ...]:
+        """The effects that are known to hold: without those of explanations that may not."""
+        known = {(item.place, item.known) for item in self.doubts}
+        return tuple(entry for entry in self.entries if entry.explanation is None or entry.explanation in known)
+
+    @property
     def doubts(self) -> tuple[OneOf, ...]:
         """The explanations of which one holds."""
         return tuple(item for item in self.items if isinstance(item, OneOf))
