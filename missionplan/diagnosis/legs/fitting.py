@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 
@@ -14,11 +13,12 @@ from missionplan.diagnosis.inference.importance_sampling import SampledEvidence,
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS, Grams, TransitCovariance
-from missionplan.diagnosis.legs.likelihood.hyperparameters import Hyperparameter, log_prior, values_of
+from missionplan.diagnosis.legs.likelihood.hyperparameters import SLAB_SCALE, Hyperparameter, log_prior, values_of
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection
-from missionplan.diagnosis.legs.likelihood.modulation import variance_of_mean
+from missionplan.diagnosis.legs.likelihood.modulation import Forms, variance_of_mean
 from missionplan.effects import CATALOGUE
+from missionplan.effects.oscillation import MODULATION
 from missionplan.montecarlo.draws import Correlation
 from missionplan.results.evidence import Causes, ParameterEstimate
 
@@ -26,6 +26,10 @@ MAX_LINEARISATIONS = 5
 """Times, at most, that a nonlinear model is linearised anew."""
 CLEARLY = 0.5
 """Log evidence by which an oscillation must be likelier modulated than steady to be taken so."""
+PAIR = 2
+"""Coordinates of an oscillation of one amplitude and phase."""
+LARGEST_RATIO = 1.9
+"""Largest size of an oscillation that wanders, over its mean amplitude in the record, that the effect can carry."""
 CONVERGED = 0.005
 """Move of the coordinates, in slabs, below which it is not."""
 
@@ -36,8 +40,8 @@ class TransitState:
 
     Attributes
     ----------
-    modulated : tuple of str
-        Oscillations among the causes whose amplitude and phase change slowly.
+    forms : Forms
+        Oscillations among the causes that are not steady.
     hyperparameters : tuple of Hyperparameter
         Those of the set of causes.
     posterior : Laplace
@@ -50,7 +54,7 @@ class TransitState:
         The model as linearised last.
     """
 
-    modulated: Causes
+    forms: Forms
     hyperparameters: tuple[Hyperparameter, ...]
     posterior: Laplace
     mean: Array
@@ -72,7 +76,7 @@ class TransitFitting(TransitCovariance):
 
         The hyperparameters' posterior is approximated by Laplace's method (Tierney & Kadane 1986); a set with causes
         that are not linear is linearised anew until its mean settles (Gauss–Newton). Each oscillation of the set is
-        steady or modulated, equally likely before; the fit is that of the likelier case.
+        steady or not, equally likely before; the fit is that of the likelier case.
 
         Parameters
         ----------
@@ -87,47 +91,56 @@ class TransitFitting(TransitCovariance):
             When no covariance near the start is positive definite.
         """
         states: list[TransitState] = []
-        for modulated in self._variants(causes, near):
+        weights: list[float] = []
+        for forms, weight in self._variants(causes, near):
             starts = [fit.state for fit in near] + states[-1:]
-            states.append(self._fitted(causes, modulated, starts, ALL_LEGS, integrate=True))
+            states.append(self._fitted(causes, forms, starts, ALL_LEGS, integrate=True))
+            weights.append(math.log(weight))
         evidences = np.array([state.posterior.log_evidence for state in states])
-        oscillations = sum(CATALOGUE[name].is_modulated for name in causes)
-        evidence = float(np.logaddexp.reduce(evidences)) - math.log(2.0) * oscillations
+        evidence = float(np.logaddexp.reduce(evidences + weights))
         return self._fit_of(causes, states[int(np.argmax(evidences - CLEARLY * np.arange(len(states))))], evidence)
 
-    @staticmethod
-    def _variants(causes: Causes, near: Sequence[CauseFit]) -> list[Causes]:
-        """Oscillations that are modulated: none, or any that no smaller set has shown to be steady.
+    def _variants(self, causes: Causes, near: Sequence[CauseFit]) -> list[tuple[Forms, float]]:
+        """Forms of the oscillations with their prior probabilities; those that a smaller set has as steady stay so.
 
-        A set shows it only beside the same persistent errors: without them an oscillation has to be steady.
+        An oscillation of one amplitude and phase may wander beside a persistent error though alone it seems steady.
         """
-        persistent = {name for name in causes if CATALOGUE[name].part == "covariance"}
-        known = {name for fit in near if persistent <= set(fit.causes) for name in fit.causes}
-        shown = {name for fit in near for name in fit.state.modulated}
-        oscillations = [
-            name for name in causes if CATALOGUE[name].is_modulated and (name not in known or name in shown)
-        ]
-        return [chosen for count in range(len(oscillations) + 1) for chosen in combinations(oscillations, count)]
+        known = {name for fit in near for name in fit.causes}
+        shown = {name for fit in near for name in fit.state.forms.modulated}
+        found = [(Forms(), 1.0)]
+        for name in causes:
+            if not CATALOGUE[name].is_modulated:
+                continue
+            may_wander = len(self.by_effect[name]) == PAIR and not any(each.effect == name for each in self.given)
+            share = 0.25 if may_wander else 0.5
+            forms = [(forms, 0.5 * weight) for forms, weight in found]
+            if name not in known or name in shown:
+                forms += [(replace(f, modulated=(*f.modulated, name)), share * weight) for f, weight in found]
+            if may_wander:
+                forms += [(replace(f, wandering=(*f.wandering, name)), share * weight) for f, weight in found]
+            found = forms
+        return found
 
     def refitted(self, fit: CauseFit, rows: LegSelection) -> CauseFit:
         """Fit the same set to some of the legs: the mode alone, without evidence."""
-        state = self._fitted(fit.causes, fit.state.modulated, [fit.state], rows, integrate=False)
+        state = self._fitted(fit.causes, fit.state.forms, [fit.state], rows, integrate=False)
         return self._fit_of(fit.causes, state, math.nan)
 
     def _fitted(
-        self, causes: Causes, modulated: Causes, near: Sequence[TransitState], rows: LegSelection, *, integrate: bool
+        self, causes: Causes, forms: Forms, near: Sequence[TransitState], rows: LegSelection, *, integrate: bool
     ) -> TransitState:
-        modulated = (*modulated, *(each.effect for each in held(self.given_in_covariance, causes) if _modulates(each)))
-        hyperparameters = self.hyperparameters(causes, modulated)
+        known = (each.effect for each in held(self.given_in_covariance, causes) if _modulates(each))
+        forms = replace(forms, modulated=tuple(dict.fromkeys((*forms.modulated, *known))))
+        hyperparameters = self.hyperparameters(causes, forms)
         starts, covariance = _starts(hyperparameters, near)
         slabs = np.array([coordinate.slab for coordinate in self.coordinates])
-        nonlinear = bool(modulated) or any(not CATALOGUE[name].linear for name in causes)
+        nonlinear = bool(forms.modulated) or any(not CATALOGUE[name].linear for name in causes)
         about = self._starting_mean(causes, near) if nonlinear else self.expected
         for iteration in range(MAX_LINEARISATIONS):
-            linear = self.linearised(causes, about, modulated)
+            linear = self.linearised(causes, about, forms)
             posterior = self._posterior(hyperparameters, starts, covariance, linear, rows, integrate=integrate)
             mean, spread = linear.prior.posterior(self.marginal(hyperparameters, posterior.mode, linear, rows))
-            state = TransitState(modulated, hyperparameters, posterior, mean, spread, linear)
+            state = TransitState(forms, hyperparameters, posterior, mean, spread, linear)
             moved, about = np.abs(mean - about), mean
             starts, covariance = [posterior.mode], posterior.covariance
             if not nonlinear or (iteration and np.max(moved / slabs) < CONVERGED):
@@ -188,6 +201,7 @@ class TransitFitting(TransitCovariance):
         from_record_to_record = np.diag([coordinate.spike**2 for coordinate in own])
         covariance = (state.covariance + self._from_modulation(state))[np.ix_(chosen, chosen)] + from_record_to_record
         found = estimates(own, state.mean[chosen], covariance) + _hyperparameter_estimates(state, causes)
+        found += self._relative_sizes(state, found)
         calibration = {
             f"{h.name}_{'m' if h.name == 'fix_sd' else 'm_s'}": math.exp(value)
             for h, value in zip(state.hyperparameters, state.posterior.mode, strict=True)
@@ -197,10 +211,25 @@ class TransitFitting(TransitCovariance):
         given = self._given_estimates(causes, state)
         return CauseFit(causes, evidence, found, calibration, is_possible(found), state, given, together)
 
+    def _relative_sizes(self, state: TransitState, found: Sequence[ParameterEstimate]) -> tuple[ParameterEstimate, ...]:
+        """Sizes of oscillations that wander over their mean amplitudes in the record, as the effect has them."""
+        relative: list[ParameterEstimate] = []
+        for name in state.forms.wandering:
+            mean = next(each for each in found if each.effect == name)
+            place = [h.key for h in state.hyperparameters].index((name, SLAB_SCALE))
+            size = state.values[name, SLAB_SCALE] * self.coordinates[self.by_effect[name][0]].slab
+            sd = math.hypot(math.sqrt(state.posterior.covariance[place, place]), mean.sd / max(mean.value, 1e-9))
+            ratio = min(size / max(mean.value, 1e-9), LARGEST_RATIO)
+            shape = Coordinate(name, MODULATION, "shape", 0.0, sd, 0.0)
+            relative += estimates((shape,), np.array([math.log(ratio)]), np.array([[min(sd, 1.0) ** 2]]))
+        return tuple(relative)
+
     def _from_modulation(self, state: TransitState) -> Array:
         """Covariance of the usual amplitudes about those of this record, of oscillations that are modulated, (k, k)."""
         variance = np.zeros(len(state.mean))
         for modulation in state.linear.modulations:
+            if modulation.wanders_over is not None:
+                continue
             of_mean = variance_of_mean(self.data.middle, *(state.values[key] for key in modulation.keys))
             own = self.by_effect[modulation.effect]
             squared = state.mean[own[::2]] ** 2 + state.mean[own[1::2]] ** 2

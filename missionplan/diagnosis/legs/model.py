@@ -54,10 +54,10 @@ class TransitModel(TransitFitting):
         if any(info.part == "covariance" or info.is_modulated for info in further):
             return math.inf
         state, known = parent.state, dict(zip(parent.state.hyperparameters, parent.state.posterior.mode, strict=True))
-        hyperparameters = self.hyperparameters(causes, state.modulated)
+        hyperparameters = self.hyperparameters(causes, state.forms)
         at = np.array([known.get(each, each.centre) for each in hyperparameters])
-        with_causes = self.marginal(hyperparameters, at, self.linearised(causes, modulated=state.modulated))
-        plain = self.linearised(parent.causes, modulated=state.modulated)
+        with_causes = self.marginal(hyperparameters, at, self.linearised(causes, forms=state.forms))
+        plain = self.linearised(parent.causes, forms=state.forms)
         without = self.marginal(state.hyperparameters, state.posterior.mode, plain)
         return with_causes.log_density - without.log_density
 
@@ -172,7 +172,7 @@ class TransitModel(TransitFitting):
         own = np.array([coordinate.effect in first.causes for coordinate in self.coordinates])
         columns = model.columns_as_expected.reshape(2 * model.data.n, -1)
         truth = columns @ np.where(own, first.state.mean - self.expected, 0.0)
-        models = [model.linearised(fit.causes, fit.state.linear.about, fit.state.modulated) for fit in (first, second)]
+        models = [model.linearised(fit.causes, fit.state.linear.about, fit.state.forms) for fit in (first, second)]
         predictive = [
             (columns @ (linear.prior.mean - self.expected), model._total_covariance(fit, linear))
             for fit, linear in zip((first, second), models, strict=True)

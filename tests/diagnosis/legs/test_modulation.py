@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from missionplan import diagnose
+from missionplan import diagnose, load
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.legs.likelihood.modulation import (
     LENGTH_OF_TIME,
@@ -17,6 +17,7 @@ from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import Leg
 from missionplan.physics.tides import angular_frequencies
+from tests.hidden_effects.legs import random_records
 
 DAY = 86400.0
 T = np.linspace(0.0, 20.0 * DAY, 90)
@@ -159,3 +160,31 @@ def test_a_tide_that_changes_over_days_is_modulated(folder, transit_mission, leg
 def test_modulation_of_zero_is_neutral():
     still, moving = (CATALOGUE["tidal-current"].make({"m2_east": 0.5, "modulation": m}) for m in (0.0, 0.3))
     assert still == replace(moving, modulation=0.0)
+
+
+def test_an_oscillation_that_wanders_has_the_covariance_of_the_process():
+    """Mean over the record and functions about it, together: the kernel, but for the covariance of the two."""
+    modulation, functions = smooth_functions("", T)
+    wandering = replace(modulation, wanders_over=T)
+    time = 6.0 * DAY
+    assert wandering.keys == (("", "slab scale"), ("", "coherence_time"))
+    assert wandering.mean_sd(time) == pytest.approx(np.sqrt(variance_of_mean(T, 1.0, time)))
+    assert modulation.mean_sd(time) == 1.0
+    sd = wandering.sd(1.0, time)[: functions.shape[1]]
+    total = (functions * sd) @ (functions * sd).T + wandering.mean_sd(time) ** 2
+    assert np.mean(np.diag(total)) == pytest.approx(1.0, abs=0.05)
+
+
+def test_an_inertial_current_that_wanders_is_found_beside_persistent_errors(tmp_path):
+    """3 cm/s whose amplitude wanders within ten days, of which its own law has 10.7 nats."""
+    case = random_records.wandering(6007)
+    mission, folder = case.write(tmp_path / "case", tmp_path / "truth")
+    loaded = load(mission)
+    model = transit_model(read_transit(folder, loaded), loaded, 1)
+    alone, both = model.fit(("persistent-error",)), model.fit(("inertial-current", "persistent-error"))
+    assert both.state.forms.wandering == ("inertial-current",)
+    assert both.log_evidence - alone.log_evidence > 4.0
+    estimates = {p.name: p for p in both.estimates}
+    assert 0.0 < estimates["amplitude"].value * np.hypot(1.0, estimates["modulation"].value) < 0.08
+    assert estimates["coherence_time"].low < 10.0 * DAY
+    assert both.possible

@@ -21,12 +21,14 @@ from missionplan.diagnosis.legs.likelihood.hyperparameters import (
     HyperparameterValues,
     slab_scale,
     values_of,
+    wandering_scale,
 )
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection, MarkovCovariance
 from missionplan.diagnosis.legs.likelihood.mean import TransitMean
+from missionplan.diagnosis.legs.likelihood.modulation import STEADY, Forms
 from missionplan.effects import CATALOGUE, EffectInfo
-from missionplan.effects.oscillation import MODULATION_PARAMETERS
+from missionplan.effects.oscillation import COHERENCE_TIME, MODULATION_PARAMETERS
 from missionplan.phases.hooks import MarkovProcess, TransitEffect
 from missionplan.results.evidence import Causes
 
@@ -50,15 +52,15 @@ MIN_DOF = 2.02
 class TransitCovariance(TransitMean):
     """The legs with the covariance of their errors, and the likelihood at given hyperparameters."""
 
-    def hyperparameters(self, causes: Causes, modulated: Causes = ()) -> tuple[Hyperparameter, ...]:
+    def hyperparameters(self, causes: Causes, forms: Forms = STEADY) -> tuple[Hyperparameter, ...]:
         """Hyperparameters under a set of causes.
 
         Parameters
         ----------
         causes : tuple of str
             The set.
-        modulated : tuple of str
-            Oscillations whose amplitude and phase change slowly.
+        forms : Forms
+            Oscillations that are not steady.
         """
         sigma = math.sqrt(max(0.5 * float(np.trace(self.covariance)), 1e-6))
         stated = self.data.typical_fix_sd or self.fix_error
@@ -68,13 +70,15 @@ class TransitCovariance(TransitMean):
             Hyperparameter("", "fix_sd", math.log(fix), spread),
         ]
         for info in (CATALOGUE[name] for name in causes):
-            if info.part == "mean":
+            if info.id in forms.wandering:
+                found += [wandering_scale(info.id), *_of_shapes(info, (COHERENCE_TIME,))]
+            elif info.part == "mean":
                 found.append(slab_scale(info.id))
             else:
                 found += _of_shapes(info, info.parameters)
         given = held(self.given_in_covariance, causes)
         known = {each.effect for each in given}
-        for name in modulated:
+        for name in forms.modulated:
             found += _of_shapes(CATALOGUE[name], MODULATION_PARAMETERS) if name not in known else []
         for each in given:
             own = zip(each.coordinates, each.mean, np.sqrt(np.diag(each.here)), strict=True)

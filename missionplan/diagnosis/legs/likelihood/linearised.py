@@ -58,6 +58,9 @@ class LinearisedLegs:
         sd = np.ones(len(self.about))
         for effect, places in self.slabs.items():
             sd[places] = values.get((effect, SLAB_SCALE), 1.0)
+        for each in self.modulations:
+            if each.effect in self.slabs:
+                sd[self.slabs[each.effect]] *= each.mean_sd(values[each.keys[1]])
         of_functions = [each.sd(*(values[key] for key in each.keys)) for each in self.modulations]
         return np.concatenate([sd, *of_functions])
 

@@ -14,7 +14,13 @@ from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parame
 from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.legs.likelihood.linearised import CoordinatePrior, LinearisedLegs
-from missionplan.diagnosis.legs.likelihood.modulation import Modulation, modulated_columns, smooth_functions
+from missionplan.diagnosis.legs.likelihood.modulation import (
+    STEADY,
+    Forms,
+    Modulation,
+    modulated_columns,
+    smooth_functions,
+)
 from missionplan.effects import CATALOGUE, EffectInfo, effects_of
 from missionplan.effects.info import LegRecord
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
@@ -238,7 +244,7 @@ class TransitMean:
             factor[np.ix_(own, own)] = _square_root(each.here)
         return CoordinatePrior(mean, factor)
 
-    def linearised(self, causes: Causes, about: Array | None = None, modulated: Causes = ()) -> LinearisedLegs:
+    def linearised(self, causes: Causes, about: Array | None = None, forms: Forms = STEADY) -> LinearisedLegs:
         """Linearise the model of a set about given coordinates, with columns that modulate its oscillations.
 
         Parameters
@@ -247,8 +253,8 @@ class TransitMean:
             The set.
         about : array, shape (k,), optional
             Default as the mission expects.
-        modulated : tuple of str
-            Oscillations whose amplitude and phase change slowly.
+        forms : Forms
+            Oscillations that are not steady.
         """
         about = self.expected if about is None else about
         prior = self.prior(causes)
@@ -256,10 +262,19 @@ class TransitMean:
         columns = self.columns_as_expected if linear else self.columns(about)
         moved = self.mean_error(about) - self._error_as_expected
         y = self.y - moved + columns @ (about - prior.mean)
-        of_modulations = [self._modulation_columns(name, about) for name in modulated]
+        of_modulations = [self._modulation_columns(name, about) for name in forms.modulated]
+        of_modulations += [self._wandering_columns(name) for name in forms.wandering]
         standardised = np.concatenate([columns @ prior.factor, *(found for _, found in of_modulations)], axis=2)
         slabs = {name: own for name, own in self.by_effect.items() if name in causes}
         return LinearisedLegs(about, prior, y, standardised, slabs, tuple(each for each, _ in of_modulations))
+
+    def _wandering_columns(self, name: str) -> tuple[Modulation, Array]:
+        """Slow amplitude of an oscillation that wanders, in usual sizes, and its columns, shape (2, n, m)."""
+        usual = np.zeros(len(self.coordinates))
+        first = self.by_effect[name][0]
+        usual[first] = self.coordinates[first].slab
+        modulation, columns = self._modulation_columns(name, usual)
+        return replace(modulation, wanders_over=self.data.middle), columns
 
     def _modulation_columns(self, name: str, about: Array) -> tuple[Modulation, Array]:
         """Slow modulation of an oscillation, and its columns, shape (2, n, m)."""

@@ -5,6 +5,9 @@ one (Kunze 1985: the vorticity of the flow about it shifts it by some per cent),
 the oscillation by 1 + ε(t), with ε complex and slow (as in complex demodulation, Emery & Thomson 2001). Here ε has a
 squared-exponential covariance; its mean over the record belongs to the amplitude and phase, so that a steady
 oscillation is not shared with its modulation.
+
+An oscillation of one amplitude and phase may also wander: its complex amplitude as a whole is such a process about
+zero. Its size is then inferred from the record, and a weak one is not compared with the usual size of a steady one.
 """
 
 import math
@@ -13,7 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.diagnosis.legs.likelihood.hyperparameters import SLAB_SCALE
 from missionplan.effects.oscillation import COHERENCE_TIME, MODULATION
+from missionplan.results.evidence import Causes
 
 DAY = 86400.0
 MARGIN = 5.0 * DAY
@@ -29,6 +34,17 @@ LENGTH_OF_TIME = math.sqrt(2.0 / math.pi)
 
 
 @dataclass(frozen=True)
+class Forms:
+    """Oscillations among the causes that are not steady: whose amplitude changes slowly, or wanders about zero."""
+
+    modulated: Causes = ()
+    wandering: Causes = ()
+
+
+STEADY = Forms()
+
+
+@dataclass(frozen=True)
 class Modulation:
     """Functions of time that modulate an oscillation.
 
@@ -40,11 +56,14 @@ class Modulation:
         Of the cosines [rad/s].
     span : float
         Of their domain [s].
+    wanders_over : array, shape (n,), optional
+        Middles of the legs [s] where the oscillation wanders: the functions are those of its whole amplitude.
     """
 
     effect: str
     frequencies: Array
     span: float
+    wanders_over: Array | None = None
 
     def sd(self, relative: float, coherence_time: float) -> Array:
         """Prior standard deviations of the coefficients, real parts then imaginary ones, shape (2m,).
@@ -64,8 +83,12 @@ class Modulation:
 
     @property
     def keys(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Hyperparameters: relative size and coherence time."""
-        return (self.effect, MODULATION), (self.effect, COHERENCE_TIME)
+        """Hyperparameters: relative size, or that of the amplitude over the usual one, and coherence time."""
+        return (self.effect, MODULATION if self.wanders_over is None else SLAB_SCALE), (self.effect, COHERENCE_TIME)
+
+    def mean_sd(self, coherence_time: float) -> float:
+        """Standard deviation of the mean over the record of an amplitude that wanders with one of 1."""
+        return 1.0 if self.wanders_over is None else math.sqrt(variance_of_mean(self.wanders_over, 1.0, coherence_time))
 
 
 def smooth_functions(effect: str, t: Array) -> tuple[Modulation, Array]:
