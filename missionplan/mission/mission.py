@@ -141,6 +141,7 @@ class Mission(FileSection):
             if isinstance(current, CurrentFile)
             else []
         )
+        named += [mission.site.chart] if mission.site and mission.site.chart else []
         mission._sources = tuple(Path(name) for name in (*document.files, *named) if not name.startswith(REMOTE))
         return mission
 

@@ -34,6 +34,8 @@ def include_files(document: Document, folder: Path, *, allow_outside: bool) -> l
     if isinstance(vehicle, str) and not files.include(vehicle, ("vehicle",)):
         del document.data["vehicle"]
     site = document.data.get("site")
+    if isinstance(site, dict) and isinstance(site.get("chart"), str):
+        site["chart"] = str(files.resolve(site["chart"], ("site", "chart")) or site["chart"])
     current = site.get("current") if isinstance(site, dict) else None
     if isinstance(current, dict):
         _resolve_current(current, files)

@@ -171,7 +171,7 @@ class SlopeSection(FileSection):
 
 
 class Site(FileSection):
-    """Site of the mission; `roughness` is z₀ of the seafloor."""
+    """Site of the mission; `roughness` is z₀ of the seafloor, `chart` a file drawn behind the map."""
 
     origin: Geographic | None = None
     depth: q.PositiveLength | None = None
@@ -179,3 +179,14 @@ class Site(FileSection):
     current: CurrentSource = ()
     slope: SlopeSection | None = None
     roughness: q.PositiveLength | None = None
+    chart: str | None = None
+
+    @model_validator(mode="after")
+    def _chart_has_a_place(self) -> "Site":
+        if self.chart is None:
+            return self
+        if not self.chart.lower().endswith((".json", ".geojson", ".tif", ".tiff")):
+            raise invalid("expected a GeoJSON (.geojson, .json) or GeoTIFF file (.tif, .tiff)", ("chart",))
+        if self.origin is None:
+            raise invalid("a chart needs the origin's latitude and longitude", ("origin",))
+        return self

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from itertools import chain
+from pathlib import Path
 
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.planned.site_map import site_map
@@ -70,6 +71,8 @@ def _site(data: Mapping[str, object]) -> Iterator[Row]:
     for key, value in _mapping(data.get("site")).items():
         if key == "current":
             yield from _current(value)
+        elif key == "chart":
+            yield "chart", Path(str(value)).name
         elif key == "depth":
             yield "depth of the water", value_in_words(value)
         else:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain, pairwise
+from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,6 +16,7 @@ from missionplan.mission.schema.site import Geographic
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.report.geography.frame import emptiest_corner, frame, north_and_scale
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, Figure, to_figure
+from missionplan.report.planned.chart import draw_chart
 
 _WIDTH = 5.0
 Point = tuple[float, float]
@@ -50,6 +52,7 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
     figure = MatplotlibFigure(figsize=(_WIDTH, 0.6 + (_WIDTH - 0.9) * shown.shape))
     axes = figure.add_subplot()
     axes.set(xlim=shown.west_east, ylim=shown.south_north, xlabel="east (m)", ylabel="north (m)", aspect="equal")
+    problem = _draw_chart(axes, data)
     for start, end in pairwise(goals):
         axes.plot(*zip(start.place, end.place, strict=True), color=BLUE, linewidth=1.4)
     for line in circles:
@@ -63,8 +66,18 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
         "site",
         f"Map of the site: {words}.",
         "The straight way, and the circles within which a transit has arrived or the anchor may lie; metres from the "
-        "origin.",
+        f"origin.{problem}",
     )
+
+
+def _draw_chart(axes: Axes, data: Mapping[str, object]) -> str:
+    """Draw the chart that the mission names, where it names one; returns what is to be said of it."""
+    site, origin = data.get("site"), _origin(data)
+    file = site.get("chart") if isinstance(site, Mapping) else None
+    if not isinstance(file, str) or origin is None:
+        return ""
+    problem = draw_chart(axes, file, origin)
+    return f" {problem}" if problem else f" Chart: {Path(file).name}; not for navigation."
 
 
 def _names(goals: list[Goal]) -> Iterator[tuple[str, Point]]:
