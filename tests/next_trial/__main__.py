@@ -25,17 +25,19 @@ def told(found: Sequence[Campaign]) -> str:
     """Write the figures."""
     among = [each for each in found if each.among]
     information = slope([each.expected for each in among], [each.gained for each in among])
-    saving = slope([each.saving for each in found], [each.saved for each in found])
-    mean = {name: np.array([getattr(each, name) for each in found]) for name in ("saving", "saved")}
-    return "\n".join(
-        [
-            f"{len(found)} campaigns; the truth among the sets considered in {len(among)}",
-            f"information: expected {np.mean([e.expected for e in among]):.2f}, gained "
-            f"{np.mean([e.gained for e in among]):.2f} nats; slope {information[0]:.2f} ± {information[1]:.2f}",
-            f"saving: predicted {mean['saving'].mean():.2f}, realised {mean['saved'].mean():.2f} ± "
-            f"{mean['saved'].std() / np.sqrt(len(found)):.2f} min; slope {saving[0]:.2f} ± {saving[1]:.2f}",
-        ]
-    )
+    lines = [
+        f"{len(found)} campaigns; the truth among the sets considered in {len(among)}",
+        f"information: expected {np.mean([e.expected for e in among]):.2f}, gained "
+        f"{np.mean([e.gained for e in among]):.2f} nats; slope {information[0]:.2f} ± {information[1]:.2f}",
+    ]
+    predicted, saved = (np.array([getattr(each, name) for each in found]) for name in ("saving", "saved"))
+    if np.any(np.nan_to_num(predicted) > 0.0):
+        value, error = slope(predicted.tolist(), saved.tolist())
+        lines.append(
+            f"saving: predicted {predicted.mean():.2f}, realised {saved.mean():.2f} ± "
+            f"{saved.std() / np.sqrt(len(found)):.2f} min; slope {value:.2f} ± {error:.2f}"
+        )
+    return "\n".join(lines)
 
 
 def main() -> None:

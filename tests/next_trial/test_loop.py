@@ -62,6 +62,22 @@ def test_the_trial_is_the_one_in_the_files_and_goes_both_ways(first: Diagnosis) 
     assert ("speed-scale",) in choices  # with which another d_max is best
 
 
+def test_the_report_tells_the_trial_and_its_outcomes(first: Diagnosis, tmp_path: Path) -> None:
+    folder = first.save(tmp_path / "report")
+    report = (folder / "report.html").read_text(encoding="utf-8")
+    assert "The trial pays for itself after" in report
+    assert "If it then looks most like" in report
+    assert "no data set of their own" in report  # two legs
+    assert load(folder / "next-trial.yaml").transits == load(FILES / "next-trial.yaml").transits
+    assert first.next_trial is not None
+    rule = first.next_trial.rule
+    assert rule is not None
+    assert (rule.effect, rule.above) == ("speed-scale", False)
+    assert -0.16 < rule.threshold < -0.08
+    probability = sum(outcome.probability for outcome in first.next_trial.outcomes)
+    assert 0.8 < probability <= 1.0 + 1e-9
+
+
 def test_the_trial_resolves_the_doubt(second: Diagnosis) -> None:
     assert second.verdict == "explained"
     assert second.causes == ("mean-current",)
