@@ -12,6 +12,7 @@ from missionplan.errors import InputError, MissionplanError, RunError
 from missionplan.rendering import Presenter, register_presenter
 
 if TYPE_CHECKING:
+    from missionplan.diagnosis.campaign import diagnose_campaign
     from missionplan.diagnosis.diagnose import diagnose
     from missionplan.diagnosis.scoring.score import score
     from missionplan.importers.importing import import_logs
@@ -47,6 +48,7 @@ __all__ = [
     "compare",
     "compare_missions",
     "diagnose",
+    "diagnose_campaign",
     "explore",
     "export",
     "find_rare_failure",
@@ -74,6 +76,7 @@ _MODULES = {
     "compare": "missionplan.studies.comparison.compare",
     "compare_missions": "missionplan.studies.comparison.compare_missions",
     "diagnose": "missionplan.diagnosis.diagnose",
+    "diagnose_campaign": "missionplan.diagnosis.campaign",
     "explore": "missionplan.studies.exploration.explore",
     "export": "missionplan.studies.mission_plan.export",
     "find_rare_failure": "missionplan.studies.rare_failure.find_rare_failure",

@@ -45,7 +45,7 @@ CALLS: dict[str, Callable[[], object]] = {
     "compare": lambda: missionplan.compare(a_report(), a_report()),
     "explore": lambda: missionplan.explore(mission("fig8"), "ingress.d_max=3,4 km", trials=20, seed=1),
 }
-ELSEWHERE = {"compare_missions", "optimise", "history", "score", "tide"}
+ELSEWHERE = {"compare_missions", "optimise", "diagnose_campaign", "history", "score", "tide"}
 """Called in tests of their own, which write what they read."""
 CLASSES = {"Mission", "__version__", "InputError", "MissionplanError", "RunError"}
 UNDER_OTHER_NAMES = {"import": "import_log", "effects": "", "simulate --rare": "find_rare_failure"}

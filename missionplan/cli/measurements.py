@@ -7,6 +7,7 @@ import typer
 
 from missionplan.cli import options as o
 from missionplan.cli.running import Progress, checked_folder, deliver, run_study
+from missionplan.errors import InputError
 
 if TYPE_CHECKING:
     from missionplan.mission import Mission
@@ -24,6 +25,9 @@ _Holdout = Annotated[
         show_default=False,
     ),
 ]
+_Diagnosed = Annotated[
+    list[Path], typer.Argument(metavar="DATASET...", help="Data sets: folders with dataset.yaml.", show_default=False)
+]
 _Datasets = Annotated[
     list[Path], typer.Argument(metavar="DATASET...", help="Data sets of legs or dives.", show_default=False)
 ]
@@ -39,7 +43,7 @@ def register(app: typer.Typer) -> None:
 
 def diagnose(
     mission: o.MissionFile,
-    dataset: o.DatasetFolder,
+    datasets: _Diagnosed,
     seed: o.Seed = None,
     jobs: o.Jobs = 0,
     *,
@@ -50,22 +54,33 @@ def diagnose(
     holdout: _Holdout = None,
     allow_outside: o.AllowOutside = False,
 ) -> None:
-    """Find what the simulation gets wrong about measured data and why, and write the extended mission."""
+    """Find what the simulation gets wrong about measured data and why, and write the extended mission.
+
+    Several data sets of one campaign, of any kinds, are diagnosed one after the other into one extended mission.
+    """
+    if len(datasets) > 1 and (next_trial or holdout is not None):
+        raise InputError("--next-trial and --holdout are for a single data set")
 
     def study(loaded: "Mission", progress: Progress) -> "Result":
         from missionplan.montecarlo.parallel_map import MAX_PROCESSES
         from missionplan.montecarlo.pool import preloaded_pool
         from missionplan.studies.validation.datasets import check_dataset
 
-        check_dataset(dataset, loaded, allow_outside=allow_outside)  # a refusal needs neither workers nor their imports
+        for dataset in datasets:
+            check_dataset(dataset, loaded, allow_outside=allow_outside)  # a refusal needs no workers
         processes = o.worker_count(jobs)
         others = min(processes, MAX_PROCESSES) - 1
         with preloaded_pool(others, "missionplan.diagnosis.diagnose"):  # they import while this process does
+            from missionplan.diagnosis.campaign import diagnose_campaign
             from missionplan.diagnosis.diagnose import diagnose
 
+            if len(datasets) > 1:
+                return diagnose_campaign(
+                    loaded, datasets, seed=seed, jobs=processes, allow_outside=allow_outside, progress=progress
+                )
             return diagnose(
                 loaded,
-                dataset,
+                datasets[0],
                 seed=seed,
                 jobs=processes,
                 next_trial=next_trial,
@@ -76,7 +91,7 @@ def diagnose(
 
     from missionplan.datasets.reading import dataset_files
 
-    inputs = dataset_files(dataset)
+    inputs = [file for dataset in datasets for file in dataset_files(dataset)]
     run_study(mission, "diagnose", study, output, allow_outside=allow_outside, inputs=inputs)
 
 

@@ -50,7 +50,7 @@ def history(folder: str | Path) -> History:
     places = sorted(path.parent for path in root.rglob("diagnosis.json") if (path.parent / "summary.json").is_file())
     if not places:
         raise InputError([Problem("holds no report of diagnose (summary.json beside diagnosis.json)", str(root))])
-    reports = [_read(place, root) for place in places]
+    reports = [report for place in places if (report := _read(place, root)) is not None]
     by_start = all(report.start for report in reports)
     reports.sort(key=lambda report: (_moment(report.start if by_start else report.created), report.place))
     entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
@@ -68,8 +68,8 @@ def history(folder: str | Path) -> History:
     return History(provenance, tuple(report.place for report in reports), tuple(_with_jumps(entries)), by_start)
 
 
-def _read(place: Path, root: Path) -> _Report:
-    """Read a report.
+def _read(place: Path, root: Path) -> _Report | None:
+    """Read a report; None for one of several data sets, whose diagnoses lie in folders of their own.
 
     Raises
     ------
@@ -81,6 +81,8 @@ def _read(place: Path, root: Path) -> _Report:
         summary = json.loads(read_text(file, str(file)))
     except ValueError as error:
         raise InputError([Problem(f"is no JSON: {error}", str(file))]) from None
+    if isinstance(summary, dict) and "datasets" in summary:
+        return None
     if not isinstance(summary, dict) or not isinstance(summary.get("ranking"), list):
         raise InputError([Problem("is not the summary of a diagnosis", str(file))])
     mission = load_document(place / "mission.yaml").data if (place / "mission.yaml").is_file() else {}

@@ -1,0 +1,86 @@
+"""`diagnose` with several data sets of one campaign: the posterior of one is the prior of the next."""
+
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from missionplan.datasets.reading import dataset_kind, load_dataset_document
+from missionplan.diagnosis.diagnose import diagnose
+from missionplan.diagnosis.kinds import KINDS
+from missionplan.errors import InputError
+from missionplan.mission import Mission, MissionOrPath
+from missionplan.results.base import Provenance
+from missionplan.results.log_book.campaign import Campaign
+from missionplan.store.paths import as_path
+from missionplan.studies.arguments import check_arguments
+
+ORDER = ("drag", "free-oscillation", "thruster", "propeller-transient", "summary", "descent", "transit")
+"""Kinds of data in the order in which they are diagnosed: the tank, which measures a thing by itself, first."""
+Progress = Callable[[int, int], None]
+"""Called with data sets done, of how many."""
+
+
+def diagnose_campaign(
+    mission: MissionOrPath,
+    datasets: Sequence[str | Path],
+    *,
+    seed: int | None = None,
+    jobs: int = 1,
+    plan: bool = True,
+    allow_outside: bool = False,
+    progress: Progress | None = None,
+) -> Campaign:
+    """Diagnose several data sets of one campaign, of any kinds, one after the other.
+
+    They are taken in the order of `ORDER`, then of their names, however they are given. Each is laid against the
+    mission that the one before has extended, so that an effect which several of them can show has the posterior of one
+    as its prior for the next.
+
+    Parameters
+    ----------
+    mission : Mission, str or Path
+        The base model.
+    datasets : sequence of str or Path
+        Folders of data sets.
+    seed, jobs, plan, allow_outside
+        As of `diagnose`.
+    progress : callable, optional
+        Called with data sets done, of how many.
+
+    Raises
+    ------
+    InputError
+        When a data set or the mission lack what a diagnosis needs, or one is given twice.
+    RunError
+        When not even the base model can be fitted to one of them.
+    """
+    started = time.perf_counter()
+    base = check_arguments(mission, seed=seed, jobs=jobs)
+    folders = sorted({as_path(dataset, "dataset").resolve() for dataset in datasets}, key=_place)
+    if len(folders) != len(datasets) or not folders:
+        raise InputError(f"datasets: given {len(datasets)}, {len(folders)} of them different; expected each one once")
+    extended, found = base, []
+    for folder in folders:
+        one = diagnose(extended, folder, seed=seed, jobs=jobs, plan=plan, allow_outside=allow_outside)
+        found.append(one)
+        extended = Mission.from_data(one.extended, file=base.file)
+        if progress is not None:
+            progress(len(found), len(folders))
+    provenance = Provenance(
+        command="diagnose",
+        mission=base.name,
+        file=base.file,
+        seed=found[0].provenance.seed,
+        trials=0,
+        options={"datasets": [str(folder) for folder in folders], "jobs": jobs},
+        elapsed_s=time.perf_counter() - started,
+        data=base.raw,
+        notices=tuple(dict.fromkeys(notice for each in found for notice in each.provenance.notices)),
+    )
+    return Campaign(provenance, tuple(found))
+
+
+def _place(folder: Path) -> tuple[int, str, str]:
+    """Place of a data set in the order: by its kind, its name, its folder."""
+    kind = dataset_kind(folder, KINDS)
+    return ORDER.index(kind), str(load_dataset_document(folder).data.get("name") or ""), str(folder)

@@ -1,0 +1,78 @@
+"""Report of `diagnose` with several data sets: what each showed, what they share, and each one's own answer."""
+
+import shlex
+from dataclasses import replace
+
+from missionplan.report.diagnosis.page import answer as answer_of
+from missionplan.report.diagnosis.page import page as page_of
+from missionplan.report.page import Block, Page, PageSection, Table, Terminal
+from missionplan.results.log_book.campaign import Campaign
+
+COLUMNS = ("Data set", "Kind", "Verdict", "Causes", "Confirmed")
+
+
+def page(campaign: Campaign) -> Page:
+    """Build the page of a campaign."""
+    made = campaign.provenance
+    folders = made.options["datasets"]
+    given = [made.file, *(folders if isinstance(folders, list) else [])]
+    sections = [
+        PageSection("What each data set showed", [Table(COLUMNS, _rows(campaign), text_columns=5)]),
+        PageSection("What they share", _shared(campaign)),
+    ]
+    for index, each in enumerate(campaign.diagnoses, start=1):
+        figure = page_of(each).figure
+        blocks: list[Block] = [answer_of(each)]
+        if figure is not None:
+            blocks.append(replace(figure, name=f"{figure.name}-{index}"))
+        blocks.append(f"Everything about it is in the folder {index}-{each.kind}.")
+        sections.append(PageSection(each.data, blocks))
+    return Page(
+        title=f"Diagnosis of {made.mission} with {len(campaign.diagnoses)} data sets",
+        answer=answer(campaign),
+        figure=None,
+        numbers=[("Data sets", str(len(campaign.diagnoses))), ("Effects learned of", str(len(campaign.informed_by)))],
+        sections=sections,
+        rerun=f"missionplan diagnose {' '.join(shlex.quote(str(path)) for path in given)} --seed {made.seed}",
+    )
+
+
+def terminal(campaign: Campaign) -> Terminal:
+    """Build the terminal's view."""
+    return Terminal(answer(campaign), COLUMNS, _rows(campaign))
+
+
+def answer(campaign: Campaign) -> str:
+    """Say what the data sets showed together."""
+    found = campaign.informed_by
+    if not found:
+        return f"The mission's model is adequate for all {len(campaign.diagnoses)} data sets: none asks for a cause."
+    named = ", ".join(effect.replace("-", " ") for effect in found)
+    shared = ", ".join(effect.replace("-", " ") for effect in campaign.shared)
+    more = f" Of {shared} more than one had a say." if shared else " No two of them had a say in the same effect."
+    return f"Together {len(campaign.diagnoses)} data sets tell of {named}; one extended mission carries it all.{more}"
+
+
+def _rows(campaign: Campaign) -> list[list[str]]:
+    rows = []
+    for each in campaign.diagnoses:
+        causes = [cause.replace("-", " ") + (" (changed)" if cause in each.changed else "") for cause in each.causes]
+        confirmed = dict.fromkeys(p.effect.replace("-", " ") for p in each.confirmed)
+        rows.append([each.data, each.kind, each.verdict, ", ".join(causes) or "–", ", ".join(confirmed) or "–"])
+    return rows
+
+
+def _shared(campaign: Campaign) -> list[Block]:
+    """Say what passes from one data set to the next, and what does not."""
+    rows = [[effect.replace("-", " "), ", ".join(names)] for effect, names in campaign.informed_by.items()]
+    words = (
+        "An effect passes from one data set to the next through the mission: what one leaves of its parameters is what "
+        "the next begins with. Dives, summaries of dives and the drag of the tank share the vehicle's effects; legs "
+        "share theirs with other legs. Legs and dives have no effect of the catalogue in common, so that neither "
+        "changes what the other shows. σ_v is that of the last record of legs. The order is that of the kinds (tank, "
+        "dives, legs), then of the names, however they are given. Another order could change what is claimed where an "
+        "effect is weak in each record: a claim needs 3 nats in a single one."
+    )
+    if not rows:
+        return [words]
+    return [words, Table(["Effect", "Learned from"], rows, text_columns=2)]

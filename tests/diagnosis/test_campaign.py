@@ -1,0 +1,87 @@
+"""Several data sets of one campaign: one extended mission, in any order, with every hidden effect found."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+import missionplan
+from tests.hidden_effects.cases import draw_case
+
+COMPASS = 4.0
+"""Hidden in the legs [deg]."""
+
+
+def write_legs(folder: Path, name: str, seed: int, legs: int = 30) -> Path:
+    """Legs of a star about the origin, the compass off; by a plain loop."""
+    generator, rows, t = np.random.default_rng(seed), [], 0.0
+    start = np.zeros(2)
+    for leg in range(legs):
+        course = 2.0 * np.pi * (leg % 6) / 6
+        speed, seconds = 0.75, 1200.0
+        reckoned = start + speed * seconds * np.array([np.sin(course), np.cos(course)])
+        turned = course + np.radians(COMPASS)
+        moved = speed * seconds * np.array([np.sin(turned), np.cos(turned)])
+        end = start + moved + 0.02 * seconds * generator.standard_normal(2)
+        rows.append([t, t + seconds, *start, *reckoned, *end])
+        start, t = end, t + seconds + 300.0
+    folder.mkdir(parents=True)
+    columns = ["t_start_s", "t_end_s", "x_start_m", "y_start_m", "x_dr_m", "y_dr_m", "x_end_m", "y_end_m"]
+    pd.DataFrame(rows, columns=columns).to_csv(folder / "legs.csv", index=False)
+    (folder / "dataset.yaml").write_text(yaml.safe_dump({"kind": "transit", "name": name, "file": "legs.csv"}))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Path]]:
+    """A mission, dives with more drag than it has, and two logs of legs with a compass that is off."""
+    root = tmp_path_factory.mktemp("campaign")
+    mission, dives = draw_case(72_001, "descent", "single", "drag-bias").write(root / "dives", root / "truth")
+    raw = yaml.safe_load(mission.read_text())
+    raw["navigation"] = {"velocity_error": {"sigma": "0.02 m/s"}, "surfacing_time": "5 min"}
+    transit = {"to": ["4 km", "0 m"], "speed": "0.75 m/s", "d_max": "1 km", "arrival_radius": "50 m"}
+    raw["phases"] = [{"transit": {"from": ["0 m", "0 m"], **transit}}, *raw["phases"]]
+    raw["site"].pop("current", None)  # the legs are made in still water
+    path = mission.parent / "both.yaml"
+    path.write_text(yaml.safe_dump(raw, sort_keys=False))
+    logs = [write_legs(root / f"legs-{k}", f"legs {k}", 40 + k) for k in (1, 2)]
+    return path, [dives, *logs]
+
+
+def test_one_mission_carries_what_legs_and_dives_show_in_any_order(
+    campaign: tuple[Path, list[Path]], tmp_path: Path
+) -> None:
+    path, folders = campaign
+    found = missionplan.diagnose_campaign(path, folders, plan=False)
+    again = missionplan.diagnose_campaign(path, folders[::-1], plan=False)
+    assert found.extended == again.extended
+    assert [each.kind for each in found.diagnoses] == ["descent", "transit", "transit"]
+    assert set(found.informed_by) == {"drag-bias", "compass-bias"}
+    assert found.shared == ("compass-bias",)
+    assert found.diagnoses[2].verdict == "adequate"
+    (angle,) = [p for p in found.diagnoses[2].confirmed if p.effect == "compass-bias"]
+    (first,) = [p for p in found.diagnoses[1].best.parameters if p.effect == "compass-bias"]  # type: ignore[union-attr]
+    assert angle.sd < first.sd
+    assert np.degrees(angle.low) < COMPASS < np.degrees(angle.high)
+    folder = found.save(tmp_path / "reports" / "campaign")
+    assert "Together 3 data sets tell of drag bias, compass bias" in (folder / "report.html").read_text()
+    assert missionplan.load(folder / "mission.yaml").effects
+    history = missionplan.history(tmp_path / "reports")
+    assert {key[0] for key in history.parameters} == {"drag-bias", "compass-bias"}
+
+
+def test_dives_say_nothing_of_the_compass(campaign: tuple[Path, list[Path]]) -> None:
+    """Legs and dives have no effect in common: together they give what each gives alone."""
+    path, (dives, log, _) = campaign
+    together = missionplan.diagnose_campaign(path, [log, dives], plan=False)
+    alone = missionplan.diagnose(path, log, plan=False)
+    assert together.diagnoses[1].causes == alone.causes
+    assert together.diagnoses[1].best == alone.best
+
+
+def test_a_data_set_given_twice_is_refused(campaign: tuple[Path, list[Path]]) -> None:
+    path, folders = campaign
+    with pytest.raises(missionplan.InputError, match="each one once"):
+        missionplan.diagnose_campaign(path, [folders[0], folders[0]])
