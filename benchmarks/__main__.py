@@ -9,14 +9,14 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from benchmarks import choosing, commands, descent, diagnosis, monaco_peer, rare, scaling, sweep, table
+from benchmarks import choosing, commands, descent, monaco_peer, rare, scaling, sweep, table
 from benchmarks.common import Comparison, Options, circumstances, load_average
 
 COMPARISONS: dict[str, Comparison] = {
     "sweep": sweep.compare,
     "commands": commands.compare,
     "descent": descent.compare,
-    "diagnosis": diagnosis.compare,
+    "diagnosis": commands.diagnoses,
     "monaco": monaco_peer.compare,
     "rare": rare.compare,
     "choosing": choosing.compare,

@@ -1,14 +1,21 @@
-"""Whole commands, from the start of the process to its end; and the dynamic programme of `plan-legs`."""
+"""Whole commands, from the start of the process to its end: sweep, help, diagnoses; and the dynamic programme."""
 
 import tempfile
 from pathlib import Path
 
 from benchmarks.common import MISSIONS, Options, Row, Run, Section, alternate, duration, python, run_command
 from missionplan.phases.transit.analytic.policy import best_legs
+from tests.hidden_effects.cases import draw_case
 
 SWEEP_TRIALS = 20_000
 HARDEST_LEGS = {"distance": 14816.0, "speed": 1.2, "arrival_radius": 10.0, "sigma": 0.035, "surfacing_time": 90.0}
 """The slowest of the four cases in docs/adaptive-legs.md [m, m/s, m, m/s, s]."""
+CASES = {
+    "100 legs": (((912, "transit", "pair"), (916, "transit", "pair"), (941, "transit", "pair")), 4.0),
+    "four dives": (((905, "descent", "single"), (905, "descent", "pair")), 6.0),
+    "300 legs": (((915, "transit", "single"), (942, "transit", "control"), (912, "transit", "single")), 10.0),
+}
+"""Arguments of the cases, and the time asked for [s]."""
 
 
 def compare(options: Options) -> Section:
@@ -28,6 +35,25 @@ def compare(options: Options) -> Section:
         Row(what, duration(legs), target="≤ 3 s", met=legs <= 3.0),
     )
     return Section(rows, ("numpy", "joblib", "typer", "matplotlib"))
+
+
+def diagnoses(options: Options) -> Section:
+    """Time diagnoses of made-up records of three kinds, from start to report with the plan."""
+    rows = tuple(
+        _diagnosis(what, cases[: 1 if options.shrink > 1 else None], most) for what, (cases, most) in CASES.items()
+    )
+    note = "Two jobs, the median over the records; CPU time of both processes."
+    return Section(rows, ("numpy", "scipy", "pandas", "matplotlib"), (note,))
+
+
+def _diagnosis(what: str, cases: tuple[tuple[int, str, str], ...], most: float) -> Row:
+    runs = []
+    for arguments in cases:
+        with tempfile.TemporaryDirectory() as folder:
+            mission, data = draw_case(*arguments).write(Path(folder) / "case", Path(folder) / "truth")
+            words = ("missionplan", "diagnose", mission, data, "--jobs", "2", "--quiet")
+            runs.append(run_command([*python(*words), "--out", Path(folder) / "report"]))
+    return _row(f"`diagnose`, {what}, start to report", runs, most)
 
 
 def _row(what: str, runs: list[Run], most: float) -> Row:
