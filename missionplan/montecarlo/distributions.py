@@ -217,7 +217,9 @@ class WhichHolds(NormalTransform):
 
     @override
     def from_normal(self, z: Array) -> Array:
-        return np.searchsorted(self._ends, scipy.special.ndtr(z), side="right").astype(float)
+        ends = self._ends
+        last = len(ends) - (ends[-1] == 1.0)  # where no draw may have none of them, not even one whose Φ rounds to 1
+        return np.minimum(np.searchsorted(ends, scipy.special.ndtr(z), side="right"), last).astype(float)
 
     @override
     def cdf(self, value: float) -> float:
