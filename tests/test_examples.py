@@ -1,0 +1,63 @@
+"""The notebooks and programs of `examples` run as they stand, and the README's Python twice in a row."""
+
+import ast
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+NOTEBOOKS = sorted((ROOT / "examples" / "notebooks").glob("*.ipynb"))
+
+
+def _program(notebook: Path) -> str:
+    """Code of a notebook as a program that shows the last expression of each cell, as a notebook does."""
+    lines = ["def show(value):", "    print(value._repr_html_()[:0] if hasattr(value, '_repr_html_') else value)"]
+    for cell in json.loads(notebook.read_text(encoding="utf-8"))["cells"]:
+        if cell["cell_type"] != "code":
+            continue
+        tree = ast.parse("".join(cell["source"]))
+        if isinstance(tree.body[-1], ast.Expr):
+            tree.body[-1] = ast.parse(f"show({ast.unparse(tree.body[-1])})").body[0]
+        lines.append(ast.unparse(tree))
+    return "\n".join(lines)
+
+
+def _run(program: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "MPLBACKEND": "Agg"}
+    return subprocess.run([sys.executable, "-c", program], cwd=folder, env=environment, capture_output=True, text=True)
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs(notebook: Path, tmp_path: Path) -> None:
+    done = _run(_program(notebook), tmp_path)
+    assert done.returncode == 0, done.stderr
+    if notebook.stem == "diagnose":
+        assert "compass-bias" in done.stdout
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_kept_small(notebook: Path) -> None:
+    assert notebook.stat().st_size < 50_000
+
+
+def test_the_python_of_the_readme_runs_twice_in_a_row(tmp_path: Path) -> None:
+    (program,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    shutil.copytree(ROOT / "missions", tmp_path / "missions")
+    for _ in range(2):
+        done = _run(program, tmp_path)
+        assert done.returncode == 0, done.stderr
+    assert (tmp_path / "reports" / "fig8" / "report.html").exists()
+
+
+def test_a_program_of_somebody_elses_works() -> None:
+    program = "import consumer as c\nprint(c.best_leg('missions/fig8.yaml'), c.problems('missions/nowhere.yaml'))"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT / "examples" / "python"), str(ROOT)])}
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "no such file" in done.stdout
