@@ -207,19 +207,21 @@ def front_figure(found: Optimised) -> Figure | None:
     )
     for label, colour, members in groups:
         x, y = [unit(getattr(each, found.aim)) for each in members], [100.0 * each.success.value for each in members]
-        axes.plot(x, y, "o", color=colour, markersize=4, label=label)
+        axes.plot(x, y, "o", color=colour, markersize=4, alpha=0.6, label=label)
     chosen = [each for each in tried if each.values == found.chosen]
     if chosen and found.feasible:
         x = [unit(getattr(each, found.aim)) for each in chosen]
         axes.plot(x, [100.0 * each.success.value for each in chosen], "*", color=ORANGE, markersize=14, label="chosen")
     what = "energy" if found.aim == "energy" else "duration"
     axes.set(xlabel=f"Mean {what}{unit.axis}", ylabel="P(success) (%)")
-    axes.legend()
+    low = min(90.0, 100.0 * min(each.success.value for each in tried))
+    axes.set_ylim(low - 0.05 * (100.0 - low), 100.0 + 0.05 * (100.0 - low))
+    axes.legend(loc="best")
     return to_figure(
         figure,
         "optimise",
         f"Probability of success against mean {what} of the choices tried",
-        f"Choices that were tried with {max(each.trials for each in tried)} trials each.",
+        f"All choices tried, with {min(each.trials for each in tried)} trials or more.",
     )
 
 

@@ -26,7 +26,7 @@ from missionplan.studies.exploration.cells import CellItem, CellTask
 from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of, find_best
 from missionplan.studies.exploration.racing import Race, race
 from missionplan.studies.exploration.shared_current import SharedCurrent
-from missionplan.studies.exploration.variation import OPTION, read_axes
+from missionplan.studies.exploration.variation import OPTION, first_start, read_axes
 from missionplan.studies.simulation.block_statistics import requirement_key
 from missionplan.studies.simulation.checks import check_complete, input_notices
 
@@ -157,7 +157,8 @@ class CellPlan:
             {key: axis.values[index] for axis, index in zip(axes, place, strict=True) for key in axis.keys}
             for place in places
         ]
-        return cls(CellTask(mission.raw, values, SharedCurrent.of(mission), seed, columns, mission.file), places, axes)
+        current = SharedCurrent.of(mission, first_start(axes))
+        return cls(CellTask(mission.raw, values, current, seed, columns, mission.file), places, axes)
 
     @property
     def cells(self) -> range:

@@ -1,10 +1,9 @@
 """The record of the current that the cells of an exploration share: read once, and moved in time with their start."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
-
-import numpy as np
 
 from missionplan.mission import Mission
 from missionplan.phases.currents import Current
@@ -35,20 +34,26 @@ class SharedCurrent:
     moves: bool
 
     @classmethod
-    def of(cls, mission: Mission) -> "SharedCurrent":
-        """Read a mission's record, and see by a second start whether it is tied to the clock."""
-        current, place = recorded_current(mission), _place(mission)
-        if not isinstance(current, RecordedCurrent) or mission.start is None:
-            return cls(current, place, mission.start, moves=False)
+    def of(cls, mission: Mission, first: datetime | None = None) -> "SharedCurrent":
+        """Read a mission's record, and see by a second start whether it is tied to the clock.
+
+        Parameters
+        ----------
+        mission : Mission
+        first : datetime, optional
+            Earliest start of all: what is read begins there, and may hold nothing from before.
+        """
+        if mission.start is None or first is None:
+            return cls(recorded_current(mission), _place(mission), mission.start, moves=False)
         hour = timedelta(hours=1)
-        later = Mission.from_data(with_values(mission.raw, {"start": (mission.start + hour).isoformat()}))
-        shifted = recorded_current(later)
-        if not isinstance(shifted, RecordedCurrent) or shifted.time.shape != current.time.shape:
+        early, later = (_with_start(mission, start) for start in (first, first + hour))
+        current, shifted = recorded_current(early), recorded_current(later)
+        if not isinstance(current, RecordedCurrent) or not isinstance(shifted, RecordedCurrent):
+            return cls(None, {}, None, moves=False)  # each start reads its own
+        by = float(current.time[-1] - shifted.time[-1])
+        if not math.isclose(by, hour.total_seconds()) and by != 0.0:
             return cls(None, {}, None, moves=False)  # cut to the mission's time: each start reads its own part
-        by = current.time - shifted.time
-        if np.allclose(by, hour.total_seconds()):
-            return cls(current, place, mission.start, moves=True)
-        return cls(current, place, mission.start, moves=False)
+        return cls(current, _place(mission), early.start, moves=by != 0.0)
 
     def for_mission(self, mission: Mission) -> Current | None:
         """Return the record as a mission with another start meets it; read anew for a mission at another place."""
@@ -62,8 +67,14 @@ class SharedCurrent:
 
 
 def _place(mission: Mission) -> dict[str, object]:
-    site = mission.raw.get("site")
-    return {key: site.get(key) for key in ("current", "origin", "depth")} if isinstance(site, Mapping) else {}
+    """What is read about: the record itself, and where the mission goes."""
+    site, goes = mission.raw.get("site"), [(phase.start, phase.to) for phase in mission.transits]
+    keys = ("current", "origin", "depth")
+    return {"goes": goes} | ({key: site.get(key) for key in keys} if isinstance(site, Mapping) else {})
+
+
+def _with_start(mission: Mission, start: datetime) -> Mission:
+    return Mission.from_data(with_values(mission.raw, {"start": start.isoformat()}), file=mission.file)
 
 
 def _utc(moment: datetime) -> datetime:

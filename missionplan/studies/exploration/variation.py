@@ -187,3 +187,9 @@ def _vehicles(mission: Mission, values: str) -> Axis:
 
 def _wrong(message: str, hint: str = "") -> InputError:
     return InputError([Problem(message, key=OPTION, hint=hint)])
+
+
+def first_start(axes: Sequence[Axis]) -> datetime | None:
+    """Return the earliest start along some axes; None where the start is not varied."""
+    moments = [number for axis in axes if axis.is_time and axis.numbers for number in axis.numbers]
+    return datetime.fromtimestamp(min(moments), UTC) if moments else None

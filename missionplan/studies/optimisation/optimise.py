@@ -19,6 +19,7 @@ from missionplan.studies.exploration.cells import SUCCESS
 from missionplan.studies.exploration.findings import AIM_COLUMNS
 from missionplan.studies.exploration.key_paths import with_values
 from missionplan.studies.exploration.shared_current import SharedCurrent
+from missionplan.studies.exploration.variation import first_start
 from missionplan.studies.optimisation.choices import Lattice, Point, read_lattice
 from missionplan.studies.optimisation.evaluations import ChoiceTask, Evaluation, Evaluations, columns_needed
 from missionplan.studies.optimisation.judging import Demand, demands_of, is_feasible, violations
@@ -74,7 +75,8 @@ def optimise(
     least = mission.optimise.aim if aim is None else aim
     seed = mission.monte_carlo.seed if seed is None else seed
     trials = mission.monte_carlo.trials if trials is None else trials
-    task = ChoiceTask(mission.raw, lattice, SharedCurrent.of(mission), seed, columns_needed(mission), mission.file)
+    current = SharedCurrent.of(mission, first_start(lattice.axes))
+    task = ChoiceTask(mission.raw, lattice, current, seed, columns_needed(mission), mission.file)
     run = _Run(Evaluations(mission, lattice, task, jobs), demands, least, seed, trials, progress)
     provenance = Provenance(
         command="optimise",
@@ -219,8 +221,9 @@ class _Run:
 
     def _tried(self) -> tuple[Tried, ...]:
         known = [each for each in self.evaluations.best_known() if not each.reason]
-        known = [each for each in known if each.trials >= FINE] or known
         costs = np.array([[-_share(each), each.cost("energy"), each.cost("duration")] for each in known])
+        many = max((each.trials for each in known), default=0)
+        costs[[each.trials < many for each in known]] = np.nan  # few trials would put luck on the front
         costs[~np.isfinite(costs)] = np.nan
         front = pareto_front(costs)
         return tuple(
