@@ -10,10 +10,11 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.datasets.reading import files_outside
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.explanations import hypotheses, mission_in_doubt, odds, weighed
+from missionplan.diagnosis.explanations import hypotheses, odds, weighed
 from missionplan.diagnosis.forecast_error import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.judgement import Judgement, judge
+from missionplan.diagnosis.mission_in_doubt import mission_in_doubt
 from missionplan.diagnosis.next_trial.next_trial import next_trial as value_trials
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.result_builder import group_scores, ranked_sets

@@ -7,11 +7,10 @@ data that it was made from a mission gains no cause.
 
 import copy
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from missionplan.diagnosis.inference.model import CauseFit, FailedFit
 from missionplan.diagnosis.inference.posterior import CREDIBLE
 from missionplan.diagnosis.judgement import Judgement
 from missionplan.diagnosis.kinds import bind_dataset
+from missionplan.diagnosis.mission_in_doubt import ROOT, Hypothesis, items, renamed
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.errors import RunError
 from missionplan.mission import Mission
@@ -30,9 +30,6 @@ from missionplan.results.evidence import Causes, ExplanationOdds
 
 MOST = 12
 """Combinations of explanations that are compared, the likeliest."""
-DIGITS = 4
-"""Of a probability in a mission file."""
-_ROOT = "effects."
 
 
 @dataclass(frozen=True)
@@ -75,24 +72,6 @@ class Weighed:
     probability: float
 
 
-@dataclass(frozen=True)
-class Hypothesis:
-    """What may hold after a diagnosis.
-
-    Attributes
-    ----------
-    causes : tuple of str
-        Effects of the mission's explanation, and those found beyond it.
-    probability : float
-    extended : mapping
-        Data of the mission under it.
-    """
-
-    causes: Causes
-    probability: float
-    extended: Mapping[str, object]
-
-
 def explained_missions(mission: Mission) -> tuple[Explained, ...]:
     """Return the mission under each combination of its explanations, the likeliest first; itself where it has none."""
     if not mission.doubts:
@@ -118,26 +97,15 @@ def _plain(mission: Mission, numbers: Sequence[int]) -> dict[str, object]:
     """Data of a mission with the explanations that hold as plain effects."""
     data, chosen = copy.deepcopy(dict(mission.raw)), iter(numbers)
     effects: list[object] = []
-    correlations = _items(data, "correlations")
-    for item in _items(data, "effects"):
+    correlations = items(data, "correlations")
+    for item in items(data, "effects"):
         explanations = item.get(ONE_OF)
         if explanations is None:
             effects.append(item)
         elif (number := next(chosen)) < len(explanations):
             effects += explanations[number]["effects"]
-            correlations += [_renamed(pair, "", _ROOT) for pair in explanations[number].get("correlations", [])]
+            correlations += [renamed(pair, "", ROOT) for pair in explanations[number].get("correlations", [])]
     return data | {"effects": effects} | ({"correlations": correlations} if correlations else {})
-
-
-def _items(data: Mapping[str, object], key: str) -> list[Any]:
-    """Items of a list of a mission that has been read: mappings of known keys."""
-    given = data.get(key)
-    return list(given) if isinstance(given, list) else []
-
-
-def _renamed(pair: Mapping[str, Any], old: str, new: str) -> dict[str, object]:
-    """A correlation with the beginning of its names changed."""
-    return {"between": [f"{new}{name.removeprefix(old)}" for name in pair["between"]], "rho": pair["rho"]}
 
 
 def weighed(
@@ -241,49 +209,6 @@ def _credible(listed: Sequence[tuple[Weighed, CauseFit, float]]) -> list[tuple[W
     ordered = sorted(listed, key=lambda each: -each[2])
     before = np.cumsum([0.0] + [weight for *_, weight in ordered])
     return [each for each, sum_before in zip(ordered, before, strict=False) if sum_before < CREDIBLE * before[-1]]
-
-
-def mission_in_doubt(found: Sequence[Hypothesis]) -> dict[str, object]:
-    """Write hypotheses into one mission: what they have in common as plain effects, the rest as explanations.
-
-    Everything but the effects is that of the likeliest. A hypothesis without effects of its own is what the
-    probabilities leave to 1. Hypotheses that differ in the vehicle's own keys, as tank data change them, cannot be
-    written together: the likeliest is written alone.
-    """
-    mission = copy.deepcopy(dict(found[0].extended))
-    lists = [_items(each.extended, "effects") for each in found]
-    common = [entry for entry in lists[0] if all(entry in other for other in lists[1:])]
-    own = [[entry for entry in entries if entry not in common] for entries in lists]
-    differ = any(each.extended.get("vehicle") != mission.get("vehicle") for each in found)
-    if len(found) == 1 or differ or not any(own):
-        return mission
-    probabilities = _rounded([each.probability for each in found])
-    explanations = [
-        _explanation(probability, entries, _items(each.extended, "correlations"))
-        for each, entries, probability in zip(found, own, probabilities, strict=True)
-        if entries and probability > 0.0
-    ]
-    inside = tuple(f"{_ROOT}{name}." for entries in own for entry in entries for name in entry)
-    kept = [pair for pair in _items(mission, "correlations") if not any(n.startswith(inside) for n in pair["between"])]
-    mission.pop("correlations", None)
-    return mission | {"effects": [*common, {ONE_OF: explanations}]} | ({"correlations": kept} if kept else {})
-
-
-def _rounded(probabilities: Sequence[float]) -> list[float]:
-    """Probabilities to four digits, which still sum to 1: the likeliest takes what rounding leaves."""
-    rounded = [round(probability, DIGITS) for probability in probabilities]
-    return [round(1.0 - sum(rounded[1:]), DIGITS), *rounded[1:]]
-
-
-def _explanation(probability: float, entries: Sequence[Any], correlations: Sequence[Any]) -> dict[str, object]:
-    names = {f"{_ROOT}{name}" for entry in entries for name in entry}
-    inside = [
-        _renamed(pair, _ROOT, "")
-        for pair in correlations
-        if all(name.rpartition(".")[0] in names for name in pair["between"])
-    ]
-    written: dict[str, object] = {"probability": probability, "effects": list(entries)}
-    return written | ({"correlations": inside} if inside else {})
 
 
 def odds(explanations: Sequence[Weighed], found: Sequence[Hypothesis]) -> tuple[ExplanationOdds, ...]:
