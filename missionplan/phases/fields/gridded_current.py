@@ -14,7 +14,7 @@ from missionplan.errors import InputError
 from missionplan.phases.currents import Span
 from missionplan.phases.fields.grids import Columns, Grid
 from missionplan.phases.fields.triangles import Indices
-from missionplan.phases.recorded_currents import RecordedCurrent, bracket
+from missionplan.phases.recorded_currents import Bracket, RecordedCurrent, bracket
 
 Velocities = NDArray[np.complexfloating[Any]]
 """Toward east, and toward north as the imaginary part [m/s]."""
@@ -85,10 +85,11 @@ class GriddedCurrent(RecordedCurrent):
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
         columns = self.grid.columns(np.asarray(position))
         low, high, share = bracket(self.time, t)
+        shared = bracket(self.levels, depth) if self.levels.ndim == 1 and np.size(depth) > 1 else None
         total: Velocities = np.zeros(1, dtype=complex)
         for moment, part in ((low, 1.0 - share), (high, share)):
             if np.ndim(part) or part:
-                total = total + self._across(moment, columns, depth) * part
+                total = total + self._across(moment, columns, depth, shared) * part
         velocity: Array = np.stack((total.real, total.imag))
         return velocity * self._known(t, depth, position)
 
@@ -128,14 +129,14 @@ class GriddedCurrent(RecordedCurrent):
     def _is_wet_throughout(self) -> bool:
         return bool(self.wet.all())
 
-    def _across(self, moment: Indices | int, columns: Columns, depth: Scalars) -> Velocities:
-        """Velocity at one of the field's times for each place, shape (n,)."""
+    def _across(self, moment: Indices | int, columns: Columns, depth: Scalars, shared: Bracket | None) -> Velocities:
+        """Velocity at one of the field's times for each place, shape (n,); `shared`: the levels about each depth."""
         of_moment = moment * self.values.shape[1]
         if np.size(depth) == 1:
             flat = self._at_depth(float(np.reshape(depth, ())))
             parts = (flat.take(of_moment + index) for index in columns.node)
         else:
-            parts = (self._in_column(of_moment + index, depth) for index in columns.node)
+            parts = (self._in_column(of_moment + index, depth, shared) for index in columns.node)
         return np.asarray(sum(part * weight for part, weight in zip(parts, columns.weight, strict=True)))
 
     def _at_depth(self, depth: float) -> Velocities:
@@ -147,11 +148,11 @@ class GriddedCurrent(RecordedCurrent):
             self._slices[depth] = self._in_column(every, np.full(every.size, depth))
         return self._slices[depth]
 
-    def _in_column(self, column: Indices, depth: Scalars) -> Velocities:
+    def _in_column(self, column: Indices, depth: Scalars, shared: Bracket | None = None) -> Velocities:
         """Values at a depth in columns, which are counted through all times."""
         levels, last = self.values.shape[2], self.values.shape[2] - 1
         if self.levels.ndim == 1:
-            low, high, share = bracket(self.levels, depth)
+            low, high, share = shared or bracket(self.levels, depth)
         else:
             flat = self.levels.reshape(-1)
             low = _last_at_most(flat, column * levels, levels, depth)
