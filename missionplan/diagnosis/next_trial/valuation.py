@@ -17,7 +17,7 @@ from missionplan.results.next_trial import NextTrial, ValuedDesign
 
 DRAWS, FEWEST = 2000, 250
 """Draws of what is unknown, and of each set of causes at least."""
-NEARLY = 0.9
+NEARLY = 0.85
 """Share of the greatest saving from which a design is good enough: of these the cheapest is the best."""
 WORTH = 0.003
 """Saving over the loss of now from which a trial is worth making."""
