@@ -71,8 +71,8 @@ def diagnose(
         processes = o.worker_count(jobs)
         others = min(processes, MAX_PROCESSES) - 1
         with preloaded_pool(others, "missionplan.diagnosis.diagnose"):  # they import while this process does
-            from missionplan.diagnosis.campaign import diagnose_campaign
             from missionplan.diagnosis.diagnose import diagnose
+            from missionplan.diagnosis.together.campaign import diagnose_campaign
 
             if len(datasets) > 1:
                 return diagnose_campaign(

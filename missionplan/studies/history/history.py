@@ -47,10 +47,7 @@ def history(folder: str | Path) -> History:
     root = as_path(folder, "folder")
     if not root.is_dir():
         raise InputError([Problem("no such folder", str(root))])
-    places = sorted(path.parent for path in root.rglob("diagnosis.json") if (path.parent / "summary.json").is_file())
-    if not places:
-        raise InputError([Problem("holds no report of diagnose (summary.json beside diagnosis.json)", str(root))])
-    reports = [report for place in places if (report := _read(place, root)) is not None]
+    reports = _reports(root)
     by_start = all(report.start for report in reports)
     reports.sort(key=lambda report: (_moment(report.start if by_start else report.created), report.place))
     entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
@@ -66,6 +63,20 @@ def history(folder: str | Path) -> History:
         data={"folder": str(root), "reports": [report.place for report in reports]},
     )
     return History(provenance, tuple(report.place for report in reports), tuple(_with_jumps(entries)), by_start)
+
+
+def _reports(root: Path) -> list[_Report]:
+    """Read every report of `diagnose` below a folder.
+
+    Raises
+    ------
+    InputError
+        When there is none, or one cannot be read.
+    """
+    places = sorted(path.parent for path in root.rglob("diagnosis.json") if (path.parent / "summary.json").is_file())
+    if not places:
+        raise InputError([Problem("holds no report of diagnose (summary.json beside diagnosis.json)", str(root))])
+    return [report for place in places if (report := _read(place, root)) is not None]
 
 
 def _read(place: Path, root: Path) -> _Report | None:

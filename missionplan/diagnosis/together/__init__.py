@@ -1,0 +1,1 @@
+"""Several data sets of one campaign, diagnosed into one extended mission."""
