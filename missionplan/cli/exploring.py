@@ -134,7 +134,7 @@ def optimise(
 
     Example: missionplan optimise missions/estuary.yaml
     """
-    from missionplan.results.optimisation import Optimised
+    from missionplan.results.choosing.optimisation import Optimised
 
     def study(loaded: "Mission", progress: Progress) -> Optimised:
         from missionplan.studies.optimisation.optimise import optimise

@@ -10,7 +10,7 @@ from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.numbers import number, percent, with_error
 from missionplan.report.page import BLUE, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
 from missionplan.report.wording import in_words
-from missionplan.results.alternatives import Alternative, Alternatives, Contrast
+from missionplan.results.choosing.alternatives import Alternative, Alternatives, Contrast
 
 _PERCENT = Unit("%", 0.01)
 _WORDS = {"success": "P(success)", "energy_wh": "energy", "duration_s": "duration"}

@@ -11,7 +11,7 @@ from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.numbers import number, percent, share, with_error
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Listing, Page, PageSection, Table, Terminal, to_figure
 from missionplan.report.wording import in_words
-from missionplan.results.optimisation import Optimised, Tried
+from missionplan.results.choosing.optimisation import Optimised, Tried
 
 _MOST_ROWS = 25
 

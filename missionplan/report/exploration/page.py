@@ -14,7 +14,7 @@ from missionplan.report.exploration.words import (
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Figure, Page, PageSection, Table, Terminal
 from missionplan.report.wording import capitalised, in_words
-from missionplan.results.exploration import Cell, Exploration, Status
+from missionplan.results.choosing.exploration import Cell, Exploration, Status
 
 _MOST_ROWS = 40
 _MOST_REASONS = 12

@@ -13,8 +13,8 @@ from missionplan.mission.reading.documents import load_document
 from missionplan.montecarlo.paired import LEVEL, paired_difference
 from missionplan.montecarlo.parallel_blocks import Progress
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.alternatives import Alternative, Alternatives, Contrast, Estimate
 from missionplan.results.base import Provenance
+from missionplan.results.choosing.alternatives import Alternative, Alternatives, Contrast, Estimate
 from missionplan.store.paths import as_path, is_folder
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.comparison.compare import read_summary

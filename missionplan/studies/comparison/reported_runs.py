@@ -6,7 +6,7 @@ from pathlib import Path
 
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.statistics import Probability
-from missionplan.results.alternatives import Alternative, Estimate
+from missionplan.results.choosing.alternatives import Alternative, Estimate
 from missionplan.results.simulation import RequirementOutcome
 
 

@@ -15,7 +15,7 @@ from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.parallel_blocks import Backend, Progress
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.base import Provenance, to_yaml
-from missionplan.results.exploration import Aim, Axis, Cell, Exploration
+from missionplan.results.choosing.exploration import Aim, Axis, Cell, Exploration
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import with_contents_named
 from missionplan.store.checkpoints import Checkpoints, Identity

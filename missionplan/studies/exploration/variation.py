@@ -12,7 +12,7 @@ from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission
 from missionplan.mission.reading.documents import load_document
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.results.exploration import Axis
+from missionplan.results.choosing.exploration import Axis
 from missionplan.studies.exploration.key_paths import check_key
 
 MAX_CELLS = 5000

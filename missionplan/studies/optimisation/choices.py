@@ -13,7 +13,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.sweep import ChoiceSection
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.results.exploration import Axis
+from missionplan.results.choosing.exploration import Axis
 from missionplan.studies.exploration.key_paths import check_key
 from missionplan.studies.exploration.variation import NUMBER, read_axis
 

@@ -10,7 +10,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.montecarlo.parallel_blocks import run_blocks
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.exploration import Aim
+from missionplan.results.choosing.exploration import Aim
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.exploration.cells import (
     CellBlock,

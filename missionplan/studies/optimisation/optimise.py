@@ -12,7 +12,7 @@ from missionplan.mission import Mission
 from missionplan.montecarlo.paired import paired_difference, pareto_front
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance
-from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
+from missionplan.results.choosing.optimisation import Obstacle, Optimised, Relaxation, Tried
 from missionplan.results.simulation import Outcome
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.exploration.cells import SUCCESS

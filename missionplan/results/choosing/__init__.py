@@ -1,0 +1,1 @@
+"""Results of choosing: `explore`, `optimise`, and `compare` of missions."""
