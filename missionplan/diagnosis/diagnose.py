@@ -1,7 +1,7 @@
 """`diagnose`: a mission and a data set in; verdict, causes, extended mission and gain out."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -18,10 +18,10 @@ from missionplan.diagnosis.mission_in_doubt import mission_in_doubt
 from missionplan.diagnosis.next_trial.next_trial import next_trial as value_trials
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.result_builder import group_scores, ranked_sets
-from missionplan.diagnosis.scoring.holdout import first_part, score_last_part
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.base import Provenance
 from missionplan.results.diagnosis import Diagnosis, PlanGain
+from missionplan.results.log_book.score import DatasetScore
 from missionplan.store.paths import as_path
 from missionplan.studies.arguments import check_arguments
 
@@ -97,7 +97,7 @@ class _Wanted:
 def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wanted, stage: "_Stages") -> Diagnosis:
     started = time.perf_counter()
     share = wanted.holdout
-    part = None if share is None else partial(first_part, share=share, seed=seed)
+    part = None if share is None else partial(_first_part, share=share, seed=seed)
     explanations = weighed(mission, dataset, seed, jobs, part)
     bound = explanations[0].bound
     stage()
@@ -123,7 +123,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
         notices=(*mission.notices(), *bound.data.notices, *forecast_notice(mission, found.best.causes)),
     )
     result = _result(provenance, bound, found, judgement, separated, decision, extended)
-    last = None if share is None else score_last_part(dataset, share, mission, extended, seed)
+    last = None if share is None else _score_of_rest(dataset, share, mission, extended, seed)
     return replace(result, next_trial=trial, explanations=odds(explanations, believed), last_part=last)
 
 
@@ -185,3 +185,18 @@ class _Stages:
         self._done = min(self._done + 1, STAGES)
         if self._progress is not None:
             self._progress(self._done, STAGES)
+
+
+def _first_part(bound: DataKind, *, share: float, seed: int) -> DataKind:
+    """Return a record without its last share; the models of legs and dives are imported for it alone."""
+    from missionplan.diagnosis.scoring.holdout import first_part
+
+    return first_part(bound, share, seed)
+
+
+def _score_of_rest(
+    dataset: Path, share: float, mission: Mission, extended: Mapping[str, object], seed: int
+) -> DatasetScore:
+    from missionplan.diagnosis.scoring.holdout import score_last_part
+
+    return score_last_part(dataset, share, mission, extended, seed)
