@@ -74,15 +74,10 @@ def compare(
     """
     read = [each / "summary.json" if each.is_dir() else each for each in compared]
     folder = checked_folder(output, compared[-1].resolve().stem, "compare", read)
-    if len(compared) == 2 and not any(each.suffix in (".yaml", ".yml") or each.is_file() for each in compared):
-        from missionplan.studies.comparison.compare import compare
-
-        deliver(compare(*compared), folder, output)
-        return
-    from missionplan.studies.comparison.compare_missions import compare_missions
+    from missionplan.studies.comparison.compare import compare
 
     with progress_bar("compare", shown=not output.quiet) as progress:
-        found = compare_missions(
+        found = compare(
             *compared,
             trials=trials,
             seed=seed,

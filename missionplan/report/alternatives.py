@@ -4,6 +4,7 @@ import shlex
 from collections.abc import Iterator
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.display_units import Unit, unit_for
@@ -150,21 +151,26 @@ def _requirements(found: Alternatives) -> Iterator[PageSection]:
     yield PageSection("What each reaches of what is required", [Table(columns, rows)])
 
 
+def draw_alternatives(axes: Axes, found: Alternatives, quantity: str = "success") -> None:
+    """Draw P(success), ``energy_wh`` or ``duration_s`` of each, with its 95 % interval."""
+    unit = _PERCENT if quantity == "success" else _unit(found, quantity)
+    for row, each in enumerate(found.alternatives):
+        low, middle, high = (value / unit.size for value in _interval(each, quantity))
+        colour = ORANGE if each is found.best_one else BLUE
+        axes.errorbar(middle, row, xerr=[[middle - low], [high - middle]], fmt="o", color=colour, markersize=5)
+    axes.set_title(f"{_WORDS[quantity]}{unit.axis}")
+    axes.margins(x=0.15)
+    axes.set_yticks(range(len(found.alternatives)), [each.name for each in found.alternatives])
+    axes.set_ylim(len(found.alternatives) - 0.5, -0.5)
+
+
 def alternatives_figure(found: Alternatives) -> Figure:
     """Draw P(success), energy and duration of each with 95 % intervals."""
     keys = ["success", *_keys(found)]
     figure = MatplotlibFigure(figsize=(6.4, 0.9 + 0.4 * len(found.alternatives)))
     panels = figure.subplots(1, len(keys), sharey=True, squeeze=False)[0]
     for axes, key in zip(panels, keys, strict=True):
-        unit = _PERCENT if key == "success" else _unit(found, key)
-        for row, each in enumerate(found.alternatives):
-            low, middle, high = (value / unit.size for value in _interval(each, key))
-            colour = ORANGE if each is found.best_one else BLUE
-            axes.errorbar(middle, row, xerr=[[middle - low], [high - middle]], fmt="o", color=colour, markersize=5)
-        axes.set_title(f"{_WORDS[key]}{unit.axis}")
-        axes.margins(x=0.15)
-    panels[0].set_yticks(range(len(found.alternatives)), [each.name for each in found.alternatives])
-    panels[0].set_ylim(len(found.alternatives) - 0.5, -0.5)
+        draw_alternatives(axes, found, key)
     return to_figure(
         figure,
         "alternatives",

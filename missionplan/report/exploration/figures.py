@@ -81,24 +81,8 @@ def _shade_windows(axes: Axes, found: Exploration, x: "Array | NDArray[np.object
 def maps_figure(found: Exploration, key: str) -> Figure:
     """Draw P(success) or the mean of a quantity over two axes."""
     figure = MatplotlibFigure(figsize=(6.0, 4.3))
-    axes = figure.subplots()
+    _draw_map(figure.subplots(), found, key)
     first, second = found.axes
-    shape = (len(first.values), len(second.values))
-    unit = _unit(found, key)
-    values = np.array([_mean(cell, key) for cell in found.cells]).reshape(shape) / unit.size
-    x, y = positions(second), positions(first)
-    colours = "viridis" if unit is _PERCENT else "viridis_r"
-    shown, norm = np.ma.masked_invalid(values), Normalize(0.0, 100.0) if unit is _PERCENT else None
-    drawn = axes.pcolormesh(x, y, shown, cmap=colours, norm=norm, shading="nearest")
-    axes.set_facecolor("#e8e8e8")
-    figure.colorbar(drawn, label=f"{capitalised(_title(key))}{unit.axis}")
-    if min(shape) > 1:
-        _draw_contours(axes, x, y, values, unit)
-        _outline_met(axes, found, x, y, shape)
-    _mark_cells(axes, found, x, y)
-    _mark_axis(axes, second, x)
-    _mark_axis(axes, first, y, vertical=True)
-    axes.grid(visible=False)
     name = "explore" if key == "success" else f"map-{key.replace('.', '-')}"
     return to_figure(
         figure,
@@ -108,6 +92,36 @@ def maps_figure(found: Exploration, key: str) -> Figure:
         + ("Orange outline: all requirements are met. " if found.has_requirements else "")
         + "Grey: the mission cannot be run, or no trial reaches the quantity.",
     )
+
+
+def draw_exploration(axes: Axes, found: Exploration, quantity: str = "success") -> None:
+    """Draw P(success) or the mean of a quantity: a curve along one key, a map over two."""
+    if len(found.axes) == 2:
+        _draw_map(axes, found, quantity)
+        return
+    x = positions(found.axes[0])
+    _draw_curve(axes, found, quantity, x)
+    _mark_axis(axes, found.axes[0], x)
+
+
+def _draw_map(axes: Axes, found: Exploration, key: str) -> None:
+    first, second = found.axes
+    shape = (len(first.values), len(second.values))
+    unit = _unit(found, key)
+    values = np.array([_mean(cell, key) for cell in found.cells]).reshape(shape) / unit.size
+    x, y = positions(second), positions(first)
+    colours = "viridis" if unit is _PERCENT else "viridis_r"
+    shown, norm = np.ma.masked_invalid(values), Normalize(0.0, 100.0) if unit is _PERCENT else None
+    drawn = axes.pcolormesh(x, y, shown, cmap=colours, norm=norm, shading="nearest")
+    axes.set_facecolor("#e8e8e8")
+    axes.figure.colorbar(drawn, ax=axes, label=f"{capitalised(_title(key))}{unit.axis}")
+    if min(shape) > 1:
+        _draw_contours(axes, x, y, values, unit)
+        _outline_met(axes, found, x, y, shape)
+    _mark_cells(axes, found, x, y)
+    _mark_axis(axes, second, x)
+    _mark_axis(axes, first, y, vertical=True)
+    axes.grid(visible=False)
 
 
 def _draw_contours(axes: Axes, x: Array, y: Array, values: Array, unit: Unit) -> None:

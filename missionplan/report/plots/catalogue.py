@@ -27,6 +27,8 @@ _MODULES = {
     "imported.page": "imported",
     "comparison": "comparison",
     "tide.page": "tide",
+    "exploration.page": "exploration",
+    "alternatives": "comparison",
 }
 """Module with the drawings, by that of the report."""
 

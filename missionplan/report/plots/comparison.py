@@ -2,8 +2,12 @@
 
 from collections.abc import Mapping
 
+from missionplan.report.alternatives import draw_alternatives
 from missionplan.report.comparison import draw_changes
 from missionplan.report.plots.catalogue import Drawing
 
-DRAWINGS: Mapping[str, Mapping[str, Drawing]] = {"Comparison": {"changes": draw_changes}}
+DRAWINGS: Mapping[str, Mapping[str, Drawing]] = {
+    "Comparison": {"changes": draw_changes},
+    "Alternatives": {"alternatives": draw_alternatives},
+}
 """By the name of the result's class; the main one first."""

@@ -68,7 +68,7 @@ class Alternative:
         return tuple(item for item in self.requirements if not item.met)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Alternatives(Result):
     """Missions side by side.
 

@@ -130,7 +130,7 @@ class Window:
     last: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Exploration(Result):
     """One or two keys of a mission varied on common random numbers.
 

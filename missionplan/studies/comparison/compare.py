@@ -1,170 +1,55 @@
-"""`compare`: what changed between two reports of one command, and whether it is more than Monte-Carlo noise."""
+"""`compare`: two reports of one command, or missions on common random numbers."""
 
-import json
-import time
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
-from missionplan.errors import InputError, Problem
-from missionplan.mission.reading.documents import load_document, read_text
-from missionplan.results.base import Provenance
-from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
-from missionplan.store.paths import as_path
-from missionplan.studies.comparison.mission_changes import changed_values
-from missionplan.studies.comparison.significance import holm, standard_error_and_p_value
-from missionplan.studies.comparison.summary_numbers import SECTIONS, SummaryNumber, summary_numbers
-
-LEVEL = 0.05
-"""Probability of finding any difference where there is none."""
-_MAX_BYTES = 50_000_000
+from missionplan.mission import Mission, MissionOrPath
+from missionplan.montecarlo.parallel_blocks import Progress
+from missionplan.results.choosing.alternatives import Alternatives
+from missionplan.results.comparison import Comparison
+from missionplan.store.paths import is_folder
+from missionplan.studies.comparison.compare_missions import compare_missions
+from missionplan.studies.comparison.two_reports import compare_reports
 
 
-def compare(first: str | Path, second: str | Path) -> Comparison:
-    """Compare two report folders.
-
-    The runs are taken as independent: two runs of one seed share their draws, so that a difference that is called noise
-    here may be real.
+def compare(
+    *compared: MissionOrPath,
+    trials: int | None = None,
+    seed: int | None = None,
+    jobs: int = 1,
+    allow_outside: bool = False,
+    progress: Progress | None = None,
+) -> Comparison | Alternatives:
+    """Compare two reports of one command, or two and more missions or reports of `simulate`.
 
     Parameters
     ----------
-    first, second : str or Path
-        Report folders with `summary.json` and `mission.yaml`, made by the same command.
+    *compared : Mission, str or Path
+        Two report folders: what changed, and is it more than noise? Missions, their files, or more than two: which is
+        better? Missions are run on the same random numbers.
+    trials, seed : int, optional
+        Of the missions; default: the first mission's.
+    jobs : int
+        Processes.
+    allow_outside : bool
+        Whether missions may name files outside their folders.
+    progress : callable, optional
+        Called with the trials done and their total.
 
     Raises
     ------
     InputError
-        When a folder is no report, or the two were not made by one command that can be compared.
+        When something is neither a mission nor a report, or the reports cannot be compared.
     """
-    began = time.perf_counter()
-    folders = (as_path(first, "first"), as_path(second, "second"))
-    summaries = [read_summary(folder) for folder in folders]
-    missions = [load_document(folder / "mission.yaml").data for folder in folders]
-    command = _one_command(folders, summaries)
-    runs = _run(folders[0], summaries[0]), _run(folders[1], summaries[1])
-    one, two = (summary_numbers(summary, command) for summary in summaries)
-    return Comparison(
-        provenance=Provenance(
-            command="compare",
-            mission=" and ".join(dict.fromkeys(run.mission for run in runs)),
-            file=" ".join(run.folder for run in runs),
-            seed=runs[1].seed,
-            trials=runs[1].trials,
-            options={},
-            elapsed_s=time.perf_counter() - began,
-            data={"first": missions[0], "second": missions[1]},
-            notices=_notices(runs),
-        ),
-        compared=command,
-        runs=runs,
-        mission_changes=changed_values(missions[0], missions[1]),
-        option_changes=changed_values(_options(summaries[0]), _options(summaries[1])),
-        differences=_with_verdicts(list(_differences(one, two, (runs[0].trials, runs[1].trials)))),
-        requirement_changes=_requirement_changes(*summaries),
+    if len(compared) == 2 and not any(_is_mission(each) for each in compared):
+        first, second = compared
+        return compare_reports(first, second)  # type: ignore[arg-type]  # neither is a mission
+    return compare_missions(
+        *compared, trials=trials, seed=seed, jobs=jobs, allow_outside=allow_outside, progress=progress
     )
 
 
-def read_summary(folder: Path) -> dict[str, object]:
-    """Read the summary of a report folder; raises InputError where it is none."""
-    if not folder.is_dir():
-        raise InputError([Problem("no such folder", str(folder), hint="a report folder was expected")])
-    path = folder / "summary.json"
-    try:
-        summary = json.loads(read_text(path, str(path), max_bytes=_MAX_BYTES))
-    except (json.JSONDecodeError, RecursionError) as error:
-        raise InputError([Problem(f"is not valid JSON: {error}", str(path))]) from None
-    if not isinstance(summary, dict) or not isinstance(summary.get("command"), str):
-        raise InputError([Problem("is not a summary of missionplan", str(path))])
-    return summary
-
-
-def _one_command(folders: Sequence[Path], summaries: Sequence[Mapping[str, object]]) -> str:
-    commands = [summary["command"] for summary in summaries]
-    if commands[0] != commands[1]:
-        made = " and ".join(f"{folder} by {command}" for folder, command in zip(folders, commands, strict=True))
-        raise InputError([Problem(f"two reports of one command were expected, but they were made {made}")])
-    if commands[0] not in SECTIONS:
-        raise InputError([Problem(f"reports of {commands[0]} cannot be compared; those of {', '.join(SECTIONS)} can")])
-    return str(commands[0])
-
-
-def _run(folder: Path, summary: Mapping[str, object]) -> ComparedRun:
-    text = {key: str(summary.get(key, "")) for key in ("mission", "version", "created_utc")}
-    numbers = {key: value if isinstance(value := summary.get(key), int) else 0 for key in ("seed", "trials")}
-    return ComparedRun(
-        str(folder), text["mission"], text["version"], text["created_utc"], numbers["seed"], numbers["trials"]
-    )
-
-
-def _options(summary: Mapping[str, object]) -> dict[str, object]:
-    options = summary.get("options")
-    return {key: summary.get(key) for key in ("seed", "trials", "version")} | {
-        f"option {key}": value for key, value in (options.items() if isinstance(options, Mapping) else ())
-    }
-
-
-def _notices(runs: tuple[ComparedRun, ComparedRun]) -> tuple[str, ...]:
-    if runs[0].seed != runs[1].seed:
-        return ()
-    return ("both runs have the same seed and so share draws: a difference that is called noise here may be real",)
-
-
-def _differences(
-    first: Mapping[tuple[str, str], SummaryNumber],
-    second: Mapping[tuple[str, str], SummaryNumber],
-    trials: tuple[int, int],
-) -> Iterator[ComparedNumber]:
-    for place in dict.fromkeys((*first, *second)):
-        one, two = first.get(place), second.get(place)
-        if one is not None and two is not None:
-            error, p_value = standard_error_and_p_value(one, two, trials)
-            yield ComparedNumber(*place, one.kind, one.value, two.value, error, p_value, "not judged")
-        elif one is not None:
-            yield ComparedNumber(*place, one.kind, one.value, None, None, None, "only first")
-        elif two is not None:
-            yield ComparedNumber(*place, two.kind, None, two.value, None, None, "only second")
-
-
-def _with_verdicts(differences: Sequence[ComparedNumber]) -> tuple[ComparedNumber, ...]:
-    """Add the verdicts: exact where there is no noise, by Holm's correction over all numbers that have some."""
-    noisy = [difference for difference in differences if difference.standard_error and difference.p_value is not None]
-    adjusted = dict(zip(map(id, noisy), holm([difference.p_value or 0.0 for difference in noisy]), strict=True))
-    return tuple(_with_verdict(difference, adjusted.get(id(difference))) for difference in differences)
-
-
-def _with_verdict(difference: ComparedNumber, adjusted: float | None) -> ComparedNumber:
-    if difference.p_value is None:
-        same = difference.verdict == "not judged" and difference.change == 0.0
-        return replace(difference, verdict="same") if same else difference
-    if difference.change == 0.0:
-        return replace(difference, verdict="same")
-    if adjusted is not None:
-        return replace(difference, verdict="changed" if adjusted < LEVEL else "within noise")
-    return replace(difference, verdict="changed" if difference.p_value < LEVEL else "same")
-
-
-def _requirement_changes(first: Mapping[str, object], second: Mapping[str, object]) -> tuple[ChangedValue, ...]:
-    """Requirements that are judged otherwise in the two runs, or that one run does not have."""
-    return changed_values(_requirements_met(first), _requirements_met(second))
-
-
-def _requirements_met(summary: Mapping[str, object]) -> dict[str, str]:
-    """Verdict on each requirement, by its quantity; of several on one quantity, with their limits."""
-    requirements = summary.get("requirements")
-    items = [item for item in requirements if isinstance(item, Mapping)] if isinstance(requirements, list) else []
-    quantities = [str(item.get("quantity")) for item in items]
-    return {
-        quantity if quantities.count(quantity) == 1 else f"{quantity}{_limit(item)}": _judged(item)
-        for quantity, item in zip(quantities, items, strict=True)
-    }
-
-
-def _limit(requirement: Mapping[str, object]) -> str:
-    bounds = (("at_most", "at most"), ("at_least", "at least"))
-    return "".join(f" {words} {requirement[key]:g}" for key, words in bounds if isinstance(requirement.get(key), float))
-
-
-def _judged(requirement: Mapping[str, object]) -> str:
-    if requirement.get("undecided"):
-        return "undecided"
-    return "met" if requirement.get("met") else "not met"
+def _is_mission(given: MissionOrPath) -> bool:
+    if isinstance(given, Mission):
+        return True
+    path = Path(given)
+    return path.suffix in (".yaml", ".yml") or (path.exists() and not is_folder(path))

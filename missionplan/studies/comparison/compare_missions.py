@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.errors import InputError, Problem
-from missionplan.mission import Mission, load
+from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.reading.documents import load_document
 from missionplan.montecarlo.paired import LEVEL, paired_difference
 from missionplan.montecarlo.parallel_blocks import Progress
@@ -17,10 +17,10 @@ from missionplan.results.base import Provenance
 from missionplan.results.choosing.alternatives import Alternative, Alternatives, Contrast, Estimate
 from missionplan.store.paths import as_path, is_folder
 from missionplan.studies.arguments import check_arguments
-from missionplan.studies.comparison.compare import read_summary
 from missionplan.studies.comparison.reported_runs import reported
 from missionplan.studies.comparison.significance import standard_error_and_p_value
 from missionplan.studies.comparison.summary_numbers import SummaryNumber
+from missionplan.studies.comparison.two_reports import read_summary
 from missionplan.studies.exploration.cell_run import CellRun, CellTrials
 from missionplan.studies.exploration.cells import CellBlock, CellItem, InvalidCell, checked_means, run_checked
 from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of
@@ -45,7 +45,7 @@ class MissionTask:
 
 
 def compare_missions(
-    *alternatives: str | Path,
+    *alternatives: MissionOrPath,
     trials: int | None = None,
     seed: int | None = None,
     jobs: int = 1,
@@ -56,8 +56,8 @@ def compare_missions(
 
     Parameters
     ----------
-    *alternatives : str or Path
-        Two or more mission files or report folders.
+    *alternatives : Mission, str or Path
+        Two or more missions, mission files or report folders.
     trials, seed : int, optional
         Of the missions; default: the first mission's.
     jobs : int
@@ -72,11 +72,16 @@ def compare_missions(
         When something is neither, or a mission cannot be run.
     """
     began = time.perf_counter()
-    paths = [as_path(each, "alternatives") for each in alternatives]
+    paths = _paths(alternatives)
     if len(paths) < 2:
         raise InputError([Problem(f"given {len(paths)}, expected two or more missions or reports", key="alternatives")])
-    missions = {path: load(path, allow_outside=allow_outside) for path in paths if not is_folder(path)}
-    summaries = {path: read_summary(path) for path in paths if is_folder(path)}
+    given = {path: each for path, each in zip(paths, alternatives, strict=True) if isinstance(each, Mission)}
+    missions = {
+        path: given.get(path) or load(path, allow_outside=allow_outside)
+        for path in paths
+        if path in given or not is_folder(path)
+    }
+    summaries = {path: read_summary(path) for path in paths if path not in missions}
     first = next(iter(missions.values()), None)
     if first is not None:
         check_arguments(first, trials=trials, seed=seed, jobs=jobs)
@@ -112,6 +117,15 @@ def compare_missions(
         ),
         best=best,
     )
+
+
+def _paths(alternatives: Sequence[MissionOrPath]) -> list[Path]:
+    """Path of each; a mission that is given as such has its name for one."""
+    paths: list[Path] = []
+    for number, each in enumerate(alternatives, start=1):
+        name = as_path((each.name or f"mission {number}") if isinstance(each, Mission) else each, "alternatives")
+        paths.append(Path(f"{name} {number}") if isinstance(each, Mission) and name in paths else name)
+    return paths
 
 
 def _run(missions: Sequence[Mission], trials: int, seed: int, jobs: int, progress: Progress | None) -> list[CellTrials]:

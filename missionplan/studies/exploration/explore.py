@@ -9,7 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
-from missionplan.mission import Mission
+from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.checks.requirements import quantity_unit
 from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.parallel_blocks import Backend, Progress
@@ -37,7 +37,7 @@ _SHOWN = 3
 
 
 def explore(
-    mission: Mission,
+    mission: MissionOrPath,
     vary: Sequence[str] | str,
     *,
     aim: Aim = "success",
@@ -58,7 +58,8 @@ def explore(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, str or Path
+        Or the path of its file.
     vary : str or sequence of str
         One or two of ``KEY=FROM:TO:STEP`` and ``KEY=A,B,C``; see `read_axes`.
     aim : {'success', 'energy', 'duration'}
@@ -87,7 +88,7 @@ def explore(
         When a worker dies, or the checkpoint cannot be written.
     """
     started = time.perf_counter()
-    check_arguments(
+    mission = check_arguments(
         mission, trials=trials, seed=seed, jobs=jobs, one_of={"aim": (aim, ("success", "energy", "duration"))}
     )
     axes = read_axes(mission, [vary] if isinstance(vary, str) else list(vary))

@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+import missionplan
 from missionplan.errors import InputError
 from missionplan.report.render import render_report, terminal_view
 from missionplan.results.base import to_yaml
 from missionplan.studies.comparison.compare import compare
 from missionplan.studies.comparison.significance import holm
+
+FIG8 = Path(__file__).parents[3] / "missions" / "fig8.yaml"
 
 MISSION = {
     "name": "Bay",
@@ -238,3 +241,11 @@ def test_the_page_and_its_folder(report, tmp_path):
     comparison.save(tmp_path / "out")
     assert json.loads((tmp_path / "out/summary.json").read_text())["compared"] == "simulate"
     assert (tmp_path / "out/differences.csv").read_text().startswith("group,key,kind,first,second,change")
+
+
+def test_missions_are_compared_in_python_by_their_names():
+    mission = missionplan.load(FIG8)
+    slow, fast = (mission.with_({"name": name, "ingress.speed": name}) for name in ("1.2 m/s", "1.3 m/s"))
+    found = missionplan.compare(slow, fast, trials=40, seed=1)
+    assert [each.name for each in found.alternatives] == ["1.2 m/s", "1.3 m/s"]
+    assert [tick.get_text() for tick in found.plot().get_yticklabels()] == ["1.2 m/s", "1.3 m/s"]
