@@ -134,6 +134,13 @@ class TideResult(Result):
     unresolved: tuple[str, ...]
 
     @property
+    def forecast_error(self) -> str:
+        """What the tide does not forecast, as ``site.current.error`` of a mission."""
+        worst = max(self.depths, key=lambda tide: tide.residual)
+        hours = max(worst.residual_time / 3600.0, 0.01)
+        return f"{{sigma: {worst.residual:.4f} m/s, time: {hours:.2f} h}}"
+
+    @property
     def shown(self) -> DepthTide:
         """The tide at the depth of the picture."""
         return next(each for each in self.depths if each.depth == self.shown_depth)
@@ -177,7 +184,10 @@ class TideResult(Result):
 
     def fragment(self) -> str:
         """Return `site.current.tide` of a mission, as the file that it may name."""
-        head = "# In a mission: site.current: {tide: tide.yaml}. Phases are lags at Greenwich.\n"
+        head = (
+            "# Phases are lags at Greenwich. In a mission:\n"
+            f"# site: {{current: {{tide: tide.yaml, error: {self.forecast_error}}}}}\n"
+        )
         return head + to_yaml({"depths": [_of_mission(each) for each in self.depths]})
 
 

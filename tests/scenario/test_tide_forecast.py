@@ -123,14 +123,26 @@ def test_the_file_that_tide_writes_is_the_current_of_a_mission(tmp_path):
     ]
     (tmp_path / "record.csv").write_text("\n".join(["t_s,depth_m,east_m_s,north_m_s", *rows]))
     missionplan.tide(tmp_path / "record.csv", latitude=math.radians(37.0)).save(tmp_path / "tide")
+    error = yaml.safe_load((tmp_path / "tide" / "tide.yaml").read_text().splitlines()[1].lstrip("# "))["site"][
+        "current"
+    ]["error"]
+    assert float(error["sigma"].split()[0]) < 0.02
     data = yaml.safe_load(FIG8.read_text())
     data["vehicle"] = (
         str(FIG8.parent / data["vehicle"]) if isinstance(data.get("vehicle"), str) else data.get("vehicle")
     )
     site = {**data.get("site", {}), "origin": {"latitude": "37 deg", "longitude": "-76 deg"}}
-    data |= {"start": "2026-05-20T00:00:00", "site": {**site, "current": {"tide": "tide/tide.yaml"}}}
+    data |= {
+        "start": "2026-05-20T00:00:00",
+        "site": {**site, "current": {"tide": "tide/tide.yaml", "error": error, "outside": "hold"}},
+    }
     (tmp_path / "mission.yaml").write_text(yaml.safe_dump({key: value for key, value in data.items() if value}))
-    current = recorded_current(missionplan.load(tmp_path / "mission.yaml", allow_outside=True))
+    mission = missionplan.load(tmp_path / "mission.yaml", allow_outside=True)
+    current = recorded_current(mission)
     at = 10 * 24
     found = np.hstack([current.velocity(3600.0 * k, 6.0, NOWHERE) for k in range(24)])
     np.testing.assert_allclose(found[0], 0.8 * wave[at : at + 24], atol=0.02)
+    deep = mission.with_({"ingress.depth": "6 m", "site.depth": "40 m"})
+    known = missionplan.simulate(deep, trials=40, seed=1)
+    doubted = missionplan.simulate(deep.with_({"site.current.error.sigma": "0.15 m/s"}), trials=40, seed=1)
+    assert doubted.total.quantities["duration_s"].sd > 1.2 * known.total.quantities["duration_s"].sd

@@ -4,6 +4,7 @@ import math
 import shlex
 from datetime import UTC, datetime
 
+from missionplan.phases.recorded_currents import DEPTH_MARGIN
 from missionplan.report.display_units import Unit
 from missionplan.report.numbers import number, with_error
 from missionplan.report.page import Listing, Page, PageSection, Table, Terminal
@@ -101,13 +102,19 @@ def _how_far(result: TideResult) -> PageSection:
 
 
 def _in_a_mission(result: TideResult) -> PageSection:
-    return PageSection(
-        "In a mission",
-        [
-            "tide.yaml, in this folder, is the current of a mission that has a start and an origin:",
-            Listing("site:\n  current: {tide: tide.yaml}"),
-        ],
-    )
+    lines = ["site:", "  current:", "    tide: tide.yaml", f"    error: {result.forecast_error}"]
+    said = [
+        "The error is what the tide does not forecast, at the depth where it is largest; without it the current would "
+        "be taken as known."
+    ]
+    if result.depths[0].depth > DEPTH_MARGIN:
+        lines.append("    outside: hold")
+        said.append(
+            "At the surface, where the vehicle takes its fixes, nothing was measured: `outside: hold` takes there the "
+            "current of the shallowest depth. Without it the trials fail that come so far above the measurements."
+        )
+    first = "tide.yaml, in this folder, is the current of a mission that has a start and an origin:"
+    return PageSection("In a mission", [first, Listing("\n".join(lines)), *said])
 
 
 _COLUMNS = ("constituent", "major (m/s)", "minor (m/s)", "toward (°)", "Greenwich phase (°)")
