@@ -3,13 +3,13 @@
 Quasi-static: vehicle and line follow the current at once, as they do within seconds to a minute.
 """
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, Scalars, over_trials
+from missionplan.arrays import Array, Scalars, over_trials, take_trials
 from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks
@@ -131,14 +131,15 @@ def hold_vehicle(hold: Hold, current: Current, anchor: Array, start: Array, dura
         Until the line parts [s].
     """
     lasting = over_trials(duration, start.size)
-    record: HoldRecord | None = None
-    for moment in _moments(hold, current, anchor, start, lasting):
-        layers = layers_above(hold, current, anchor, moment)
-        now = record_at_once(hold, held_pose(hold.body, hold.line, layers), layers)
-        record = now if record is None else _envelope(record, now)
-    if record is None:
-        raise ValueError("a hold has at least one moment")
-    return record
+    record = _at(hold, current, anchor, start)
+    if isinstance(current, LayeredCurrent) or not np.any(lasting):
+        return record
+    for moment in extreme_moments(hold, current, anchor, start, lasting):
+        between = np.flatnonzero((moment > start) & (moment < start + lasting))  # not the start or the end once more
+        if between.size:
+            now = _at(take_trials(hold, between), current.take(between), anchor[:, between], moment[between])
+            record = _with(record, between, _envelope(take_trials(record, between), now))
+    return _envelope(record, _at(hold, current, anchor, start + lasting))
 
 
 def lifted(hold: Hold, effects: Iterable[DescentEffect]) -> Hold:
@@ -167,16 +168,6 @@ def layers_above(hold: Hold, current: Current, anchor: Array, moment: Array) -> 
     return ProfileAbove(shares[:, None] * reach, np.stack(velocity))
 
 
-def _moments(hold: Hold, current: Current, anchor: Array, start: Array, lasting: Array) -> Iterator[Array]:
-    """Times at which the vehicle is followed, each of shape (n,) [s]; the end last."""
-    if isinstance(current, LayeredCurrent) or not np.any(lasting):
-        yield start
-        return
-    yield start
-    yield from extreme_moments(hold, current, anchor, start, lasting)
-    yield start + lasting
-
-
 def extreme_moments(hold: Hold, current: Current, anchor: Array, start: Array, lasting: Array) -> tuple[Array, Array]:
     """Times of a hold at which the current about the vehicle is fastest and slowest, shape (n,) each [s]."""
     samples = int(np.clip(np.ceil(np.max(lasting) / SAMPLE_TIME), 1, MOST_SAMPLES)) + 1
@@ -197,6 +188,19 @@ def record_at_once(hold: Hold, pose: HeldPose, layers: LayersAbove) -> HoldRecor
         grounded=hold.clearance(pose) <= 0.0,
         parted_from=pose.nose,
     )
+
+
+def _at(hold: Hold, current: Current, anchor: Array, moment: Array) -> HoldRecord:
+    layers = layers_above(hold, current, anchor, moment)
+    return record_at_once(hold, held_pose(hold.body, hold.line, layers), layers)
+
+
+def _with(record: HoldRecord, trials: NDArray[np.intp], part: HoldRecord) -> HoldRecord:
+    """The record with that of some trials put in."""
+    changed = {each.name: getattr(record, each.name).copy() for each in fields(record)}
+    for name, values in changed.items():
+        values[..., trials] = getattr(part, name)
+    return HoldRecord(**changed)
 
 
 def _envelope(so_far: HoldRecord, now: HoldRecord) -> HoldRecord:

@@ -37,6 +37,16 @@ def test_the_envelope_holds_the_fastest_and_the_slowest_moment():
     assert record.parted_from == pytest.approx(last.parted_from, abs=0.01)
 
 
+def test_each_trial_of_a_block_meets_its_own_fastest_and_slowest_moment():
+    current, durations = tide(0.1, 0.4, 0.05), np.array([7000.0, 2000.0, 0.0, 5000.0])
+    block = held(current=current, duration=durations, trials=4)
+    for number, duration in enumerate(durations):
+        alone = held(current=current, duration=duration)
+        assert block.excursion[number] == pytest.approx(alone.excursion[0], abs=1e-4)
+        assert block.nose_altitude[number] == pytest.approx(alone.nose_altitude[0], abs=0.02)
+        assert block.parted_from[:, number] == pytest.approx(alone.parted_from[:, 0], abs=1e-4)
+
+
 def test_a_current_that_turns_leaves_the_watch_circle_as_wide():
     record = held(current=tide(0.3, -0.3), duration=3500.0)
     assert record.excursion == pytest.approx(held(speed=0.3).excursion, abs=0.05)
