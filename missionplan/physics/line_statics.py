@@ -61,14 +61,16 @@ class ProfileAbove(LayersAbove):
 
     def at(self, altitude: Array) -> Array:
         """Velocity at altitudes of shape (m, n) [m], shape (2, m, n) [m/s]."""
-        last, trials = len(self.tops) - 1, np.arange(altitude.shape[-1])
+        last, trials = len(self.tops) - 1, altitude.shape[-1]
         place = np.clip(altitude / self.tops[1], 0.0, last * (1.0 - 1e-12))
         below = place.astype(np.intp)
-        sides = []
-        for side in (self.velocity[:, 0], self.velocity[:, 1]):
-            low = side[below, trials]
-            sides.append(low + (side[below + 1, trials] - low) * (place - below))
-        return np.stack(sides)
+        share = place - below
+        found = np.empty((2, *altitude.shape))
+        east = below * (2 * trials) + np.arange(trials)
+        for side, flat in zip(found, (east, east + trials), strict=True):
+            low = self.velocity.take(flat)
+            side[:] = low + (self.velocity.take(flat + 2 * trials) - low) * share
+        return found
 
 
 @dataclass(frozen=True)

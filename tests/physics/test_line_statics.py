@@ -206,3 +206,14 @@ def test_each_trial_of_a_block_stands_as_it_would_alone():
             LayersAbove(tops[:, trial : trial + 1], velocity[..., trial : trial + 1]),
         )
         assert pose.nose[:, 0] == pytest.approx(block.nose[:, trial], abs=1e-5)
+
+
+def test_a_profile_is_linear_between_its_altitudes_and_held_above_them():
+    tops = np.array([[0.0, 0.0], [2.0, 3.0], [4.0, 6.0]])
+    velocity = np.random.default_rng(5).normal(size=(3, 2, 2))
+    altitude = np.array([[0.0, 0.5], [1.7, 3.0], [4.0, 9.0]])
+    found = ProfileAbove(tops, velocity).at(altitude)
+    for trial in range(2):
+        for axis in range(2):
+            theory = np.interp(altitude[:, trial], tops[:, trial], velocity[:, axis, trial])
+            assert found[axis, :, trial] == pytest.approx(theory, abs=1e-10)
