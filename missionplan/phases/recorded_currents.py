@@ -122,8 +122,16 @@ class Bracket(NamedTuple):
     share: Scalars
 
 
-def bracket(axis: Array, x: Scalars) -> Bracket:
-    """Find the nodes on either side of `x`, which is held at the axis' ends."""
+def bracket(axis: Array, x: Scalars, step: float | None = None) -> Bracket:
+    """Find the nodes on either side of `x`, which is held at the axis' ends.
+
+    Parameters
+    ----------
+    axis : array, shape (m,)
+    x : float or array, shape (n,)
+    step : float, optional
+        The axis' `even_step`, with which nodes are counted instead of searched for; the result is the same.
+    """
     last = len(axis) - 1
     if np.size(x) == 1:
         held = min(max(float(np.reshape(x, ())), float(axis[0])), float(axis[-1]))
@@ -131,10 +139,25 @@ def bracket(axis: Array, x: Scalars) -> Bracket:
         after = min(at + 1, last)
         return Bracket(at, after, (held - axis[at]) / (axis[after] - axis[at] if after > at else 1.0))
     within = np.minimum(np.maximum(x, axis[0]), axis[-1])
-    low = np.minimum(np.searchsorted(axis, within, side="right") - 1, max(last - 1, 0))
+    if step is None:
+        low = np.minimum(np.searchsorted(axis, within, side="right") - 1, max(last - 1, 0))
+    else:
+        low = np.minimum(((within - axis[0]) * (1.0 / step)).astype(np.intp), last - 1)
+        low += (within >= axis.take(low + 1)) & (low < last - 1)
+        low -= within < axis.take(low)
     high = np.minimum(low + 1, last)
-    width = axis[high] - axis[low]
-    return Bracket(low, high, (within - axis[low]) / (width if last else 1.0))
+    before = axis.take(low)
+    width = axis.take(high) - before
+    return Bracket(low, high, (within - before) / (width if last else 1.0))
+
+
+def even_step(axis: Array) -> float | None:
+    """Mean distance of an axis' nodes where each is within a tenth of it from even spacing; otherwise None."""
+    if len(axis) < 2:
+        return None
+    step = float(axis[-1] - axis[0]) / (len(axis) - 1)
+    off = np.abs(axis - axis[0] - step * np.arange(len(axis)))
+    return step if float(np.max(off)) <= 0.1 * step else None
 
 
 def _interpolated(axes: tuple[Array, ...], values: NDArray[np.complex128], point: tuple[Scalars, ...]) -> Array:

@@ -9,7 +9,7 @@ from missionplan.errors import InputError
 from missionplan.phases.currents import Current, LayeredCurrent, layers
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.fields.grids import RegularGrid
-from missionplan.phases.recorded_currents import SeriesCurrent
+from missionplan.phases.recorded_currents import SeriesCurrent, bracket, even_step
 
 HERE = np.zeros((2, 1))
 RNG = np.random.default_rng(11)
@@ -131,3 +131,19 @@ def test_missing_nodes_take_the_water_above_them_then_beside_them():
 def test_a_time_without_any_value_is_refused():
     with pytest.raises(InputError, match="time without any value"):
         gridded((np.zeros(1), np.zeros(1), np.arange(2.0), np.arange(2.0)), *np.full((2, 1, 1, 2, 2), np.nan))
+
+
+@given(st.integers(2, 40), st.floats(-1e6, 1e6), st.floats(1e-3, 1e4), st.integers(0, 2**32 - 1))
+def test_counted_nodes_are_those_that_a_search_finds(count, first, step, seed):
+    rng = np.random.default_rng(seed)
+    axis = first + step * (np.arange(count) + rng.uniform(-0.04, 0.04, count))
+    step = even_step(axis)
+    assert step is not None
+    x = np.concatenate((axis, np.nextafter(axis, -np.inf), rng.uniform(axis[0] - step, axis[-1] + step, 50)))
+    for counted, found in zip(bracket(axis, x, step), bracket(axis, x), strict=True):
+        assert np.array_equal(counted, found)
+
+
+def test_an_uneven_axis_has_no_step():
+    assert even_step(np.array([0.0, 1.0, 3.0])) is None
+    assert even_step(np.zeros(1)) is None

@@ -14,7 +14,7 @@ from missionplan.errors import InputError
 from missionplan.phases.currents import Span
 from missionplan.phases.fields.grids import Columns, Grid
 from missionplan.phases.fields.triangles import Indices
-from missionplan.phases.recorded_currents import Bracket, RecordedCurrent, bracket
+from missionplan.phases.recorded_currents import Bracket, RecordedCurrent, bracket, even_step
 
 Velocities = NDArray[np.complexfloating[Any]]
 """Toward east, and toward north as the imaginary part [m/s]."""
@@ -47,7 +47,7 @@ class GriddedCurrent(RecordedCurrent):
     values: Velocities
     wet: NDArray[np.bool_]
     bottom: Array
-    _slices: dict[float, Velocities] = field(default_factory=dict, repr=False, compare=False)
+    _slices: dict[float, Array] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
     def of(cls, time: Array, grid: Grid, levels: Array, values: Velocities, bottom: Array) -> "GriddedCurrent":
@@ -84,14 +84,17 @@ class GriddedCurrent(RecordedCurrent):
     @override
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
         columns = self.grid.columns(np.asarray(position))
-        low, high, share = bracket(self.time, t)
+        low, high, share = bracket(self.time, t, self._time_step)
         shared = bracket(self.levels, depth) if self.levels.ndim == 1 and np.size(depth) > 1 else None
-        total: Velocities = np.zeros(1, dtype=complex)
+        velocity = np.zeros((2, 1))
         for moment, part in ((low, 1.0 - share), (high, share)):
             if np.ndim(part) or part:
-                total = total + self._across(moment, columns, depth, shared) * part
-        velocity: Array = np.stack((total.real, total.imag))
+                velocity = velocity + self._across(moment, columns, depth, shared) * part
         return velocity * self._known(t, depth, position)
+
+    @cached_property
+    def _time_step(self) -> float | None:
+        return even_step(self.time)
 
     @override
     def covers(self, span: Span) -> NDArray[np.bool_]:
@@ -129,23 +132,23 @@ class GriddedCurrent(RecordedCurrent):
     def _is_wet_throughout(self) -> bool:
         return bool(self.wet.all())
 
-    def _across(self, moment: Indices | int, columns: Columns, depth: Scalars, shared: Bracket | None) -> Velocities:
-        """Velocity at one of the field's times for each place, shape (n,); `shared`: the levels about each depth."""
-        of_moment = moment * self.values.shape[1]
+    def _across(self, moment: Indices | int, columns: Columns, depth: Scalars, shared: Bracket | None) -> Array:
+        """Velocity at one of the field's times for each place, shape (2, n); `shared`: the levels about each depth."""
+        column = moment * self.values.shape[1] + columns.node
         if np.size(depth) == 1:
-            flat = self._at_depth(float(np.reshape(depth, ())))
-            parts = (flat.take(of_moment + index) for index in columns.node)
-        else:
-            parts = (self._in_column(of_moment + index, depth, shared) for index in columns.node)
-        return np.asarray(sum(part * weight for part, weight in zip(parts, columns.weight, strict=True)))
+            parts = self._at_depth(float(np.reshape(depth, ()))).take(column, axis=1)
+            return np.asarray(np.einsum("ikn,kn->in", parts, columns.weight))
+        values = self._in_column(column, depth, shared)
+        return np.stack([np.einsum("kn,kn->n", part, columns.weight) for part in (values.real, values.imag)])
 
-    def _at_depth(self, depth: float) -> Velocities:
-        """Values of all columns at all times at one depth, flat."""
+    def _at_depth(self, depth: float) -> Array:
+        """East and north of all columns at all times at one depth, shape (2, t c)."""
         if depth not in self._slices:
             if len(self._slices) >= _DEPTHS_KEPT:
                 self._slices.clear()
             every = np.arange(self.values.shape[0] * self.values.shape[1])
-            self._slices[depth] = self._in_column(every, np.full(every.size, depth))
+            values = self._in_column(every, np.full(every.size, depth))
+            self._slices[depth] = np.stack((values.real, values.imag))
         return self._slices[depth]
 
     def _in_column(self, column: Indices, depth: Scalars, shared: Bracket | None = None) -> Velocities:

@@ -11,7 +11,7 @@ from typing_extensions import override
 
 from missionplan.arrays import Array
 from missionplan.phases.fields.triangles import Indices, TriangleFinder
-from missionplan.phases.recorded_currents import bracket
+from missionplan.phases.recorded_currents import bracket, even_step
 
 _NEWTON_STEPS = 4
 """Of the place in a four-sided cell; 1e-12 of the cell for sides that differ by a fifth."""
@@ -83,6 +83,7 @@ class RegularGrid(Grid):
     def __init__(self, north_axis: Array, east_axis: Array) -> None:
         super().__init__(np.stack(np.meshgrid(east_axis, north_axis)).reshape(2, -1))
         self.north_axis, self.east_axis = north_axis, east_axis
+        self._steps = even_step(north_axis), even_step(east_axis)
 
     @override
     def columns(self, place: Array) -> Columns:
@@ -91,14 +92,14 @@ class RegularGrid(Grid):
     @override
     def _within(self, place: Array) -> Columns:
         north, east = self.north_axis, self.east_axis
-        rows, across = bracket(north, place[1]), bracket(east, place[0])
-        index, weight = [], []
-        for row, row_part in ((rows.low, 1.0 - rows.share), (rows.high, rows.share)):
-            for column, part in ((across.low, 1.0 - across.share), (across.high, across.share)):
-                index.append(np.broadcast_to(row * east.size + column, place.shape[1:]))
-                weight.append(np.broadcast_to(row_part * part, place.shape[1:]))
+        rows, across = bracket(north, place[1], self._steps[0]), bracket(east, place[0], self._steps[1])
+        row, row_part = np.stack((rows.low, rows.high)), np.stack((1.0 - rows.share, rows.share))
+        column, part = np.stack((across.low, across.high)), np.stack((1.0 - across.share, across.share))
+        count = place.shape[1]
+        node = (row.reshape(2, 1, -1) * east.size + column.reshape(1, 2, -1)).reshape(4, count)
+        weight = (row_part.reshape(2, 1, -1) * part.reshape(1, 2, -1)).reshape(4, count)
         beyond = [(axis[0] > x) | (x > axis[-1]) for axis, x in ((north, place[1]), (east, place[0]))]
-        return Columns(np.stack(index), np.stack(weight), ~(beyond[0] | beyond[1]))
+        return Columns(node, weight, ~(beyond[0] | beyond[1]))
 
 
 class TriangleMesh(Grid):
