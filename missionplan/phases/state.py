@@ -38,6 +38,12 @@ class TrialState:
         """Number of trials."""
         return self.clock.size
 
+    def take(self, trials: NDArray[np.intp]) -> "TrialState":
+        """Select trials; one may be selected several times."""
+        return TrialState(
+            self.position[:, trials], self.fix[:, trials], self.clock[trials], self.energy[trials], self.alive[trials]
+        )
+
     @classmethod
     def at(cls, position: Array, trials: int, fix_noise: Array | float = 0.0) -> "TrialState":
         """State at deployment.

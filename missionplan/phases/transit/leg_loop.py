@@ -4,7 +4,6 @@ Positions are relative to the goal. Arrays are updated in place, what a mission 
 have arrived are dropped from the arrays once they are half of them.
 """
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,13 +13,12 @@ from missionplan.arrays import Array
 from missionplan.phases.state import TrialState, select_trials
 from missionplan.phases.transit.compensation import Compensation, CompletedLeg, Memory, PlannedLeg
 from missionplan.phases.transit.ground_velocity import GroundVelocity, leg_normals
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.leg_table import LegTable, LegTables
 from missionplan.phases.transit.plan import (
     Environment,
     Normals,
     TransitNormals,
     TransitPlan,
-    VelocityError,
     column,
 )
 
@@ -62,6 +60,7 @@ class LegLoop:
         self._keeps_all = bool(environment.effects) or tracked > 0
         self._goal, self._clock = column(plan.goal), state.clock
         self._trials: NDArray[np.intp] | int = state.trials  # all of the block, or which of it
+        self._rows: NDArray[np.intp] | int = state.trials if normals.rows is None else normals.rows
         self._x = state.position - self._goal
         # without fix errors the fix is the true position: the same array
         exact = not self._has_fix_error and np.array_equal(state.position, state.fix)
@@ -134,7 +133,7 @@ class LegLoop:
     def _nominal(self) -> tuple[Array, Array]:
         """Nominal leg ℓ′ and its length (Eqs. 18–20), zero for a trial that is not under way."""
         d_max, length, ratio, course = self._plan.d_max, self._length, self._ratio, self._course
-        if isinstance(d_max, LegTable):
+        if isinstance(d_max, LegTable | LegTables):
             length[...] = d_max(self._left)
         else:
             np.minimum(self._left, d_max, out=length)
@@ -157,7 +156,7 @@ class LegLoop:
     def _move(self, number: int, length: Array, course: Array) -> None:
         """Move along `course` through the water, and over the ground with the velocity error and the current."""
         error, speed = self._plan.velocity_error, self._plan.speed
-        normals = leg_normals(self._normals.velocity, number, self._trials)
+        normals = leg_normals(self._normals.velocity, number, self._rows)
         if self._is_still and error.is_plain and self._legs_begun is None:
             np.multiply(length, error.root[0, 0] / speed, out=self._ratio)
             np.multiply(normals, self._ratio, out=self._error)
@@ -193,7 +192,7 @@ class LegLoop:
     def _fix_noise(self, source: Normals | None, number: int) -> Array:
         if source is None:
             raise ValueError("fixes have errors: TransitNormals needs fix_on_surfacing and fix_on_diving")
-        return leg_normals(source, number, self._trials)
+        return leg_normals(source, number, self._rows)
 
     def _check_arrival(self) -> None:
         """Find who has arrived by the fix on diving, and drop those trials from the arrays once they are many."""
@@ -217,6 +216,7 @@ class LegLoop:
         self._done = self.final_state()
         is_exact = self._fix is self._x
         self._trials = kept if isinstance(self._trials, int) else self._trials[kept]
+        self._rows = kept if isinstance(self._rows, int) else self._rows[kept]
         self._x = self._x[:, kept]
         self._fix = self._x if is_exact else self._fix[:, kept]
         self._left, self._clock = self._left[kept], self._clock[kept]
@@ -224,7 +224,7 @@ class LegLoop:
         self._distance, self._surfacings = self._distance[kept], self._surfacings[kept]
         self._legs_begun = None if self._legs_begun is None else self._legs_begun[kept]
         self._memory = tuple(array[..., kept] for array in self._memory)
-        self._plan = _plan_of(self._plan, kept)
+        self._plan = self._plan.take(kept)
         self._ground_velocity = self._ground_velocity.take(self._plan, kept)
         self._fix_sd = select_trials(self._fix_sd, kept)
         self._moving, self._far = None, np.ones(kept.size, dtype=bool)
@@ -267,18 +267,3 @@ def _norm(vectors: Array) -> Array:
     """Lengths of vectors, shape (2, n); faster than hypot, whose protection from overflow is not needed here."""
     length: Array = np.sqrt(vectors[0] * vectors[0] + vectors[1] * vectors[1])
     return length
-
-
-def _plan_of(plan: TransitPlan, trials: NDArray[np.intp]) -> TransitPlan:
-    """Select trials of a plan, whose numbers may be arrays over trials."""
-    error = plan.velocity_error
-    return replace(
-        plan,
-        speed=select_trials(plan.speed, trials),
-        arrival_radius=select_trials(plan.arrival_radius, trials),
-        d_max=plan.d_max if isinstance(plan.d_max, LegTable) else select_trials(plan.d_max, trials),
-        surfacing_time=select_trials(plan.surfacing_time, trials),
-        velocity_error=VelocityError(select_trials(error.mean, trials), select_trials(error.root, trials)),
-        depth=select_trials(plan.depth, trials),
-        length_lost=None if plan.length_lost is None else select_trials(plan.length_lost, trials),
-    )

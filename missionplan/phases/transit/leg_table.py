@@ -1,8 +1,10 @@
 """Leg length as a table against the distance left."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 
@@ -37,3 +39,29 @@ class LegTable:
         crossings = knots[:-1][crossed] + share * np.diff(knots)[crossed]
         below = [self.leg[0]] if 0.0 < self.leg[0] < self.left[0] else []
         return np.unique(np.concatenate((self.left, crossings, below)))
+
+
+@dataclass(frozen=True)
+class LegTables:
+    """Several tables, each for some of the trials: what lets many plans of legs run at once.
+
+    Attributes
+    ----------
+    tables : sequence of LegTable
+    ends : array of int, shape (k,)
+        Trial before which each table's trials end, the next table's begin; increasing.
+    """
+
+    tables: Sequence[LegTable]
+    ends: NDArray[np.intp]
+
+    def __call__(self, left: Array) -> Array:
+        """Leg length for each distance left, one per trial [m]."""
+        parts = np.split(left, self.ends[:-1])
+        return np.concatenate([table(part) for table, part in zip(self.tables, parts, strict=True)])
+
+    def take(self, trials: NDArray[np.intp]) -> "LegTables":
+        """Select trials, given in ascending order; tables that are left without trials are dropped."""
+        ends = np.searchsorted(trials, self.ends)
+        used = np.flatnonzero(np.diff(ends, prepend=0))
+        return LegTables([self.tables[index] for index in used.tolist()], ends[used])

@@ -1,7 +1,7 @@
 """Parameters of a transit, the environment that acts on it, and its record."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.currents import Current
 from missionplan.phases.hooks import TransitEffect
+from missionplan.phases.state import select_trials
 from missionplan.phases.transit.compensation import Compensation
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.leg_table import LegTable, LegTables
 
 
 class Normals(Protocol):
@@ -82,7 +83,7 @@ class TransitPlan:
         U, through the water [m/s].
     arrival_radius : float
         r_x [m].
-    d_max : float or LegTable
+    d_max : float, LegTable or LegTables
         Maximum leg length, or leg length against distance left [m].
     surfacing_time : float
         t_s, at the surface after each leg [s].
@@ -107,7 +108,7 @@ class TransitPlan:
     goal: Array
     speed: Scalars
     arrival_radius: Scalars
-    d_max: Scalars | LegTable
+    d_max: Scalars | LegTable | LegTables
     surfacing_time: Scalars
     velocity_error: VelocityError
     fix_error: Scalars = 0.0
@@ -118,6 +119,29 @@ class TransitPlan:
     surfacing_energy: Scalars = 0.0
     latitude: float = float("nan")
     length_lost: Scalars | None = None
+
+    def take(self, trials: NDArray[np.intp]) -> "TransitPlan":
+        """Select trials of those numbers that are arrays over trials; of `LegTables` in ascending order alone."""
+        d_max, error = self.d_max, self.velocity_error
+        if isinstance(d_max, LegTables):
+            d_max = d_max.take(trials)
+        elif not isinstance(d_max, LegTable):
+            d_max = select_trials(d_max, trials)
+        return replace(
+            self,
+            goal=select_trials(column(self.goal), trials),
+            speed=select_trials(self.speed, trials),
+            arrival_radius=select_trials(self.arrival_radius, trials),
+            d_max=d_max,
+            surfacing_time=select_trials(self.surfacing_time, trials),
+            velocity_error=VelocityError(select_trials(error.mean, trials), select_trials(error.root, trials)),
+            fix_error=select_trials(self.fix_error, trials),
+            depth=select_trials(self.depth, trials),
+            power_under_way=select_trials(self.power_under_way, trials),
+            power_at_surface=select_trials(self.power_at_surface, trials),
+            surfacing_energy=select_trials(self.surfacing_energy, trials),
+            length_lost=None if self.length_lost is None else select_trials(self.length_lost, trials),
+        )
 
     def time_under_way(self, distance: Array, legs: Array) -> Array:
         """Time of `legs` legs of a total `distance` through the water, acceleration from rest included [s]."""
@@ -154,12 +178,15 @@ class TransitNormals:
         Required where fixes have errors.
     effects : sequence of Normals or None
         One per effect; required where the effect is random.
+    rows : array of int, shape (n,), optional
+        Which of the normals each trial takes, where several trials share them; default the first n.
     """
 
     velocity: Normals
     fix_on_surfacing: Normals | None = None
     fix_on_diving: Normals | None = None
     effects: Sequence[Normals | None] = ()
+    rows: NDArray[np.intp] | None = None
 
 
 @dataclass(frozen=True)

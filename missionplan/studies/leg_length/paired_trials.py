@@ -4,6 +4,7 @@ Differences between plans on common trials are known much better than either pla
 and Analysis, sect. 11.2).
 """
 
+import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -13,9 +14,10 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.hooks import TransitEffect
+from missionplan.phases.state import TrialState
 from missionplan.phases.transit.compensation import Compensation
-from missionplan.phases.transit.leg_table import LegTable
-from missionplan.phases.transit.plan import Environment, TransitPlan, VelocityError
+from missionplan.phases.transit.leg_table import LegTable, LegTables
+from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
 from missionplan.phases.transit.transit import transit
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
@@ -24,6 +26,8 @@ PILOT_BLOCK = 1 << 40
 """Block of the pilot trials, on which plans are chosen: never one of those on which chosen plans are evaluated."""
 HALVING_RUNGS = ((512, 96), (1024, 32))
 """Trials and number of plans that go on, at each rung of successive halving; the last rung is a whole block."""
+TRIALS_TOGETHER = 1 << 16
+"""Trials that are run at once, each trial of each plan for itself; more take memory and gain little."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +119,18 @@ class PlanTrials:
     nominal: Array
     track: Array
 
+    def take(self, trials: slice) -> "PlanTrials":
+        """Select trials; without tracks."""
+        return PlanTrials(
+            cost=self.cost[trials],
+            duration=self.duration[trials],
+            energy=self.energy[trials],
+            surfacings=self.surfacings[trials],
+            arrived=self.arrived[trials],
+            nominal=self.nominal[trials],
+            track=np.empty((2, 0, 0)),
+        )
+
 
 Score = tuple[float, float]
 """By how much fewer trials arrive than required, then what is to be least: the first decides, the second among equals.
@@ -173,31 +189,67 @@ def iter_plans(
     tracked: int = 0,
     wrap_compensation: Callable[[Compensation | None], Compensation] | None = None,
 ) -> Iterator[PlanTrials]:
-    """Run every plan on the same trials of a block, one after the other; parameters as of `run_plans`."""
+    """Run every plan on the same trials of a block, a few plans at a time; parameters as of `run_plans`."""
     drawn = Scenario.drawn(scenario.mission, scenario.means.recorded, seed=seed, block=block, size=size)
     state = scenario.state(drawn, seed, block, size)
     normals, environment = scenario.normals(seed, block), case.applied_to_surface(scenario.environment(drawn))
+    is_shared = not (environment.effects or tracked or wrap_compensation)
     if wrap_compensation is not None:
         environment = replace(environment, compensation=wrap_compensation(environment.compensation))
     name = f"{scenario.phase.name}.speed"
-    at_speed: dict[float, TransitPlan] = {}
-    for legs in plans:
-        factor = legs.speed_factor
-        if factor not in at_speed:
-            changed = replace(drawn, draws={**drawn.draws, name: drawn[name] * factor})
-            at_speed[factor] = case.applied_to(scenario.plan(0, changed))
-        plan = replace(at_speed[factor], d_max=legs.d_max)
-        _, record = transit(plan, state, normals, environment, tracked=tracked)
-        nominal = plan.nominal_time(state.position)
-        yield PlanTrials(
-            cost=plan.cost(record, nominal),
-            duration=record.duration,
-            energy=record.energy,
-            surfacings=record.surfacings,
-            arrived=record.arrived,
-            nominal=nominal,
-            track=np.empty((2, 0, 0)) if record.track is None else record.track,
-        )
+    for factor, alike in itertools.groupby(plans, key=lambda legs: legs.speed_factor):
+        changed = replace(drawn, draws={**drawn.draws, name: drawn[name] * factor})
+        plan, lengths = case.applied_to(scenario.plan(0, changed)), [legs.d_max for legs in alike]
+        together = max(TRIALS_TOGETHER // size, 1) if is_shared else 1
+        for first in range(0, len(lengths), together):
+            chosen = lengths[first : first + together]
+            if len(chosen) == 1:
+                yield _run(replace(plan, d_max=chosen[0]), state, normals, environment, tracked)
+            else:
+                yield from _run_together(plan, chosen, state, normals, environment)
+
+
+def _run(
+    plan: TransitPlan, state: TrialState, normals: TransitNormals, environment: Environment, tracked: int = 0
+) -> PlanTrials:
+    """Run trials, each by its plan."""
+    _, record = transit(plan, state, normals, environment, tracked=tracked)
+    nominal = plan.nominal_time(state.position)
+    return PlanTrials(
+        cost=plan.cost(record, nominal),
+        duration=record.duration,
+        energy=record.energy,
+        surfacings=record.surfacings,
+        arrived=record.arrived,
+        nominal=nominal,
+        track=np.empty((2, 0, 0)) if record.track is None else record.track,
+    )
+
+
+def _run_together(
+    plan: TransitPlan,
+    lengths: Sequence[float | LegTable],
+    state: TrialState,
+    normals: TransitNormals,
+    environment: Environment,
+) -> Iterator[PlanTrials]:
+    """Run several plans at once, as one block of trials in which each trial stands once for each plan.
+
+    The few trials that never arrive make every plan take all its legs. Together their legs cost as many calls as those
+    of one plan, and every trial has the same numbers as on its own.
+    """
+    rows = np.tile(np.arange(state.trials), len(lengths))
+    tables = [legs if isinstance(legs, LegTable) else LegTable(np.zeros(1), np.array([legs])) for legs in lengths]
+    ends = state.trials * np.arange(1, len(lengths) + 1)
+    current = environment.current.take(rows) if environment.current else None
+    run = _run(
+        replace(plan.take(rows), d_max=LegTables(tables, ends)),
+        state.take(rows),
+        replace(normals, rows=rows),
+        replace(environment, current=current),
+    )
+    for number in range(len(lengths)):
+        yield run.take(slice(number * state.trials, (number + 1) * state.trials))
 
 
 def pilot_work(plans: int) -> int:

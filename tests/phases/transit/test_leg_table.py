@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from missionplan.phases.transit.leg_table import LegTable
+from missionplan.phases.transit.leg_table import LegTable, LegTables
 
 
 def test_one_length_kinks_where_the_target_comes_within_reach():
@@ -21,3 +21,17 @@ def test_the_leg_is_straight_between_kinks(steps, lengths):
     for low, high in itertools.pairwise(edges):
         low_, middle, high_ = table(np.array([low, 0.5 * (low + high), high]))
         assert middle == pytest.approx(0.5 * (low_ + high_), rel=1e-6, abs=1e-6)
+
+
+def test_several_tables_give_each_trial_its_own_also_when_few_are_left():
+    first, second = (
+        LegTable(np.array([0.0]), np.array([300.0])),
+        LegTable(np.array([100.0, 400.0]), np.array([50.0, 200.0])),
+    )
+    both = LegTables([first, second, first], np.array([2, 4, 6]))
+    left = np.array([10.0, 900.0, 250.0, 900.0, 500.0, 200.0])
+    assert both(left).tolist() == [10.0, 300.0, 125.0, 200.0, 300.0, 200.0]
+    kept = np.array([1, 4, 5])
+    fewer = both.take(kept)
+    assert len(fewer.tables) == 2
+    assert fewer(left[kept]).tolist() == both(left)[kept].tolist()

@@ -1,6 +1,6 @@
 """Legs planned for a mission: the table, its trials beside the best fixed d_max, and the mission that it gives."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -9,9 +9,10 @@ import yaml
 from missionplan.errors import InputError
 from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
+from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length import optimise_legs, paired_trials
 from missionplan.studies.leg_length.leg_spread import fit_leg_spread
-from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan
+from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, best_plan, run_plans
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.policy_search import PolicyFamily
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
@@ -253,6 +254,30 @@ def learning(tmp_path_factory):
     path = tmp_path_factory.mktemp("legs") / "learning.yaml"
     path.write_text(MEAN_COMPENSATION, encoding="utf-8")
     return load(path)
+
+
+@pytest.mark.parametrize("method", ["none", "mean", "forecast", "filter"])
+def test_plans_run_together_have_the_numbers_that_each_has_alone(method, tmp_path, monkeypatch):
+    path = tmp_path / "slow.yaml"
+    path.write_text(
+        MEAN_COMPENSATION.replace("compensation: mean", f"compensation: {method}").replace(
+            "speed: 1 m/s", "speed: 0.25 m/s"
+        ),
+        encoding="utf-8",
+    )
+    scenario = replace(SweepScenario.of(load(path)), sigmas=(None,))
+    table = LegTable(np.array([30.0, 200.0, 900.0]), np.array([25.0, 150.0, 700.0]))
+    plans = [LegsAtSpeed(400.0), LegsAtSpeed(table), LegsAtSpeed(1500.0), LegsAtSpeed(table, 1.2), LegsAtSpeed(900.0)]
+
+    def run(together):
+        monkeypatch.setattr(paired_trials, "TRIALS_TOGETHER", together)
+        return run_plans(scenario, plans, 3, 0, 300)
+
+    alone = run(1)
+    assert not all(trials.arrived.all() for trials in alone)
+    for one, shared in zip(alone, run(1000), strict=True):
+        for field in fields(one):
+            np.testing.assert_array_equal(getattr(shared, field.name), getattr(one, field.name))
 
 
 @pytest.mark.slow
