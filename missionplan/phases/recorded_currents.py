@@ -130,7 +130,7 @@ def bracket(axis: Array, x: Scalars, step: float | None = None) -> Bracket:
     axis : array, shape (m,)
     x : float or array, shape (n,)
     step : float, optional
-        The axis' `even_step`, with which nodes are counted instead of searched for; the result is the same.
+        The axis' `even_step`, with which nodes are counted; where a count is off by one, all are searched for.
     """
     last = len(axis) - 1
     if np.size(x) == 1:
@@ -139,12 +139,13 @@ def bracket(axis: Array, x: Scalars, step: float | None = None) -> Bracket:
         after = min(at + 1, last)
         return Bracket(at, after, (held - axis[at]) / (axis[after] - axis[at] if after > at else 1.0))
     within = np.minimum(np.maximum(x, axis[0]), axis[-1])
-    if step is None:
-        low = np.minimum(np.searchsorted(axis, within, side="right") - 1, max(last - 1, 0))
-    else:
+    if step is not None:
         low = np.minimum(((within - axis[0]) * (1.0 / step)).astype(np.intp), last - 1)
-        low += (within >= axis.take(low + 1)) & (low < last - 1)
-        low -= within < axis.take(low)
+        high, before = low + 1, axis.take(low)
+        share = (within - before) / (axis.take(high) - before)
+        if share.size and share.min() >= 0.0 and share.max() < 1.0:
+            return Bracket(low, high, share)
+    low = np.minimum(np.searchsorted(axis, within, side="right") - 1, max(last - 1, 0))
     high = np.minimum(low + 1, last)
     before = axis.take(low)
     width = axis.take(high) - before
@@ -152,12 +153,12 @@ def bracket(axis: Array, x: Scalars, step: float | None = None) -> Bracket:
 
 
 def even_step(axis: Array) -> float | None:
-    """Mean distance of an axis' nodes where each is within a tenth of it from even spacing; otherwise None."""
+    """Mean distance of an axis' nodes where each is within 1e-5 of it from even spacing; otherwise None."""
     if len(axis) < 2:
         return None
     step = float(axis[-1] - axis[0]) / (len(axis) - 1)
     off = np.abs(axis - axis[0] - step * np.arange(len(axis)))
-    return step if float(np.max(off)) <= 0.1 * step else None
+    return step if float(np.max(off)) <= 1e-5 * step else None
 
 
 def _interpolated(axes: tuple[Array, ...], values: NDArray[np.complex128], point: tuple[Scalars, ...]) -> Array:
