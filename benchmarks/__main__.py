@@ -9,7 +9,7 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from benchmarks import choosing, commands, descent, monaco_peer, rare, scaling, sweep, table
+from benchmarks import choosing, commands, currents, descent, monaco_peer, rare, scaling, sweep, table
 from benchmarks.common import Comparison, Options, circumstances, load_average
 
 COMPARISONS: dict[str, Comparison] = {
@@ -20,6 +20,7 @@ COMPARISONS: dict[str, Comparison] = {
     "monaco": monaco_peer.compare,
     "rare": rare.compare,
     "choosing": choosing.compare,
+    "currents": currents.compare,
     "trials": scaling.trials,
     "legs": scaling.legs,
 }
