@@ -116,10 +116,10 @@ def size_anchor(
     """Size the anchor that takes the vehicle down within the radius: weight, length, trim ring, and its dive."""
     from missionplan.results.mooring.sizing import AnchorSizing
 
-    def study(loaded: "Mission", _progress: Progress) -> AnchorSizing:
+    def study(loaded: "Mission", progress: Progress) -> AnchorSizing:
         from missionplan.studies.anchor.size_anchor import size_anchor
 
-        return size_anchor(loaded, probability=probability, phase=phase, **run.arguments())
+        return size_anchor(loaded, probability=probability, phase=phase, progress=progress, **run.arguments())
 
     sizing = run_study(mission, "size-anchor", study, output, allow_outside=allow_outside)
     if isinstance(sizing, AnchorSizing) and not sizing.succeeds:
@@ -238,9 +238,9 @@ def sweep_transition(
 ) -> None:
     """Compute depth, pitch and energy of slowing down to hover, over the grid of a transition phase."""
 
-    def study(loaded: "Mission", _progress: Progress) -> "Result":
+    def study(loaded: "Mission", progress: Progress) -> "Result":
         from missionplan.studies.transition.sweep_transition import sweep_transition
 
-        return sweep_transition(loaded, phase=phase)
+        return sweep_transition(loaded, phase=phase, progress=progress)
 
     run_study(mission, "sweep-transition", study, output, allow_outside=allow_outside)

@@ -7,7 +7,7 @@ import numpy as np
 
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
-from missionplan.montecarlo.parallel_blocks import Backend, run_blocks
+from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Count, RunningStatistic
 from missionplan.montecarlo.streams import block_count, block_size, stream
 from missionplan.phases.currents import Current
@@ -25,11 +25,12 @@ STEP = 0.2
 
 @dataclass(frozen=True)
 class ParallelOptions:
-    """How blocks are distributed over processes; see `run_blocks`."""
+    """How blocks are distributed over processes, and who is told of those done; see `run_blocks`."""
 
     jobs: int = 1
     backend: Backend = "loky"
     scheduler: str | None = None
+    progress: Progress | None = None
 
 
 @dataclass(frozen=True)
@@ -84,10 +85,12 @@ class AnchorTrials:
 
     def probabilities(self, weight: float, line_length: float | None = None) -> DiveProbabilities:
         """Estimate the probabilities of an anchor of a wet weight [N], with another line [m] if one is given."""
-        task = partial(_block, self, weight, line_length)
         how = self.parallel
+        task = partial(_block, replace(self, parallel=ParallelOptions()), weight, line_length)
         blocks = range(block_count(self.trials))
-        results = run_blocks(task, blocks, jobs=how.jobs, backend=how.backend, scheduler=how.scheduler)
+        results = run_blocks(
+            task, blocks, jobs=how.jobs, backend=how.backend, scheduler=how.scheduler, progress=how.progress
+        )
         totals = reduce(_Totals.merge, results)
         return DiveProbabilities(
             good=totals.good.probability(),

@@ -8,7 +8,7 @@ from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission, under_each_explanation
-from missionplan.montecarlo.parallel_blocks import Backend
+from missionplan.montecarlo.parallel_blocks import Backend, Progress
 from missionplan.results.base import Provenance
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
@@ -35,6 +35,7 @@ def size_anchor(
     jobs: int = 1,
     backend: Backend = "loky",
     scheduler: str | None = None,
+    progress: Progress | None = None,
 ) -> AnchorSizing:
     """Size the anchor of a mooring.
 
@@ -48,8 +49,8 @@ def size_anchor(
         Name of the mooring; default: the first.
     trials, seed : int, optional
         Default: the mission's.
-    jobs, backend, scheduler
-        See `run_blocks`.
+    jobs, backend, scheduler, progress
+        See `run_blocks`; the blocks are those of the anchor that is being tried.
 
     Raises
     ------
@@ -66,7 +67,7 @@ def size_anchor(
     recorded = recorded_current(mission)
     check_cover(mission, Scenario.at_means(mission, recorded))
     check_dives(Scenario.at_means(mission, recorded))
-    dives = AnchorTrials(mission, moor, recorded, trials, seed, ParallelOptions(jobs, backend, scheduler))
+    dives = AnchorTrials(mission, moor, recorded, trials, seed, ParallelOptions(jobs, backend, scheduler, progress))
     sizer = AnchorSizer(moor, Scenario.at_means(mission, recorded), dives)
     try:
         weight = worst_case_weight(sizer.means, moor)

@@ -11,6 +11,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
 from missionplan.mission.schema.transition import TransitionGrid
 from missionplan.mission.views import TransitionMission
+from missionplan.montecarlo.parallel_blocks import Progress, run_blocks
 from missionplan.phases.transition.plan import Manoeuvre, TransitionVehicle
 from missionplan.phases.transition.simulation import simulate_transition
 from missionplan.physics.tunnel_thruster import hover_power, revolutions_for
@@ -26,7 +27,9 @@ LOWEST_SPEED = 0.3
 """Speed down to which point A is sought [m/s]."""
 
 
-def sweep_transition(mission: MissionOrPath, *, phase: str | None = None, time_step: float = 0.5) -> TransitionSweep:
+def sweep_transition(
+    mission: MissionOrPath, *, phase: str | None = None, time_step: float = 0.5, progress: Progress | None = None
+) -> TransitionSweep:
     """Run the grid of a mission's transition phase, at the means of everything uncertain.
 
     Parameters
@@ -37,6 +40,8 @@ def sweep_transition(mission: MissionOrPath, *, phase: str | None = None, time_s
         The transition's name; default the first.
     time_step : float
         Of the runs and their controllers [s].
+    progress : callable, optional
+        Called with the variants of the vehicle done and their total.
 
     Raises
     ------
@@ -51,10 +56,12 @@ def sweep_transition(mission: MissionOrPath, *, phase: str | None = None, time_s
     if not vehicle.thrusters:
         raise InputError([Problem("missing; the sweep needs a tunnel thruster", mission.file, key="vehicle.thrusters")])
     grid, planned = transition.sweep, manoeuvre(scenario, transition)
-    runs = {
-        name: GridRuns(grid if name == FORCE else _at_shown(grid), variant, planned, time_step)
-        for name, variant in _variants(vehicle, grid.pair_spacing).items()
-    }
+    variants = _variants(vehicle, grid.pair_spacing)
+
+    def run_variant(name: str) -> GridRuns:
+        return GridRuns(grid if name == FORCE else _at_shown(grid), variants[name], planned, time_step)
+
+    runs = dict(zip(variants, run_blocks(run_variant, list(variants), progress=progress), strict=True))
     unassisted = _unassisted(vehicle, planned, grid, time_step)
     provenance = Provenance(
         command="sweep-transition",

@@ -125,6 +125,12 @@ def test_probabilities_do_not_depend_on_the_number_of_jobs(mission):
     assert size_anchor(mission, trials=5000, jobs=2, backend="threading").anchor.probabilities == one
 
 
+def test_progress_counts_the_blocks_of_dives_also_where_processes_run_them(mission):
+    calls = []
+    size_anchor(mission, trials=5000, jobs=2, progress=lambda done, total: calls.append((done, total)))
+    assert calls[:3] == [(0, 2), (1, 2), (2, 2)]
+
+
 def test_a_short_line_needs_a_longer_one(tmp_path):
     mission = altered(tmp_path, ("line_length: 5 m", "line_length: 3.35 m"))
     sizing = size_anchor(mission, trials=200, probability=0.99)

@@ -61,3 +61,9 @@ def test_a_sweep_needs_a_thruster(tmp_path):
 def test_a_mission_without_transition_is_refused():
     with pytest.raises(InputError, match="no transition"):
         sweep_transition(missionplan.load(MISSION.parent / "fig8.yaml"))
+
+
+def test_progress_counts_the_variants_of_the_vehicle():
+    calls = []
+    sweep_transition(missionplan.load(MISSION), time_step=1.0, progress=lambda *done: calls.append(done))
+    assert calls == [(0, 3), (1, 3), (2, 3), (3, 3)]
