@@ -43,7 +43,7 @@ _EffectId = Annotated[str, typer.Argument(metavar="[ID]", help="Effect to show; 
 
 
 def effects(effect: _EffectId = "") -> None:
-    """List the effects that missions and diagnoses know; with an ID, one of them with a fragment to paste."""
+    """List the effects that missions and diagnoses know, a line each; with an ID, all about one of them."""
     from missionplan.effects import CATALOGUE
     from missionplan.report.effect_catalogue import catalogue_text, effect_text
 

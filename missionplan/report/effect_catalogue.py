@@ -1,5 +1,6 @@
 """The catalogue of effects as text for a terminal: what each is, and a fragment for a mission file."""
 
+import math
 import textwrap
 from collections.abc import Iterator
 
@@ -7,16 +8,38 @@ from missionplan.effects import CATALOGUE, FAILED_PLUGINS, ORIGINS, EffectInfo, 
 
 WIDTH = 80
 _INDENT = "  "
+_NAME = 20
+"""Width of the list's first column."""
+_HEAD = "usual size"
 
 
 def catalogue_text() -> str:
-    """Describe every effect, phase by phase, and the plug-ins that were left out."""
+    """List the effects phase by phase, a line each: ID, what it is as far as it fits, usual sizes; failed plug-ins."""
     blocks = []
     for phase in dict.fromkeys(info.phase for info in CATALOGUE.values()):
-        blocks.append(f"Effects on a {phase}\n" if phase != "tank" else "Effects seen in a tank alone\n")
-        blocks += [_entry(info) + "\n" for info in CATALOGUE.values() if info.phase == phase]
+        title = f"Effects on a {phase}" if phase != "tank" else "Effects seen in a tank alone"
+        lines = [_line(info) for info in CATALOGUE.values() if info.phase == phase]
+        blocks.append("\n".join([title.ljust(WIDTH - len(_HEAD)) + _HEAD, *lines]) + "\n")
     blocks += [_wrapped(f"The plug-in {name} is left out: {reason}", "") for name, reason in FAILED_PLUGINS.items()]
-    return "\n".join(blocks).rstrip()
+    blocks.append("missionplan effects ID: all about one of them, with a fragment to paste.")
+    return "\n".join(blocks)
+
+
+def _line(info: EffectInfo) -> str:
+    name, size = f"{info.id:<{_NAME}} ", _size(info)
+    what = textwrap.shorten(info.what, WIDTH - len(name) - len(size) - 2, placeholder=" …")
+    return f"{name}{what}".ljust(WIDTH - len(size)) + size
+
+
+def _size(info: EffectInfo) -> str:
+    """Write the usual size of the first parameter that has one, angles in degrees."""
+    for each in info.parameters.values():
+        size = each.median if each.is_shape else each.scale
+        if size:
+            sign = "±" if not each.is_shape and each.low < 0.0 else ""
+            angle = f"{sign}{math.degrees(size):.0f}°"
+            return angle if each.unit == "rad" else f"{sign}{size:g} {each.unit}".rstrip()
+    return ""
 
 
 def effect_text(info: EffectInfo) -> str:

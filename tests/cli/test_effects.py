@@ -25,6 +25,14 @@ def test_the_list_holds_every_effect_and_fits_a_terminal(monkeypatch, capsys):
     assert max(map(len, said.out.splitlines())) <= 80
 
 
+def test_the_list_takes_a_line_an_effect_with_its_usual_size(monkeypatch, capsys):
+    _, said = run(monkeypatch, capsys, "effects")
+    lines = {line.split()[0]: line for line in said.out.splitlines() if line.strip()}
+    assert len(said.out.splitlines()) < len(CATALOGUE) + 15
+    assert "A current that is constant" in lines["mean-current"]
+    assert lines["mean-current"].endswith("m/s")
+
+
 def test_one_effect_is_shown_with_a_fragment(monkeypatch, capsys):
     status, said = run(monkeypatch, capsys, "effects", "compass-bias")
     assert status == 0
