@@ -3,6 +3,7 @@
 import shlex
 from dataclasses import replace
 
+from missionplan.report.diagnosis.operator import finding_in_words
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
@@ -20,13 +21,13 @@ def page(campaign: Campaign) -> Page:
         PageSection("What each data set showed", [Table(COLUMNS, _rows(campaign), text_columns=5)]),
         PageSection("What they share", _shared(campaign)),
     ]
-    for index, each in enumerate(campaign.diagnoses, start=1):
+    for index, (each, name) in enumerate(zip(campaign.diagnoses, campaign.names, strict=True), start=1):
         figure = page_of(each).figure
         blocks: list[Block] = [answer_of(each)]
         if figure is not None:
             blocks.append(replace(figure, name=f"{figure.name}-{index}"))
         blocks.append(f"Everything about it is in the folder {index}-{each.kind}.")
-        sections.append(PageSection(each.data, blocks))
+        sections.append(PageSection(name, blocks))
     return Page(
         title=f"Diagnosis of {made.mission} with {len(campaign.diagnoses)} data sets",
         answer=answer(campaign),
@@ -43,22 +44,26 @@ def terminal(campaign: Campaign) -> Terminal:
 
 
 def answer(campaign: Campaign) -> str:
-    """Say what the data sets showed together."""
+    """Say what the data sets showed: what was found with its size, as each diagnosis tells it, and what they share."""
     found = campaign.informed_by
     if not found:
         return f"The mission's model is adequate for all {len(campaign.diagnoses)} data sets: none asks for a cause."
     named = ", ".join(effect.replace("-", " ") for effect in found)
     shared = ", ".join(effect.replace("-", " ") for effect in campaign.shared)
-    more = f" Of {shared} more than one had a say." if shared else " No two of them had a say in the same effect."
-    return f"Together {len(campaign.diagnoses)} data sets tell of {named}; one extended mission carries it all.{more}"
+    more = f" More than one of them bore on {shared}." if shared else " No two of them bore on the same effect."
+    told = dict.fromkeys(words for each in campaign.diagnoses if (words := finding_in_words(each)))
+    together = (
+        f"Together {len(campaign.diagnoses)} data sets tell of {named}; one extended mission carries it all.{more}"
+    )
+    return " ".join([*told, together])
 
 
 def _rows(campaign: Campaign) -> list[list[str]]:
     rows = []
-    for each in campaign.diagnoses:
+    for each, name in zip(campaign.diagnoses, campaign.names, strict=True):
         causes = [cause.replace("-", " ") + (" (changed)" if cause in each.changed else "") for cause in each.causes]
         confirmed = dict.fromkeys(p.effect.replace("-", " ") for p in each.confirmed)
-        rows.append([each.data, each.kind, each.verdict, ", ".join(causes) or "–", ", ".join(confirmed) or "–"])
+        rows.append([name, each.kind, each.verdict, ", ".join(causes) or "–", ", ".join(confirmed) or "–"])
     return rows
 
 
@@ -71,7 +76,7 @@ def _shared(campaign: Campaign) -> list[Block]:
         "share theirs with other legs. Legs and dives have no effect of the catalogue in common, so that neither "
         "changes what the other shows. σ_v is that of the last record of legs. The order is that of the kinds (tank, "
         "dives, legs), then of the names, however they are given. Another order could change what is claimed where an "
-        "effect is weak in each record: a claim needs 3 nats in a single one."
+        "effect is weak in each record: one record alone must show it clearly (20 to 1) for it to be claimed."
     )
     if not rows:
         return [words]

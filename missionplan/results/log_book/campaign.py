@@ -1,7 +1,9 @@
 """Result of `diagnose` with several data sets: each against what those before had shown, and one extended mission."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar
 
 import pandas as pd
@@ -32,12 +34,23 @@ class Campaign(Result):
         return self.diagnoses[-1].extended
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the data sets, with the folder where several have the same name."""
+        count = Counter(each.data for each in self.diagnoses)
+        return tuple(
+            each.data
+            if count[each.data] == 1
+            else f"{each.data} ({Path(str(each.provenance.options['dataset'])).name})"
+            for each in self.diagnoses
+        )
+
+    @property
     def informed_by(self) -> dict[str, tuple[str, ...]]:
         """By effect that the extended mission has learned of, the data sets that had a say in it."""
         found: dict[str, list[str]] = {}
-        for each in self.diagnoses:
+        for each, name in zip(self.diagnoses, self.names, strict=True):
             for effect in dict.fromkeys((*each.causes, *(p.effect for p in each.confirmed))):
-                found.setdefault(effect, []).append(each.data)
+                found.setdefault(effect, []).append(name)
         return {effect: tuple(names) for effect, names in found.items()}
 
     @property
