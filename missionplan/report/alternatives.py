@@ -45,7 +45,7 @@ def answer(found: Alternatives) -> str:
         sentences.append(f"{best.name} is better than {_listed(worse)}: {_why(found, nearest)}.")
     if alike:
         verb = "cannot be told apart" if not worse else "cannot be told from it"
-        who = f"{best.name} and {_listed(alike)}" if not worse else _listed(alike)
+        who = _listed([best, *alike]) if not worse else _listed(alike)
         sentences.append(f"{who} {verb} by P(success) ({_success_words(alike[0])}).")
         sentences += [words for each in alike if (words := _cheaper(found, each))]
     return " ".join(sentences) + _missed_words(best)
@@ -71,6 +71,8 @@ def _why(found: Alternatives, each: Alternative) -> str:
 
 def _success_words(each: Alternative) -> str:
     contrast = each.contrasts["success"]
+    if not contrast.difference and not contrast.error:
+        return "they succeed in the same trials"
     return f"{each.name} differs by {with_error(contrast.difference, contrast.error, _PERCENT)}"
 
 
@@ -122,6 +124,8 @@ def _rows(found: Alternatives) -> list[list[str]]:
 def _against(contrast: Contrast | None) -> str:
     if contrast is None:
         return "best"
+    if not contrast.difference and not contrast.error:
+        return "succeeds in the same trials"
     words = with_error(contrast.difference, contrast.error, _PERCENT)
     return words if contrast.differs else f"{words}: not told apart"
 

@@ -206,6 +206,8 @@ def front_figure(found: Optimised) -> Figure | None:
         ("meets all requirements", BLUE, [each for each in tried if each.feasible]),
     )
     for label, colour, members in groups:
+        if not members:
+            continue
         x, y = [unit(getattr(each, found.aim)) for each in members], [100.0 * each.success.value for each in members]
         axes.plot(x, y, "o", color=colour, markersize=4, alpha=0.6, label=label)
     chosen = [each for each in tried if each.values == found.chosen]
@@ -227,8 +229,9 @@ def front_figure(found: Optimised) -> Figure | None:
 
 def _effort(found: Optimised) -> Iterator[PageSection]:
     text = (
-        f"Of {number(found.combinations)} combinations {number(found.search_trials)} trials searched, "
-        f"{number(found.check_trials)} checked it and {number(found.relaxation_trials)} relaxed requirements. "
+        f"{number(found.search_trials)} trials searched the {number(found.combinations)} combinations, "
+        f"{number(found.check_trials)} more checked the choice, and {number(found.relaxation_trials)} were run with "
+        "relaxed requirements. "
         "All choices have the same random numbers. A wide search (differential evolution) is followed by steps of one "
         "value along one key or two, with more trials; the best of a large lattice is not guaranteed to be found."
     )

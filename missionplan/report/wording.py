@@ -10,6 +10,7 @@ _PHRASES = {
     "fix_error.along": "error of the fix along the track",
     "fix_error.across": "error of the fix across the track",
     "arrived": "arrival",
+    "d_max": "maximum leg length",
     "within_radius": "anchor within the radius",
     "struck_seafloor": "strike on the seafloor",
     "offset": "offset of the anchor",

@@ -4,7 +4,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import Normalize
+from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, DateFormatter
 from matplotlib.figure import Figure as MatplotlibFigure
 from numpy.typing import NDArray
@@ -113,7 +113,8 @@ def _draw_map(axes: Axes, found: Exploration, key: str) -> None:
     colours = "viridis" if unit is _PERCENT else "viridis_r"
     shown, norm = np.ma.masked_invalid(values), Normalize(0.0, 100.0) if unit is _PERCENT else None
     drawn = axes.pcolormesh(x, y, shown, cmap=colours, norm=norm, shading="nearest")
-    axes.set_facecolor("#e8e8e8")
+    without = np.ma.masked_where(np.isfinite(values), np.zeros(shape))
+    axes.pcolormesh(x, y, without, cmap=ListedColormap(["#d5d8dc"]), shading="nearest")
     axes.figure.colorbar(drawn, ax=axes, label=f"{capitalised(_title(key))}{unit.axis}")
     if min(shape) > 1:
         _draw_contours(axes, x, y, values, unit)

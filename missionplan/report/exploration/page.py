@@ -149,11 +149,14 @@ def _front(found: Exploration) -> Iterator[PageSection]:
     figure = front_figure(found)
     if figure is not None and len(front) > 1:
         heading = f"{len(front)} cells trade success, energy and duration against each other"
-        yield PageSection(heading, [figure, _table(found, sorted(front, key=lambda cell: -cell.success.value))])
+        shown_above = all(cell.as_good for cell in front)
+        table = [] if shown_above else [_table(found, sorted(front, key=lambda cell: -cell.success.value))]
+        yield PageSection(heading, [figure, *table])
 
 
 def _all(found: Exploration) -> Iterator[PageSection]:
-    if len(found.axes) == 1 and len(found.cells) <= 5 * _MOST_ROWS:
+    shown_above = all(cell.as_good for cell in found.cells)
+    if len(found.axes) == 1 and len(found.cells) <= 5 * _MOST_ROWS and not shown_above:
         yield PageSection("All that was tried", [_table(found, found.cells)])
 
 

@@ -100,8 +100,11 @@ def _windows(found: Exploration) -> str:
         return ""
     met = sum(cell.meets_all for cell in found.cells)
     if len(found.axes) == 1 and found.axes[0].numbers is not None:
-        return f"All requirements are met {ranges_in_words(found.axes[0], found.windows)}."
-    return f"All requirements are met in {met} of the {len(found.cells)} cells."
+        where = ranges_in_words(found.axes[0], found.windows)
+    else:
+        where = f"in {met} of the {len(found.cells)} cells"
+    doubt = "" if any(cell.status == "met" for cell in found.cells) else "; it takes more trials to be sure of it"
+    return f"All requirements are met {where}{doubt}."
 
 
 def ranges_in_words(axis: Axis, windows: Sequence[Window]) -> str:

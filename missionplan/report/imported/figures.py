@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure as MatplotlibFigure
+from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
 from missionplan.report.page import BLUE, GREY, ORANGE, PINK, SKY, Figure, to_figure
@@ -93,6 +94,14 @@ def _errors(result: ImportedData, counted: Array) -> tuple[Array, Array]:
     return ends[0], ends[1]
 
 
+def _span(values: Array) -> tuple[float, float] | None:
+    """Ends of a histogram: at least a tenth of the values apart, so that equal legs look equal."""
+    if not values.size or not np.max(values) > 0.0:
+        return None
+    middle, half = 0.5 * (values.min() + values.max()), 0.5 * max(float(np.ptp(values)), 0.1 * float(values.max()))
+    return float(middle - half), float(middle + half)
+
+
 def histograms(result: ImportedData) -> Figure:
     """Draw how long the legs are that count, and where they go."""
     counted = result.dives["ok"].to_numpy() == 1
@@ -102,7 +111,8 @@ def histograms(result: ImportedData) -> Figure:
     unit, word = (1000.0, "km") if len(length) and length.max() > 2000.0 else (1.0, "m")
     figure = MatplotlibFigure(figsize=(_WIDTH, 2.8))
     left = figure.add_subplot(1, 2, 1)
-    left.hist(length / unit, bins=min(max(len(length) // 2, 5), 20), color=SKY)
+    left.hist(length / unit, bins=min(max(len(length) // 2, 5), 20), range=_span(length / unit), color=SKY)
+    left.yaxis.set_major_locator(MaxNLocator(integer=True))
     left.set(xlabel=f"length of a leg ({word})", ylabel="legs")
     right = figure.add_subplot(1, 2, 2, projection="polar")
     counts, edges = np.histogram(np.remainder(course, 2.0 * math.pi), bins=24, range=(0.0, 2.0 * math.pi))

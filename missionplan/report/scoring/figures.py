@@ -22,7 +22,7 @@ def prediction_figure(each: DatasetScore) -> Figure:
         else:
             _dive_panel(axes, each, list(each.predictions.values())[part], ("one step ahead", "all the way")[part])
     panels[1].set_xlabel("Leg" if legs else "Reading, dive after dive")
-    panels[0].legend(fontsize=8, frameon=False, ncols=3)
+    panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, frameon=False, ncols=3)
     what = "Position errors of the legs" if legs else "Departures of the depths from what was expected"
     return to_figure(
         figure,
@@ -35,11 +35,12 @@ def prediction_figure(each: DatasetScore) -> Figure:
 def _leg_panel(axes: Axes, each: DatasetScore, axis: int) -> None:
     rows = slice(axis, None, 2)
     at = np.arange(each.groups) + 1
+    unit, word = (1000.0, "km") if np.max(np.abs(each.measured)) > 2000.0 else (1.0, "m")
     for prediction, colour, label in ((each.whole, GREY, "all the way"), (each.one_step, BLUE, "one step ahead")):
-        mean, sd = prediction.mean[rows] / 1000.0, prediction.sd[rows] / 1000.0
+        mean, sd = prediction.mean[rows] / unit, prediction.sd[rows] / unit
         axes.fill_between(at, mean - Q90 * sd, mean + Q90 * sd, color=colour, alpha=0.25, linewidth=0.0, label=label)
-    axes.plot(at, each.measured[rows] / 1000.0, ".", color=ORANGE, markersize=4.0, label="measured")
-    axes.set_ylabel(f"{('East', 'North')[axis]} error (km)")
+    axes.plot(at, each.measured[rows] / unit, ".", color=ORANGE, markersize=4.0, label="measured")
+    axes.set_ylabel(f"{('East', 'North')[axis]} error ({word})")
 
 
 def _dive_panel(axes: Axes, each: DatasetScore, prediction: Prediction, title: str) -> None:

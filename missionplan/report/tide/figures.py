@@ -31,7 +31,7 @@ def draw_ellipses(axes: Axes, result: TideResult) -> None:
 
 def ellipses_figure(result: TideResult) -> Figure:
     """Draw the ellipses at the depth that is shown."""
-    figure = MatplotlibFigure(figsize=(4.6, 4.6))
+    figure = MatplotlibFigure(figsize=(4.6, 4.2))
     draw_ellipses(figure.add_subplot(), result)
     names = ", ".join(wave.name for wave in result.shown.constituents[:_DRAWN])
     depth = f"{result.shown_depth:g} m"
@@ -71,7 +71,7 @@ def record_figure(result: TideResult) -> Figure:
         figure,
         "record",
         f"The current at {result.shown_depth:g} m as measured, and the tide with the mean, against time.",
-        f"At {result.shown_depth:g} m.",
+        f"The current at {result.shown_depth:g} m; at the bottom what is left when tide and mean are taken out.",
     )
 
 
