@@ -18,8 +18,8 @@ import numpy as np
 
 from benchmarks.common import MISSIONS, Options, Row, Section, alternate, duration
 from missionplan.mission import load
-from missionplan.montecarlo.pool import process_pool
-from missionplan.results.sweep import Sweep
+from missionplan.montecarlo.parallel.pool import process_pool
+from missionplan.results.leg_length.sweep import Sweep
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
 TRIALS, PYTHON_TRIALS = 20_000, 300

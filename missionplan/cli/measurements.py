@@ -62,8 +62,8 @@ def diagnose(
         raise InputError("--next-trial and --holdout are for a single data set")
 
     def study(loaded: "Mission", progress: Progress) -> "Result":
-        from missionplan.montecarlo.parallel_map import MAX_PROCESSES
-        from missionplan.montecarlo.pool import preloaded_pool
+        from missionplan.montecarlo.parallel.mapping import MAX_PROCESSES
+        from missionplan.montecarlo.parallel.pool import preloaded_pool
         from missionplan.studies.validation.datasets import check_dataset
 
         for dataset in datasets:

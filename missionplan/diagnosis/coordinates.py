@@ -18,7 +18,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.montecarlo.draws import Correlation, is_joint
-from missionplan.results.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 LOWER, UPPER = 0.05, 0.95
 """Probabilities at the ends of the reported intervals."""

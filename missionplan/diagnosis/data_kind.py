@@ -12,8 +12,8 @@ from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.effects import instruments
 from missionplan.mission import Mission
-from missionplan.results.diagnosis import PlanGain
-from missionplan.results.evidence import Causes, ParameterEstimate, Verdict
+from missionplan.results.learned.diagnosis import PlanGain
+from missionplan.results.learned.evidence import Causes, ParameterEstimate, Verdict
 
 
 class Dataset(Protocol):

@@ -20,7 +20,7 @@ from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.result_builder import group_scores, ranked_sets
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.base import Provenance
-from missionplan.results.diagnosis import Diagnosis, PlanGain
+from missionplan.results.learned.diagnosis import Diagnosis, PlanGain
 from missionplan.results.log_book.score import DatasetScore
 from missionplan.store.paths import as_path
 from missionplan.studies.arguments import check_arguments

@@ -26,7 +26,7 @@ from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.errors import RunError
 from missionplan.mission import Mission
 from missionplan.mission.schema.effect_list import ONE_OF
-from missionplan.results.evidence import Causes, ExplanationOdds
+from missionplan.results.learned.evidence import Causes, ExplanationOdds
 
 MOST = 12
 """Combinations of explanations that are compared, the likeliest."""

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 from missionplan.effects import CATALOGUE
 from missionplan.montecarlo.draws import Correlation
-from missionplan.results.evidence import ParameterEstimate
+from missionplan.results.learned.evidence import ParameterEstimate
 
 
 def extended_mission(

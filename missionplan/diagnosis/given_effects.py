@@ -21,7 +21,7 @@ from missionplan.effects.oscillation import MODULATION, MODULATION_PARAMETERS
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of, sd_of
-from missionplan.results.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 BARE_SHAPE_LOG_SD = 0.05
 """Standard deviation of the logarithm of a shape parameter that is given as a number: it has no spike."""

@@ -8,7 +8,7 @@ from missionplan.diagnosis.inference.interval_coverage import interval_coverage
 from missionplan.diagnosis.inference.model import HeldOutScore
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.diagnosis.verdict import limited
-from missionplan.results.evidence import Causes, Coverage, Discrepancy, Verdict
+from missionplan.results.learned.evidence import Causes, Coverage, Discrepancy, Verdict
 
 
 @dataclass(frozen=True)

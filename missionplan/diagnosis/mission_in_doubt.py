@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from missionplan.mission.schema.effect_list import ONE_OF
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 DIGITS = 4
 """Of a probability in a mission file."""

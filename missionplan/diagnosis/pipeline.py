@@ -14,8 +14,8 @@ from missionplan.diagnosis.inference.model import CauseFit, Model
 from missionplan.diagnosis.inference.posterior import credible_set, posteriors
 from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, no_progress, select
 from missionplan.diagnosis.verdict import Claim, claim, verdict
-from missionplan.montecarlo.parallel_map import parallel_map
-from missionplan.results.evidence import Causes, Discrepancy, Verdict
+from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.results.learned.evidence import Causes, Discrepancy, Verdict
 
 SCORED = 3
 """Sets whose held-out gain is measured, at most."""

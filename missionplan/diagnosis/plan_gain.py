@@ -7,9 +7,9 @@ from functools import partial
 from missionplan.errors import MissionplanError
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
-from missionplan.montecarlo.parallel_map import parallel_map
-from missionplan.results.diagnosis import Plan, PlanGain
-from missionplan.results.sweep import SweepCurve, SweepPoint
+from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.results.learned.diagnosis import Plan, PlanGain
+from missionplan.results.leg_length.sweep import SweepCurve, SweepPoint
 
 Choice = Callable[[Mission, Mission, int, int], PlanGain]
 """Of base and extended mission, seed and processes."""

@@ -6,7 +6,7 @@ import pandas as pd
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.selection import Candidate
 from missionplan.diagnosis.pipeline import PipelineResult
-from missionplan.results.evidence import GroupScore, RankedSet
+from missionplan.results.learned.evidence import GroupScore, RankedSet
 
 LISTED = 12
 """Sets of the ranking that are reported."""

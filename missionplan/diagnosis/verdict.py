@@ -6,7 +6,7 @@ from types import MappingProxyType
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison
 from missionplan.diagnosis.inference.posterior import LogBayesFactors, rivals
 from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection
-from missionplan.results.evidence import Discrepancy, Verdict
+from missionplan.results.learned.evidence import Discrepancy, Verdict
 
 
 @dataclass(frozen=True)

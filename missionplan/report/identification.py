@@ -24,7 +24,13 @@ from missionplan.report.page import (
     to_figure,
 )
 from missionplan.results.base import to_yaml
-from missionplan.results.identification import FitCurve, FitPanel, FittedModel, Identification, IdentifiedParameter
+from missionplan.results.learned.identification import (
+    FitCurve,
+    FitPanel,
+    FittedModel,
+    Identification,
+    IdentifiedParameter,
+)
 
 _MANY = 60
 """Number of points above which they are drawn small and without error bars."""

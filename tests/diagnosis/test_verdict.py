@@ -10,7 +10,7 @@ from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.posterior import credible_set, posteriors, rivals
 from missionplan.diagnosis.inference.selection import Candidate, Selection
 from missionplan.diagnosis.verdict import claim, verdict
-from missionplan.results.evidence import Discrepancy
+from missionplan.results.learned.evidence import Discrepancy
 
 GOOD, BAD = (
     compare_held_out(

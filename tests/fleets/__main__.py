@@ -21,7 +21,7 @@ from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.mission import Mission
-from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.learned.diagnosis import Diagnosis
 
 MISSIONS, LEGS, CHANGED = 5, 40, 3
 MINUTE, FIX, SIGMA, SPEED = 60.0, 3.0, 0.03, 1.1

@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 
-from missionplan.montecarlo import fingerprint as module
+from missionplan.montecarlo.parallel import fingerprint as module
 
 
 def digest(monkeypatch, tmp_path, text):

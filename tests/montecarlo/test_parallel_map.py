@@ -6,8 +6,8 @@ import threading
 import pytest
 
 from missionplan.errors import RunError
-from missionplan.montecarlo.parallel_map import parallel_map
-from missionplan.montecarlo.pool import preloaded_pool
+from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.montecarlo.parallel.pool import preloaded_pool
 
 
 def squares(items):

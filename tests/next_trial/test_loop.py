@@ -8,7 +8,7 @@ import yaml
 from missionplan import score, simulate
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.mission import Mission, load
-from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.learned.diagnosis import Diagnosis
 
 from .loop import write_first, write_second, write_third
 

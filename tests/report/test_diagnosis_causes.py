@@ -7,7 +7,7 @@ import pytest
 
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.causes import causes_section, found_causes, names
-from missionplan.results.evidence import ParameterEstimate
+from missionplan.results.learned.evidence import ParameterEstimate
 
 
 def diagnosed(*causes: str, rivals: tuple[tuple[str, ...], ...] = ()) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from missionplan.report.diagnosis.plan import plan_section, plan_words
-from missionplan.results.diagnosis import PlanGain
+from missionplan.results.learned.diagnosis import PlanGain
 
 
 def diagnosed(before: dict[str, Any], after: dict[str, Any], kept: dict[str, Any], verdict: str = "explained") -> Any:

@@ -9,7 +9,7 @@ from missionplan.mission import load
 from missionplan.montecarlo.statistics import Statistic, wilson
 from missionplan.report.leg_length.plan import answer, page, terminal
 from missionplan.report.page import Figure, Listing, Table
-from missionplan.results.leg_cases import CandidatePlan
+from missionplan.results.leg_length.leg_cases import CandidatePlan
 from missionplan.studies.leg_length.plan_legs import plan_legs
 
 MISSION = """

@@ -6,7 +6,7 @@ import pytest
 
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.operator import finding_in_words
-from missionplan.results.evidence import ParameterEstimate
+from missionplan.results.learned.evidence import ParameterEstimate
 
 
 def estimate(effect: str, name: str, value: float, sd: float, unit: str) -> ParameterEstimate:

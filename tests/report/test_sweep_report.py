@@ -6,7 +6,7 @@ from missionplan.mission import load
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.leg_length.sweep import page, terminal
 from missionplan.results.base import Provenance
-from missionplan.results.sweep import Sweep, SweepCurve, SweepPoint
+from missionplan.results.leg_length.sweep import Sweep, SweepCurve, SweepPoint
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
 AGAINST_THE_CURRENT = """

@@ -22,7 +22,7 @@ from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Margina
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
 from missionplan.diagnosis.inference.prior import likeliest_scales
 from missionplan.effects import CATALOGUE
-from missionplan.results.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 SEARCH = GaussNewtonOptions(iterations=9, tolerance=0.05, difference=DIFFERENCE, longest_step=3.0)
 """The posterior is integrated about where the search ends, so that a fall of 0.05 nats is converged."""

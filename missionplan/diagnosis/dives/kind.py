@@ -18,8 +18,8 @@ from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission
-from missionplan.results.diagnosis import PlanGain
-from missionplan.results.evidence import ParameterEstimate
+from missionplan.results.learned.diagnosis import PlanGain
+from missionplan.results.learned.evidence import ParameterEstimate
 
 
 @dataclass(frozen=True)

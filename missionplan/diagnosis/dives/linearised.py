@@ -30,7 +30,7 @@ from missionplan.diagnosis.dives.noise import (
 from missionplan.diagnosis.dives.priors import DescentPriors
 from missionplan.diagnosis.given_effects import held
 from missionplan.diagnosis.inference.gauss_newton import perturbed
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 DIFFERENCE = 0.01
 """Step of the forward differences along coordinates, in prior standard deviations."""

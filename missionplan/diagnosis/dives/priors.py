@@ -14,7 +14,7 @@ from missionplan.diagnosis.given_effects import GivenEffect, held
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.inference.prior import Prior
 from missionplan.effects import effects_of
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 MINIMUM_EVIDENCE_GAIN_SHAPED = 0.05
 """Minimum relative evidence gain beside causes with shape parameters, whose shape error another cause may absorb."""

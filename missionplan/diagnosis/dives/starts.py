@@ -7,7 +7,7 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import DescentEffect
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 INITIAL_STRENGTH = 0.5
 """Strength at a fresh start of an effect with shape parameters, in prior standard deviations."""

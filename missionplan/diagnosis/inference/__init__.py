@@ -4,5 +4,5 @@ Read first `model` (the protocol), then `selection` with `fitting` and `posterio
 nonlinear model; `marginal_likelihood`, `laplace` and `importance_sampling` compute evidences; `cross_validation` scores
 predictions of held-out data and `interval_coverage` their intervals; `prior` holds slabs with heavy tails; `adequacy`
 looks at what a fit leaves, `experiment_design` at what to measure next.
-What is reported is in the data classes of `missionplan.results.evidence`.
+What is reported is in the data classes of `missionplan.results.learned.evidence`.
 """

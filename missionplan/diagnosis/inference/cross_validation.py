@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.diagnosis.inference.model import HeldOutScore
-from missionplan.results.evidence import HeldOutGain
+from missionplan.results.learned.evidence import HeldOutGain
 
 
 @dataclass(frozen=True)

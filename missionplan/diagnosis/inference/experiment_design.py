@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import partial
 
 from missionplan.diagnosis.inference.model import CauseFit, Model
-from missionplan.montecarlo.parallel_map import parallel_map
-from missionplan.results.evidence import NextMeasurement
+from missionplan.montecarlo.parallel.mapping import parallel_map
+from missionplan.results.learned.evidence import NextMeasurement
 
 SUFFICIENT = 5.0
 """Expected nats from which a design discriminates well enough: no more expensive one is considered."""

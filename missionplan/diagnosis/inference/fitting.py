@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, Model
-from missionplan.montecarlo.parallel_map import parallel_map
+from missionplan.montecarlo.parallel.mapping import parallel_map
 
 RETRIES = 2
 """Pairs that are fitted again when they ended where they are impossible."""

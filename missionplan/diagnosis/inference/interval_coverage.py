@@ -8,7 +8,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import HeldOutScore
 from missionplan.montecarlo.statistics import wilson
-from missionplan.results.evidence import Coverage
+from missionplan.results.learned.evidence import Coverage
 
 STATED = 0.9
 """Probability of the intervals."""

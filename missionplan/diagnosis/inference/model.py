@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
 from missionplan.montecarlo.draws import Correlation
-from missionplan.results.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 FitRequest = tuple[Causes, Sequence["CauseFit"]]
 """A set to fit, and fits of subsets of it to start from."""

@@ -6,7 +6,7 @@ from types import MappingProxyType
 import numpy as np
 
 from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 CREDIBLE = 0.95
 

@@ -16,7 +16,7 @@ import numpy as np
 from missionplan.diagnosis.inference.fitting import fitted
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model
 from missionplan.errors import RunError
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 COMPLEXITY_PENALTY = 3.0
 """Nats that each cause beyond the first must add, and that a claim must exceed: "strong" evidence, 20 to 1, on the

@@ -6,7 +6,7 @@ from scipy.special import chdtrc
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.effects import CATALOGUE
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 LEGS = 10
 """Legs that either half needs."""

@@ -10,7 +10,7 @@ from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.forecast_error import as_forecast_error
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import CATALOGUE
-from missionplan.results.evidence import ParameterEstimate
+from missionplan.results.learned.evidence import ParameterEstimate
 
 
 def widened(best: CauseFit, scale: float) -> CauseFit:

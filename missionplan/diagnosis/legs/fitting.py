@@ -20,7 +20,7 @@ from missionplan.diagnosis.legs.likelihood.modulation import Forms, variance_of_
 from missionplan.effects import CATALOGUE
 from missionplan.effects.oscillation import MODULATION
 from missionplan.montecarlo.draws import Correlation
-from missionplan.results.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 MAX_LINEARISATIONS = 5
 """Times, at most, that a nonlinear model is linearised anew."""

@@ -5,7 +5,7 @@ import numpy as np
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import MarkovProcess
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 UNLIKE = 0.04
 """Share of a cause's squared velocity errors, beyond those of a steady current, below which they look the same: legs on

@@ -20,8 +20,8 @@ from missionplan.diagnosis.legs.one_step import one_step
 from missionplan.diagnosis.legs.tables import transit_misfit, transit_residuals, transit_share
 from missionplan.diagnosis.plan_gain import leg_length_choice, plan_gain
 from missionplan.mission import Mission
-from missionplan.results.diagnosis import PlanGain
-from missionplan.results.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.diagnosis import PlanGain
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.effects import CATALOGUE, exclusive_groups
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 ALTERNATIVES = exclusive_groups("transit")
 """Effects of which a set holds at most one: each describes how the errors are random."""

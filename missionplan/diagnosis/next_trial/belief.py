@@ -15,7 +15,7 @@ from missionplan.diagnosis.inference.trials.experiment import Explanation
 from missionplan.diagnosis.judgement import Judgement
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.mission import Mission
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 EXPLANATIONS, NEGLIGIBLE = 5, 0.005
 """Sets of causes that are considered, at most, and the probability below which none is."""

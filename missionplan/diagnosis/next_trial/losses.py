@@ -12,7 +12,7 @@ from missionplan.diagnosis.inference.trials.experiment import Draws
 from missionplan.diagnosis.next_trial.belief import Believed
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
-from missionplan.results.next_trial import LossUnit
+from missionplan.results.learned.next_trial import LossUnit
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.simulation.trial_block import run_block

@@ -12,7 +12,7 @@ from missionplan.diagnosis.next_trial.designs import TrialKind
 from missionplan.diagnosis.next_trial.valuation import Valuation
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.errors import MissionplanError
-from missionplan.results.next_trial import NextTrial
+from missionplan.results.learned.next_trial import NextTrial
 
 KINDS: Mapping[str, tuple[str, str]] = {
     "transit": ("leg_trials", "LegTrials"),

@@ -10,7 +10,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.inference.trials.decision import DecisionProblem
 from missionplan.diagnosis.next_trial.belief import Believed
 from missionplan.effects import CATALOGUE
-from missionplan.results.next_trial import OutcomeRule, TrialOutcome
+from missionplan.results.learned.next_trial import OutcomeRule, TrialOutcome
 
 LISTED = 5
 """Outcomes that are told, at most."""

@@ -13,7 +13,7 @@ from missionplan.diagnosis.next_trial.designs import Cost, TrialKind
 from missionplan.diagnosis.next_trial.instruments import instruments_for, measured
 from missionplan.diagnosis.next_trial.losses import Losses, losses
 from missionplan.diagnosis.next_trial.outcomes import SimulatedTrial, outcome_rule, outcomes
-from missionplan.results.next_trial import NextTrial, ValuedDesign
+from missionplan.results.learned.next_trial import NextTrial, ValuedDesign
 
 DRAWS, FEWEST = 2000, 250
 """Draws of what is unknown, and of each set of causes at least."""

@@ -17,8 +17,8 @@ from missionplan.diagnosis.summaries.model import SummaryModel
 from missionplan.diagnosis.summaries.model_factory import summary_model
 from missionplan.diagnosis.summaries.tables import summary_misfit, summary_residuals
 from missionplan.mission import Mission
-from missionplan.results.diagnosis import PlanGain
-from missionplan.results.evidence import ParameterEstimate, Verdict
+from missionplan.results.learned.diagnosis import PlanGain
+from missionplan.results.learned.evidence import ParameterEstimate, Verdict
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from missionplan.effects.info import VehicleKey
 from missionplan.mission import Mission
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.results.evidence import ParameterEstimate
+from missionplan.results.learned.evidence import ParameterEstimate
 
 
 def extended_tank_mission(mission: Mission, best: CauseFit, data: TankData) -> dict[str, object]:

@@ -36,7 +36,7 @@ from missionplan.diagnosis.inference.prior import Prior
 from missionplan.diagnosis.tank.forward import TankForward, build_effects
 from missionplan.diagnosis.tank.linearised import marginal
 from missionplan.effects import CATALOGUE
-from missionplan.results.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 SEARCH = GaussNewtonOptions(
     iterations=40,

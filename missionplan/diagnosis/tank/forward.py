@@ -11,7 +11,7 @@ from missionplan.arrays import Array, Scalars
 from missionplan.effects import CATALOGUE, Effect, EffectInfo, TankEffect
 from missionplan.effects.info import TankKind, TankRecord
 from missionplan.phases.hooks import DescentEffect
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 Predict = Callable[[Array, Sequence[Effect]], Array]
 """From nuisance parameters, shape (q, m), and effects with parameters of shape (m,) to the data, shape (N, m)."""

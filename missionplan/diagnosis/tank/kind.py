@@ -19,8 +19,8 @@ from missionplan.diagnosis.tank.model_factory import tank_forward
 from missionplan.diagnosis.tank.tables import tank_misfit, tank_residuals, tank_share
 from missionplan.effects import exclusive_groups
 from missionplan.mission import Mission
-from missionplan.results.diagnosis import PlanGain
-from missionplan.results.evidence import ParameterEstimate
+from missionplan.results.learned.diagnosis import PlanGain
+from missionplan.results.learned.evidence import ParameterEstimate
 
 
 @dataclass(frozen=True)

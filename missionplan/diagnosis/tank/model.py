@@ -15,7 +15,7 @@ from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, FailedFit, HeldOutScore
 from missionplan.diagnosis.tank.fitting import TankFitting
 from missionplan.diagnosis.tank.linearised import LinearData, fitted_root
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 COVARIANCE_INFLATION = 9.0
 """Factor on the posterior covariance with which fitted coordinates enter the residuals: as good as unknown there."""

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from missionplan.effects import CATALOGUE
 from missionplan.report.page import PageSection
-from missionplan.results.diagnosis import Diagnosis
-from missionplan.results.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 _DESCRIBED = 5
 MOST_CERTAIN = 0.999

@@ -2,8 +2,8 @@
 
 from missionplan.report.diagnosis.figures import discrepancy_figure
 from missionplan.report.page import Block, PageSection, Table
-from missionplan.results.diagnosis import Diagnosis
-from missionplan.results.evidence import Discrepancy, ResidualTest
+from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.evidence import Discrepancy, ResidualTest
 
 _TESTS_SHOWN = 5
 

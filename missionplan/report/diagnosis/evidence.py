@@ -8,8 +8,8 @@ from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.figures import held_out_figure, ranking_figure
 from missionplan.report.numbers import number
 from missionplan.report.page import Block, PageSection, Table
-from missionplan.results.diagnosis import Diagnosis
-from missionplan.results.evidence import ParameterEstimate, RankedSet
+from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.evidence import ParameterEstimate, RankedSet
 
 
 def ranking_section(diagnosis: Diagnosis) -> PageSection:

@@ -4,8 +4,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
-from missionplan.results.diagnosis import Diagnosis
-from missionplan.results.evidence import Discrepancy, DiscrepancyShape
+from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.evidence import Discrepancy, DiscrepancyShape
 
 _LISTED = 8
 

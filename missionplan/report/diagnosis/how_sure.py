@@ -1,8 +1,8 @@
 """How sure a diagnosis is, in plain words: what else could be behind it, and what it predicts that it has not seen."""
 
 from missionplan.report.diagnosis.causes import names, percent
-from missionplan.results.diagnosis import Diagnosis
-from missionplan.results.evidence import Coverage
+from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.evidence import Coverage
 
 
 def how_sure(diagnosis: Diagnosis) -> list[str]:

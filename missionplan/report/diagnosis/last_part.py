@@ -2,7 +2,7 @@
 
 from missionplan.report.page import PageSection
 from missionplan.report.scoring.page import dataset_sections, told
-from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.learned.diagnosis import Diagnosis
 
 
 def last_part_words(diagnosis: Diagnosis) -> str:

@@ -8,7 +8,7 @@ from missionplan.report.diagnosis.causes import names
 from missionplan.report.numbers import length_in_words, number
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.wording import capitalised
-from missionplan.results.next_trial import NextTrial, OutcomeRule, ValuedDesign
+from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, ValuedDesign
 
 _CHOSEN = {"d_max_m": "d_max", "anchor_wet_weight_n": "the anchor's wet weight"}
 _LISTED = 12

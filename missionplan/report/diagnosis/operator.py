@@ -9,8 +9,8 @@ from missionplan.effects.finding import Finding
 from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.evidence import claimed_parameters, sized
 from missionplan.report.wording import capitalised
-from missionplan.results.diagnosis import Diagnosis
-from missionplan.results.evidence import ParameterEstimate
+from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.evidence import ParameterEstimate
 
 _PERCENT = 100.0
 

@@ -22,8 +22,8 @@ from missionplan.report.diagnosis.next_trial import next_trial_section
 from missionplan.report.diagnosis.operator import finding_in_words
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
-from missionplan.results.diagnosis import Diagnosis
-from missionplan.results.evidence import NextMeasurement, ParameterEstimate
+from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.evidence import NextMeasurement, ParameterEstimate
 
 _INDISTINGUISHABLE = 1.0
 """Expected nats below which a measurement separates nothing."""

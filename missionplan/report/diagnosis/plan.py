@@ -5,7 +5,7 @@ import math
 from missionplan.report.numbers import number
 from missionplan.report.page import PageSection, Table
 from missionplan.report.wording import capitalised
-from missionplan.results.diagnosis import Diagnosis, Plan
+from missionplan.results.learned.diagnosis import Diagnosis, Plan
 
 _COLUMNS = {
     "d_max_m": "d_max (m)",

@@ -6,8 +6,8 @@ from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.report.display_units import Unit
 from missionplan.report.numbers import length_in_words, number, percent, with_error
 from missionplan.report.page import Table
-from missionplan.results.leg_cases import CandidatePlan, LegCase, SampledCost
-from missionplan.results.legs import LegPlan
+from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase, SampledCost
+from missionplan.results.leg_length.legs import LegPlan
 
 _BARE_PERCENT = Unit("", 0.01)
 _BARE_MINUTES = Unit("", 60.0)

@@ -14,7 +14,7 @@ from missionplan.report.leg_length.leg_tables import (
 from missionplan.report.leg_length.plan_figures import cases_figure, policy_figure, tracks_figure
 from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Listing, Page, PageSection, Terminal
-from missionplan.results.legs import LegPlan
+from missionplan.results.leg_length.legs import LegPlan
 
 _PERCENT = Unit("%", 0.01)
 _SECONDS = Unit("s", 1.0)

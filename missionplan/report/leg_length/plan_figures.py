@@ -10,7 +10,7 @@ from missionplan.arrays import Array
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.report.leg_length.leg_tables import saving_unit
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
-from missionplan.results.legs import LegPlan
+from missionplan.results.leg_length.legs import LegPlan
 
 
 def policy_figure(plan: LegPlan) -> Figure:

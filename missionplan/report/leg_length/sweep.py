@@ -9,7 +9,7 @@ from missionplan.report.leg_length.sweep_figures import close_up_figure, cost_fi
 from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Page, PageSection, Table, Terminal
 from missionplan.results.explained import label
-from missionplan.results.sweep import Sweep, SweepCurve
+from missionplan.results.leg_length.sweep import Sweep, SweepCurve
 
 _PERCENT = Unit("%", 0.01)
 _MINUTES = Unit("min", 60.0)

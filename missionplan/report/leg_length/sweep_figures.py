@@ -11,7 +11,7 @@ from missionplan.report.html.readings import Slider
 from missionplan.report.numbers import length_in_words, number, share, time_in_words
 from missionplan.report.page import BLUE, GREEN, GRID, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
 from missionplan.report.typesetting import typeset
-from missionplan.results.sweep import Sweep, SweepCurve
+from missionplan.results.leg_length.sweep import Sweep, SweepCurve
 
 _COLOURS = (BLUE, ORANGE, GREEN, PINK, YELLOW, SKY)
 _MINUTES = Unit("min", 60.0)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from missionplan.errors import InputError, Problem, shown
 from missionplan.report.identification import draw_fit
 from missionplan.report.plots.catalogue import Drawing
-from missionplan.results.identification import Identification
+from missionplan.results.learned.identification import Identification
 
 
 def fit(axes: Axes, result: Identification, panel: int = 0) -> None:

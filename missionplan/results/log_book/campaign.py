@@ -9,7 +9,7 @@ from typing import ClassVar
 import pandas as pd
 
 from missionplan.results.base import Provenance, Result, to_csv, to_json, to_yaml
-from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.learned.diagnosis import Diagnosis
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
-from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Count, RunningStatistic
 from missionplan.montecarlo.streams import block_count, block_size, stream
 from missionplan.phases.currents import Current

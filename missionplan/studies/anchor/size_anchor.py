@@ -8,7 +8,7 @@ from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission, under_each_explanation
-from missionplan.montecarlo.parallel_blocks import Backend, Progress
+from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.results.base import Provenance
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.montecarlo.parallel_blocks import Progress
+from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.results.choosing.alternatives import Alternatives
 from missionplan.results.comparison import Comparison
 from missionplan.store.paths import is_folder

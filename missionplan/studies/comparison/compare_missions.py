@@ -11,7 +11,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.reading.documents import load_document
 from missionplan.montecarlo.paired import LEVEL, paired_difference
-from missionplan.montecarlo.parallel_blocks import Progress
+from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.base import Provenance
 from missionplan.results.choosing.alternatives import Alternative, Alternatives, Contrast, Estimate

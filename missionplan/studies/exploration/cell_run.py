@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.studies.exploration.cells import CellBlock, CellItem, InvalidCell
 

@@ -12,7 +12,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.checks.requirements import quantity_unit
 from missionplan.mission.units import QuantityError
-from missionplan.montecarlo.parallel_blocks import Backend, Progress
+from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.base import Provenance, to_yaml
 from missionplan.results.choosing.exploration import Aim, Axis, Cell, Exploration

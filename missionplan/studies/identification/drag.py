@@ -10,7 +10,7 @@ from missionplan.datasets.tank import DragSettings, TankData
 from missionplan.errors import RunError
 from missionplan.physics.drag import drag_force, reynolds_number
 from missionplan.physics.tank import drag_coefficient, reynolds_drag_coefficient
-from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
+from missionplan.results.learned.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import FitParameter, f_test_prefers, fit
 
 BLUFF_REYNOLDS = 1e5

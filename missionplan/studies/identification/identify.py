@@ -15,7 +15,7 @@ from missionplan.datasets.tank import (
     read_tank_data,
 )
 from missionplan.results.base import Provenance
-from missionplan.results.identification import Identification, TankAnalysis
+from missionplan.results.learned.identification import Identification, TankAnalysis
 from missionplan.studies.identification.drag import identify_drag
 from missionplan.studies.identification.oscillation import identify_oscillation
 from missionplan.studies.identification.propeller import identify_propeller

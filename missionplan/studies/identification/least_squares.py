@@ -9,7 +9,7 @@ from scipy.special import chdtrc, fdtrc, stdtrit
 
 from missionplan.arrays import Array
 from missionplan.errors import RunError
-from missionplan.results.identification import FittedModel, IdentifiedParameter
+from missionplan.results.learned.identification import FittedModel, IdentifiedParameter
 
 INTERVAL = 0.90
 """Probability of the intervals."""

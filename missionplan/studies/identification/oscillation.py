@@ -11,7 +11,13 @@ from missionplan.datasets.tank import OscillationSettings, TankData
 from missionplan.errors import RunError
 from missionplan.physics import oscillation as osc
 from missionplan.physics.tank import full_size_mass
-from missionplan.results.identification import FitCurve, FitPanel, FittedModel, IdentifiedParameter, TankAnalysis
+from missionplan.results.learned.identification import (
+    FitCurve,
+    FitPanel,
+    FittedModel,
+    IdentifiedParameter,
+    TankAnalysis,
+)
 from missionplan.studies.identification.least_squares import (
     INTERVAL,
     FitParameter,

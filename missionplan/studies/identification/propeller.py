@@ -10,7 +10,13 @@ from missionplan.errors import InputError, Problem
 from missionplan.physics.drag import disc_area
 from missionplan.physics.propeller import Propeller, thrust
 from missionplan.physics.propulsion import propeller_response
-from missionplan.results.identification import FitCurve, FitPanel, FittedModel, IdentifiedParameter, TankAnalysis
+from missionplan.results.learned.identification import (
+    FitCurve,
+    FitPanel,
+    FittedModel,
+    IdentifiedParameter,
+    TankAnalysis,
+)
 from missionplan.studies.identification.least_squares import FitParameter, f_test_prefers, fit, scaled_estimate
 
 TURN = 2.0 * math.pi

@@ -7,7 +7,7 @@ from missionplan.arrays import Array
 from missionplan.datasets.tank import TankData, ThrusterSettings
 from missionplan.errors import RunError
 from missionplan.physics.thruster import bollard_pull
-from missionplan.results.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
+from missionplan.results.learned.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import FitParameter, f_test_prefers, fit
 from missionplan.studies.identification.tunnel_thruster import identify_tunnel_thruster
 

@@ -16,7 +16,7 @@ from scipy.optimize import minimize_scalar
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
-from missionplan.montecarlo.parallel_blocks import Progress
+from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.analytic_transit import AnalyticTransit
 from missionplan.studies.leg_length.integral_equation import analytic_obstacle

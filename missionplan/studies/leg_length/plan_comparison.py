@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.montecarlo.statistics import Count, RunningStatistic
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.leg_cases import CandidatePlan
+from missionplan.results.leg_length.leg_cases import CandidatePlan
 from missionplan.studies.leg_length.optimise_legs import (
     DEADLINE_QUANTILE,
     MEAN_TIME,

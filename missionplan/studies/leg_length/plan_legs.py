@@ -9,13 +9,13 @@ from typing import get_args
 from missionplan.arrays import Array
 from missionplan.mission import MissionOrPath
 from missionplan.mission.views import under_each_explanation
-from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import block_count
 from missionplan.results.base import Provenance
 from missionplan.results.explained import label
-from missionplan.results.leg_cases import CandidatePlan, LegCase
-from missionplan.results.legs import LegPlan
+from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase
+from missionplan.results.leg_length.legs import LegPlan
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.leg_length.integral_equation import analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missionplan.montecarlo.parallel_blocks import Progress
+from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.phases.transit.analytic.bellman import JUMP
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.analytic_transit import AnalyticTransit

@@ -8,7 +8,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.montecarlo.statistics import Moments, wilson
 from missionplan.montecarlo.streams import block_size
-from missionplan.results.leg_cases import LegCase, SampledCost
+from missionplan.results.leg_length.leg_cases import LegCase, SampledCost
 from missionplan.studies.leg_length.paired_trials import AS_PLANNED, ErrorScenario, LegsAtSpeed, PlanTrials, run_plans
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 

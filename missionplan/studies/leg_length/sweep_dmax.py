@@ -12,12 +12,12 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
 from missionplan.mission.views import under_each_explanation
-from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.base import Provenance
-from missionplan.results.sweep import ExplainedSweep, Sweep, SweepCurve, SweepPoint
+from missionplan.results.leg_length.sweep import ExplainedSweep, Sweep, SweepCurve, SweepPoint
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.leg_length.cells import CellTotals, run_cells
 from missionplan.studies.leg_length.integral_equation import analytic_curve, analytic_obstacle

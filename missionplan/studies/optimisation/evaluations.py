@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.montecarlo.parallel_blocks import run_blocks
+from missionplan.montecarlo.parallel.blocks import run_blocks
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.choosing.exploration import Aim
 from missionplan.scenario.scenario import Scenario

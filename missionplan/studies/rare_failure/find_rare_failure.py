@@ -11,7 +11,7 @@ import pandas as pd
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
-from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.rare_events.estimate import LEAST_REPETITIONS, Estimate
 from missionplan.montecarlo.rare_events.population import NormalPopulation
 from missionplan.montecarlo.rare_events.subset_simulation import Pilot, run_pilot

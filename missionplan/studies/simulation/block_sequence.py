@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.errors import RunError
-from missionplan.montecarlo.parallel_blocks import Progress
+from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.trials_table import TrialsTable

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.montecarlo.parallel_blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
 from missionplan.results.base import Provenance, to_yaml
 from missionplan.results.overdue import Overdue

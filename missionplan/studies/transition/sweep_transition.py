@@ -11,7 +11,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
 from missionplan.mission.schema.transition import TransitionGrid
 from missionplan.mission.views import TransitionMission
-from missionplan.montecarlo.parallel_blocks import Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Progress, run_blocks
 from missionplan.phases.transition.plan import Manoeuvre, TransitionVehicle
 from missionplan.phases.transition.simulation import simulate_transition
 from missionplan.physics.tunnel_thruster import hover_power, revolutions_for

@@ -9,7 +9,7 @@ from missionplan.diagnosis.coordinates import coordinates_of
 from missionplan.diagnosis.dives.starts import INITIAL_STRENGTH, LATE_STARTS, SHAPE_SHIFTS, starting_points
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import effects_of
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 COORDINATES = tuple(c for info in effects_of("descent") for c in coordinates_of(info))
 NAMES = [coordinate.effect for coordinate in COORDINATES]

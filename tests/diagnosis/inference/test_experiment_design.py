@@ -6,7 +6,7 @@ from scipy import stats
 
 from missionplan.diagnosis.inference.experiment_design import DirectMeasurement, discriminations
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.results.evidence import ParameterEstimate
+from missionplan.results.learned.evidence import ParameterEstimate
 
 CLOCK = CauseFit(
     ("clock-offset",), 0.0, (ParameterEstimate("clock-offset", "time", 0.2, 0.1, 0.0, 0.4, "s"),), {}, True, None

@@ -9,7 +9,7 @@ from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitReques
 from missionplan.diagnosis.inference.posterior import credible_set, posteriors, rivals
 from missionplan.diagnosis.inference.selection import select
 from missionplan.errors import RunError
-from missionplan.results.evidence import Causes, ParameterEstimate
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 DRAG, FLOODING, LIFT, CLOCK = "drag-bias", "slow-flooding", "stratification", "clock-offset"
 

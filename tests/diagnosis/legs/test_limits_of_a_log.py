@@ -14,7 +14,7 @@ from missionplan.diagnosis.legs.extended_mission import widened
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.effects import CATALOGUE
 from missionplan.report.render import render_report
-from missionplan.results.evidence import Coverage, Discrepancy, ResidualTest
+from missionplan.results.learned.evidence import Coverage, Discrepancy, ResidualTest
 
 
 def words_of(found):

@@ -17,7 +17,7 @@ from missionplan.arrays import Array
 from missionplan.diagnosis.inference.adequacy.axes import Axis
 from missionplan.diagnosis.inference.adequacy.residual_tests import rejects, residual_tests
 from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts, Residuals
-from missionplan.results.evidence import Discrepancy, DiscrepancyShape
+from missionplan.results.learned.evidence import Discrepancy, DiscrepancyShape
 
 THRESHOLD = 3.0
 """ln Bayes factor above which there is a discrepancy."""

@@ -5,7 +5,7 @@ from scipy.special import chdtrc, ndtri
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
-from missionplan.results.evidence import ResidualTest
+from missionplan.results.learned.evidence import ResidualTest
 
 OUTLYING = 0.01
 """Level at which a group is outlying, for all groups together."""

@@ -30,7 +30,7 @@ from missionplan.diagnosis.legs.likelihood.modulation import STEADY, Forms
 from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.effects.oscillation import COHERENCE_TIME, MODULATION_PARAMETERS
 from missionplan.phases.hooks import MarkovProcess, TransitEffect
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 ALL_LEGS = slice(None)
 Grams = dict[tuple[float | MarkovProcess | None, ...], tuple[Array, float]]

@@ -25,7 +25,7 @@ from missionplan.effects import CATALOGUE, EffectInfo, effects_of
 from missionplan.effects.info import LegRecord
 from missionplan.effects.oscillation import MODULATION_PARAMETERS
 from missionplan.phases.hooks import Leg, TransitEffect, surface_velocity, velocity_error
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 LEGS_OF_A_DESCRIPTION = 20
 """Legs below which the errors are not described statistically: so few look persistent by chance."""

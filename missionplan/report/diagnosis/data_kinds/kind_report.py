@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from missionplan.report.page import Figure
-from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.learned.diagnosis import Diagnosis
 
 
 def _no_figures(diagnosis: Diagnosis) -> list[Figure]:

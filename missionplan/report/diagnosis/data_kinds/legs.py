@@ -10,7 +10,7 @@ from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
 from missionplan.report.diagnosis.data_kinds.residual_figures import ResidualSeries, against_axes, autocorrelation
 from missionplan.report.numbers import number, time_in_words
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
-from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.learned.diagnosis import Diagnosis
 
 _COMPONENTS = ("east", "north")
 

@@ -7,7 +7,7 @@ from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
 from missionplan.report.display_units import split_key
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.report.wording import in_words
-from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.learned.diagnosis import Diagnosis
 
 
 def _data_figure(diagnosis: Diagnosis) -> Figure:

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
 from missionplan.report.diagnosis.data_kinds.residual_figures import ResidualSeries, against_axes
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
-from missionplan.results.diagnosis import Diagnosis
+from missionplan.results.learned.diagnosis import Diagnosis
 
 _UNITS = {"drag": "N", "free-oscillation": "m", "thruster": "N", "propeller-transient": "N"}
 """Kinds of tank data, and the unit of what is measured."""

@@ -11,8 +11,8 @@ from typing import Generic, Literal, TypeVar, cast
 from loky import cpu_count
 
 from missionplan.errors import InputError, Problem
-from missionplan.montecarlo.dask_cluster import run_on_cluster
-from missionplan.montecarlo.pool import PATIENCE, borrowed_pool, interrupts_deferred
+from missionplan.montecarlo.parallel.dask_cluster import run_on_cluster
+from missionplan.montecarlo.parallel.pool import PATIENCE, borrowed_pool, interrupts_deferred
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

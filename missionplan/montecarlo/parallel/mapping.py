@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 from loky.backend.reduction import dumps
 
-from missionplan.montecarlo.pool import borrowed_pool, interrupts_deferred, result_of
+from missionplan.montecarlo.parallel.pool import borrowed_pool, interrupts_deferred, result_of
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

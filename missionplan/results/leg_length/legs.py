@@ -8,7 +8,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
-from missionplan.results.leg_cases import CandidatePlan, LegCase, SampledCost
+from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase, SampledCost
 
 LEAST_SHARE = 0.01
 """Share of what the fixed d_max takes that a table must save to be worth its complication."""

@@ -7,7 +7,7 @@ from typing import Literal
 import pandas as pd
 
 from missionplan.results.base import to_csv, to_yaml
-from missionplan.results.evidence import Causes
+from missionplan.results.learned.evidence import Causes
 
 LossUnit = Literal["W h", "min"]
 

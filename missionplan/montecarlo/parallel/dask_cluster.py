@@ -12,8 +12,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from missionplan.errors import InputError, MissionplanError, Problem, RunError
-from missionplan.montecarlo.fingerprint import fingerprint
-from missionplan.montecarlo.pool import interrupts_blocked
+from missionplan.montecarlo.parallel.fingerprint import fingerprint
+from missionplan.montecarlo.parallel.pool import interrupts_blocked
 
 if TYPE_CHECKING:
     from distributed import Client, Future

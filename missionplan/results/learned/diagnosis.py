@@ -7,7 +7,7 @@ from typing import ClassVar
 import pandas as pd
 
 from missionplan.results.base import Provenance, Result, to_csv, to_json, to_yaml
-from missionplan.results.evidence import (
+from missionplan.results.learned.evidence import (
     Causes,
     Coverage,
     Discrepancy,
@@ -18,8 +18,8 @@ from missionplan.results.evidence import (
     RankedSet,
     Verdict,
 )
+from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.log_book.score import DatasetScore
-from missionplan.results.next_trial import NextTrial
 
 Plan = Mapping[str, float | None]
 """What is chosen, and how it fares; keys end with their units."""
