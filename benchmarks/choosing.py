@@ -172,7 +172,7 @@ def full(name: str, trials: int) -> Grid:
     mission = load(MISSIONS / f"{name}.yaml")
     axes = read_axes(mission, CASES[name])
     plan = CellPlan.of(mission, axes, 1, (DURATION, ENERGY))
-    found = CellRun(plan.task, [(cell, 0, trials) for cell in plan.cells]).run(len(plan.places))
+    found = CellRun(plan.task, [(cell, 0, trials) for cell in plan.cells]).run(plan.cells)
     return Grid(mission, tuple(len(axis.values) for axis in axes), found, trials)
 
 

@@ -1,6 +1,5 @@
 """Commands that choose: explore, optimise."""
 
-from dataclasses import replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
@@ -8,11 +7,15 @@ import typer
 
 from missionplan.cli import options as o
 from missionplan.cli.planning import REQUIREMENT_NOT_MET
-from missionplan.cli.resuming import BLOCKS, discard_blocks, last_unfinished, resume_hint
-from missionplan.cli.running import Progress, deliver, new_folder_name, progress_bar, run_study
+from missionplan.cli.resuming import run_resumable
+from missionplan.cli.running import Progress
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from missionplan.mission import Mission
+    from missionplan.results.choosing.exploration import Exploration
+    from missionplan.results.choosing.optimisation import Optimised
 
 
 class ExplorationAim(StrEnum):
@@ -68,32 +71,23 @@ def explore(
 
     Example: missionplan explore missions/estuary.yaml --vary "start=04:00:14:00:10 min" --trials 2000
     """
-    from missionplan.mission import load
-    from missionplan.store.folder import check_holds_no_input, check_new_folder
-    from missionplan.studies.exploration.explore import explore
 
-    command = "explore"
-    chosen = last_unfinished if resume else new_folder_name
-    folder = output.out or chosen(mission.stem, command)
-    check_new_folder(folder, force=output.force or resume)
-    loaded = load(mission, allow_outside=allow_outside)
-    check_holds_no_input(folder, loaded.sources)
-    if output.force and not resume:
-        discard_blocks(folder)
-    with resume_hint(folder, resumed=resume), progress_bar(command, shown=not output.quiet) as progress:
-        found = explore(
+    def study(loaded: "Mission", kept: "Path", progress: Progress) -> "Exploration":
+        from missionplan.studies.exploration.explore import explore
+
+        return explore(
             loaded,
             vary,
             aim=aim.value,
             only_best=only_best,
             quantities=quantity or (),
-            checkpoint=folder / BLOCKS,
+            checkpoint=kept,
             resume=resume,
             progress=progress,
             **run.arguments(),
         )
-    discard_blocks(folder)  # of thousands of cells
-    deliver(found, folder, replace(output, force=True))
+
+    found = run_resumable(mission, "explore", study, output, allow_outside=allow_outside, resume=resume)
     if not found.any_meets_all:
         raise typer.Exit(REQUIREMENT_NOT_MET)
 
@@ -127,6 +121,7 @@ def optimise(
     seed: o.Seed = None,
     jobs: o.Jobs = 0,
     *,
+    resume: _Resume = False,
     output: o.OutputOptions,
     allow_outside: o.AllowOutside = False,
 ) -> None:
@@ -134,9 +129,8 @@ def optimise(
 
     Example: missionplan optimise missions/estuary.yaml
     """
-    from missionplan.results.choosing.optimisation import Optimised
 
-    def study(loaded: "Mission", progress: Progress) -> Optimised:
+    def study(loaded: "Mission", kept: "Path", progress: Progress) -> "Optimised":
         from missionplan.studies.optimisation.optimise import optimise
 
         return optimise(
@@ -146,9 +140,11 @@ def optimise(
             trials=trials,
             seed=seed,
             jobs=o.worker_count(jobs),
+            checkpoint=kept,
+            resume=resume,
             progress=progress,
         )
 
-    found = run_study(mission, "optimise", study, output, allow_outside=allow_outside)
-    if isinstance(found, Optimised) and not found.feasible:
+    found = run_resumable(mission, "optimise", study, output, allow_outside=allow_outside, resume=resume)
+    if not found.feasible:
         raise typer.Exit(REQUIREMENT_NOT_MET)

@@ -1,12 +1,21 @@
 """Runs that were cut short: their finished blocks of trials are kept in the report folder and used again."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
+from missionplan.cli.options import OutputOptions
+from missionplan.cli.running import Progress, deliver, new_folder_name, progress_bar
 from missionplan.cli.streams import note
 from missionplan.errors import InputError, Problem, RunError
 
+if TYPE_CHECKING:
+    from missionplan.mission import Mission
+    from missionplan.results.base import Result
+
+_Result = TypeVar("_Result", bound="Result")
 BLOCKS = "blocks"
 """Folder of finished blocks inside a report folder."""
 
@@ -53,3 +62,30 @@ def resume_hint(folder: Path, *, resumed: bool) -> Iterator[None]:
         if any((folder / BLOCKS).glob("block-*.npz")):
             note(f"Finished blocks are kept; go on with: --resume --out {folder}")
         raise
+
+
+def run_resumable(
+    path: Path,
+    command: str,
+    study: Callable[["Mission", Path, Progress], _Result],
+    output: OutputOptions,
+    *,
+    allow_outside: bool,
+    resume: bool,
+) -> _Result:
+    """Load a mission, run a study that keeps its finished blocks in the report folder until it is done, and save it."""
+    from missionplan.mission import load
+    from missionplan.store.folder import check_holds_no_input, check_new_folder
+
+    chosen = last_unfinished if resume else new_folder_name
+    folder = output.out or chosen(path.stem, command)
+    check_new_folder(folder, force=output.force or resume)
+    mission = load(path, allow_outside=allow_outside)
+    check_holds_no_input(folder, mission.sources)
+    if output.force and not resume:
+        discard_blocks(folder)
+    with resume_hint(folder, resumed=resume), progress_bar(command, shown=not output.quiet) as progress:
+        found = study(mission, folder / BLOCKS, progress)
+    discard_blocks(folder)  # of thousands of cells or choices
+    deliver(found, folder, replace(output, force=True))
+    return found

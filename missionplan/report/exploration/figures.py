@@ -14,7 +14,8 @@ from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.exploration.words import DURATION, ENERGY, name_of
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, Figure, to_figure
 from missionplan.report.wording import capitalised, in_words
-from missionplan.results.choosing.exploration import Axis, Cell, Exploration
+from missionplan.results.choosing.axis import Axis
+from missionplan.results.choosing.exploration import Cell, Exploration
 
 _PERCENT = Unit("%", 0.01)
 _LEVELS = (50.0, 90.0, 99.0)

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from missionplan.report.display_units import unit_for
 from missionplan.report.numbers import percent, with_error
 from missionplan.report.wording import in_words
-from missionplan.results.choosing.exploration import Axis, Cell, Exploration, Window
+from missionplan.results.choosing.axis import Axis
+from missionplan.results.choosing.exploration import Cell, Exploration, Window
 from missionplan.results.simulation import RequirementOutcome
 
 ENERGY, DURATION = "total.energy_wh", "total.duration_s"

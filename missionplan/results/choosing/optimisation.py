@@ -8,7 +8,7 @@ import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
-from missionplan.results.choosing.exploration import Axis
+from missionplan.results.choosing.axis import Axis
 from missionplan.results.simulation import Outcome
 
 

@@ -137,7 +137,7 @@ def _run(missions: Sequence[Mission], trials: int, seed: int, jobs: int, progres
         for number in range(len(missions))
         for block in range(block_count(trials))
     ]
-    found = CellRun(task, items).run(len(missions), progress, jobs=jobs)
+    found = CellRun(task, items).run(range(len(missions)), progress, jobs=jobs)
     problems = [
         Problem(each.reason, mission.file) for mission, each in zip(missions, found, strict=True) if each.reason
     ]

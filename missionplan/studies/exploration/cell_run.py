@@ -45,15 +45,15 @@ class CellRun:
 
     def run(
         self,
-        cells: int,
+        cells: Sequence[int],
         progress: Progress | None = None,
         *,
         jobs: int = 1,
         backend: Backend = "loky",
         scheduler: str | None = None,
     ) -> list[CellTrials]:
-        """Run the blocks that are not in the checkpoint, and return the trials of each of so many cells."""
-        gathered: list[list[CellBlock | InvalidCell]] = [[] for _ in range(cells)]
+        """Run the blocks that are not in the checkpoint, and return the trials of each of some cells."""
+        gathered: dict[int, list[CellBlock | InvalidCell]] = {cell: [] for cell in cells}
         total, done = sum(size for _, _, size in self.items), 0
         with contextlib.closing(self._blocks(jobs, backend, scheduler)) as blocks:
             if progress is not None:
@@ -63,7 +63,7 @@ class CellRun:
                 done += item[2]
                 if progress is not None:
                     progress(done, total)
-        return [_joined(blocks) for blocks in gathered]
+        return [_joined(gathered[cell]) for cell in cells]
 
     def _blocks(
         self, jobs: int, backend: Backend, scheduler: str | None

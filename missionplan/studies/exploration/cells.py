@@ -2,13 +2,18 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from importlib.metadata import version
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.errors import InputError, MissionplanError, Problem
 from missionplan.mission import Mission
+from missionplan.results.base import to_yaml
+from missionplan.results.choosing.axis import Axis
 from missionplan.scenario.scenario import Scenario
+from missionplan.scenario.site_current import with_contents_named
+from missionplan.store.checkpoints import Identity
 from missionplan.studies.exploration.key_paths import with_values
 from missionplan.studies.exploration.shared_current import SharedCurrent
 from missionplan.studies.nominal_dive import check_dives
@@ -62,6 +67,13 @@ class CellTask:
     seed: int
     quantities: tuple[str, ...]
     file: str
+
+    def identity(self, mission: Mission, axes: Sequence[Axis]) -> Identity:
+        """Everything that a finished block depends on; not how many trials there are."""
+        data = {key: value for key, value in mission.raw.items() if key != "monte_carlo"}
+        values = [{"keys": axis.name, "values": list(axis.values)} for axis in axes]
+        options = to_yaml({"seed": self.seed, "columns": list(self.quantities), "vary": values})
+        return Identity(with_contents_named(to_yaml(data), mission), options, version("missionplan"))
 
     def mission(self, cell: int) -> Mission:
         """Return the mission of a cell; raises InputError where it is not valid."""

@@ -5,7 +5,6 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
@@ -14,11 +13,11 @@ from missionplan.mission.checks.requirements import quantity_unit
 from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.base import Provenance, to_yaml
-from missionplan.results.choosing.exploration import Aim, Axis, Cell, Exploration
+from missionplan.results.base import Provenance
+from missionplan.results.choosing.axis import Aim, Axis
+from missionplan.results.choosing.exploration import Cell, Exploration
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.site_current import with_contents_named
-from missionplan.store.checkpoints import Checkpoints, Identity
+from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.exploration.cell_run import CellRun, CellTrials
@@ -98,11 +97,11 @@ def explore(
     plan = CellPlan.of(mission, axes, seed, columns)
     plan.check_size(trials)
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
-    store = Checkpoints(folder, plan.identity(mission), resume=resume) if folder else None
+    store = Checkpoints(folder, plan.task.identity(mission, axes), resume=resume) if folder else None
 
     def run(items: Sequence[CellItem]) -> list[CellTrials]:
         parallel = CellRun(plan.task, items, store)
-        return parallel.run(len(plan.places), progress, jobs=jobs, backend=backend, scheduler=scheduler)
+        return parallel.run(plan.cells, progress, jobs=jobs, backend=backend, scheduler=scheduler)
 
     raced = _run(plan, mission, trials, aim, run, only_best=only_best)
     found, cells = raced.trials, plan.summed_up(mission, raced)
@@ -172,13 +171,6 @@ class CellPlan:
         if total > MAX_TRIALS:
             message = f"{len(self.places)} cells of {trials} trials are {total:.3g}, expected at most {MAX_TRIALS:.3g}"
             raise InputError([Problem(message, key="trials", hint="fewer trials, or fewer cells")])
-
-    def identity(self, mission: Mission) -> Identity:
-        """Everything that a finished block depends on; not how many trials there are."""
-        data = {key: value for key, value in mission.raw.items() if key != "monte_carlo"}
-        values = [{"keys": axis.name, "values": list(axis.values)} for axis in self.axes]
-        options = to_yaml({"seed": self.task.seed, "columns": list(self.task.quantities), "vary": values})
-        return Identity(with_contents_named(to_yaml(data), mission), options, version("missionplan"))
 
     def summed_up(self, mission: Mission, raced: Race) -> list[Cell]:
         """Return the cells with their own numbers."""

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from missionplan.mission import Mission
 from missionplan.montecarlo.paired import compare_with_best, pareto_front
 from missionplan.montecarlo.statistics import Count, Probability, Statistic
-from missionplan.results.choosing.exploration import Aim, Cell
+from missionplan.results.choosing.axis import Aim
+from missionplan.results.choosing.exploration import Cell
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.exploration.cells import LEFT_RECORD, SUCCESS
 from missionplan.studies.simulation.block_statistics import bound_of, requirement_key

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from missionplan.mission import Mission
 from missionplan.montecarlo.paired import compare_with_best
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.choosing.exploration import Aim, Cell
+from missionplan.results.choosing.axis import Aim
+from missionplan.results.choosing.exploration import Cell
 from missionplan.studies.exploration.cell_run import CellTrials
 from missionplan.studies.exploration.cells import SUCCESS, CellItem
 from missionplan.studies.exploration.findings import AIM_COLUMNS, cell_of, rank

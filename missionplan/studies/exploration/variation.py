@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission
 from missionplan.mission.reading.documents import load_document
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.results.choosing.exploration import Axis
+from missionplan.results.choosing.axis import Axis
 from missionplan.studies.exploration.key_paths import check_key
 
 MAX_CELLS = 5000
@@ -68,27 +69,32 @@ def read_axis(mission: Mission, text: str) -> Axis:
     if keys == ("start",):
         return _times(mission, values)
     if keys == ("vehicle",):
-        return _vehicles(mission, values)
-    numbered = [NUMBER.fullmatch(part) for part in re.split(r"[:,]", values)]
-    if ":" in values:
-        if len(numbered) != 3 or None in numbered:
-            raise _wrong(f"given {shown(values)}, expected FROM:TO:STEP, numbers with units", _EXAMPLE)
-        return _range(keys, [match for match in numbered if match])
-    if None in numbered:
-        parts = [part.strip() for part in values.split(",")]
-        return Axis(keys, tuple(yaml.safe_load(part) for part in parts), tuple(parts))
-    return _numbers(keys, [match for match in numbered if match])
+        return vehicles(mission, values.split(","))
+    return _range(keys, values) if ":" in values else _list(keys, values)
 
 
-def _range(keys: tuple[str, ...], matches: Sequence["re.Match[str]"]) -> Axis:
-    numbers, unit = _in_one_unit(matches)
-    first, last, step = numbers
+def _range(keys: tuple[str, ...], values: str) -> Axis:
+    """Read FROM:TO:STEP."""
+    matches = _numbers(values.split(":"))
+    if matches is None or len(matches) != 3:
+        raise _wrong(f"given {shown(values)}, expected FROM:TO:STEP, numbers with units", _EXAMPLE)
+    (first, last, step), unit = _in_one_unit(matches)
     return _axis(keys, steps(first, last, step), unit)
 
 
-def _numbers(keys: tuple[str, ...], matches: Sequence["re.Match[str]"]) -> Axis:
-    numbers, unit = _in_one_unit(matches)
-    return _axis(keys, numbers, unit)
+def _list(keys: tuple[str, ...], values: str) -> Axis:
+    """Read A,B,C: numbers, or else whatever YAML takes them for."""
+    parts = [part.strip() for part in values.split(",")]
+    matches = _numbers(parts)
+    if matches is None:
+        return Axis(keys, tuple(yaml.safe_load(part) for part in parts), tuple(parts))
+    return _axis(keys, *_in_one_unit(matches))
+
+
+def _numbers(parts: Sequence[str]) -> "list[re.Match[str]] | None":
+    """Return number and unit of each part; None where one is no number."""
+    matches = [match for part in parts if (match := NUMBER.fullmatch(part))]
+    return matches if len(matches) == len(parts) else None
 
 
 def _axis(keys: tuple[str, ...], numbers: Sequence[float], unit: str) -> Axis:
@@ -140,6 +146,8 @@ def _times(mission: Mission, values: str) -> Axis:
             begin, end = (_moment(mission.start, ":".join(part)) for part in (parts[:first], parts[first:second]))
             alike = len(parts[:first]) == len(parts[first:second])
             if step is not None and begin is not None and end is not None and alike:
+                if end < begin < begin + timedelta(seconds=step):
+                    raise _wrong(f"given {shown(values)}: the last time is before the first")
                 seconds = steps(0.0, (end - begin).total_seconds(), step)
                 return _starts([begin + timedelta(seconds=each) for each in seconds])
     raise _wrong(
@@ -176,13 +184,21 @@ def _starts(moments: Sequence[datetime]) -> Axis:
     return Axis(("start",), values, labels, tuple(moment.timestamp() for moment in moments), "UTC")
 
 
-def _vehicles(mission: Mission, values: str) -> Axis:
+def vehicles(mission: Mission, names: Sequence[str]) -> Axis:
     """Read vehicle files, relative to the working directory or else to the mission's folder."""
-    names = [part.strip() for part in values.split(",")]
-    folder = Path(mission.file).parent
-    found = [Path(name) if Path(name).exists() else folder / name for name in names]
-    documents = [load_document(path, str(path)).data for path in found]
-    return Axis(("vehicle",), tuple(documents), tuple(Path(name).stem for name in names))
+    folder, documents = Path(mission.file).parent, []
+    problems: list[Problem] = []
+    paths = [Path(name.strip()) if Path(name.strip()).exists() else folder / name.strip() for name in names]
+    for path in paths:
+        try:
+            documents.append(load_document(path, str(path)).data)
+        except InputError as error:
+            problems += [
+                replace(each, message=f"{path}: {each.message}", file="", key=OPTION) for each in error.problems
+            ]
+    if problems:
+        raise InputError(problems)
+    return Axis(("vehicle",), tuple(documents), tuple(path.stem for path in paths))
 
 
 def _wrong(message: str, hint: str = "") -> InputError:

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.montecarlo.parallel.blocks import run_blocks
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.choosing.exploration import Aim
+from missionplan.results.choosing.axis import Aim
 from missionplan.scenario.scenario import Scenario
+from missionplan.store.checkpoints import Checkpoints
+from missionplan.studies.exploration.cell_run import CellRun
 from missionplan.studies.exploration.cells import (
     CellBlock,
     CellItem,
@@ -88,8 +89,10 @@ class Evaluations:
     lattice : Lattice
     task : ChoiceTask
     jobs : int
+    store : Checkpoints or None
+        Where finished blocks are kept.
     spent : int
-        Trials run.
+        Trials run, or found finished.
     kept : dict of (Point, int) to Evaluation
         By point and number of trials.
     """
@@ -98,21 +101,18 @@ class Evaluations:
     lattice: Lattice
     task: ChoiceTask
     jobs: int
+    store: Checkpoints | None = None
     spent: int = 0
     kept: dict[tuple[Point, int], Evaluation] = field(default_factory=dict)
 
     def of(self, points: Sequence[Point], trials: int) -> list[Evaluation]:
         """Return the trials of some points, run where they have not been."""
         todo = [point for point in dict.fromkeys(points) if (point, trials) not in self.kept]
-        items = [
-            (self.lattice.number(point), block, block_size(trials, block))
-            for point in todo
-            for block in range(block_count(trials))
-        ]
-        blocks = block_count(trials)
-        found = list(run_blocks(self.task, items, jobs=self.jobs))
-        for index, point in enumerate(todo):
-            self.kept[point, trials] = _joined(point, found[index * blocks : (index + 1) * blocks])
+        cells = [self.lattice.number(point) for point in todo]
+        items = [(cell, block, block_size(trials, block)) for cell in cells for block in range(block_count(trials))]
+        found = CellRun(self.task, items, self.store).run(cells, jobs=self.jobs)
+        for point, each in zip(todo, found, strict=True):
+            self.kept[point, trials] = Evaluation(point, each.columns, each.reason)
             self.spent += trials
         return [self.kept[point, trials] for point in points]
 
@@ -123,14 +123,6 @@ class Evaluations:
             if point not in most or most[point].trials < trials:
                 most[point] = evaluation
         return list(most.values())
-
-
-def _joined(point: Point, blocks: Sequence[CellBlock | InvalidCell]) -> Evaluation:
-    invalid = [block.reason for block in blocks if isinstance(block, InvalidCell)]
-    if invalid:
-        return Evaluation(point, {}, invalid[0])
-    parts = [block.columns for block in blocks if isinstance(block, CellBlock)]
-    return Evaluation(point, {name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
 def columns_needed(mission: Mission) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -14,13 +15,16 @@ from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance
 from missionplan.results.choosing.optimisation import Obstacle, Optimised, Relaxation, Tried
 from missionplan.results.simulation import Outcome
+from missionplan.store.checkpoints import Checkpoints
+from missionplan.store.paths import as_path
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.exploration.cells import SUCCESS
 from missionplan.studies.exploration.findings import AIM_COLUMNS
 from missionplan.studies.exploration.key_paths import with_values
 from missionplan.studies.exploration.shared_current import SharedCurrent
 from missionplan.studies.exploration.variation import first_start
-from missionplan.studies.optimisation.choices import Lattice, Point, read_lattice
+from missionplan.studies.optimisation.choices import Lattice, Point
+from missionplan.studies.optimisation.choosable import read_lattice
 from missionplan.studies.optimisation.evaluations import ChoiceTask, Evaluation, Evaluations, columns_needed
 from missionplan.studies.optimisation.judging import Demand, demands_of, is_feasible, violations
 from missionplan.studies.optimisation.search import FINE, Search
@@ -43,6 +47,8 @@ def optimise(
     trials: int | None = None,
     seed: int | None = None,
     jobs: int = 1,
+    checkpoint: str | Path | None = None,
+    resume: bool = False,
     progress: Progress | None = None,
 ) -> Optimised:
     """Choose values of some keys so that all requirements hold at the least mean energy or duration.
@@ -59,13 +65,20 @@ def optimise(
         Of the checks; default: the mission's.
     jobs : int
         Processes. The result does not depend on them.
+    checkpoint : str or Path, optional
+        Folder in which finished trials of choices are kept.
+    resume : bool
+        Continue with those in that folder; the result is that of a run that was not cut short.
     progress : callable, optional
         Called with the steps done and their total.
 
     Raises
     ------
     InputError
-        When there is nothing to choose, no requirement, an argument is wrong, or no choice can be run.
+        When there is nothing to choose, no requirement, an argument is wrong, no choice can be run, or the checkpoint
+        is of another run.
+    RunError
+        When a worker dies, or the checkpoint cannot be written.
     """
     started = time.perf_counter()
     check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of={"aim": (aim, (None, "energy", "duration"))})
@@ -77,7 +90,9 @@ def optimise(
     trials = mission.monte_carlo.trials if trials is None else trials
     current = SharedCurrent.of(mission, first_start(lattice.axes))
     task = ChoiceTask(mission.raw, lattice, current, seed, columns_needed(mission), mission.file)
-    run = _Run(Evaluations(mission, lattice, task, jobs), demands, least, seed, trials, progress)
+    folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
+    store = Checkpoints(folder, task.identity(mission, lattice.axes), resume=resume) if folder else None
+    run = _Run(Evaluations(mission, lattice, task, jobs, store), demands, least, seed, trials, progress)
     provenance = Provenance(
         command="optimise",
         mission=mission.name,

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from missionplan.results.choosing.exploration import Aim
+from missionplan.results.choosing.axis import Aim
 from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations
 from missionplan.studies.optimisation.judging import Demand, is_feasible, violations
 

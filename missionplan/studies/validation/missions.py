@@ -2,12 +2,14 @@
 
 from pathlib import Path
 
+from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.views import MooringMission, TransitionMission, TransitMission
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 from missionplan.studies.nominal_dive import check_dives
+from missionplan.studies.optimisation.choosable import read_lattice
 from missionplan.studies.simulation.checks import check_complete, input_notices
 from missionplan.studies.simulation.record_cover import check_cover, cover_in_words
 from missionplan.studies.validation.readiness import Readiness, Validated, needs
@@ -19,11 +21,18 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
     Raises
     ------
     InputError
-        When the current cannot be read or does not cover the mission, or a nominal dive is impossible.
+        When the current cannot be read or does not cover the mission, a nominal dive is impossible, or what may be
+        chosen is wrong.
     """
-    means = Scenario.at_means(mission, recorded_current(mission))
-    check_cover(mission, means)
-    check_dives(means)
+    wrong = _wrong_choices(mission)
+    try:
+        means = Scenario.at_means(mission, recorded_current(mission))
+        check_cover(mission, means)
+        check_dives(means)
+    except InputError as error:
+        raise InputError([*error.problems, *wrong]) from None
+    if wrong:
+        raise InputError(wrong)
     notices: list[str] = []
 
     def simulable() -> None:
@@ -40,6 +49,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
         Readiness("plan-legs", legs),
         Readiness("size-anchor", needs(lambda: MooringMission.of(mission)), _construction(mission)),
         Readiness("sweep-transition", needs(lambda: TransitionMission.of(mission))),
+        Readiness("optimise", simulation or _requirements(mission), _choices(mission)),
     )
     summary = f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
     summary += cover_in_words(mission, means.recorded)
@@ -55,3 +65,21 @@ def _construction(mission: Mission) -> str:
     anchor = mission.vehicle.anchor if mission.vehicle else None
     built = anchor is None or anchor.construction is not None
     return "" if built else "vehicle.anchor.construction to say how the anchor is built"
+
+
+def _wrong_choices(mission: Mission) -> list[Problem]:
+    """Everything wrong with what the mission says may be chosen."""
+    try:
+        if mission.optimise.choose:
+            read_lattice(mission, ())
+    except InputError as error:
+        return list(error.problems)
+    return []
+
+
+def _requirements(mission: Mission) -> tuple[str, ...]:
+    return () if mission.requirements else ("requirements",)
+
+
+def _choices(mission: Mission) -> str:
+    return "" if mission.optimise.choose else "optimise.choose in the mission, or --choose"

@@ -1,5 +1,6 @@
 """The choice meets all requirements, is that of a full grid, and says what binds or what the obstacle is."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.report.optimisation import answer
-from missionplan.studies.optimisation.choices import read_lattice
+from missionplan.studies.optimisation.choosable import read_lattice
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 CHOOSE = ["out.speed=0.6:2:0.1 m/s", "out.d_max=150:1650:150 m"]
@@ -91,6 +92,74 @@ def test_the_choice_does_not_depend_on_the_number_of_processes(mission):
     one, two = (missionplan.optimise(mission, choose=CHOOSE[:1], trials=400, jobs=jobs) for jobs in (1, 2))
     assert one.chosen == two.chosen
     assert one.tried == two.tried
+
+
+def test_a_search_that_was_cut_short_is_resumed_to_the_same_numbers(mission, tmp_path):
+    class CutError(Exception):
+        pass
+
+    def cut(done, _):
+        if done == 1:  # after the wide search
+            raise CutError
+
+    kept = {"choose": CHOOSE[:1], "trials": 400, "checkpoint": tmp_path / "blocks"}
+    with pytest.raises(CutError):
+        missionplan.optimise(mission, **kept, progress=cut)
+    finished = {path: path.stat().st_mtime_ns for path in (tmp_path / "blocks").glob("block-*.npz")}
+    assert finished
+    resumed = missionplan.optimise(mission, **kept, resume=True)
+    whole = missionplan.optimise(mission, choose=CHOOSE[:1], trials=400)
+    assert resumed.tried == whole.tried
+    assert resumed.checked.total.quantities_and_events() == whole.checked.total.quantities_and_events()
+    assert resumed.relaxations == whole.relaxations
+    assert resumed.search_trials == whole.search_trials
+    assert {path: path.stat().st_mtime_ns for path in finished} == finished  # none was run again
+    with pytest.raises(InputError, match="another run"):
+        missionplan.optimise(mission, **kept | {"choose": ["out.speed=1:2:0.5 m/s"]}, resume=True)
+
+
+WRONG = """
+optimise:
+  choose:
+    - {key: start, from: 2026-06-01T14:00, to: 2026-06-01T04:00, step: 10 min}
+    - {keys: [ingress.spede, egress.speed], from: 0.6 m/s, to: 1.8 m/s}
+    - {key: ingress.d_max, from: 200 kg, to: 1200 kg, step: 50 kg}
+    - {key: egress.d_max, from: 200 m, to: 1200 kg}
+    - {key: moor.line_length, from: 6 m, to: 3 m}
+    - {key: vehicle, choices: [no.yaml, vehicles/vt475-self-mooring.yaml]}
+    - {key: moor.hold, choices: [20 m, 10 min]}
+    - {key: navigation.drift_compensation, choices: [none, meen]}
+"""
+
+
+def test_validate_says_all_that_is_wrong_with_what_may_be_chosen_line_by_line(tmp_path):
+    shutil.copytree(MISSIONS / "vehicles", tmp_path / "vehicles")
+    lines = (MISSIONS / "chesapeake.yaml").read_text() + "start: 2026-06-01T12:00" + WRONG
+    (tmp_path / "m.yaml").write_text(lines)
+    (found,) = missionplan.validate(tmp_path / "m.yaml")
+    said = dict.fromkeys(problem.key for problem in found.problems)
+    assert list(said) == [f"optimise.choose[{i}]" for i in range(8)]
+    first = lines[: lines.index("- {key: start")].count("\n") + 1
+    assert [problem.line for problem in found.problems if problem.key == "optimise.choose[7]"] == [first + 7]
+    words = "\n".join(map(str, found.problems))
+    for expected in (
+        "before the first",
+        "did you mean ingress.speed",
+        "ingress.d_max cannot be 200 kg",
+        "given 200 m, expected a quantity in kg",
+        "expected `from` less than `to`",
+        "no.yaml: no such file",
+        "given 20 m, expected a quantity in min",
+        "given 'meen', expected 'none'",
+    ):
+        assert expected in words
+
+
+def test_validate_says_whether_a_mission_is_ready_to_be_optimised(mission):
+    (found,) = missionplan.validate(mission)
+    assert "optimise          ready; needs optimise.choose in the mission, or --choose" in map(str, found.table)
+    (found,) = missionplan.validate(transit(requirements=[]))
+    assert "optimise          needs requirements" in map(str, found.table)
 
 
 def test_the_section_of_the_mission_says_what_may_be_chosen():
