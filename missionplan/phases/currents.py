@@ -103,6 +103,11 @@ class Current(ABC):
         return False
 
     @property
+    def steady_for(self) -> float:
+        """Longest time for which bodies that sink or rise take the water about them as steady [s]; 0: for each step."""
+        return 0.0
+
+    @property
     def is_binding(self) -> bool:
         """Whether a trial that leaves what is known of the current fails."""
         return False

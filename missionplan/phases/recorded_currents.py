@@ -5,9 +5,9 @@ Beyond a record's times, depths and places its value at the end is held, or ther
 """
 
 from bisect import bisect_right
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,10 @@ class RecordedCurrent(Current):
         """Least and greatest depth at which the record is good [m]."""
         margins = np.maximum(DEPTH_MARGIN, DEPTH_SHARE * self.depth[[0, -1]])
         return float(self.depth[0] - margins[0]), float(self.depth[-1] + margins[1])
+
+    def later(self, seconds: float) -> Self:
+        """Return it as a mission meets it that starts so much later [s]."""
+        return replace(self, time=self.time - seconds)
 
     def _known(self, t: Scalars, depth: Scalars, position: Array) -> Array | float:
         """Factor on a velocity: 0 where there is none beyond the record, else 1."""

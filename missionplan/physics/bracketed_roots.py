@@ -23,10 +23,12 @@ class FallingFunctions(Protocol):
         ...
 
 
-def bracketed_roots(functions: FallingFunctions, low: Array, high: Array, start: Array, *, tolerance: float) -> Array:
+def bracketed_roots(
+    functions: FallingFunctions, low: Array, high: Array, start: Array, *, tolerance: float, patience: int = 3
+) -> Array:
     """Find where functions cross zero.
 
-    A proposed step (Newton's, or that of a fixed point) is taken where it stays within the bracket; each third time the
+    A proposed step (Newton's, or that of a fixed point) is taken where it stays within the bracket; now and then the
     bracket is halved instead, so that a poor proposal costs time but no root. Roots that are found are not evaluated
     again.
 
@@ -39,6 +41,8 @@ def bracketed_roots(functions: FallingFunctions, low: Array, high: Array, start:
         First places.
     tolerance : float
         Of the places.
+    patience : int
+        The bracket is halved each time that so many steps have been tried; more for smooth functions.
 
     Returns
     -------
@@ -54,7 +58,7 @@ def bracketed_roots(functions: FallingFunctions, low: Array, high: Array, start:
         found[left] = np.where(open_, place, proposed)
         if not open_.any():
             break
-        halved = (proposed <= low) | (proposed >= high) | (count % 3 == 2)
+        halved = (proposed <= low) | (proposed >= high) | (count % patience == patience - 1)
         place = np.where(halved, 0.5 * (low + high), proposed)
         if not open_.all():
             kept = np.flatnonzero(open_)

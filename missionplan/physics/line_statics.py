@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from missionplan.arrays import Array, Scalars, over_trials, take_trials
 from missionplan.physics.bracketed_roots import bracketed_roots
@@ -46,6 +47,11 @@ class LayersAbove:
     tops: Array
     velocity: Array
 
+    @property
+    def patience(self) -> int:
+        """Steps that are tried before a bracket is halved: few where a layer's edge makes the pull jump."""
+        return 3
+
     def at(self, altitude: Array) -> Array:
         """Velocity at altitudes of shape (m, n) [m], shape (2, m, n) [m/s]."""
         found = np.broadcast_to(self.velocity[-1][:, None], (2, *altitude.shape))
@@ -59,6 +65,12 @@ class LayersAbove:
 class ProfileAbove(LayersAbove):
     """A current that is linear between altitudes at equal distances, `tops`, the first of them 0."""
 
+    @property
+    @override
+    def patience(self) -> int:
+        return 6
+
+    @override
     def at(self, altitude: Array) -> Array:
         """Velocity at altitudes of shape (m, n) [m], shape (2, m, n) [m/s]."""
         last, trials = len(self.tops) - 1, altitude.shape[-1]
@@ -156,7 +168,7 @@ class HeldPose:
         return np.asarray(np.maximum(*(np.sqrt((end**2).sum(axis=0)) for end in ends)))
 
 
-def held_pose(body: HeldBody, line: HeldLine, current: LayersAbove) -> HeldPose:
+def held_pose(body: HeldBody, line: HeldLine, current: LayersAbove, near: HeldPose | None = None) -> HeldPose:
     """Find how a block of bodies stands in a steady current.
 
     The nose's altitude is the root of (height of the line) - altitude, the pitch that of the moment about the nose at
@@ -168,6 +180,8 @@ def held_pose(body: HeldBody, line: HeldLine, current: LayersAbove) -> HeldPose:
     line : HeldLine
     current : LayersAbove
         Horizontal, constant within each layer.
+    near : HeldPose, optional
+        Where the search begins.
 
     Returns
     -------
@@ -175,9 +189,10 @@ def held_pose(body: HeldBody, line: HeldLine, current: LayersAbove) -> HeldPose:
     """
     trials = current.velocity.shape[-1]
     length = over_trials(line.length, trials)
-    standing = _Standing(body, line, current, np.full(trials, 0.25 * np.pi))
-    tolerance = _TOLERANCE * float(np.max(length))
-    altitude = bracketed_roots(standing, np.zeros(trials), length, 0.8 * length, tolerance=tolerance)
+    pitch, start = (near.pitch, near.nose[2]) if near else (np.full(trials, 0.25 * np.pi), 0.8 * length)
+    standing = _Standing(body, line, current, pitch)
+    tolerance, patience = _TOLERANCE * float(np.max(length)), current.patience
+    altitude = bracketed_roots(standing, np.zeros(trials), length, start, tolerance=tolerance, patience=patience)
     return standing.pose(altitude)
 
 
@@ -216,7 +231,8 @@ class _Standing:
         """Axis, vector from anchor to nose that the line makes [m], and the tensions at nose and anchor [N]."""
         body, quarter = self.body, np.full(altitude.size, 0.5 * np.pi)
         turning = _Turning(body, self.current, altitude)
-        self.pitch = bracketed_roots(turning, -quarter, quarter, self.pitch, tolerance=_TOLERANCE)
+        patience = self.current.patience
+        self.pitch = bracketed_roots(turning, -quarter, quarter, self.pitch, tolerance=_TOLERANCE, patience=patience)
         course, speeds = turning.flow(self.pitch)
         sine, cosine = np.sin(self.pitch), np.cos(self.pitch)
         axis = np.stack((course[0] * cosine, course[1] * cosine, sine))

@@ -79,6 +79,15 @@ class Ensemble(RecordedCurrent):
         return covered
 
     @override
+    def later(self, seconds: float) -> "Ensemble":
+        return replace(super().later(seconds), members=tuple(member.later(seconds) for member in self.members))
+
+    @property
+    @override
+    def steady_for(self) -> float:
+        return min(member.steady_for for member in self.members)
+
+    @override
     def take(self, trials: NDArray[np.intp]) -> "Ensemble":
         return self if self.chosen is None else replace(self, chosen=self.chosen[trials])
 

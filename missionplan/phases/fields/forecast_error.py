@@ -140,6 +140,11 @@ class ErringCurrent(Current):
 
     @property
     @override
+    def steady_for(self) -> float:
+        return self.forecast.steady_for
+
+    @property
+    @override
     def is_binding(self) -> bool:
         return self.forecast.is_binding
 

@@ -12,7 +12,9 @@ from typing_extensions import override
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError
 from missionplan.phases.currents import Span
-from missionplan.phases.fields.grids import Columns, Grid
+from missionplan.phases.fields.field_water import FieldWater
+from missionplan.phases.fields.grids import Columns, Grid, RegularGrid
+from missionplan.phases.fields.lattice import Cells, EvenAxes, Lattice, packed
 from missionplan.phases.fields.triangles import Indices
 from missionplan.phases.recorded_currents import Bracket, RecordedCurrent, bracket, even_step
 
@@ -20,6 +22,12 @@ Velocities = NDArray[np.complexfloating[Any]]
 """Toward east, and toward north as the imaginary part [m/s]."""
 _DEPTHS_KEPT = 8
 """Depths at which the field across is kept: those of a mission's transits, and the surface."""
+_MOST_PACKED = 4_000_000
+"""Nodes of a field that is packed for faster look-ups; they take 32 bytes each."""
+_STEADY = 1.0
+"""Time for which dives take the water about them as steady [s]; in less than that a body sinks by a metre or two."""
+LONGEST_STEP = 300.0
+"""Of the integration along a leg [s]: 450 m at 1.5 m/s, about two cells of a model of an estuary."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +56,7 @@ class GriddedCurrent(RecordedCurrent):
     wet: NDArray[np.bool_]
     bottom: Array
     _slices: dict[float, Array] = field(default_factory=dict, repr=False, compare=False)
+    _packed: dict[float | None, Cells] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
     def of(cls, time: Array, grid: Grid, levels: Array, values: Velocities, bottom: Array) -> "GriddedCurrent":
@@ -83,6 +92,9 @@ class GriddedCurrent(RecordedCurrent):
 
     @override
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
+        lattice = self._lattice(depth)
+        if lattice is not None:
+            return lattice.velocity(t, depth, np.asarray(position)) * self._known(t, depth, position)
         columns = self.grid.columns(np.asarray(position))
         low, high, share = bracket(self.time, t, self._time_step)
         shared = bracket(self.levels, depth) if self.levels.ndim == 1 and np.size(depth) > 1 else None
@@ -92,45 +104,78 @@ class GriddedCurrent(RecordedCurrent):
                 velocity = velocity + self._across(moment, columns, depth, shared) * part
         return velocity * self._known(t, depth, position)
 
+    @override
+    def mean_velocity(self, t: Scalars, duration: Scalars, depth: Scalars, start: Array, through: Array) -> Array:
+        """Mean velocity along a leg, by Ralston's Runge–Kutta method of third order in steps of `LONGEST_STEP` at most.
+
+        Ralston 1962, Math. Comp. 16, 431-437; parameters as in `Current.mean_velocity`.
+        """
+        lasting = np.asarray(duration, dtype=float)
+        steps = np.maximum(np.ceil(lasting / LONGEST_STEP), 1.0)
+        step = lasting / steps
+        own = through / np.where(lasting > 0.0, lasting, np.inf)
+        place, moment, total = start, np.asarray(t, dtype=float), np.zeros((2, 1))
+        for number in range(int(np.max(steps, initial=1.0))):
+            first = self.velocity(moment, depth, place)
+            second = self.velocity(moment + 0.5 * step, depth, place + (0.5 * step) * (first + own))
+            third = self.velocity(moment + 0.75 * step, depth, place + (0.75 * step) * (second + own))
+            mean = (2.0 / 9.0) * first + (3.0 / 9.0) * second + (4.0 / 9.0) * third
+            counted = np.minimum(np.maximum(steps - number, 0.0), 1.0)  # 0 for trials whose leg is over
+            total = total + mean * counted
+            place, moment = place + (step * counted) * (mean + own), moment + step * counted
+        return total / steps
+
+    def _lattice(self, depth: Scalars) -> Lattice | None:
+        """Packed field at a depth, or at all levels for depths that differ; None where it cannot be packed."""
+        axes = self._axes
+        if axes is None or not isinstance(self.grid, RegularGrid):
+            return None
+        shape = self.grid.north_axis.size, self.grid.east_axis.size
+        if np.size(depth) == 1:
+            one = float(np.reshape(depth, ()))
+            if one not in self._packed:
+                if len(self._packed) > _DEPTHS_KEPT:
+                    self._packed.clear()
+                east, north = self._at_depth(one)
+                self._packed[one] = packed((east + 1j * north).reshape(self.time.size, -1), shape)
+            return Lattice(axes, self._packed[one], np.array([one]))
+        if self.levels.ndim != 1 or len(self.levels) < 2 or self.values.size > _MOST_PACKED:
+            return None
+        if None not in self._packed:
+            self._packed[None] = packed(self.values.transpose(0, 2, 1), shape)
+        return Lattice(axes, self._packed[None], self.levels)
+
+    @cached_property
+    def _axes(self) -> EvenAxes | None:
+        """Axes of a field whose times, rows and columns are evenly spaced and not too many to pack."""
+        if not isinstance(self.grid, RegularGrid) or self.wet.size > _MOST_PACKED:
+            return None
+        return EvenAxes.of((self.time, self.grid.north_axis, self.grid.east_axis), (self._time_step, *self.grid.steps))
+
     @cached_property
     def _time_step(self) -> float | None:
         return even_step(self.time)
+
+    @property
+    @override
+    def steady_for(self) -> float:
+        return _STEADY
 
     @override
     def covers(self, span: Span) -> NDArray[np.bool_]:
         in_time = (self.time[0] <= np.asarray(span.start)) & (np.asarray(span.end) <= self.time[-1])
         good = np.atleast_1d(in_time & (np.asarray(span.depth) >= self.depth[0]))
         for place, t in zip(span.places, (span.start, span.end), strict=False):
-            columns = self._homes(np.asarray(place))
-            bottom = np.sum(columns.weight * self.bottom[columns.node], axis=0)
-            good = good & columns.inside & (np.asarray(span.depth) <= bottom) & self._is_water(t, columns)
+            good = good & self._water.is_good(np.asarray(place), t, span.depth)
         return good
 
     def holds(self, place: Array) -> NDArray[np.bool_]:
         """Whether places, shape (2, n), are on the grid and at some time water."""
-        columns = self._homes(place)
-        ever: NDArray[np.bool_] = np.any(self.wet, axis=0)
-        share = np.sum(columns.weight * ever[columns.node], axis=0)
-        return np.asarray(columns.inside & (share >= 0.5), dtype=bool)
-
-    def _homes(self, place: Array) -> Columns:
-        """Columns that say whether places are water, and how deep."""
-        columns = self.grid.columns(place)
-        if not self.grid.is_of_cells:
-            return columns
-        return Columns(columns.node[:1], np.ones_like(columns.weight[:1]), columns.inside)
-
-    def _is_water(self, t: Scalars, columns: Columns) -> NDArray[np.bool_]:
-        """Whether most of a place is water, by the columns that make it up."""
-        if self._is_wet_throughout:
-            return np.ones(1, dtype=bool)
-        low, high, share = bracket(self.time, t)
-        part = (1.0 - share) * self.wet[low, columns.node] + share * self.wet[high, columns.node]
-        return np.asarray(np.sum(columns.weight * part, axis=0) >= 0.5)
+        return self._water.holds(place)
 
     @cached_property
-    def _is_wet_throughout(self) -> bool:
-        return bool(self.wet.all())
+    def _water(self) -> FieldWater:
+        return FieldWater(self.grid, self.time, self.wet, self.bottom)
 
     def _across(self, moment: Indices | int, columns: Columns, depth: Scalars, shared: Bracket | None) -> Array:
         """Velocity at one of the field's times for each place, shape (2, n); `shared`: the levels about each depth."""

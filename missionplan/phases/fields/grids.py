@@ -83,7 +83,7 @@ class RegularGrid(Grid):
     def __init__(self, north_axis: Array, east_axis: Array) -> None:
         super().__init__(np.stack(np.meshgrid(east_axis, north_axis)).reshape(2, -1))
         self.north_axis, self.east_axis = north_axis, east_axis
-        self._steps = even_step(north_axis), even_step(east_axis)
+        self.steps = even_step(north_axis), even_step(east_axis)
 
     @override
     def columns(self, place: Array) -> Columns:
@@ -92,7 +92,7 @@ class RegularGrid(Grid):
     @override
     def _within(self, place: Array) -> Columns:
         north, east = self.north_axis, self.east_axis
-        rows, across = bracket(north, place[1], self._steps[0]), bracket(east, place[0], self._steps[1])
+        rows, across = bracket(north, place[1], self.steps[0]), bracket(east, place[0], self.steps[1])
         row, row_part = np.stack((rows.low, rows.high)), np.stack((1.0 - rows.share, rows.share))
         column, part = np.stack((across.low, across.high)), np.stack((1.0 - across.share, across.share))
         count = place.shape[1]

@@ -131,15 +131,16 @@ def hold_vehicle(hold: Hold, current: Current, anchor: Array, start: Array, dura
         Until the line parts [s].
     """
     lasting = over_trials(duration, start.size)
-    record = _at(hold, current, anchor, start)
+    record, pose = _at(hold, current, anchor, start)
     if isinstance(current, LayeredCurrent) or not np.any(lasting):
         return record
     for moment in extreme_moments(hold, current, anchor, start, lasting):
         between = np.flatnonzero((moment > start) & (moment < start + lasting))  # not the start or the end once more
         if between.size:
-            now = _at(take_trials(hold, between), current.take(between), anchor[:, between], moment[between])
+            part, near = take_trials(hold, between), take_trials(pose, between)
+            now, _ = _at(part, current.take(between), anchor[:, between], moment[between], near)
             record = _with(record, between, _envelope(take_trials(record, between), now))
-    return _envelope(record, _at(hold, current, anchor, start + lasting))
+    return _envelope(record, _at(hold, current, anchor, start + lasting, pose)[0])
 
 
 def lifted(hold: Hold, effects: Iterable[DescentEffect]) -> Hold:
@@ -190,9 +191,13 @@ def record_at_once(hold: Hold, pose: HeldPose, layers: LayersAbove) -> HoldRecor
     )
 
 
-def _at(hold: Hold, current: Current, anchor: Array, moment: Array) -> HoldRecord:
+def _at(
+    hold: Hold, current: Current, anchor: Array, moment: Array, near: HeldPose | None = None
+) -> tuple[HoldRecord, HeldPose]:
+    """Record and pose of one moment; the search begins `near` a pose."""
     layers = layers_above(hold, current, anchor, moment)
-    return record_at_once(hold, held_pose(hold.body, hold.line, layers), layers)
+    pose = held_pose(hold.body, hold.line, layers, near)
+    return record_at_once(hold, pose, layers), pose
 
 
 def _with(record: HoldRecord, trials: NDArray[np.intp], part: HoldRecord) -> HoldRecord:

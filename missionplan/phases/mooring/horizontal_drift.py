@@ -1,6 +1,7 @@
 """Horizontal motion of sinking and rising bodies in a current: carried by their layer, or by drag across the flow."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,11 +13,25 @@ from missionplan.phases.mooring.vertical_motion import StepCallback
 class HorizontalDrift:
     """Horizontal drift of a sinking or rising body with the current.
 
-    `position` has shape (2, n) [m], `clock`, its time since the mission's start, shape (n,) [s].
+    `position` has shape (2, n) [m], `clock`, its time since the mission's start, shape (n,) [s]. Steps of a stage are
+    gathered while the current is taken as steady, and moved through at once, with the water at their mean time and
+    depth.
     """
 
     def __init__(self, current: Current, position: Array, t_start: Array) -> None:
-        self.current, self.position, self.clock = current, position, t_start
+        self.current, self.clock = current, t_start
+        self._position = position
+        self._gathered: _Steps | None = None
+
+    @property
+    def position(self) -> Array:
+        """East and north, shape (2, n) [m]."""
+        self._move()
+        return self._position
+
+    @position.setter
+    def position(self, position: Array) -> None:
+        self._position, self._gathered = position, None
 
     def wait(self, duration: Array, depth: Array, pieces: int = 4, extra: Array | float = 0.0) -> None:
         """Drift at a depth [m] for a duration [s], with an extra velocity beyond the current, shape (2, n) [m/s]."""
@@ -28,11 +43,16 @@ class HorizontalDrift:
 
     def stage(self, below: Scalars = 0.0) -> StepCallback:
         """Return the callback that drifts with a stage, for a body that hangs a length `below` the moving one [m]."""
-        start = self.clock
+        start, steady = self.clock, self.current.steady_for
 
         def on_step(t: Scalars, spent: Array, depth: Array) -> None:
-            velocity = self.current.velocity(start + t + 0.5 * spent, depth + below, self.position)
-            self.position = self.position + spent * velocity
+            if not steady:
+                velocity = self.current.velocity(start + t + 0.5 * spent, depth + below, self.position)
+                self.position = self.position + spent * velocity
+                return
+            self._gathered = _Steps.of(self._gathered, start, t, spent, depth + below)
+            if np.max(self._gathered.spent, initial=0.0) >= steady:
+                self._move()
 
         return on_step
 
@@ -44,6 +64,32 @@ class HorizontalDrift:
         """Velocity of the water about the body now, at a depth [m], shape (2, n) [m/s]."""
         velocity = self.current.velocity(self.clock, depth, self.position)
         return np.broadcast_to(velocity, self.position.shape)
+
+    def _move(self) -> None:
+        """Move through the steps that were gathered."""
+        if self._gathered is None:
+            return
+        steps, self._gathered = self._gathered, None
+        lasting = np.where(steps.spent > 0.0, steps.spent, 1.0)
+        t, depth = steps.moment / lasting, steps.depth / lasting
+        self._position = self._position + steps.spent * self.current.velocity(steps.start + t, depth, self._position)
+
+
+class _Steps(NamedTuple):
+    """Steps not yet moved through: the stage's start, and sums of times spent, and of middles and depths over time."""
+
+    start: Array
+    spent: Array
+    moment: Array
+    depth: Array
+
+    @classmethod
+    def of(cls, before: "_Steps | None", start: Array, t: Scalars, spent: Array, depth: Array) -> "_Steps":
+        """Return the steps before, and one more that begins `t` after the start [s]."""
+        moment, deep = spent * (t + 0.5 * spent), spent * depth
+        if before is None:
+            return cls(start, spent, moment, deep)
+        return cls(start, before.spent + spent, before.moment + moment, before.depth + deep)
 
 
 @dataclass(frozen=True)

@@ -55,9 +55,9 @@ class TiedPullDown:
         return np.interp(t, self.times, self.places[:, 2, 0] + self.places[:, 5, 0])
 
 
-@dataclass(frozen=True)
+@dataclass
 class TiedWater:
-    """Water about both bodies.
+    """Water about both bodies; while it is taken as steady, it goes on changing as it did before.
 
     Attributes
     ----------
@@ -66,14 +66,26 @@ class TiedWater:
         Height of the vehicle's middle above its nose, and of the anchor's above the line's end [m].
     t_start : array, shape (n,)
         When the line went taut, since the mission's start [s].
+    looked_up : tuple of (float, array)
+        The last two times since then, and what was found [s, m/s].
     """
 
     current: Current
     centres: tuple[Scalars, Scalars]
     t_start: Array
+    looked_up: tuple[tuple[float, Array], ...] = ()
 
     def at(self, t: float, place: Array) -> Array:
         """Horizontal velocity about the vehicle and about the anchor, shape (2, 2, n) [m/s]."""
+        if not self.looked_up or t >= self.looked_up[-1][0] + self.current.steady_for:
+            self.looked_up = (*self.looked_up[-1:], (t, self._look_up(t, place)))
+        last, water = self.looked_up[-1]
+        if t == last or len(self.looked_up) < 2:
+            return water
+        before, earlier = self.looked_up[0]
+        return np.asarray(water + (water - earlier) * ((t - last) / (last - before)))
+
+    def _look_up(self, t: float, place: Array) -> Array:
         water = np.empty((2, 2, place.shape[1]))
         bodies = place[:3], place[:3] + place[3:]
         for row, body, centre in zip(water, bodies, self.centres, strict=True):

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 from missionplan.mission import Mission
 from missionplan.phases.currents import Current
 from missionplan.phases.recorded_currents import RecordedCurrent
-from missionplan.scenario.site_current import recorded_current
+from missionplan.scenario.site_current import current_source, is_netcdf, recorded_current
 from missionplan.studies.exploration.key_paths import with_values
 
 
@@ -35,7 +35,7 @@ class SharedCurrent:
 
     @classmethod
     def of(cls, mission: Mission, first: datetime | None = None) -> "SharedCurrent":
-        """Read a mission's record, and see by a second start whether it is tied to the clock.
+        """Read a mission's record. A field has dates; others show by a second start whether they are tied to the clock.
 
         Parameters
         ----------
@@ -47,7 +47,10 @@ class SharedCurrent:
             return cls(recorded_current(mission), _place(mission), mission.start, moves=False)
         hour = timedelta(hours=1)
         early, later = (_with_start(mission, start) for start in (first, first + hour))
-        current, shifted = recorded_current(early), recorded_current(later)
+        current = recorded_current(early)
+        if _is_field(mission):
+            return cls(current, _place(mission), early.start, moves=True)
+        shifted = recorded_current(later)
         if not isinstance(current, RecordedCurrent) or not isinstance(shifted, RecordedCurrent):
             return cls(None, {}, None, moves=False)  # each start reads its own
         by = float(current.time[-1] - shifted.time[-1])
@@ -63,7 +66,12 @@ class SharedCurrent:
         if not self.moves or not isinstance(current, RecordedCurrent) or mission.start is None or self.start is None:
             return current
         later = (_utc(mission.start) - _utc(self.start)).total_seconds()
-        return replace(current, time=current.time - later) if later else current
+        return current.later(later) if later else current
+
+
+def _is_field(mission: Mission) -> bool:
+    written = current_source(mission)
+    return written is not None and all(is_netcdf(name) for name in written.members)
 
 
 def _place(mission: Mission) -> dict[str, object]:

@@ -1,0 +1,100 @@
+"""Where a field has water, when, and how deep."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars, take_trials
+from missionplan.phases.fields.grids import Columns, Grid, RegularGrid
+from missionplan.phases.fields.lattice import EvenAxes
+from missionplan.phases.recorded_currents import bracket
+
+
+@dataclass(frozen=True)
+class FieldWater:
+    """Water of a field's columns.
+
+    Attributes
+    ----------
+    grid : Grid
+        c columns.
+    time : array, shape (t,)
+        [s]
+    wet : array of bool, shape (t, c)
+        Where the model has water.
+    bottom : array, shape (c,)
+        Depth down to which each column is good [m].
+    """
+
+    grid: Grid
+    time: Array
+    wet: NDArray[np.bool_]
+    bottom: Array
+
+    def is_good(self, place: Array, t: Scalars, depth: Scalars) -> NDArray[np.bool_]:
+        """Whether places, shape (2, n), are on the grid, water at a time [s], and as deep as a depth [m]."""
+        easily = self._is_open(place, depth)
+        if easily is None:
+            return self._is_good_by_columns(place, t, depth)
+        if not easily.all():
+            left, each = np.flatnonzero(~easily), (np.broadcast_to(value, easily.shape) for value in (t, depth))
+            easily[left] = self._is_good_by_columns(take_trials(place, left), *(value[left] for value in each))
+        return easily
+
+    def holds(self, place: Array) -> NDArray[np.bool_]:
+        """Whether places, shape (2, n), are on the grid and at some time water."""
+        columns = self._homes(place)
+        ever: NDArray[np.bool_] = np.any(self.wet, axis=0)
+        share = np.sum(columns.weight * ever[columns.node], axis=0)
+        return np.asarray(columns.inside & (share >= 0.5), dtype=bool)
+
+    def _is_open(self, place: Array, depth: Scalars) -> NDArray[np.bool_] | None:
+        """Whether places are in cells all of whose columns are always water and as deep; None on other grids."""
+        cells = self._open_down_to
+        if cells is None:
+            return None
+        axes, deep = cells
+        (row, column), _ = axes.cells(place[::-1].copy())
+        inside = depth <= deep[row, column]
+        for x, least, most in zip(place, *self.grid.extent, strict=True):
+            inside &= (least <= x) & (x <= most)
+        return np.asarray(inside)
+
+    @cached_property
+    def _open_down_to(self) -> tuple[EvenAxes, Array] | None:
+        """Axes of the cells, and depth down to which all columns of each are good; -inf where one is ever dry."""
+        if not isinstance(self.grid, RegularGrid):
+            return None
+        rows = self.grid.north_axis, self.grid.east_axis
+        axes = EvenAxes.of(rows, self.grid.steps)
+        if axes is None:
+            return None
+        deep = np.where(self.wet.all(axis=0), self.bottom, -np.inf).reshape(axes.count)
+        deep = np.minimum(deep[1:], deep[:-1])
+        return axes, np.minimum(deep[:, 1:], deep[:, :-1])
+
+    def _is_good_by_columns(self, place: Array, t: Scalars, depth: Scalars) -> NDArray[np.bool_]:
+        columns = self._homes(place)
+        bottom = np.sum(columns.weight * self.bottom[columns.node], axis=0)
+        return np.asarray(columns.inside & (depth <= bottom) & self._is_water(t, columns))
+
+    def _homes(self, place: Array) -> Columns:
+        """Columns that say whether places are water, and how deep."""
+        columns = self.grid.columns(place)
+        if not self.grid.is_of_cells:
+            return columns
+        return Columns(columns.node[:1], np.ones_like(columns.weight[:1]), columns.inside)
+
+    def _is_water(self, t: Scalars, columns: Columns) -> NDArray[np.bool_]:
+        """Whether most of a place is water, by the columns that make it up."""
+        if self._is_wet_throughout:
+            return np.ones(1, dtype=bool)
+        low, high, share = bracket(self.time, t)
+        part = (1.0 - share) * self.wet[low, columns.node] + share * self.wet[high, columns.node]
+        return np.asarray(np.sum(columns.weight * part, axis=0) >= 0.5)
+
+    @cached_property
+    def _is_wet_throughout(self) -> bool:
+        return bool(self.wet.all())

@@ -1,0 +1,138 @@
+"""Fields on evenly spaced rows and columns, packed so that a place in a cell is one look-up.
+
+Between four nodes a velocity is c₀ + c₁ e + c₂ n + c₃ e n, with the shares e and n of the way to the next column and
+row. The four coefficients of a cell, east and north, stand together in memory, in single precision (1e-7 of them).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array, Scalars
+
+Cells = NDArray[np.float32]
+"""Coefficients of cells, one after the other, shape (cells, 8): c₀ east, c₀ north, c₁ east and so on [m/s]."""
+_TOGETHER = 2048
+"""Places that are looked up at once, whose arrays stay in the cache."""
+_SHORT = 1.0 - 1e-12
+"""By which places are kept before the last node, so that they are in a cell."""
+
+
+@dataclass(frozen=True)
+class EvenAxes:
+    """Evenly spaced axes, at least two nodes each.
+
+    Attributes
+    ----------
+    first, per_unit, end : array, shape (k, 1)
+        First node, nodes per unit, and just before the last node, counted in nodes.
+    count : tuple of int
+        Nodes.
+    """
+
+    first: Array
+    per_unit: Array
+    end: Array
+    count: tuple[int, ...]
+
+    @classmethod
+    def of(cls, axes: tuple[Array, ...], steps: tuple[float | None, ...]) -> "EvenAxes | None":
+        """Build it from axes and their `even_step`; None where one is not even."""
+        if None in steps:
+            return None
+        first, count = np.array([[axis[0]] for axis in axes], dtype=float), tuple(len(axis) for axis in axes)
+        per_unit = 1.0 / np.array([[step] for step in steps], dtype=float)
+        return cls(first, per_unit, (np.array(count, dtype=float)[:, None] - 1.0) * _SHORT, count)
+
+    def cells(self, places: Array) -> tuple[NDArray[np.intp], Array]:
+        """Numbers of the cells along each axis, and shares of the way through them; places beyond are at the edge.
+
+        `places`, shape (k, n), is written over.
+        """
+        share = places
+        share -= self.first
+        share *= self.per_unit
+        np.maximum(share, 0.0, out=share)
+        np.minimum(share, self.end, out=share)
+        cell = share.astype(np.intp)
+        share -= cell
+        return cell, share
+
+
+def packed(values: NDArray[np.complexfloating], shape: tuple[int, int]) -> Cells:
+    """Pack values, shape (..., rows times columns), of `shape` rows and columns; cells follow in the same order."""
+    field = values.reshape(*values.shape[:-1], *shape)
+    start = field[..., :-1, :-1]
+    along, up = field[..., :-1, 1:] - start, field[..., 1:, :-1] - start
+    twist = field[..., 1:, 1:] - start - along - up
+    rows = np.stack((start, along, up, twist), axis=-1).astype(np.complex64)
+    return np.ascontiguousarray(rows).view(np.float32).reshape(-1, 8)
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """A field in time and across, at one depth or at fixed levels.
+
+    Attributes
+    ----------
+    axes : EvenAxes
+        Time, north and east [s, m].
+    cells : Cells
+        By time, level, row and column.
+    levels : array, shape (d,)
+        Their depths; one where it is a field at one depth [m].
+    """
+
+    axes: EvenAxes
+    cells: Cells
+    levels: Array
+
+    def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
+        """Velocity at moments, depths and places, shape (2, n) [m/s]."""
+        count = max(np.size(t), position.shape[-1], np.size(depth))
+        places = np.empty((3, count))
+        places[0], places[1], places[2] = t, position[1], position[0]
+        level: Array | None = None
+        if len(self.levels) > 1:
+            level = np.empty(count)
+            level[:] = depth
+        if count <= _TOGETHER:
+            return self._at(places, level)
+        velocity = np.empty((2, count))
+        for begin in range(0, count, _TOGETHER):
+            part = slice(begin, begin + _TOGETHER)
+            velocity[:, part] = self._at(places[:, part], None if level is None else level[part])
+        return velocity
+
+    def _at(self, places: Array, depth: Array | None) -> Array:
+        cell, (later, north, east) = self.axes.cells(places)
+        _, rows, columns = self.axes.count
+        across, levels = (rows - 1) * (columns - 1), len(self.levels)
+        row = cell[1] * (columns - 1) + cell[2]
+        row += cell[0] * (across * levels)
+        weighted = [(row, 1.0 - later), (row + across * levels, later)]
+        if depth is not None:
+            level, below = self._level(depth)
+            row += level * across
+            both, down = later * below, below
+            weighted = [
+                (row, 1.0 - later - down + both),
+                (row + across, down - both),
+                (row + across * levels, later - both),
+                (row + across * (levels + 1), both),
+            ]
+        total = np.zeros((8, row.size), dtype=np.float32)
+        for number, weight in weighted:
+            corner = np.ascontiguousarray(self.cells.take(number, axis=0).T)
+            corner *= weight.astype(np.float32)
+            total += corner
+        start, along, up, twist = total.reshape(4, 2, -1)
+        return np.asarray(start + along * east + north * (up + twist * east))
+
+    def _level(self, depth: Array) -> tuple[NDArray[np.intp], Array]:
+        """Number of the level above each depth, and the share of the way to the next; held beyond the levels."""
+        number = np.searchsorted(self.levels[1:-1], depth, side="right")
+        above = self.levels.take(number)
+        share = (depth - above) / (self.levels.take(number + 1) - above)
+        return number, np.clip(share, 0.0, 1.0)
