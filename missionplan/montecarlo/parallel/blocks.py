@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor, Future, wait
 from contextlib import closing
+from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar, cast
 
 from loky import cpu_count
@@ -67,6 +68,19 @@ def run_blocks(
             if progress is not None:
                 progress(done, total)
             yield result
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Where tasks run: see `run_blocks`."""
+
+    jobs: int = 1
+    backend: Backend = "loky"
+    scheduler: str | None = None
+
+    def run(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+        """Run a task on every item, without telling the progress."""
+        return run_blocks(task, items, jobs=self.jobs, backend=self.backend, scheduler=self.scheduler)
 
 
 def _results(

@@ -16,12 +16,13 @@ from scipy.optimize import minimize_scalar
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
-from missionplan.montecarlo.parallel.blocks import Progress
+from missionplan.montecarlo.parallel.blocks import Progress, Workers
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.analytic_transit import AnalyticTransit
 from missionplan.studies.leg_length.integral_equation import analytic_obstacle
 from missionplan.studies.leg_length.leg_spread import LegSpread, fit_leg_spread
 from missionplan.studies.leg_length.paired_trials import (
+    IN_THIS_PROCESS,
     PILOT_BLOCK,
     LegsAtSpeed,
     Objective,
@@ -115,6 +116,7 @@ def optimise_legs(
     seed: int,
     spread: LegSpread | None = None,
     progress: Progress | None = None,
+    workers: Workers = IN_THIS_PROCESS,
 ) -> OptimisedLegs:
     """Find the best legs for an aim, among those that arrive as often as the mission requires; else the likeliest to.
 
@@ -129,6 +131,8 @@ def optimise_legs(
         Of legs in the pilot trials, where it is known already.
     progress : callable, optional
         Called with (done, total) pilot trials.
+    workers : Workers
+        For the pilot trials and the best legs of several spreads.
 
     Raises
     ------
@@ -136,7 +140,7 @@ def optimise_legs(
         When no legs can be planned.
     """
     obstacle = analytic_obstacle(scenario)
-    pilot = _Pilot(seed, progress, bool(obstacle))
+    pilot = _Pilot(seed, progress, bool(obstacle), workers)
     try:
         transit = AnalyticTransit(scenario, LegSpread(scenario.sigma(0), 0.0), scenario.speed, scenario.surfacing_time)
         transit.expected(scenario.distance)  # refuses errors that no legs can cope with
@@ -153,11 +157,12 @@ def optimise_legs(
 
 @dataclass(frozen=True)
 class _Pilot:
-    """Pilot trials: their seed, a progress bar, and whether legs must be chosen on them, not by the equation alone."""
+    """Pilot trials: seed, progress bar, whether legs must be chosen on them, not by the equation alone, and workers."""
 
     seed: int
     progress: Progress | None
     is_needed: bool
+    workers: Workers
 
 
 def _for_mean_time(transit: AnalyticTransit, pilot: _Pilot) -> OptimisedLegs:
@@ -259,7 +264,7 @@ def _arrive(scenario: SweepScenario, found: OptimisedLegs, seed: int) -> bool:
 def _on_trials(
     transit: AnalyticTransit, family: PolicyFamily, objective: Objective, pilot: _Pilot, how_found: str
 ) -> OptimisedLegs:
-    d_max, table = search_policies(transit, family, objective, pilot.seed, pilot.progress)
+    d_max, table = search_policies(transit, family, objective, pilot.seed, pilot.progress, pilot.workers)
     return _optimised(transit, d_max, table, how_found)
 
 

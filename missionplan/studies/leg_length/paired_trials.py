@@ -7,11 +7,13 @@ and Analysis, sect. 11.2).
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.montecarlo.parallel.blocks import Workers
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.state import TrialState
@@ -26,7 +28,7 @@ PILOT_BLOCK = 1 << 40
 """Block of the pilot trials, on which plans are chosen: never one of those on which chosen plans are evaluated."""
 HALVING_RUNGS = ((512, 96), (1024, 32))
 """Trials and number of plans that go on, at each rung of successive halving; the last rung is a whole block."""
-TRIALS_TOGETHER = 1 << 16
+TRIALS_TOGETHER = 1 << 15
 """Trials that are run at once, each trial of each plan for itself; more take memory and gain little."""
 
 
@@ -92,6 +94,7 @@ class _AddedDrift(TransitEffect):
 
 
 AS_PLANNED = ErrorScenario("")
+IN_THIS_PROCESS = Workers()
 
 
 @dataclass(frozen=True)
@@ -252,6 +255,11 @@ def _run_together(
         yield run.take(slice(number * state.trials, (number + 1) * state.trials))
 
 
+def _pilot_trials(scenario: SweepScenario, seed: int, trials: int, plans: Sequence[LegsAtSpeed]) -> list[PlanTrials]:
+    """Run some of the plans: a task for one process."""
+    return run_plans(scenario, plans, seed, PILOT_BLOCK, trials)
+
+
 def pilot_work(plans: int) -> int:
     """Count the trials that `best_plan` runs for a number of plans, each trial of each plan for itself."""
     work, left = 0, plans
@@ -270,6 +278,7 @@ def best_plan(
     seed: int,
     *,
     advance: Callable[[int], None] | None = None,
+    workers: Workers = IN_THIS_PROCESS,
 ) -> tuple[int, Score]:
     """Find the plan of least objective on a block of pilot trials, by successive halving.
 
@@ -287,7 +296,12 @@ def best_plan(
     values: dict[int, Score] = {}
     for trials, kept in (*HALVING_RUNGS, (BLOCK, 1)):
         if len(left) > kept or trials == BLOCK:
-            tried = iter_plans(scenario, [plans[index] for index in left], seed, PILOT_BLOCK, trials)
+            together = max(TRIALS_TOGETHER // trials, 1)
+            parts = [
+                [plans[index] for index in left[first : first + together]] for first in range(0, len(left), together)
+            ]
+            task = partial(_pilot_trials, scenario, seed, trials)
+            tried = itertools.chain.from_iterable(workers.run(task, parts))
             values = {}
             for index, run in zip(left, tried, strict=True):
                 values[index] = objective(run)

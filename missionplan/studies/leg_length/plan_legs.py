@@ -9,7 +9,7 @@ from typing import get_args
 from missionplan.arrays import Array
 from missionplan.mission import MissionOrPath
 from missionplan.mission.views import under_each_explanation
-from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.parallel.blocks import Backend, Progress, Workers, run_blocks
 from missionplan.montecarlo.statistics import Moments
 from missionplan.montecarlo.streams import block_count
 from missionplan.results.base import Provenance
@@ -62,7 +62,7 @@ def plan_legs(
     trials = trials or mission.monte_carlo.trials
     seed = mission.monte_carlo.seed if seed is None else seed
     wanted = LegAim(aim, _deadline(scenario)) if aim == "p95" else LegAim(aim)
-    best = optimise_legs(scenario, wanted, seed, progress=progress)
+    best = optimise_legs(scenario, wanted, seed, progress=progress, workers=Workers(jobs, backend, scheduler))
     task = PairedPlansTask(scenario, error_scenarios(scenario), best.fixed, best.adaptive, trials, seed)
     tasks = [(task, None), *_explained(task)]
     run = partial(run_blocks, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)

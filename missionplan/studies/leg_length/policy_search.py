@@ -2,14 +2,22 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from missionplan.montecarlo.parallel.blocks import Progress
+from missionplan.montecarlo.parallel.blocks import Progress, Workers
 from missionplan.phases.transit.analytic.bellman import JUMP
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.studies.leg_length.analytic_transit import AnalyticTransit
-from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, Objective, Score, best_plan, pilot_work
+from missionplan.studies.leg_length.paired_trials import (
+    IN_THIS_PROCESS,
+    LegsAtSpeed,
+    Objective,
+    Score,
+    best_plan,
+    pilot_work,
+)
 
 SPREAD_FACTORS = (0.7, 1.0, 1.4, 2.0)
 """Factors on the spread for which best legs are tried."""
@@ -54,12 +62,15 @@ class _Search:
     seed: int
     progress: Progress | None
     work: int
+    workers: Workers
     done: int = 0
 
     def best_of(self, policies: Sequence[_Policy]) -> tuple[Score, _Policy]:
         """Find the best of some policies, with its score."""
         plans = [LegsAtSpeed(policy.table, self.transit.speed_factor) for policy in policies]
-        index, least = best_plan(self.transit.scenario, plans, self.objective, self.seed, advance=self._advance)
+        index, least = best_plan(
+            self.transit.scenario, plans, self.objective, self.seed, advance=self._advance, workers=self.workers
+        )
         return least, policies[index]
 
     def _advance(self, trials: int) -> None:
@@ -74,6 +85,7 @@ def search_policies(
     objective: Objective,
     seed: int,
     progress: Progress | None = None,
+    workers: Workers = IN_THIS_PROCESS,
 ) -> tuple[float, LegTable]:
     """Find the best fixed d_max [m] and the best table of a family, on the same pilot trials.
 
@@ -95,15 +107,15 @@ def search_policies(
         pilot_work(plans)
         for plans in (len(fixed), variants * len(family.spread_factors), variants * len(family.surfacing_factors))
     )
-    search = _Search(transit, objective, seed, progress, work)
+    search = _Search(transit, objective, seed, progress, work, workers)
 
     def best_variant(policies: Sequence[_Policy]) -> tuple[Score, _Policy]:
         return search.best_of([variant for policy in policies for variant in _variants(policy, distance, lengths)])
 
     fixed_value, constant = search.best_of(fixed)
-    value, policy = best_variant(_policies(transit, [(factor, 1.0) for factor in family.spread_factors]))
+    value, policy = best_variant(_policies(transit, [(factor, 1.0) for factor in family.spread_factors], workers))
     if family.surfacing_factors:
-        others = _policies(transit, [(policy.spread_factor, factor) for factor in family.surfacing_factors])
+        others = _policies(transit, [(policy.spread_factor, factor) for factor in family.surfacing_factors], workers)
         value, policy = min((value, policy), best_variant(others), key=lambda found: found[0])
     return float(constant.table.leg[0]), policy.table if value < fixed_value else constant.table
 
@@ -122,14 +134,18 @@ def replace_first_leg(table: LegTable, distance: float, length: float) -> LegTab
     return LegTable(left, np.append(table.leg[nearer], [np.round(table(np.array([edge]))[0], 1), length]))
 
 
-def _policies(transit: AnalyticTransit, factors: Sequence[tuple[float, float]]) -> list[_Policy]:
+def _policies(transit: AnalyticTransit, factors: Sequence[tuple[float, float]], workers: Workers) -> list[_Policy]:
     """Best legs for factors on spread and cost of a surfacing, without those for errors that no legs can cope with."""
-    policies, refusal = [], ""
-    for spread, surfacing in factors:
-        try:
-            policies.append(_Policy(spread, transit.best_table(spread, surfacing)))
-        except ValueError as error:
-            refusal = str(error)
+    found = list(workers.run(partial(_policy, transit), factors))
+    policies = [policy for policy in found if isinstance(policy, _Policy)]
     if not policies:
-        raise ValueError(refusal)
+        raise ValueError(found[-1] if found else "")
     return policies
+
+
+def _policy(transit: AnalyticTransit, factors: tuple[float, float]) -> _Policy | str:
+    """Best legs for factors on spread and cost of a surfacing, or why there are none: a task for one process."""
+    try:
+        return _Policy(factors[0], transit.best_table(*factors))
+    except ValueError as error:
+        return str(error)
