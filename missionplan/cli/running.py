@@ -64,7 +64,7 @@ def new_folder_name(stem: str, command: str) -> Path:
 
 def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
-    from missionplan.report.crew.conversion import using_units
+    from missionplan.report.crew.conversion import in_units, units_of, using_units
 
     with using_units(output.system):
         result.save(folder, force=output.force)
@@ -78,8 +78,10 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     if not output.quiet:
         from missionplan.report.typesetting import typeset
 
+        with using_units(output.system):
+            units = units_of(result.provenance.data)
         for notice in result.provenance.notices:
-            note(f"Note: {typeset(notice)}")
+            note(f"Note: {in_units(typeset(notice), units) if units else typeset(notice)}")
     note(f"Report: {folder / 'report.html'}")
 
 

@@ -147,7 +147,10 @@ def to_figure(
     import matplotlib as mpl
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
+    from missionplan.report.crew.drawing import draw_in_units
+
     FigureCanvasSVG(figure)
+    draw_in_units(figure.axes)
     figure.set_dpi(SVG_DPI)
     if (layout := figure.get_layout_engine()) is not None:  # saving would draw the whole figure twice for its sake
         layout.execute(figure)

@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import Protocol, cast
 
 from missionplan.rendering import Rendered
-from missionplan.report.crew.conversion import in_units, units_of
+from missionplan.report.crew.conversion import drawing_in, in_units, units_of
 from missionplan.report.crew.pages import page_in_units, section_in_units, terminal_in_units
 from missionplan.report.html.rendering import render_page
 from missionplan.report.page import Page, Terminal, style
@@ -27,7 +27,7 @@ def render_report(result: Result) -> Rendered:
     """Render a result as one self-contained page, its figures, and files for other programs."""
     made = result.provenance
     units = units_of(made.data)
-    with style():
+    with style(), drawing_in(units):
         page = typeset_page(_module(result).page(result))
         planned = [typeset_section(section) for section in planned_sections(made)]
     notices = [typeset(notice) for notice in made.notices]

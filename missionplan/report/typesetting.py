@@ -3,6 +3,7 @@
 Numbers are rounded where they are written (`numbers`); here their signs, groups and units get the same form everywhere.
 """
 
+import json
 import re
 import textwrap
 from collections.abc import Callable, Sequence
@@ -84,7 +85,23 @@ def _block(block: Block, words: Words) -> Block:
 
 def _figure(figure: Figure, words: Words) -> Figure:
     svg = re.sub(r"(?<=>)([^<>]*\S[^<>]*)(?=</t(?:ext|span)>)", lambda found: words(found[1]), figure.svg)
-    return replace(figure, svg=svg, alt=words(figure.alt), caption=words(figure.caption))
+    return replace(
+        figure, svg=svg, alt=words(figure.alt), caption=words(figure.caption), plot=_plot(figure.plot, words)
+    )
+
+
+def _plot(plot: str, words: Words) -> str:
+    """Set the names and texts that the page's script shows."""
+
+    def kept(found: dict[str, object]) -> dict[str, object]:
+        for key in ("name", "label"):
+            if isinstance(text := found.get(key), str):
+                found[key] = words(text)
+        if isinstance(texts := found.get("text"), list):
+            found["text"] = [words(text) for text in texts]
+        return found
+
+    return json.dumps(json.loads(plot, object_hook=kept), ensure_ascii=False, separators=(",", ":")) if plot else ""
 
 
 def _cells(cells: Sequence[str], words: Words) -> list[str]:

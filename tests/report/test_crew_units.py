@@ -6,10 +6,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
-from missionplan.report.crew.conversion import column_in_units, in_units, using_units
+from missionplan.report.crew.conversion import column_in_units, drawing_in, in_units, using_units
+from missionplan.report.crew.drawing import draw_in_units, round_length
+from missionplan.report.page import to_figure
 from missionplan.report.render import render_report, terminal_view
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
@@ -67,6 +70,76 @@ def test_a_mission_or_the_run_chooses_the_units_and_the_summary_stays_in_si():
     assert "\u00a0mi" in html
     assert "--units imperial" in html
     assert "nmi" in json.dumps(plain.provenance.data)
+
+
+def drawn(system: str, *, highest: float, aspect: str = "auto"):
+    figure = Figure(layout="constrained")
+    axes = figure.add_subplot()
+    axes.plot([0.0, 700.0, 1400.0], [0.0, highest / 2.0, highest], label="to 300 m")
+    axes.set(xlabel="east (m)", ylabel="north (m)", xlim=(0.0, 1852.0), ylim=(0.0, highest), aspect=aspect)
+    axes.legend()
+    with drawing_in(system):
+        return axes, to_figure(figure, "figure", "")
+
+
+def ticks(axis) -> list[float]:
+    return [float(text.get_text().replace("−", "-")) for text in axis.get_ticklabels()]
+
+
+def test_axes_have_round_numbers_in_the_units_of_the_crew_and_so_has_the_script():
+    axes, figure = drawn("imperial", highest=300.0)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("east (mi)", "north (ft)")
+    feet = ticks(axes.yaxis)
+    assert feet == [0.0, 200.0, 400.0, 600.0, 800.0, 1000.0]  # the last is outside and not drawn
+    assert axes.yaxis.get_majorticklocs() == pytest.approx([0.3048 * tick for tick in feet])
+    panel = json.loads(figure.plot)["axes"][0]
+    assert panel["x"] == {"lim": [0.0, 1.1508], "log": False, "label": "east (mi)"}
+    assert panel["y"]["lim"] == pytest.approx([0.0, 300.0 / 0.3048], rel=1e-4)
+    assert panel["lines"][0]["points"][-1] == pytest.approx([1400.0 / 1609.344, 300.0 / 0.3048], rel=1e-4)
+    assert axes.get_legend().get_texts()[0].get_text() == "to 984\u00a0ft"
+
+
+def test_a_map_has_one_unit_and_axes_stay_where_no_units_are_chosen():
+    axes, _ = drawn("nautical", highest=300.0, aspect="equal")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("east (nmi)", "north (nmi)")
+    axes, _ = drawn("nautical", highest=300.0)
+    assert axes.get_ylabel() == "north (m)"
+    axes, figure = drawn("", highest=300.0)
+    assert axes.get_xlabel() == "east (m)"
+    assert json.loads(figure.plot)["axes"][0]["x"]["lim"] == [0.0, 1852.0]
+
+
+def test_a_logarithmic_axis_and_words_on_an_axis():
+    figure = Figure()
+    axes = figure.add_subplot()
+    axes.set(xscale="log", xlim=(1.0, 1000.0), xlabel="leg (m)", ylabel="mean (m/s)")
+    axes.set_yticks([0.0, 1.0], ["slow", "fast"])
+    with drawing_in("imperial"):
+        draw_in_units([axes])
+    assert axes.get_xlabel() == "leg (ft)"
+    assert {5.0, 10.0, 20.0, 1000.0} <= set(ticks(axes.xaxis))
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["slow", "fast"]
+    assert json.loads(to_figure(figure, "figure", "").plot)["axes"][0]["y"] is None
+
+
+@pytest.mark.parametrize(
+    ("system", "length", "words"),
+    [("", 1200.0, "1 km"), ("", 380.0, "200 m"), ("nautical", 1200.0, "0.5 nmi"), ("imperial", 380.0, "1000 ft")],
+)
+def test_a_scale_bar_has_a_round_length(system, length, words):
+    with drawing_in(system):
+        metres, written = round_length(length)
+    assert written == words
+    assert 0.4 * length <= metres <= length
+
+
+def test_the_page_for_scripts_is_in_the_units_of_the_crew():
+    found = sweep_dmax(load(MISSIONS / "fig8.yaml"), trials=20)
+    with using_units("nautical"):
+        html = render_report(found).html
+    assert "σ_v 0.035\u00a0m/s" not in html
+    assert "σ_v 0.068\u00a0kn" in html
+    assert found.plot().get_xlabel()
 
 
 def test_unknown_units_are_refused_with_what_is_known():

@@ -51,7 +51,7 @@ def test_the_pointer_reads_values_off_axes_and_curves(browser, report, sweep):
     assert words[0] == "Maximum leg length d_max / distance 0.5"
     assert words[1].startswith("Mean cost c ")
     middle = min(sweep.middle.points, key=lambda point: abs(point.d_max_over_distance - 0.5))
-    told = next(word for word in words if word.startswith(f"σ_v {sweep.middle.sigma:g} m/s: "))
+    told = next(word for word in words if word.startswith(f"σ_v {sweep.middle.sigma:g}\u00a0m/s: "))
     value = float(told.split(": ")[1].split(" at ")[0].replace("\u2212", "-"))
     assert value == pytest.approx(100.0 * middle.cost, rel=0.01)
     assert point_at(browser, 0, 0.25, 0.5).startswith("Maximum leg length d_max / distance 0.25\n")

@@ -28,18 +28,21 @@ _READ = {
     "kg": ("kg", "lb"),
 }
 """Units that are converted, by SI unit; a millimetre of a drawing stays one."""
-_DIMENSION = {name: si for si, names in _READ.items() for name in names}
+DIMENSIONS = {name: si for si, names in _READ.items() for name in names}
+"""SI unit of each unit that is converted."""
 _NUMBER = r"[−-]?(?:\d[\d\u202f]*)(?:\.\d+)?"
 _SPACE = r"[ \u00a0]"
 _SIGN = rf"{_SPACE}?(?:±|to|–){_SPACE}?"
-_NAMES = "|".join(sorted(map(re.escape, _DIMENSION), key=len, reverse=True))
+_NAMES = "|".join(sorted(map(re.escape, DIMENSIONS), key=len, reverse=True))
 _QUANTITY = re.compile(
     rf"(?<![\w.])({_NUMBER}(?:{_SIGN}{_NUMBER})*){_SPACE}({_NAMES})(?![\w/²³*·])(?![ \u00a0\u202f][ms]\b)"
 )
 _CELL = re.compile(rf"({_NUMBER}(?:{_SIGN}{_NUMBER})*)|–?")
-_HEAD = re.compile(rf"(.*\()({_NAMES})(\).*)", re.DOTALL)
+HEAD = re.compile(rf"(.*\()({_NAMES})(\).*)", re.DOTALL)
+"""A heading or the label of an axis with a unit in brackets."""
 
 _chosen: ContextVar[str] = ContextVar("units", default="")
+_drawn: ContextVar[str] = ContextVar("drawn", default="")
 
 
 @contextmanager
@@ -55,6 +58,21 @@ def using_units(system: str | None) -> Iterator[None]:
 def given_units() -> str:
     """Return the system chosen for the run; empty where the mission's counts."""
     return _chosen.get()
+
+
+@contextmanager
+def drawing_in(system: str) -> Iterator[None]:
+    """Draw figures in a system of units; empty: as they are drawn."""
+    token = _drawn.set(system)
+    try:
+        yield
+    finally:
+        _drawn.reset(token)
+
+
+def drawn_units() -> str:
+    """Return the system in which figures are drawn; empty: as they are drawn."""
+    return _drawn.get()
 
 
 def units_of(data: Mapping[str, object]) -> str:
@@ -76,18 +94,22 @@ def _converted(found: re.Match[str], *, system: str) -> str:
 
 def target_unit(unit: str, numbers: list[str], system: str) -> str:
     """Choose the unit of the crew for numbers of one unit, by the largest of them."""
-    si = _DIMENSION[unit]
+    found = [abs(_value(each)) for text in numbers for each in re.findall(_NUMBER, text)]
+    return unit_for_size(unit, max(found, default=0.0), system)
+
+
+def unit_for_size(unit: str, largest: float, system: str) -> str:
+    """Choose the unit of the crew for numbers of one unit up to a size."""
+    si = DIMENSIONS[unit]
     choices = SYSTEMS[system].get(si)
     if choices is None:  # the metric and the nautical system have SI's
         return si
-    found = [abs(_value(each)) for text in numbers for each in re.findall(_NUMBER, text)]
-    largest = max(found, default=0.0) * FACTORS[si][unit]
-    return next(name for limit, name in choices if largest < limit)
+    return next(name for limit, name in choices if largest * FACTORS[si][unit] < limit)
 
 
 def rescaled(numbers: str, unit: str, target: str) -> str:
     """Write numbers in another unit, with about as fine a last digit as they have."""
-    si = _DIMENSION[unit]
+    si = DIMENSIONS[unit]
     factor = FACTORS[si][unit] / FACTORS[si][target]
     decimals = max(len(each.partition(".")[2]) for each in re.findall(_NUMBER, numbers))
     kept = max(0, round(decimals - math.log10(factor) + 0.3))
@@ -108,7 +130,7 @@ def _written(value: float, decimals: int) -> str:
 
 def column_in_units(head: str, cells: list[str], system: str) -> tuple[str, list[str]]:
     """Convert a column of numbers whose unit stands in its head; one with other cells stays as it is."""
-    found = _HEAD.fullmatch(head)
+    found = HEAD.fullmatch(head)
     if found is None or not all(_CELL.fullmatch(cell) for cell in cells):
         return head, cells
     unit = found[2]

@@ -1,6 +1,5 @@
 """The frame of a map: limits that one trial gone astray does not set, a north arrow and a scale bar."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -8,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from missionplan.arrays import Array
+from missionplan.report.crew.drawing import round_length
 from missionplan.report.page import INK
 
 _ASTRAY = 1.0
@@ -136,15 +136,8 @@ def north_and_scale(axes: Axes, width: float, corner: tuple[bool, bool]) -> None
     axes.annotate("", (side, foot + 0.24), (side, foot), xycoords="axes fraction", arrowprops=arrow)
     align = "right" if right else "left"
     axes.text(side + 0.02 * away, foot + 0.1, "N", ha=align, weight="bold", transform=axes.transAxes, va="bottom")
-    length = _round_length(0.25 * width)
+    length, words = round_length(0.25 * width)
     start = side + 0.08 * away
     end = start + away * length / width
     axes.plot([start, end], [foot, foot], transform=axes.transAxes, color=INK, linewidth=2.5)
-    words = f"{length:g} m" if length < 1000.0 else f"{length / 1000.0:g} km"
     axes.text(0.5 * (start + end), foot + 0.03, words, ha="center", transform=axes.transAxes, va="bottom")
-
-
-def _round_length(length: float) -> float:
-    """Largest of 1, 2, 5 × 10ⁿ up to `length`."""
-    power = 10.0 ** math.floor(math.log10(length))
-    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= length)

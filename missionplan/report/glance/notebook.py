@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
+from missionplan.report.crew.conversion import drawing_in, units_of
+from missionplan.report.crew.drawing import draw_in_units
 from missionplan.report.glance.text import heading
 from missionplan.report.page import style
 from missionplan.report.plots.catalogue import drawings_of
@@ -49,9 +51,10 @@ def _figure(result: Result) -> str:
     if not drawings:
         return ""
     name, draw = next(iter(drawings.items()))
-    with style():
+    with style(), drawing_in(units_of(result.provenance.data)):
         figure = Figure(figsize=(6.4, 4.0), layout="constrained")
         draw(figure.add_subplot(), result)
+        draw_in_units(figure.axes)
         buffer = io.BytesIO()
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     image = base64.b64encode(buffer.getvalue()).decode()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.report.crew.drawing import has_numbers, size_of_unit
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -76,7 +77,7 @@ def readings(figure: "MatplotlibFigure", series: dict[str, list[str]], slider: S
     if slider is not None:
         found["slider"] = {
             "label": slider.label,
-            "x": [_short(place) for place in slider.places],
+            "x": [_short(place / size_of_unit(figure.axes[0].xaxis)) for place in slider.places],
             "text": list(slider.texts),
             "start": slider.start,
         }
@@ -99,15 +100,13 @@ def _panel(figure: "MatplotlibFigure", axes: "Axes") -> dict[str, object] | None
 
 
 def _dimension(axis: "Axis", shared: Sequence["Axis"], limits: tuple[float, float]) -> dict[str, object] | None:
-    """Limits, scale and label of an axis, or of one that shares it; None without a label or where ticks are words."""
-    from matplotlib.ticker import FixedFormatter
-
+    """Limits, scale and label of an axis, or of one that shares it; None where it has no label or no numbers."""
     label = axis.label.get_text() or next(filter(None, (other.label.get_text() for other in shared)), "")
-    words = isinstance(axis.get_major_formatter(), FixedFormatter)
-    if not label or words or axis.get_scale() not in ("linear", "log"):
+    if not label or not has_numbers(axis):
         return None
+    size = size_of_unit(axis)
     return {
-        "lim": [_short(limit) for limit in limits],
+        "lim": [_short(limit / size) for limit in limits],
         "log": axis.get_scale() == "log",
         "label": " ".join(label.split()),
     }
@@ -119,6 +118,7 @@ def _lines(axes: "Axes") -> Iterator[dict[str, object]]:
         if named and str(line.get_label()).startswith("_"):
             continue
         points = np.array([np.asarray(line.get_xdata(), dtype=float), np.asarray(line.get_ydata(), dtype=float)])
+        points /= np.array([[size_of_unit(axes.xaxis)], [size_of_unit(axes.yaxis)]])
         if line.get_transform() == axes.transData and points.shape[1] >= _LEAST_POINTS:
             label = str(line.get_label())
             yield {"name": "" if label.startswith("_") else label, "points": _thinned(points)}

@@ -105,7 +105,7 @@ def tracks_figure(plan: LegPlan) -> Figure:
     rows = figure.subplots(len(plans), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     for axes, (title, tracks) in zip(rows, plans, strict=True):
         _draw_tracks(axes, plan, tracks)
-        axes.set(title=title, ylabel="Across (m, to port)")
+        axes.set(title=title, ylabel="Across, to port (m)")
     rows[-1].set(xlabel="Along the course (km)")
     number, both = plan.fixed_tracks.shape[2], ", with the same errors, by both plans" if plan.recommended else ""
     return to_figure(

@@ -6,6 +6,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
 from missionplan.rendering import Plot
+from missionplan.report.crew.conversion import drawing_in, units_of
+from missionplan.report.crew.drawing import draw_in_units
 from missionplan.report.page import style
 from missionplan.results.base import Result
 
@@ -49,10 +51,12 @@ def plots_of(result: Result) -> dict[str, Plot]:
 
 def _plot(result: Result, draw: Drawing, *, ax: "Axes | None" = None, **options: object) -> "Axes":
     """Draw on axes, or on new ones of pyplot's, in the style of the reports."""
-    with style():
+    with style(), drawing_in(units_of(result.provenance.data)):
         if ax is None:
             import matplotlib.pyplot as plt
 
             _, ax = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
+        others = set(ax.figure.axes) - {ax}
         draw(ax, result, **options)
+        draw_in_units(axes for axes in ax.figure.axes if axes not in others)
     return ax
