@@ -1,6 +1,7 @@
 """A chart behind the map of the site: GeoJSON and GeoTIFF from local files, and what cannot be read told on the map."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,17 @@ def test_a_chart_is_drawn_behind_the_site(tmp_path, name, write):
     assert len(drawn.svg) > len(plain.svg)
     assert ("data:image/png" in drawn.svg) == (name == "chart.tif")
     assert ("10 m" in drawn.svg) == (name == "coast.geojson")
+
+
+def test_names_stand_on_white_before_a_picture_in_colours_of_their_own(tmp_path):
+    geotiff(tmp_path / "chart.tif")
+    data = mission(tmp_path, "chart.tif").raw
+    with style():
+        drawn, plain = site_map(data), site_map({**data, "site": {"origin": data["site"]["origin"]}})
+    assert re.search(r"fill: #ffffff; opacity: 0.8", drawn.svg)
+    assert "opacity: 0.8" not in plain.svg
+    scale = drawn.svg[drawn.svg.index(">200 m<") - 300 : drawn.svg.index(">200 m<")]
+    assert "#222222" not in scale
 
 
 def test_a_chart_that_cannot_be_read_is_told_and_the_map_is_drawn(tmp_path):

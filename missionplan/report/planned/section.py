@@ -82,7 +82,7 @@ def _site(data: Mapping[str, object]) -> Iterator[Row]:
 def _current(value: object) -> Iterator[Row]:
     """Write each layer of a current, or where it is read."""
     if not isinstance(value, list | tuple):
-        yield "current", value_in_words(value)
+        yield "current", value_in_words(_by_name(value))
         return
     above = "the surface"
     for layer in map(_mapping, value):
@@ -90,6 +90,18 @@ def _current(value: object) -> Iterator[Row]:
         words = f"{value_in_words(layer.get('speed'))} toward {value_in_words(layer.get('toward'))}"
         yield f"current, {above} to {edge}", words
         above = edge
+
+
+def _by_name(current: object) -> object:
+    """Name the files of a current without their folders."""
+    if not isinstance(current, Mapping):
+        return current
+    names = {
+        key: [Path(str(each)).name for each in value] if isinstance(value, list | tuple) else Path(str(value)).name
+        for key, value in current.items()
+        if key == "file"
+    }
+    return {**current, **names}
 
 
 def _navigation(data: Mapping[str, object]) -> Iterator[Row]:
@@ -138,4 +150,20 @@ def _effects(data: Mapping[str, object]) -> Iterator[Row]:
     entries = data.get("effects")
     for entry in entries if isinstance(entries, list | tuple) else ():
         for name, parameters in _mapping(entry).items():
+            if name == "one-of" and isinstance(parameters, list | tuple):
+                yield from (_explanation(_mapping(each)) for each in parameters)
+                continue
             yield f"effect: {name.replace('-', ' ')}", value_in_words(parameters) if parameters else "as usual"
+
+
+def _explanation(held: Mapping[str, object]) -> Row:
+    """Write one of the explanations of which a trial draws one."""
+    entries = held.get("effects")
+    parts = [
+        f"{name.replace('-', ' ')} ({value_in_words(parameters)})" if parameters else name.replace("-", " ")
+        for entry in (entries if isinstance(entries, list | tuple) else ())
+        for name, parameters in _mapping(entry).items()
+    ]
+    probability = held.get("probability")
+    share = f"{100.0 * probability:.3g} %" if isinstance(probability, int | float) else "an explanation"
+    return f"held possible, {share}", ", ".join(parts)

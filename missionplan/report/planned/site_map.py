@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
+from matplotlib.patheffects import AbstractPathEffect, withStroke
+from matplotlib.text import Annotation
 
 from missionplan.exporters.maps.geometry import circle
 from missionplan.mission.geodesy import to_plane
@@ -58,8 +60,10 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
     for line in circles:
         axes.plot(*line, color=ORANGE, linewidth=1.2)
     named = list(_names(goals))
-    _write_names(axes, named, way.mean(axis=1))
+    _write_names(axes, named, way)
     north_and_scale(axes, shown.width, emptiest_corner([way, *circles], shown.limits))
+    if _has_picture(data):
+        _on_white(axes)
     words = "; ".join(f"{name} at {place[0]:.0f} m east, {place[1]:.0f} m north" for name, place in named)
     return to_figure(
         figure,
@@ -92,20 +96,51 @@ def _names(goals: list[Goal]) -> Iterator[tuple[str, Point]]:
         yield ", ".join(names), place
 
 
-def _write_names(axes: Axes, named: list[tuple[str, Point]], middle: np.ndarray) -> None:
-    """Write each name beside its place, towards the map's middle."""
+def _write_names(axes: Axes, named: list[tuple[str, Point]], way: np.ndarray) -> None:
+    """Write each name beside its place: towards the map's middle, and on the side that the way does not take."""
+    middle = way.mean(axis=1)
     for name, (east, north) in named:
         right = east > middle[0]
         axes.plot(east, north, "o", color=INK, markersize=4)
         axes.annotate(
             name,
             (east, north),
-            (-8 if right else 8, -12 if north > middle[1] else 10),
+            (-8 if right else 8, 8 if _runs_below(way, (east, north)) else -14),
             textcoords="offset points",
             ha="right" if right else "left",
             color=GREEN,
             weight="bold",
         )
+
+
+def _runs_below(way: np.ndarray, place: Point) -> bool:
+    """Whether the way goes on from a place to the south, or level."""
+    near = np.flatnonzero(np.hypot(*(way - np.array(place)[:, None])) < 1.0)
+    beside = [index for index in (*(near - 1), *(near + 1)) if 0 <= index < way.shape[1] and index not in near]
+    return bool(np.mean(way[1, beside] - place[1]) <= 0.0) if beside else True
+
+
+def _has_picture(data: Mapping[str, object]) -> bool:
+    """Whether the mission's chart is a picture, which may be dark."""
+    site = data.get("site")
+    file = site.get("chart") if isinstance(site, Mapping) else None
+    return isinstance(file, str) and Path(file).suffix.lower() in (".tif", ".tiff")
+
+
+def _on_white(axes: Axes) -> None:
+    """Put names, north arrow, scale and way on white, in colours that a page's dark theme leaves alone."""
+    light: list[AbstractPathEffect] = [withStroke(linewidth=4.0, foreground="white", alpha=0.8)]
+    for text in axes.texts:
+        if text.get_color() == INK:
+            text.set_color("black")
+        if text.get_text():
+            text.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0})
+        elif isinstance(text, Annotation) and text.arrow_patch is not None:
+            text.arrow_patch.set(color="black", path_effects=light)
+    for line in axes.lines:
+        if line.get_color() == INK:
+            line.set_color("black")
+        line.set_path_effects(light)
 
 
 def _goals(data: Mapping[str, object]) -> Iterator[Goal]:

@@ -23,6 +23,7 @@ def value_in_words(value: object) -> str:
 
 
 def _degrees(text: str) -> str:
+    text = re.sub(r"(?<=\d)\.0+(?= |$)", "", text)
     return re.sub(r"(?<=\d)\s*deg\b", "°", text)
 
 
