@@ -32,12 +32,13 @@ def explanation_in_words(sizing: AnchorSizing) -> str:
 
 def explanation_section(sizing: AnchorSizing) -> list[PageSection]:
     """Tabulate what the anchor to build achieves under each explanation, and which one would do."""
+    asked = any(each.needed is not None for each in sizing.explanations)
     rows = [
         [
             label(each.causes),
             f"{100.0 * each.probability:.1f}\u00a0%",
             percent(each.good),
-            "–" if each.needed is None else f"{each.needed:.2f}",
+            "–" if each.needed is None and asked else f"{each.needed:.2f}" if asked else "",
         ]
         for each in sizing.explanations
     ]

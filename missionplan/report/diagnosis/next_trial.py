@@ -107,7 +107,7 @@ def _outcomes(found: NextTrial) -> Table:
         ]
         for each in found.outcomes
     ]
-    columns = ["If it then looks most like", "How likely", capitalised(f"{_CHOSEN[found.decides]} becomes"), "Saves"]
+    columns = ["If it then looks most like", "How likely", f"{_CHOSEN[found.decides]} becomes", "Saves"]
     return Table(columns, rows, "What the outcomes of that trial would mean; those rarer than 2 % are left out.")
 
 

@@ -34,7 +34,8 @@ _KEEP_KNOWN = (
 )
 _CONFIRMED = 3
 """Parameters of the mission's own effects that the headline names."""
-_RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+_BEYOND_DOUBT = math.log(1e4)
+"""Expected ln Bayes factor above which its size says no more."""
 
 
 def page(diagnosis: Diagnosis) -> Page:
@@ -185,17 +186,16 @@ def _measurement_words(entry: NextMeasurement) -> str:
     first, second = (names(causes) for causes in entry.separates)
     if entry.expected_log_bayes_factor < _INDISTINGUISHABLE:
         return f"No measurement considered would tell {first} from {second}."
-    favour = _factor(entry.expected_log_bayes_factor)
-    return (
-        f"To tell {first} from {second}: {entry.measurement} (expected to favour the true one by a factor of {favour})."
-    )
+    favour = _favour(entry.expected_log_bayes_factor)
+    return f"To tell {first} from {second}: {entry.measurement} ({favour})."
 
 
-def _factor(nats: float) -> str:
-    """Write a Bayes factor: ``1 200``, or ``10⁹``."""
-    if nats < 12.0:
-        return f"{math.exp(nats):,.0f}".replace(",", "\u202f")
-    return "10" + f"{nats / math.log(10.0):.0f}".translate(_RAISED)
+def _favour(nats: float) -> str:
+    """Say how clearly a measurement is expected to tell two explanations apart."""
+    if nats > _BEYOND_DOUBT:
+        return "expected to tell them apart beyond doubt"
+    factor = f"{math.exp(nats):.2g}" if nats < math.log(100.0) else f"{float(f'{math.exp(nats):.1e}'):.0f}"
+    return f"expected to make the true one {factor} times as probable against the other"
 
 
 def _residual_section(diagnosis: Diagnosis) -> list[PageSection]:

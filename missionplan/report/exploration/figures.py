@@ -204,8 +204,8 @@ def front_figure(found: Exploration) -> Figure | None:
         figure,
         "front",
         alt="Probability of success against mean energy; the front of what can be had is coloured by duration",
-        caption="Each dot is a cell; coloured: no other is at least as good in probability of success, mean energy and "
-        "mean duration and better in one. Means are of the trials that reach the mission's end.",
+        caption="Each dot is one that was tried; coloured: no other is as good in probability of success, mean "
+        "energy and mean duration and better in one of them. Means are of the trials that reach the mission's end.",
     )
 
 

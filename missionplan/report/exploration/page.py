@@ -10,6 +10,7 @@ from missionplan.report.exploration.words import (
     place_in_words,
     quantity_with_error,
     ranges_in_words,
+    tried,
 )
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Figure, Page, PageSection, Table, Terminal
@@ -69,7 +70,10 @@ def _verdict(found: Exploration) -> str:
 
 
 def _numbers(found: Exploration) -> list[tuple[str, str]]:
-    numbers = [("Cells", str(len(found.cells))), ("Trials of each", str(found.provenance.trials))]
+    numbers = [
+        (f"{capitalised(tried(found))} tried", str(len(found.cells))),
+        ("Trials of each", str(found.provenance.trials)),
+    ]
     if found.best_cell is not None:
         numbers.insert(0, ("P(success) of the best", percent(found.best_cell.success)))
     return numbers
@@ -129,8 +133,8 @@ def _good(found: Exploration) -> Iterator[PageSection]:
         yield PageSection(heading, [Table(("from", "to", "tried", "least P(success)"), rows, caption, text_columns=2)])
     if good:
         text = (
-            "Cells are compared trial by trial on the same random numbers. A cell counts as good unless the best beats "
-            "it by more than chance at 5 % for all cells together (Bonferroni)."
+            f"{capitalised(tried(found))} are compared trial by trial on the same random numbers. One counts as good "
+            "unless the best beats it by more than chance, at 5 % for all together (Bonferroni)."
         )
         yield PageSection(f"{capitalised(_good_in_words(found, good))}", [text, _table(found, good)])
 
@@ -148,7 +152,7 @@ def _front(found: Exploration) -> Iterator[PageSection]:
     front = [cell for cell in found.cells if cell.on_front]
     figure = front_figure(found)
     if figure is not None and len(front) > 1:
-        heading = f"{len(front)} cells trade success, energy and duration against each other"
+        heading = f"{len(front)} {tried(found)} trade success, energy and duration against each other"
         shown_above = all(cell.as_good for cell in front)
         table = [] if shown_above else [_table(found, sorted(front, key=lambda cell: -cell.success.value))]
         yield PageSection(heading, [figure, *table])
@@ -172,8 +176,8 @@ def _invalid(found: Exploration) -> Iterator[PageSection]:
             for reason, cells in list(by_reason.items())[:_MOST_REASONS]
         ]
         yield PageSection(
-            f"{count} of {len(found.cells)} cells cannot be run",
-            [Table(("first", "cells", "reason"), rows, "All reasons are in explore.csv.", text_columns=3)],
+            f"{count} of {len(found.cells)} {tried(found)} cannot be run",
+            [Table(("first", tried(found), "reason"), rows, "All reasons are in explore.csv.", text_columns=3)],
         )
 
 

@@ -18,7 +18,7 @@ def answer(found: Exploration) -> str:
     """Write the best cell, what is as good, and where all requirements are met."""
     best = found.best_cell
     if best is None:
-        return "No cell can be compared: no trial reaches what is asked for."
+        return f"None of the {tried(found)} can be compared: no trial reaches what is asked for."
     sentences = [
         *_unmet(found, best),
         f"{_best_in_words(found, best)}: {_what_it_gives(found, best)}.",
@@ -33,6 +33,13 @@ def answer(found: Exploration) -> str:
 def name_of(axis: Axis) -> str:
     """Write what is varied: ``speed (ingress)``."""
     return " and ".join(in_words(key) for key in axis.keys)
+
+
+def tried(found: Exploration) -> str:
+    """Name what was tried: ``starts``; ``choices`` where two keys were varied, or one that has no plural."""
+    if len(found.axes) == 1 and found.axes[0].keys in (("start",), ["start"]):
+        return "starts"
+    return "choices"
 
 
 def place_in_words(found: Exploration, cell: Cell) -> str:
@@ -93,7 +100,7 @@ def _as_good(found: Exploration) -> str:
             ]
             return f"As good, {noise}: {', '.join(others)}."
         return f"Any {name_of(axis)} {ranges_in_words(axis, found.ranges_as_good)} is as good, {noise}."
-    return f"{count} of the {len(found.cells)} cells are as good, {noise}."
+    return f"{count} of the {len(found.cells)} {tried(found)} are as good, {noise}."
 
 
 def _windows(found: Exploration) -> str:
@@ -103,7 +110,7 @@ def _windows(found: Exploration) -> str:
     if len(found.axes) == 1 and found.axes[0].numbers is not None:
         where = ranges_in_words(found.axes[0], found.windows)
     else:
-        where = f"in {met} of the {len(found.cells)} cells"
+        where = f"with {met} of the {len(found.cells)} {tried(found)}"
     doubt = "" if any(cell.status == "met" for cell in found.cells) else "; it takes more trials to be sure of it"
     return f"All requirements are met {where}{doubt}."
 
@@ -123,11 +130,11 @@ def ranges_in_words(axis: Axis, windows: Sequence[Window]) -> str:
 
 def _dropped(found: Exploration) -> str:
     count = sum(cell.dropped for cell in found.cells)
-    return f"{count} cells that cannot be the best were run with fewer trials." if count else ""
+    return f"{count} {tried(found)} that cannot be the best were run with fewer trials." if count else ""
 
 
 def _invalid(found: Exploration) -> str:
     count = len(found.cells) - len(found.valid)
     if not count:
         return ""
-    return f"{count} of the {len(found.cells)} cells cannot be run; the report says why."
+    return f"{count} of the {len(found.cells)} {tried(found)} cannot be run; the report says why."

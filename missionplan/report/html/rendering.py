@@ -3,6 +3,7 @@
 import re
 from base64 import b64encode
 from collections.abc import Sequence
+from dataclasses import replace
 from hashlib import sha256
 from importlib.resources import files
 from itertools import groupby
@@ -17,6 +18,8 @@ from missionplan.results.base import Provenance, to_yaml
 
 _LARGEST = 1.7
 """Largest scale of a figure on the page [px/pt]: text of 10 pt is then 17 px high, as the page's."""
+_LONG_NAME = 18
+"""Characters of a first cell for which a wide screen keeps more room."""
 _LEAST_COLUMNS, _MOST_CARDS = 4, 14
 """A narrow screen shows the rows of a table as cards if it has so many columns, and not too many rows."""
 
@@ -64,6 +67,7 @@ def _environment() -> Environment:
     environment.filters["inline"] = inline
     environment.filters["grouped"] = grouped
     environment.filters["shape"] = shape
+    environment.filters["filled"] = filled
     environment.tests["text"] = lambda block: isinstance(block, str)
     environment.tests["figures"] = lambda block: isinstance(block, list)
     environment.tests["table"] = lambda block: isinstance(block, Table)
@@ -85,7 +89,26 @@ def shape(table: Table) -> str:
     """Choose how a table is shown on a narrow screen and on paper: the classes of its element."""
     few = len(table.rows) <= _MOST_CARDS
     wide = len(table.columns) >= _LEAST_COLUMNS
-    return " ".join(name for name, holds in (("short", few), ("cards", few and wide), ("long", not few)) if holds)
+    named = any(len(row[0]) > _LONG_NAME for row in table.rows)
+    names = (("short", few), ("cards", few and wide), ("long", not few), ("named", named))
+    return " ".join(name for name, holds in names if holds)
+
+
+def filled(table: Table) -> Table:
+    """Leave out the columns of a table that have no cell with anything in it."""
+    kept = [
+        index
+        for index in range(len(table.columns))
+        if not table.rows or any(len(row) > index and row[index] for row in table.rows)
+    ]
+    if len(kept) == len(table.columns):
+        return table
+    return replace(
+        table,
+        columns=[table.columns[index] for index in kept],
+        rows=[[row[index] for index in kept] for row in table.rows],
+        text_columns=sum(index < table.text_columns for index in kept),
+    )
 
 
 def inline(figure: Figure) -> Markup:

@@ -89,7 +89,7 @@ def _dives_table(result: ImportedData) -> Table:
     reasons = shown["reason"].where(shown["ok"] == 0, "yes")
     columns = (shown.iloc[:, 0], begins, result.durations[:_LISTED] / 60.0, shown["max_depth_m"], reasons)
     rows = [
-        (str(name), str(begin).replace("T", " ")[:19], str(reason), f"{minutes:.1f}", f"{depth:.1f}")
+        (str(name), str(begin).replace("T", "\u00a0")[:19], str(reason), f"{minutes:.1f}", f"{depth:.1f}")
         for name, begin, minutes, depth, reason in zip(*columns, strict=True)
     ]
     more = f"The first {_LISTED} of {len(result.dives)}. " if len(result.dives) > _LISTED else ""
@@ -105,6 +105,7 @@ def _sources(result: ImportedData) -> PageSection:
         counts = "; ".join(f"{count}: {reason}" for reason, count in result.rejected_reasons.items())
         blocks.append(f"{len(result.rejected_fixes)} fixes do not count. {counts}. They are in rejected-fixes.csv.")
     if result.passed_over:
-        blocks.append(f"{len(result.passed_over)} files were passed over:")
+        passed = len(result.passed_over)
+        blocks.append("1 file was passed over:" if passed == 1 else f"{passed} files were passed over:")
         blocks.append(Listing("\n".join(result.passed_over[:_LISTED])))
     return PageSection("What was read", blocks)

@@ -68,6 +68,7 @@ def distributions(outcome: Outcome) -> PageSection:
         for key in phase.quantities
         if _is_drawn(outcome, phase, key)
     ]
+    blocks.sort(key=lambda block: isinstance(block, str))  # figures side by side on paper, sentences below
     which = of_those_that_end(outcome, "duration_s", "") or "the missions"
     return PageSection(f"Half of {which} need no more than {_medians(outcome)}", blocks)
 

@@ -31,8 +31,10 @@ def draw_ellipses(axes: Axes, result: TideResult) -> None:
 
 def ellipses_figure(result: TideResult) -> Figure:
     """Draw the ellipses at the depth that is shown."""
-    figure = MatplotlibFigure(figsize=(4.6, 4.2))
-    draw_ellipses(figure.add_subplot(), result)
+    figure = MatplotlibFigure(figsize=(5.4, 4.2))
+    axes = figure.add_subplot()
+    draw_ellipses(axes, result)
+    axes.set_aspect("equal", adjustable="datalim")
     names = ", ".join(wave.name for wave in result.shown.constituents[:_DRAWN])
     depth = f"{result.shown_depth:g} m"
     return to_figure(

@@ -70,8 +70,13 @@ def _numbers(tide: DepthTide) -> list[tuple[str, str]]:
     return [
         ("mean, east and north", f"{number(tide.east, error)} and {number(tide.north, error)} m/s, each ± {error:.2g}"),
         ("left, each component", f"{tide.residual:.3f} m/s"),
-        ("what is left lasts", f"{tide.residual_time / 3600.0:.1f} h"),
+        ("what is left lasts", _lasting(tide.residual_time)),
     ]
+
+
+def _lasting(seconds: float) -> str:
+    """Write how long an error is remembered; less than six minutes is not told."""
+    return f"{seconds / 3600.0:.1f} h" if seconds >= 360.0 else "less than 0.1 h"
 
 
 def _how_far(result: TideResult) -> PageSection:

@@ -56,10 +56,10 @@ def draw_histories(axes: Axes, tracks: Sequence[TimeHistory], y: Callable[[TimeH
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(tracks)))
     for track, colour in zip(tracks, colours, strict=True):
         shown = (track.time >= 0.0) & (track.time <= _SHOWN_UNTIL)
-        axes.plot(track.time[shown], y(track)[shown], color=colour, label=track.label, linewidth=1.3)
+        axes.plot(track.time[shown], y(track)[shown], color=colour, label=f"{track.label} m/s", linewidth=1.3)
     axes.set_xlabel("time since the deceleration began (s)")
     axes.set_ylabel(label)
-    axes.legend(title="m/s", ncols=2)
+    axes.legend(ncols=2)
 
 
 def rise_of(track: TimeHistory) -> Array:
@@ -117,11 +117,11 @@ def draw_energy(axes: Axes, result: TransitionSweep, option: str = "a") -> None:
     table = result.energy(FORCE, option)
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(table.columns)))
     for steepness, colour in zip(table.columns, colours, strict=True):
-        axes.plot(table.index, table[steepness], "o-", color=colour, markersize=3, label=f"{steepness:g}")
+        axes.plot(table.index, table[steepness], "o-", color=colour, markersize=3, label=f"{steepness:g} m/s")
     axes.set_xlabel("mid-transition speed (m/s)")
     axes.set_ylabel("energy (W\u202fh)")
     axes.set_ylim(bottom=0.0)
-    axes.legend(title="steepness (m/s)", ncols=2)
+    axes.legend(title="steepness", ncols=2)
 
 
 def pitch_by_variant(result: TransitionSweep) -> Figure:

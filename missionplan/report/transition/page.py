@@ -103,9 +103,9 @@ def energy_table(result: TransitionSweep) -> Table:
         for speed, row in zip(table.index, table.to_numpy(), strict=True)
     ]
     return Table(
-        ("u*", *(f"{s:g}" for s in table.columns)),
+        ("u*", *(f"{s:g} m/s" for s in table.columns)),
         rows,
-        "Energy until the slowest run of the set hovers (W\u202fh), by steepness (m/s).",
+        "Energy until the slowest run of the set hovers (W\u202fh), by steepness.",
     )
 
 

@@ -178,5 +178,5 @@ def test_a_report_says_the_best_the_windows_and_what_cannot_be_run(chesapeake, t
     found.save(tmp_path / "report")
     page = (tmp_path / "report" / "report.html").read_text()
     assert "The best line length (moor) is" in page
-    assert "1 of the 3 cells cannot be run" in page
+    assert "1 of the 3 choices cannot be run" in page
     assert (tmp_path / "report" / "explore.csv").read_text().count("\n") == 4

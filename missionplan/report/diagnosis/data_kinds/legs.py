@@ -81,13 +81,13 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
         )
         axes.set_title(title, fontsize=9)
         axes.set_xlabel("East (km)")
-        axes.set_aspect("equal")
+        axes.set_aspect("equal", adjustable="datalim")
     tips = [np.array([east, north]) + np.array(values) / scale for values in (left.before, left.after)]
     for tip in tips:  # arrows are no part of the limits by themselves
         axes.update_datalim(tip.T)
     axes.autoscale_view()
     axes.quiverkey(
-        arrows, 0.72, 1.06, 0.5 * longest, f"{0.5 * longest:.1f} {left.unit}", labelpos="E", fontproperties={"size": 8}
+        arrows, 0.6, 1.06, 0.5 * longest, f"{0.5 * longest:.1f} {left.unit}", labelpos="E", fontproperties={"size": 8}
     )
     panels[0].set_ylabel("North (km)")
     return to_figure(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
+from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
@@ -79,6 +80,7 @@ def autocorrelation(left: ResidualSeries, what: str) -> Figure:
     axes.axhspan(-limit, limit, color=GREY, alpha=0.15, linewidth=0.0)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.set(xlabel=f"{what} apart", ylabel="Autocorrelation")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.legend(fontsize=8, frameon=False)
     return to_figure(
         figure,
