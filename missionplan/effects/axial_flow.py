@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter, TankEffect
 
 
@@ -28,6 +29,12 @@ INFO = EffectInfo(
         )
     },
     what="After a change of shaft rate the thrust overshoots until the flow in the disc has adjusted.",
+    finding=Finding(
+        "mass_factor",
+        "after each change of shaft rate the thrust overshoots, as the propeller sets {size} discs' diameters of water "
+        "in motion",
+        remedy="take flow_mass from `identify` into the vehicle file, and change the shaft rate in ramps",
+    ),
     sizes="The paper does not give the factor; one disc diameter of water is 1.",
     confused_with=(),
     distinguished_by="Steps of shaft rate, thrust sampled several times within the flow's settling time.",

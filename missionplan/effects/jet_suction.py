@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter, TankEffect, TankRecord
 from missionplan.physics.tunnel_thruster import force_factor
 
@@ -31,6 +32,11 @@ INFO = EffectInfo(
     effect=JetSuction,
     parameters={"decay": Parameter("", "c of K_F = exp(-c(u/u_j)²)", 0.0, 50.0, scale=5.0, spike=0.05)},
     what="Under way the jet lowers the pressure on the hull beside it, so that less than the static thrust acts.",
+    finding=Finding(
+        "decay",
+        "under way the jet's suction on the hull takes thrust away: exp(−c·(u/u_j)²) of it is left, with c = {size}",
+        remedy="enter that decay with the thruster in the vehicle file, and slow down before it has to hold depth",
+    ),
     sizes="c of 3 for an aft thruster to 7 for a forward one (Palmer et al.).",
     confused_with=("thrust-asymmetry",),
     distinguished_by="Thrust at rest and at two speeds ahead, with the same shaft rates in both directions.",

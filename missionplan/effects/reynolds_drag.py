@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from missionplan.arrays import Array, Scalars
+from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter, TankEffect
 
 
@@ -26,6 +27,12 @@ INFO = EffectInfo(
         "exponent": Parameter("", "exponent of C_D in Re, negative where C_D falls", -1.0, 1.0, scale=0.15, spike=0.01)
     },
     what="Friction, or a boundary layer that is not yet turbulent: C_D depends on the towing speed.",
+    finding=Finding(
+        "exponent",
+        "the drag coefficient rises with the towing speed, as its power {size}",
+        "the drag coefficient falls as the towing speed rises, as its power −{size}",
+        remedy="enter the exponent with the drag in the vehicle file, and tow at the speeds of the mission",
+    ),
     sizes="Turbulent friction varies as Re to the power -1/6, laminar friction -1/2; for bluff bodies 0.",
     confused_with=("drag-bias",),
     distinguished_by="Towing over a wider range of speeds: a bias is the same at all speeds.",

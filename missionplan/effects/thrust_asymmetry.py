@@ -38,6 +38,7 @@ INFO = EffectInfo(
     finding=Finding(
         "fraction",
         "astern, {size} of the thrust ahead is missing",
+        "astern, the thrust is {size} greater than ahead",
         remedy="enter the thrust astern in the vehicle file",
         in_percent=True,
     ),

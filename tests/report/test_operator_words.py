@@ -55,5 +55,23 @@ def test_every_finding_can_be_written():
             ]
             words = told(*found)
             assert "{" not in words
-            if info.tier == "physical" and info.phase != "tank":
+            if info.tier == "physical":
                 assert words.endswith(".")
+                assert info.finding.remedy
+
+
+@pytest.mark.parametrize(
+    ("effect", "name", "value", "unit", "words"),
+    [
+        ("reynolds-drag", "exponent", -0.167, "", "The drag coefficient falls as the towing speed rises, as its power −0.167 ±"),
+        ("reynolds-drag", "exponent", 0.167, "", "The drag coefficient rises with the towing speed, as its power 0.167 ±"),
+        ("jet-suction", "decay", 5.0, "", "Under way the jet's suction on the hull takes thrust away: "),
+        ("axial-flow", "mass_factor", 1.4, "", "After each change of shaft rate the thrust overshoots, "),
+        ("quadratic-damping", "rate", 2.5, "1/m", "Large swings lose more of their height than small ones, "),
+        ("thrust-asymmetry", "fraction", -0.2, "", "Astern, the thrust is 20.0 ± 0.5\u00a0% greater than ahead"),
+    ],
+)  # fmt: skip
+def test_tank_effects_have_size_sign_and_remedy(effect, name, value, unit, words):
+    written = told(estimate(effect, name, value, 0.005, unit))
+    assert written.startswith(words)
+    assert CATALOGUE[effect].finding.remedy in written
