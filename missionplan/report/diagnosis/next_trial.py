@@ -30,6 +30,17 @@ def next_trial_section(found: NextTrial | None) -> list[PageSection]:
     return [PageSection(heading, [*blocks, _designs(found)])]
 
 
+def next_trial_told(found: NextTrial | None) -> str:
+    """Tell it after the answer, on a terminal; empty where no trial was asked for."""
+    if found is None:
+        return ""
+    if found.reason is not None:
+        return f" No trial was valued: {found.reason}."
+    words = next_trial_words(found).replace("in this folder", "in the report's folder")
+    words = words.replace("The table says", "Its table says")
+    return f" {words}" if found.best is None else f" Next trial: {words[:1].lower()}{words[1:]}"
+
+
 def next_trial_words(found: NextTrial) -> str:
     """Say in a sentence or two what to do."""
     if found.best is None:

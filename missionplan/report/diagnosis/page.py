@@ -18,7 +18,7 @@ from missionplan.report.diagnosis.evidence import (
 )
 from missionplan.report.diagnosis.how_sure import how_sure
 from missionplan.report.diagnosis.last_part import last_part_sections, last_part_words
-from missionplan.report.diagnosis.next_trial import next_trial_section
+from missionplan.report.diagnosis.next_trial import next_trial_section, next_trial_told
 from missionplan.report.diagnosis.operator import finding_in_words
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
@@ -80,7 +80,7 @@ def _rerun(diagnosis: Diagnosis) -> str:
 def terminal(diagnosis: Diagnosis) -> Terminal:
     """Build the terminal's view of a diagnosis."""
     columns, rows = ranking_rows(diagnosis.ranking[:6])
-    return Terminal(answer(diagnosis), columns, rows)
+    return Terminal(f"{answer(diagnosis)}{next_trial_told(diagnosis.next_trial)}", columns, rows)
 
 
 def answer(diagnosis: Diagnosis) -> str:

@@ -8,6 +8,7 @@ from missionplan.report.exploration.words import (
     answer,
     name_of,
     place_in_words,
+    quantity_alone,
     quantity_with_error,
     ranges_in_words,
     tried,
@@ -58,7 +59,11 @@ def _narrow(found: Exploration, cell: Cell) -> list[str]:
     if cell.reason:
         return [_STATUS[cell.status], *["–"] * (len(keys) + 1)]
     marks = "best" if cell is found.best_cell else "as good" if cell.as_good else _STATUS[cell.status]
-    return [marks, share(cell.success), *(_shown(found, cell, key).partition("\u00a0±")[0] for key in keys)]
+    return [marks, share(cell.success), *(_alone(found, cell, key) for key in keys)]
+
+
+def _alone(found: Exploration, cell: Cell, key: str) -> str:
+    return share(cell.events[key]) if key in cell.events else quantity_alone(found, cell, key)
 
 
 def _verdict(found: Exploration) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from missionplan.report.display_units import unit_for
-from missionplan.report.numbers import percent, with_error
+from missionplan.report.numbers import number, percent, with_error
 from missionplan.report.wording import in_words
 from missionplan.results.choosing.axis import Axis
 from missionplan.results.choosing.exploration import Cell, Exploration, Window
@@ -53,6 +53,14 @@ def quantity_with_error(found: Exploration, cell: Cell, key: str) -> str:
     phase, _, name = key.rpartition(".")
     unit = unit_for(phase, name, found.provenance.data, typical=statistic.mean)
     return with_error(statistic.mean, statistic.standard_error, unit)
+
+
+def quantity_alone(found: Exploration, cell: Cell, key: str) -> str:
+    """Write the mean of a cell's quantity with the digits that its error supports."""
+    statistic = cell.quantities[key]
+    phase, _, name = key.rpartition(".")
+    unit = unit_for(phase, name, found.provenance.data, typical=statistic.mean)
+    return number(unit(statistic.mean), unit(statistic.standard_error)) + unit.suffix
 
 
 def _unmet(found: Exploration, best: Cell) -> list[str]:

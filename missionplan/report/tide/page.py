@@ -147,7 +147,7 @@ def _row(wave: Constituent) -> tuple[str, ...]:
 
 def _with_error(value: float, error: float) -> str:
     if math.isnan(error):
-        return number(value, 0.01 * abs(value) or 0.001)
+        return number(value, max(0.01 * abs(value), 0.0001))
     return with_error(value, error, _AS_IT_IS)
 
 
