@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
@@ -81,11 +82,12 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
         )
         axes.set_title(title, fontsize=9)
         axes.set_xlabel("East (km)")
-        axes.set_aspect("equal", adjustable="datalim")
+        axes.set_aspect("equal")
     tips = [np.array([east, north]) + np.array(values) / scale for values in (left.before, left.after)]
     for tip in tips:  # arrows are no part of the limits by themselves
         axes.update_datalim(tip.T)
     axes.autoscale_view()
+    _not_too_narrow(axes)
     axes.quiverkey(
         arrows, 0.6, 1.06, 0.5 * longest, f"{0.5 * longest:.1f} {left.unit}", labelpos="E", fontproperties={"size": 8}
     )
@@ -96,6 +98,14 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
         alt="Velocity errors of the legs as arrows at the places where the legs began, before and after",
         caption="Velocity error of each leg where the leg began: what depends on the place shows as a pattern.",
     )
+
+
+def _not_too_narrow(axes: Axes) -> None:
+    """Widen limits so that neither side is shorter than half of the other: legs may all lie on one line."""
+    (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
+    wide, high = max(east - west, 0.5 * (north - south)), max(north - south, 0.5 * (east - west))
+    across, up = 0.5 * (west + east), 0.5 * (south + north)
+    axes.set(xlim=(across - 0.5 * wide, across + 0.5 * wide), ylim=(up - 0.5 * high, up + 0.5 * high))
 
 
 def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
