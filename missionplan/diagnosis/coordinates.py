@@ -45,6 +45,11 @@ class Coordinate:
     slab: float
     spike: float
 
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """What distinguishes it from all others."""
+        return self.effect, self.name, self.kind
+
 
 def coordinates_of(info: EffectInfo, names: Iterable[str] | None = None) -> tuple[Coordinate, ...]:
     """Return the coordinates of an effect.

@@ -10,6 +10,8 @@ from missionplan.mission.views import forecast_error
 from missionplan.montecarlo.distributions import Quantity, mean_of
 
 _PARAMETERS = {"sigma", "time"}
+ERROR_PLACE = "site.current.error."
+"""Beginning of the key paths of the error's parameters."""
 
 
 def along_a_track(mission: Mission) -> tuple[EffectInfo, dict[str, Quantity]] | None:
@@ -40,7 +42,17 @@ def as_forecast_error(extended: Mapping[str, object]) -> dict[str, object]:
     if found:
         current["error"] = found[0][name]
         mission["effects"] = [entry for entry in effects if entry not in found]
+        mission |= _renamed_correlations(mission.get("correlations"), f"effects.{name}.")
     return mission
+
+
+def _renamed_correlations(given: object, old: str) -> dict[str, object]:
+    """Correlations of the effect's parameters as those of the error of the forecast."""
+    pairs = [
+        {**pair, "between": [name.replace(old, ERROR_PLACE) for name in pair["between"]]}
+        for pair in (given if isinstance(given, list) else [])
+    ]
+    return {"correlations": pairs} if pairs else {}
 
 
 def forecast_notice(mission: Mission, causes: tuple[str, ...]) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ import yaml
 from missionplan import diagnose
 from missionplan.diagnosis.coordinates import coordinates_of, correlations, estimates
 from missionplan.diagnosis.explanations import explained_missions
-from missionplan.diagnosis.given_effects import given_priors
+from missionplan.diagnosis.given.priors import given_priors
 from missionplan.diagnosis.mission_in_doubt import Hypothesis, mission_in_doubt
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, load

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from missionplan.diagnosis.forecast_error import as_forecast_error, forecast_notice
-from missionplan.diagnosis.given_effects import given_priors
+from missionplan.diagnosis.given.priors import given_priors
 from missionplan.effects import effects_of
 from missionplan.mission import load
 

@@ -10,13 +10,13 @@ from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import correlations, estimates, is_possible
+from missionplan.diagnosis.coordinates import estimates, is_possible
 from missionplan.diagnosis.dives.forward import parameter_range
 from missionplan.diagnosis.dives.likelihood import DescentLikelihood, NoiseGridLikelihood
 from missionplan.diagnosis.dives.linearised import DIFFERENCE, DiveLinearisation
 from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, noise_grid
 from missionplan.diagnosis.dives.starts import SHAPE_SHIFTS, starting_points
-from missionplan.diagnosis.given_effects import held
+from missionplan.diagnosis.given.effects import RecordPosterior, held, tied
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI, Marginal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
@@ -46,8 +46,8 @@ class DescentState:
         Its likelihood.
     best_noise : int
         Most likely noise of the grid.
-    prior_sd : array, shape (k,)
-        Prior standard deviations of the coordinates, the slabs at their likeliest scales.
+    prior_sd : array, shape (k,) or (k, k)
+        Prior standard deviations of the coordinates, the slabs at their likeliest scales; see `Prior.root`.
     marginal : Marginal
         Posterior of the coordinates at that noise.
     """
@@ -119,9 +119,10 @@ class DescentFitting(DescentLikelihood):
         try:
             likelihood = self.likelihood(linear)
             prior = self.prior(causes)
-            best = int(np.argmax(log_joint_with_noise(likelihood.marginals(prior.sd))))
+            best = int(np.argmax(log_joint_with_noise(likelihood.marginals(prior.root(prior.sd)))))
             scales = likeliest_scales(partial(likelihood.marginal, best), prior)
-            marginals = likelihood.marginals(scales.sd)
+            prior_sd = prior.root(scales.sd)
+            marginals = likelihood.marginals(prior_sd)
         except np.linalg.LinAlgError as error:
             return FailedFit(causes, str(error))
         logs = log_joint_with_noise(marginals) + scales.log_factor
@@ -129,13 +130,14 @@ class DescentFitting(DescentLikelihood):
         free, marginal = self.free(causes), marginals[best]
         covariance, mean = marginal.covariance, linear.centre + marginal.mean
         posterior = [self.coordinates[i] for i in free], mean[free], covariance[np.ix_(free, free)]
-        found, together = estimates(*posterior), correlations(*posterior)
+        found, own = estimates(*posterior), tied(held(self.given, causes))
         possible = is_possible(found) and all(map(self._has_changed, found)) and self._is_inside(causes, linear.at)
-        state = DescentState(linear, likelihood, best, scales.sd, marginal)
+        state = DescentState(linear, likelihood, best, prior_sd, marginal)
         given: list[ParameterEstimate] = []
-        for each in held(self.given, causes):
-            own = self.places(each)
-            given += each.posterior(mean[own], covariance[np.ix_(own, own)])
+        for each in own:
+            places = self.places(each)
+            given += each.posterior(mean[places], covariance[np.ix_(places, places)])
+        together = RecordPosterior(self.coordinates, mean, covariance).correlations(own, self.places, free.tolist())
         return CauseFit(
             causes, float(logsumexp(logs)), found, _calibration(best), possible, state, tuple(given), together
         )
@@ -220,7 +222,8 @@ class DescentFitting(DescentLikelihood):
         best, shift = parent.state.best_noise, wider.centre - narrow.centre
         return float(
             max(
-                e.marginal(best, wider.sd, shift=shift).log_density - e.marginal(best, narrow.sd).log_density
+                e.marginal(best, wider.root(wider.sd), shift=shift).log_density
+                - e.marginal(best, narrow.root(narrow.sd)).log_density
                 for e in likelihoods
             )
         )

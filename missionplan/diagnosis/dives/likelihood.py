@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack, solve_triangular
+from scipy.linalg import block_diag, lapack, solve_triangular
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.dives.linearised import DiveLinearisation, LinearisedDescent
@@ -23,7 +23,12 @@ from missionplan.diagnosis.dives.noise import (
     shape_error_covariance,
 )
 from missionplan.diagnosis.inference.adequacy.residuals import InnerProducts
-from missionplan.diagnosis.inference.marginal_likelihood import Marginal, gaussian_marginal
+from missionplan.diagnosis.inference.marginal_likelihood import (
+    Marginal,
+    gaussian_marginal,
+    standardised,
+    standardised_gram,
+)
 
 ALL_DIVES = slice(None)
 
@@ -113,7 +118,8 @@ class DescentLikelihood(LinearisedDescent):
 
     def total_covariance(self, linear: DiveLinearisation, noise: Noise, prior_sd: Array) -> Array:
         """Covariance of all readings with the coordinates' priors, shape (N, N) [m²]."""
-        scaled = np.concatenate([linear.columns * prior_sd, linear.nuisances * [noise.scatter, 1.0]], axis=1)
+        own = standardised(linear.columns, prior_sd)
+        scaled = np.concatenate([own, linear.nuisances * [noise.scatter, 1.0]], axis=1)
         total = scaled @ scaled.T
         for rows, block in zip(self.parts, self.covariances(linear, (noise,)), strict=True):
             total[np.ix_(rows, rows)] += block[0]
@@ -149,11 +155,12 @@ class DescentLikelihood(LinearisedDescent):
 
 
 def _with_shared(prior_sd: Array, noise: Noise) -> Array:
-    """Prior standard deviations of the coordinates, then of curvature and lag's order.
+    """Prior standard deviations of the coordinates, or their factor, then of curvature and lag's order.
 
     The scatter of the release delay smooths the jerk of every dive to the same side, hence one coefficient for all.
     """
-    return np.append(prior_sd, [noise.scatter, 1.0])
+    shared = [noise.scatter, 1.0]
+    return np.append(prior_sd, shared) if prior_sd.ndim == 1 else np.asarray(block_diag(prior_sd, np.diag(shared)))
 
 
 def inner_products(covariance: Array, columns: Array) -> tuple[Array, Array]:
@@ -184,8 +191,9 @@ def marginalised_products(grams: Array, log_determinants: Array, prior_sd: Array
     found, inner = [], len(prior_sd) + 2
     for noise, gram, log_determinant in zip(noise_grid(), grams, log_determinants, strict=True):
         prior = _with_shared(prior_sd, noise)
-        factor = np.linalg.cholesky(prior[:, None] * gram[:inner, :inner] * prior + np.eye(inner))
-        known = solve_triangular(factor, prior[:, None] * gram[:inner, inner:], lower=True)
+        own, others = gram[:inner, :inner], gram[:inner, inner:]
+        factor = np.linalg.cholesky(standardised_gram(own, prior) + np.eye(inner))
+        known = solve_triangular(factor, standardised(others.T, prior).T, lower=True)
         total = float(log_determinant + 2.0 * np.log(np.diag(factor)).sum())
         found.append(InnerProducts(noise.log_prior, total, gram[inner:, inner:] - known.T @ known))
     return found

@@ -28,7 +28,7 @@ from missionplan.diagnosis.dives.noise import (
     sensor_and_turbulence_covariance,
 )
 from missionplan.diagnosis.dives.priors import DescentPriors
-from missionplan.diagnosis.given_effects import held
+from missionplan.diagnosis.given.effects import held
 from missionplan.diagnosis.inference.gauss_newton import perturbed
 from missionplan.results.learned.evidence import Causes
 

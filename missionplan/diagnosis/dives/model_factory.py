@@ -11,7 +11,8 @@ from missionplan.datasets.dives import DescentData, MeasuredDive
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.preparation import PreparedDives
-from missionplan.diagnosis.given_effects import GivenEffect, check_together, given_effects, given_priors
+from missionplan.diagnosis.given.effects import GivenEffect
+from missionplan.diagnosis.given.priors import check_together, given_effects, given_priors
 from missionplan.effects import effects_of
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission

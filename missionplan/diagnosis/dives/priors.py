@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, has_shape
 from missionplan.diagnosis.dives.forward import DescentForward
-from missionplan.diagnosis.given_effects import GivenEffect, held
+from missionplan.diagnosis.given.effects import GivenEffect, held, tied
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.inference.prior import Prior
 from missionplan.effects import effects_of
@@ -92,10 +92,13 @@ class DescentPriors:
         """
         centre = self.centre.copy()
         sd = np.array([c.slab if c.effect in causes else c.spike for c in self.coordinates])
-        for each in held(self.given, causes):
+        joint = []
+        for each in tied(held(self.given, causes)):
             own = self.places(each)
             centre[own], sd[own] = each.mean, np.sqrt(np.diag(each.here))
-        return Prior(centre, sd, np.array([c.effect in causes for c in self.coordinates]))
+            if np.any(each.here != np.diag(np.diag(each.here))):
+                joint.append((np.array(own), each.here))
+        return Prior(centre, sd, np.array([c.effect in causes for c in self.coordinates]), tuple(joint))
 
     def prior_sd(self, causes: Causes) -> Array:
         """Prior standard deviations, those of the slabs at their usual scale, shape (k,)."""

@@ -58,8 +58,8 @@ def gaussian_marginal(gram: Array, prior_sd: Array, log_determinant: float, coun
     ----------
     gram : array, shape (k + 1, k + 1)
         Inner products of the whitened columns and, last, the whitened data; those of parts of the data add up.
-    prior_sd : array, shape (k,)
-        Prior standard deviations of the coefficients.
+    prior_sd : array, shape (k,) or (k, k)
+        Prior standard deviations of the coefficients; a factor R of their prior covariance R Rᵀ where they are tied.
     log_determinant : float
         ln |covariance| of the noise.
     count : int
@@ -72,7 +72,7 @@ def gaussian_marginal(gram: Array, prior_sd: Array, log_determinant: float, coun
     """
     factor, white = _standardised_posterior(gram, prior_sd)
     inverse, _ = lapack.dtrtri(factor, lower=1)
-    root = prior_sd[:, None] * inverse.T
+    root = prior_sd[:, None] * inverse.T if prior_sd.ndim == 1 else prior_sd @ inverse.T
     return Marginal(_log_density(gram, factor, white, log_determinant, count), root @ white, root @ root.T)
 
 
@@ -81,15 +81,25 @@ def gaussian_log_density(gram: Array, prior_sd: Array, log_determinant: float, c
     return _log_density(gram, *_standardised_posterior(gram, prior_sd), log_determinant, count)
 
 
+def standardised(columns: Array, prior_sd: Array) -> Array:
+    """Columns, shape (m, k), of coefficients in prior standard deviations, shape (k,), or by a factor, shape (k, k)."""
+    return np.asarray(columns * prior_sd if prior_sd.ndim == 1 else columns @ prior_sd)
+
+
+def standardised_gram(gram: Array, prior_sd: Array) -> Array:
+    """Inner products of columns, shape (k, k), as those of columns so standardised."""
+    return np.asarray(prior_sd[:, None] * gram * prior_sd if prior_sd.ndim == 1 else prior_sd.T @ gram @ prior_sd)
+
+
 def _standardised_posterior(gram: Array, prior_sd: Array) -> tuple[Array, Array]:
     """Lower Cholesky factor L of the posterior precision of the coefficients over their prior sds, and L⁻¹Xᵀy."""
     k = len(prior_sd)
-    precision = prior_sd[:, None] * gram[:k, :k] * prior_sd
+    precision = standardised_gram(gram[:k, :k], prior_sd)
     precision.flat[:: k + 1] += 1.0
     factor, failed = lapack.dpotrf(precision, lower=1)
     if failed:
         raise np.linalg.LinAlgError("the coefficients' posterior has no covariance")
-    white, _ = lapack.dtrtrs(factor, prior_sd * gram[:k, k], lower=1)
+    white, _ = lapack.dtrtrs(factor, standardised(gram[None, :k, k], prior_sd)[0], lower=1)
     return factor, white
 
 

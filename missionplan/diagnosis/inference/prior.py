@@ -29,7 +29,7 @@ coordinate is known, and 0.055 at a = 3/2, where nothing is."""
 
 @dataclass(frozen=True)
 class Prior:
-    """Independent distributions of k coordinates.
+    """Distributions of k coordinates, independent but for those that are tied.
 
     Attributes
     ----------
@@ -37,15 +37,40 @@ class Prior:
         Means and standard deviations; of a Student-t distribution its scale.
     heavy : array of bool, shape (k,), optional
         Whether a coordinate's is a Student-t distribution; default none.
+    tied : tuple of (array of int, array), optional
+        Coordinates of joint normal distributions, shape (m,), and their covariances, shape (m, m); default none.
     """
 
     centre: Array
     sd: Array
     heavy: NDArray[np.bool_] | None = None
+    tied: tuple[tuple[NDArray[np.int_], Array], ...] = ()
 
     def of(self, chosen: NDArray[np.int_]) -> "Prior":
         """Return the prior of some of the coordinates."""
-        return Prior(self.centre[chosen], self.sd[chosen], None if self.heavy is None else self.heavy[chosen])
+        heavy = None if self.heavy is None else self.heavy[chosen]
+        kept = [(np.flatnonzero(np.isin(places, chosen)), places, covariance) for places, covariance in self.tied]
+        where = {int(index): place for place, index in enumerate(chosen)}
+        tied = tuple(
+            (np.array([where[int(index)] for index in places[own]], dtype=int), covariance[np.ix_(own, own)])
+            for own, places, covariance in kept
+        )
+        return Prior(self.centre[chosen], self.sd[chosen], heavy, tied)
+
+    def root(self, sd: Array) -> Array:
+        """Return a factor R of the covariance R Rᵀ, shape (k, k); the standard deviations, (k,), where nothing is tied.
+
+        Parameters
+        ----------
+        sd : array, shape (k,)
+            Of the coordinates that are not tied.
+        """
+        if not self.tied:
+            return sd
+        root = np.diag(sd)
+        for places, covariance in self.tied:
+            root[np.ix_(places, places)] = np.linalg.cholesky(covariance)
+        return root
 
     def log_density(self, at: Array) -> Array:
         """Log density at points, shape (..., k) → (...)."""
@@ -55,7 +80,13 @@ class Prior:
             constant = gammaln(0.5 * (DOF + 1.0)) - gammaln(0.5 * DOF) - 0.5 * math.log(DOF * math.pi)
             student = constant - np.log(self.sd) - 0.5 * (DOF + 1.0) * np.log1p(squared / DOF)
             logs = np.where(self.heavy, student, logs)
-        return np.asarray(logs.sum(axis=-1))
+        together = np.zeros(logs.shape[:-1])
+        for places, covariance in self.tied:
+            factor = np.linalg.cholesky(covariance)
+            white = np.linalg.solve(factor, (at - self.centre)[..., places, None])[..., 0]
+            logs[..., places] = -0.5 * np.square(white) - 0.5 * LOG_2PI
+            together = together - np.log(np.diag(factor)).sum()
+        return np.asarray(logs.sum(axis=-1) + together if self.tied else logs.sum(axis=-1))
 
     def misfit(self, at: Array) -> float:
         """Minus the log density at a point, less its least value."""
@@ -97,7 +128,7 @@ def likeliest_scales(marginal_of: Callable[[Array], Marginal], prior: Prior) -> 
     Parameters
     ----------
     marginal_of : callable
-        Of standard deviations, shape (k,): the linear model with its coordinates integrated out.
+        Of `Prior.root`: the linear model with its coordinates integrated out.
     prior : Prior
         Of the coordinates; those of `Marginal` are counted from its centre.
     """
@@ -107,7 +138,7 @@ def likeliest_scales(marginal_of: Callable[[Array], Marginal], prior: Prior) -> 
     scale, sd = np.ones(len(own)), prior.sd.copy()
     for _ in range(SCALE_STEPS):
         sd[own] = prior.sd[own] * np.sqrt(scale)
-        found = marginal_of(sd)
+        found = marginal_of(prior.root(sd))
         before = scale
         squared = (np.square(found.mean[own]) + np.diag(found.covariance)[own]) / np.square(prior.sd[own])
         scale = (DOF + squared) / (DOF + 1.0)

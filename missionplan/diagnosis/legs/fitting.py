@@ -7,19 +7,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate, correlations, estimates, is_possible
-from missionplan.diagnosis.given_effects import GivenEffect, held
+from missionplan.diagnosis.coordinates import Coordinate, estimates, is_possible
+from missionplan.diagnosis.given.effects import GivenEffect, RecordPosterior, held, tied
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS, Grams, TransitCovariance
-from missionplan.diagnosis.legs.likelihood.hyperparameters import SLAB_SCALE, Hyperparameter, log_prior, values_of
+from missionplan.diagnosis.legs.likelihood.hyperparameters import (
+    SLAB_SCALE,
+    Hyperparameter,
+    HyperparameterPrior,
+)
 from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection
 from missionplan.diagnosis.legs.likelihood.modulation import Forms, variance_of_mean
+from missionplan.diagnosis.legs.state import TransitState
 from missionplan.effects import CATALOGUE
 from missionplan.effects.oscillation import MODULATION
-from missionplan.montecarlo.draws import Correlation
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 MAX_LINEARISATIONS = 5
@@ -32,39 +36,6 @@ LARGEST_RATIO = 1.9
 """Largest size of an oscillation that wanders, over its mean amplitude in the record, that the effect can carry."""
 CONVERGED = 0.005
 """Move of the coordinates, in slabs, below which it is not."""
-
-
-@dataclass(frozen=True)
-class TransitState:
-    """State of a fit: Laplace approximation of the hyperparameters, and the coefficients at their mode.
-
-    Attributes
-    ----------
-    forms : Forms
-        Oscillations among the causes that are not steady.
-    hyperparameters : tuple of Hyperparameter
-        Those of the set of causes.
-    posterior : Laplace
-        Of their logarithms.
-    mean : array, shape (k,)
-        Posterior mean of all coordinates, the hyperparameters at their mode.
-    covariance : array, shape (k, k)
-        Posterior covariance of them.
-    linear : LinearisedLegs
-        The model as linearised last.
-    """
-
-    forms: Forms
-    hyperparameters: tuple[Hyperparameter, ...]
-    posterior: Laplace
-    mean: Array
-    covariance: Array
-    linear: LinearisedLegs
-
-    @property
-    def values(self) -> dict[tuple[str, str], float]:
-        """Hyperparameters at their mode."""
-        return values_of(self.hyperparameters, self.posterior.mode)
 
 
 @dataclass(frozen=True)
@@ -166,10 +137,11 @@ class TransitFitting(TransitCovariance):
         integrate: bool,
     ) -> Laplace:
         grams: Grams = {}
+        prior = HyperparameterPrior.of(hyperparameters, self.given_in_covariance)
 
         def log_posterior(logarithms: Array) -> float:
             likelihood = self.log_density(hyperparameters, logarithms, linear, rows, grams)
-            return log_prior(hyperparameters, logarithms) + likelihood
+            return prior.log_density(logarithms) + likelihood
 
         return laplace(log_posterior, starts, covariance, integrate=integrate)
 
@@ -179,13 +151,14 @@ class TransitFitting(TransitCovariance):
         Oscillations are steady or modulated as in the fit; what the other case adds is as in the fit.
         """
         state, linear = fit.state, fit.state.linear
+        prior = HyperparameterPrior.of(state.hyperparameters, self.given_in_covariance)
 
         def log_joint(logarithms: Array) -> float:
             try:
                 likelihood = self.log_density(state.hyperparameters, logarithms, linear)
             except np.linalg.LinAlgError:
                 return -math.inf
-            return log_prior(state.hyperparameters, logarithms) + likelihood
+            return prior.log_density(logarithms) + likelihood
 
         def log_joint_of_all(draws: Array) -> Array:
             return np.array([log_joint(logarithms) for logarithms in draws])
@@ -196,20 +169,30 @@ class TransitFitting(TransitCovariance):
 
     def _fit_of(self, causes: Causes, state: TransitState, evidence: float) -> CauseFit:
         chosen = [i for i, coordinate in enumerate(self.coordinates) if coordinate.effect in causes]
-        own = [self.coordinates[i] for i in chosen]
-        # a cause adds to what varies from record to record in any case
-        from_record_to_record = np.diag([coordinate.spike**2 for coordinate in own])
-        covariance = (state.covariance + self._from_modulation(state))[np.ix_(chosen, chosen)] + from_record_to_record
-        found = estimates(own, state.mean[chosen], covariance) + _hyperparameter_estimates(state, causes)
+        own, covariance = [self.coordinates[i] for i in chosen], self._spread(causes, state)
+        found = estimates(own, state.mean[chosen], covariance[np.ix_(chosen, chosen)])
+        found += state.estimates(causes)
         found += self._relative_sizes(state, found)
         calibration = {
             f"{h.name}_{'m' if h.name == 'fix_sd' else 'm_s'}": math.exp(value)
             for h, value in zip(state.hyperparameters, state.posterior.mode, strict=True)
             if not h.effect
         }
-        together = correlations(own, state.mean[chosen], covariance) + _hyperparameter_correlations(state, causes)
-        given = self._given_estimates(causes, state)
+        together = RecordPosterior(self.coordinates, state.mean, covariance).correlations(
+            tied(held(self.given_in_mean, causes)), self.places, chosen
+        )
+        random = (*causes, *(each.effect for each in held(self.given_in_covariance, causes)))
+        together += state.correlations(random)
+        given = self._given_estimates(causes, state, covariance)
         return CauseFit(causes, evidence, found, calibration, is_possible(found), state, given, together)
+
+    def _spread(self, causes: Causes, state: TransitState) -> Array:
+        """Covariance of the coordinates as far as the next record is concerned, shape (k, k).
+
+        A cause adds to what varies from record to record in any case.
+        """
+        spikes = [coordinate.spike if coordinate.effect in causes else 0.0 for coordinate in self.coordinates]
+        return np.asarray(state.covariance + self._from_modulation(state) + np.diag(np.square(spikes)))
 
     def _relative_sizes(self, state: TransitState, found: Sequence[ParameterEstimate]) -> tuple[ParameterEstimate, ...]:
         """Sizes of oscillations that wander over their mean amplitudes in the record, as the effect has them."""
@@ -236,15 +219,14 @@ class TransitFitting(TransitCovariance):
             variance[own] = of_mean * np.repeat(squared, 2)
         return np.diag(variance)
 
-    def _given_estimates(self, causes: Causes, state: TransitState) -> tuple[ParameterEstimate, ...]:
+    def _given_estimates(self, causes: Causes, state: TransitState, spread: Array) -> tuple[ParameterEstimate, ...]:
         """What is known of the mission's own effects after this record, those that changed left out."""
         found: list[ParameterEstimate] = []
-        spread = state.covariance + self._from_modulation(state)
-        for each in held(self.given_in_mean, causes):
+        for each in tied(held(self.given_in_mean, causes)):
             own = self.places(each)
             found += each.posterior(state.mean[own], spread[np.ix_(own, own)])
         for each in held(self.given_in_covariance, causes):
-            found += _hyperparameter_estimates(state, (each.effect,))
+            found += state.estimates((each.effect,))
         return tuple(found)
 
 
@@ -273,21 +255,3 @@ def _starts(hyperparameters: tuple[Hyperparameter, ...], near: Sequence[TransitS
                 moved[index] += shift * hyperparameter.spread
                 starts.append(moved)
     return starts, np.diag([guess[1] for guess in guesses])
-
-
-def _hyperparameter_estimates(state: TransitState, effects: Causes) -> tuple[ParameterEstimate, ...]:
-    """Estimates of the hyperparameters that are parameters of some effects."""
-    return estimates(*_posterior_of(state, effects))
-
-
-def _hyperparameter_correlations(state: TransitState, effects: Causes) -> tuple[Correlation, ...]:
-    return correlations(*_posterior_of(state, effects))
-
-
-def _posterior_of(state: TransitState, effects: Causes) -> tuple[list[Coordinate], Array, Array]:
-    """Coordinates of the hyperparameters of some effects, with the mean and the covariance of their posterior."""
-    of_effects = enumerate(state.hyperparameters)
-    chosen = [i for i, h in of_effects if h.effect in effects and h.name in CATALOGUE[h.effect].parameters]
-    own = [state.hyperparameters[i] for i in chosen]
-    shapes = [Coordinate(h.effect, h.name, "shape", h.centre, h.spread, 0.0) for h in own]
-    return shapes, state.posterior.mode[chosen], state.posterior.covariance[np.ix_(chosen, chosen)]

@@ -14,7 +14,7 @@ from missionplan.arrays import Array
 from missionplan.datasets.leg_checks import MIN_LEGS
 from missionplan.datasets.legs import TransitData
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.given_effects import held
+from missionplan.diagnosis.given.effects import held
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.trials.experiment import Prediction
 from missionplan.diagnosis.legs.kind import TransitKind

@@ -18,7 +18,7 @@ from missionplan.diagnosis.coordinates import (
     is_possible,
     parameters_from,
 )
-from missionplan.diagnosis.given_effects import GivenEffect, held
+from missionplan.diagnosis.given.effects import GivenEffect, held
 from missionplan.diagnosis.inference.gauss_newton import (
     GaussNewtonOptions,
     GaussNewtonResult,

@@ -6,7 +6,8 @@ import numpy as np
 
 from missionplan.datasets.tank import DragSettings, OscillationSettings, TankData
 from missionplan.diagnosis.coordinates import coordinates_of
-from missionplan.diagnosis.given_effects import GivenEffect, check_together, given_priors
+from missionplan.diagnosis.given.effects import GivenEffect
+from missionplan.diagnosis.given.priors import check_together, given_priors
 from missionplan.diagnosis.tank.free_oscillation import full_size_added_mass
 from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.effects.info import VehicleKey

@@ -9,7 +9,7 @@ from scipy import stats
 
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
-from missionplan.diagnosis.given_effects import BARE_SHAPE_LOG_SD, given_priors
+from missionplan.diagnosis.given.priors import BARE_SHAPE_LOG_SD, given_priors
 from missionplan.diagnosis.legs.likelihood.hyperparameters import values_of
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.effects import CATALOGUE, effects_of

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array, Scalars
-from missionplan.diagnosis.given_effects import GivenEffect, held
+from missionplan.diagnosis.given.effects import GivenEffect, held
 from missionplan.diagnosis.inference.marginal_likelihood import (
     Marginal,
     gaussian_log_density,

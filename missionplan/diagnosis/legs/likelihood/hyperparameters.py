@@ -1,11 +1,14 @@
 """Hyperparameters of a navigation log: sizes and times, each by its logarithm, under a prior of a stated law."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from missionplan.arrays import Array
+from missionplan.diagnosis.given.effects import GivenEffect, tied
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.prior import DOF
 
@@ -75,9 +78,43 @@ def wandering_scale(effect: str) -> Hyperparameter:
     return Hyperparameter(effect, SLAB_SCALE, math.log(median), math.log(factor), "student")
 
 
-def log_prior(hyperparameters: Sequence[Hyperparameter], logarithms: Array) -> float:
-    """Log prior density of the logarithms."""
-    return sum(h.log_prior(value) for h, value in zip(hyperparameters, logarithms.tolist(), strict=True))
+@dataclass(frozen=True)
+class HyperparameterPrior:
+    """Prior of h hyperparameters, some of which the mission's correlations tie to each other.
+
+    Attributes
+    ----------
+    hyperparameters : tuple of Hyperparameter
+    precision : array, shape (h, h), or None
+        Inverse of the matrix of correlations, less the unit matrix; None where there are none.
+    log_factor : float
+        Minus half the log determinant of that matrix.
+    """
+
+    hyperparameters: tuple[Hyperparameter, ...]
+    precision: Array | None = None
+    log_factor: float = 0.0
+
+    @classmethod
+    def of(cls, hyperparameters: tuple[Hyperparameter, ...], given: Iterable[GivenEffect]) -> "HyperparameterPrior":
+        """Join hyperparameters that are parameters of given effects as these are."""
+        rho, place = np.eye(len(hyperparameters)), {h.key: i for i, h in enumerate(hyperparameters)}
+        for each in tied(given):
+            keys, variance = [(c.effect, c.name) for c in each.coordinates], np.diag(each.here)
+            if set(keys) <= set(place) and np.count_nonzero(each.here) > len(keys):
+                own = [place[key] for key in keys]
+                rho[np.ix_(own, own)] = each.here / np.sqrt(np.outer(variance, variance))
+        if np.count_nonzero(rho) == len(rho):
+            return cls(hyperparameters)
+        return cls(hyperparameters, np.linalg.inv(rho) - np.eye(len(rho)), -0.5 * float(np.linalg.slogdet(rho)[1]))
+
+    def log_density(self, logarithms: Array) -> float:
+        """Log prior density of the logarithms."""
+        each = sum(h.log_prior(value) for h, value in zip(self.hyperparameters, logarithms.tolist(), strict=True))
+        if self.precision is None:
+            return each
+        away = (logarithms - [h.centre for h in self.hyperparameters]) / [h.spread for h in self.hyperparameters]
+        return each + self.log_factor - 0.5 * float(away @ self.precision @ away)
 
 
 def values_of(hyperparameters: Sequence[Hyperparameter], logarithms: Array) -> dict[tuple[str, str], float]:

@@ -11,7 +11,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.datasets.legs import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
-from missionplan.diagnosis.given_effects import GivenEffect, held
+from missionplan.diagnosis.given.effects import GivenEffect, held, tied
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
 from missionplan.diagnosis.legs.likelihood.linearised import CoordinatePrior, LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.modulation import (
@@ -238,7 +238,7 @@ class TransitMean:
             if CATALOGUE[coordinate.effect].is_steady_current:
                 spread[index] = math.hypot(spread[index], self.current_sd[coordinate.name == "north"])
         mean, factor = np.zeros(len(spread)), np.diag(spread)
-        for each in held(self.given_in_mean, causes):
+        for each in tied(held(self.given_in_mean, causes)):
             own = self.places(each)
             mean[own] = each.mean
             factor[np.ix_(own, own)] = _square_root(each.here)

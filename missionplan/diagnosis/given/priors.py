@@ -2,11 +2,12 @@
 
 What a mission knows of an effect (its long-run value) and what the effect is in one record differ by the effect's
 spike, its uncertainty from record to record. A number without a distribution is known to within the spike alone.
+The mission's `correlations` are those of the normals that its distributions are drawn from, and so of the coordinates.
 """
 
 import math
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -14,80 +15,21 @@ from scipy.linalg import block_diag
 from scipy.special import ndtri
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, estimates
-from missionplan.diagnosis.forecast_error import along_a_track
+from missionplan.diagnosis.coordinates import Coordinate, coordinates_of
+from missionplan.diagnosis.forecast_error import ERROR_PLACE, along_a_track
+from missionplan.diagnosis.given.effects import CoordinateKey, GivenEffect
 from missionplan.effects import CATALOGUE, Effect, EffectInfo, exclusive_groups
 from missionplan.effects.oscillation import MODULATION, MODULATION_PARAMETERS
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of, sd_of
-from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 BARE_SHAPE_LOG_SD = 0.05
 """Standard deviation of the logarithm of a shape parameter that is given as a number: it has no spike."""
 QUANTILES = 512
 """Equally likely values that stand for a distribution where its moments are taken of a function of it."""
-
-
-@dataclass(frozen=True)
-class GivenEffect:
-    """An effect of the mission as the diagnosis holds it, k coordinates.
-
-    Attributes
-    ----------
-    effect : str
-        Its name.
-    coordinates : tuple of Coordinate, length k
-        Of the parameters that the mission gives, and of all its shapes.
-    mean : array, shape (k,)
-        Of their long-run values.
-    covariance : array, shape (k, k)
-        Of their long-run values: what the mission knows.
-    scatter : array, shape (k,)
-        Variance about them from record to record.
-    """
-
-    effect: str
-    coordinates: tuple[Coordinate, ...]
-    mean: Array
-    covariance: Array
-    scatter: Array
-
-    def only(self, names: Collection[str]) -> "GivenEffect":
-        """Return the effect with some of its parameters; an amplitude goes with its phase."""
-        kept = [index for index, coordinate in enumerate(self.coordinates) if coordinate.name in names]
-        return GivenEffect(
-            self.effect,
-            tuple(self.coordinates[index] for index in kept),
-            self.mean[kept],
-            self.covariance[np.ix_(kept, kept)],
-            self.scatter[kept],
-        )
-
-    @property
-    def here(self) -> Array:
-        """Prior covariance of the coordinates in one record, shape (k, k)."""
-        return self.covariance + np.diag(self.scatter)
-
-    @property
-    def prior(self) -> tuple[ParameterEstimate, ...]:
-        """What the mission knows."""
-        return estimates(self.coordinates, self.mean, self.covariance)
-
-    def posterior(self, mean: Array, covariance: Array) -> tuple[ParameterEstimate, ...]:
-        """Return the long-run parameters after a record.
-
-        Parameters
-        ----------
-        mean : array, shape (k,)
-            Posterior mean of the coordinates in the record.
-        covariance : array, shape (k, k)
-            Posterior covariance of them.
-        """
-        gain = self.covariance @ np.linalg.pinv(self.here)
-        after = self.mean + gain @ (mean - self.mean)
-        spread = (np.eye(len(gain)) - gain) @ self.covariance + gain @ covariance @ gain.T
-        return estimates(self.coordinates, after, spread)
+SHARES = (1.0, 0.99, 0.9, 0.5)
+"""Factors on correlations of amplitudes and phases, the first with which a joint distribution of the pairs exists."""
 
 
 def given_effects(mission: Mission) -> list[Effect]:
@@ -110,7 +52,7 @@ def given_priors(mission: Mission, wanted: Iterable[EffectInfo]) -> tuple[GivenE
     error = along_a_track(mission)
     if error is not None and error[0].id in known:
         found.append(_given(*error))
-    return tuple(given for given in found if given is not None)
+    return _correlated([given for given in found if given is not None], mission)
 
 
 def check_together(
@@ -131,17 +73,6 @@ def check_together(
             problems.append(f"a diagnosis holds one of {', '.join(both)}: they describe the same errors")
     if problems:
         raise InputError([Problem(problem, mission.file, key="effects") for problem in problems])
-
-
-def held(given: Iterable[GivenEffect], causes: Causes) -> tuple[GivenEffect, ...]:
-    """Return the given effects that hold beside a set of causes.
-
-    A given effect that is itself a cause has changed; one of the same exclusive group is replaced.
-    """
-    groups = {CATALOGUE[name].exclusive_group for name in causes} - {""}
-    return tuple(
-        each for each in given if each.effect not in causes and CATALOGUE[each.effect].exclusive_group not in groups
-    )
 
 
 def _given(info: EffectInfo, parameters: Mapping[str, Quantity]) -> GivenEffect | None:
@@ -203,3 +134,67 @@ def _polar_moments(amplitude: Quantity, phase: Quantity) -> tuple[Array, Array]:
     mean = sizes.mean() * directions.mean(axis=1)
     second = np.mean(sizes**2) * (directions @ directions.T) / len(angles)
     return mean, second - np.outer(mean, mean)
+
+
+def _correlated(given: Sequence[GivenEffect], mission: Mission) -> tuple[GivenEffect, ...]:
+    """Give effects the covariances that the mission's correlations mean."""
+    quantities = {entry.effect: entry.parameters for entry in mission.effect_list.known}
+    steps = {
+        (f"effects.{each.effect}.{name}" if each.effect in quantities else f"{ERROR_PLACE}{name}"): (each, step)
+        for each in given
+        for name, step in _steps(each, quantities.get(each.effect, {})).items()
+    }
+    keys = [c.key for each in given for c in each.coordinates]
+    added = np.zeros((len(keys), len(keys)))
+    for correlation in mission.correlated:
+        if all(name in steps for name in correlation.between):
+            first, second = (_placed(*steps[name], keys) for name in correlation.between)
+            added += correlation.rho * (np.outer(first, second) + np.outer(second, first))
+    if not added.any():
+        return tuple(given)
+    added *= _possible_share(block_diag(*(each.here for each in given)), added)
+    shared = {(a, b): float(added[i, j]) for i, a in enumerate(keys) for j, b in enumerate(keys) if added[i, j] != 0.0}
+    return tuple(_with_shared(each, shared) for each in given)
+
+
+def _with_shared(given: GivenEffect, shared: Mapping[tuple[CoordinateKey, CoordinateKey], float]) -> GivenEffect:
+    """Give an effect the covariances between its own coordinates, and those with others."""
+    own = [c.key for c in given.coordinates]
+    inside = np.array([[shared.get((a, b), 0.0) for b in own] for a in own]).reshape(len(own), len(own))
+    between = {(a, b): value for (a, b), value in shared.items() if a[0] != b[0]}
+    return replace(given, covariance=given.covariance + inside, shared=between)
+
+
+def _steps(given: GivenEffect, quantities: Mapping[str, Quantity]) -> dict[str, Array]:
+    """Change of an effect's coordinates with the normal of each of its distributions, to first order."""
+    phases = dict(CATALOGUE[given.effect].polar)
+    found = {}
+    for index, coordinate in enumerate(given.coordinates):
+        unit = np.eye(len(given.coordinates))
+        if coordinate.kind in ("strength", "shape"):
+            found[coordinate.name] = math.sqrt(given.covariance[index, index]) * unit[index]
+        elif coordinate.kind == "sine":
+            phase = phases[coordinate.name]
+            amplitude, angle = (quantities.get(name, 0.0) for name in (coordinate.name, phase))
+            c, s = math.cos(mean_of(angle)), math.sin(mean_of(angle))
+            found[coordinate.name] = sd_of(amplitude) * (c * unit[index - 1] + s * unit[index])
+            found[phase] = sd_of(angle) * mean_of(amplitude) * (c * unit[index] - s * unit[index - 1])
+    return found
+
+
+def _placed(given: GivenEffect, step: Array, keys: Sequence[CoordinateKey]) -> Array:
+    """A change of one effect's coordinates among those of all."""
+    found = np.zeros(len(keys))
+    found[[keys.index(c.key) for c in given.coordinates]] = step
+    return found
+
+
+def _possible_share(covariance: Array, added: Array) -> float:
+    """The largest share of covariances that a joint distribution can have; 0 where none of those tried."""
+    for share in SHARES:
+        try:
+            np.linalg.cholesky(covariance + share * added)
+        except np.linalg.LinAlgError:
+            continue
+        return share
+    return 0.0

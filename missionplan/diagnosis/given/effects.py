@@ -1,0 +1,176 @@
+"""What a mission knows of its effects, and of all of them together: before a record, in it, and after it.
+
+What a mission knows of an effect (its long-run value) and what the effect is in one record differ by the effect's
+spike, its uncertainty from record to record. Effects that the mission's `correlations` tie to each other have one joint
+prior, and all of them one posterior: the prior of the next record.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from missionplan.arrays import Array
+from missionplan.diagnosis.coordinates import Coordinate, correlations, estimates
+from missionplan.effects import CATALOGUE
+from missionplan.montecarlo.draws import Correlation
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
+
+CoordinateKey = tuple[str, str, str]
+"""Effect, name and kind."""
+
+
+@dataclass(frozen=True)
+class GivenEffect:
+    """An effect of the mission as the diagnosis holds it, k coordinates.
+
+    Attributes
+    ----------
+    effect : str
+        Its name.
+    coordinates : tuple of Coordinate, length k
+        Of the parameters that the mission gives, and of all its shapes.
+    mean : array, shape (k,)
+        Of their long-run values.
+    covariance : array, shape (k, k)
+        Of their long-run values: what the mission knows.
+    scatter : array, shape (k,)
+        Variance about them from record to record.
+    shared : mapping
+        Covariances of long-run values of one effect with those of another, by the pairs of their coordinates' keys.
+    """
+
+    effect: str
+    coordinates: tuple[Coordinate, ...]
+    mean: Array
+    covariance: Array
+    scatter: Array
+    shared: Mapping[tuple[CoordinateKey, CoordinateKey], float] = field(default_factory=dict)
+
+    def only(self, names: Collection[str]) -> "GivenEffect":
+        """Return the effect with some of its parameters; an amplitude goes with its phase."""
+        kept = [index for index, coordinate in enumerate(self.coordinates) if coordinate.name in names]
+        return GivenEffect(
+            self.effect,
+            tuple(self.coordinates[index] for index in kept),
+            self.mean[kept],
+            self.covariance[np.ix_(kept, kept)],
+            self.scatter[kept],
+            self.shared,
+        )
+
+    @property
+    def here(self) -> Array:
+        """Prior covariance of the coordinates in one record, shape (k, k)."""
+        return self.covariance + np.diag(self.scatter)
+
+    @property
+    def prior(self) -> tuple[ParameterEstimate, ...]:
+        """What the mission knows."""
+        return estimates(self.coordinates, self.mean, self.covariance)
+
+    def posterior(self, mean: Array, covariance: Array) -> tuple[ParameterEstimate, ...]:
+        """Return the long-run parameters after a record.
+
+        Parameters
+        ----------
+        mean : array, shape (k,)
+            Posterior mean of the coordinates in the record.
+        covariance : array, shape (k, k)
+            Posterior covariance of them.
+        """
+        after, spread = self.long_run(mean), self.left_over + self.gain @ covariance @ self.gain.T
+        return estimates(self.coordinates, after, spread)
+
+    @property
+    def gain(self) -> Array:
+        """Change of the long-run values a unit change of those in a record, shape (k, k)."""
+        return np.asarray(self.covariance @ np.linalg.pinv(self.here))
+
+    @property
+    def left_over(self) -> Array:
+        """Covariance of the long-run values if those in a record were known, shape (k, k)."""
+        return np.asarray((np.eye(len(self.mean)) - self.gain) @ self.covariance)
+
+    def long_run(self, mean: Array) -> Array:
+        """Mean of the long-run values, from that of the values in a record."""
+        return np.asarray(self.mean + self.gain @ (mean - self.mean))
+
+
+def held(given: Iterable[GivenEffect], causes: Causes) -> tuple[GivenEffect, ...]:
+    """Return the given effects that hold beside a set of causes.
+
+    A given effect that is itself a cause has changed; one of the same exclusive group is replaced.
+    """
+    groups = {CATALOGUE[name].exclusive_group for name in causes} - {""}
+    return tuple(
+        each for each in given if each.effect not in causes and CATALOGUE[each.effect].exclusive_group not in groups
+    )
+
+
+def tied(given: Iterable[GivenEffect]) -> tuple[GivenEffect, ...]:
+    """Return given effects with those that are correlated with each other joined into one."""
+    groups: list[list[GivenEffect]] = []
+    for each in given:
+        near = [group for group in groups if any(_are_tied(each, other) for other in group)]
+        groups = [group for group in groups if group not in near] + [[e for group in near for e in group] + [each]]
+    return tuple(group[0] if len(group) == 1 else _joined(group) for group in groups)
+
+
+def _are_tied(first: GivenEffect, second: GivenEffect) -> bool:
+    return any((a.key, b.key) in first.shared for a in first.coordinates for b in second.coordinates)
+
+
+def _joined(group: Sequence[GivenEffect]) -> GivenEffect:
+    """One of several effects, with all their covariances."""
+    coordinates = tuple(c for each in group for c in each.coordinates)
+    covariance = block_diag(*(each.covariance for each in group))
+    for i, a in enumerate(coordinates):
+        for j, b in enumerate(coordinates):
+            covariance[i, j] += group[0].shared.get((a.key, b.key), 0.0)
+    return GivenEffect(
+        "+".join(each.effect for each in group),
+        coordinates,
+        np.concatenate([each.mean for each in group]),
+        covariance,
+        np.concatenate([each.scatter for each in group]),
+    )
+
+
+@dataclass(frozen=True)
+class RecordPosterior:
+    """Posterior of k coordinates in one record.
+
+    Attributes
+    ----------
+    coordinates : sequence of Coordinate, length k
+    mean : array, shape (k,)
+    covariance : array, shape (k, k)
+    """
+
+    coordinates: Sequence[Coordinate]
+    mean: Array
+    covariance: Array
+
+    def correlations(
+        self, given: Sequence[GivenEffect], places: Callable[[GivenEffect], list[int]], causes: Sequence[int]
+    ) -> tuple[Correlation, ...]:
+        """Correlations of what is known after the record: of the mission's own effects, and of the causes.
+
+        Parameters
+        ----------
+        given : sequence of GivenEffect
+            The mission's own effects, those that are tied as one.
+        places : callable
+            Indices of a given effect's coordinates.
+        causes : sequence of int
+            Coordinates of the causes, known after the record as they are in it.
+        """
+        own = [index for each in given for index in places(each)]
+        chosen = [*own, *causes]
+        mean = np.concatenate([*(each.long_run(self.mean[places(each)]) for each in given), self.mean[causes]])
+        gain = block_diag(*(each.gain for each in given), np.eye(len(causes)))
+        left_over = block_diag(*(each.left_over for each in given), np.zeros((len(causes), len(causes))))
+        covariance = gain @ self.covariance[np.ix_(chosen, chosen)] @ gain.T + left_over
+        return correlations([self.coordinates[index] for index in chosen], mean, covariance)

@@ -1,0 +1,149 @@
+"""Correlations that a mission's effects carry are part of their prior: halves of a record tell what the whole does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy import stats
+
+from missionplan import diagnose
+from missionplan.diagnosis.dives.model import DescentModel
+from missionplan.diagnosis.dives.model_factory import given_on_descent
+from missionplan.diagnosis.extended_mission import extended_mission
+from missionplan.diagnosis.given.effects import tied
+from missionplan.diagnosis.given.priors import given_priors
+from missionplan.diagnosis.inference.marginal_likelihood import gaussian_marginal
+from missionplan.diagnosis.inference.prior import Prior
+from missionplan.effects import effects_of
+from missionplan.mission import Mission
+
+LEGS = {"kind": "transit", "name": "legs", "noise": {"fix": "3 m"}}
+HALVES = ((0.5 * np.pi, np.radians(6.0)), (0.2 * np.pi, np.radians(10.0)))
+"""Middle and spread of the headings: a half alone tells a slow vehicle from a current ahead badly."""
+WIDE = [
+    {"speed-scale": {"fraction": {"mean": 0, "sd": 0.06}}},
+    {"mean-current": {"east": {"mean": "0 m/s", "sd": "8 cm/s"}, "north": {"mean": "0 m/s", "sd": "8 cm/s"}}},
+]
+SLOW = {"drag-bias": {"fraction": {"mean": 0, "sd": 0.3}}}
+DOWN = {"vertical-current": {"speed": {"mean": "0 m/s", "sd": "12 cm/s"}}}
+
+
+def slow_in_a_current(t, heading):
+    """Speed 6 % low, in a current of 5 cm/s to the north."""
+    return -0.06 * 1.2 * np.stack([np.sin(heading), np.cos(heading)]) + np.array([[0.0], [0.05]])
+
+
+def told(mission):
+    """Means and standard deviations of the effects' parameters."""
+    return {
+        f"{entry.effect}.{name}": (value.mean, value.sd)
+        for entry in mission.effects
+        for name, value in entry.parameters.items()
+    }
+
+
+def untied(mission):
+    """The mission without correlations."""
+    return Mission.from_data({key: value for key, value in mission.raw.items() if key != "correlations"})
+
+
+def distance(found, whole):
+    """Largest difference of the means [standard deviations of the whole], and of ln sd."""
+    means = [abs(found[name][0] - value) / sd for name, (value, sd) in whole.items()]
+    return max(means), max(abs(np.log(found[name][1] / sd)) for name, (_, sd) in whole.items())
+
+
+def test_two_halves_one_after_the_other_tell_what_the_whole_does(transit_mission, legs, folder):
+    """Nearly: between records every effect may change by its spike, and σ_v is fitted to each half."""
+    mission = Mission.from_data({**transit_mission.raw, "effects": WIDE})
+    tables = [legs(40, seed=3 + k, about=HALVES[k], sigma=0.1, error=slow_in_a_current) for k in range(2)]
+
+    def after(before, table):
+        return Mission.from_data(diagnose(before, folder(LEGS, table), plan=False).extended)
+
+    half = after(mission, tables[0])
+    later = tables[1].assign(leg=tables[1].leg + 40, run=2)
+    later[["t_start_s", "t_end_s"]] += tables[0].t_end_s.max() + 600.0
+    whole = told(after(mission, pd.concat([tables[0].assign(run=1), later])))
+    found, without = (distance(told(after(each, tables[1])), whole) for each in (half, untied(half)))
+    assert half.correlations
+    assert found[0] < 0.2  # 0.08
+    assert without[0] > 2.0 * found[0]  # 0.27
+    assert found[1] < 0.1
+
+
+def test_dives_of_two_weights_one_after_the_other_tell_what_all_together_do(descent_mission, measured):
+    """Dives of one weight tell more drag from a current upwards badly, dives of two weights well."""
+    weights = np.array([9.0, 9.0, 20.0, 20.0])
+    every = measured("drag-bias", weights=weights, lines=np.full(4, 4.0), fraction=0.25)
+    wide = Mission.from_data({**descent_mission.raw, "effects": [SLOW, DOWN]})
+
+    def after(mission, dives):
+        forward = replace(every.forward, logs=tuple(every.forward.logs[k] for k in dives))
+        (fit,) = DescentModel(forward, given_on_descent(mission)).fit_all([((), ())])
+        return Mission.from_data(extended_mission(mission.raw, fit.given, fit.calibration, fit.correlations))
+
+    half, whole = after(wide, (0, 1)), told(after(wide, range(4)))
+    (pair,) = half.correlations
+    assert abs(pair.pair.rho) > 0.9
+    found, without = (distance(told(after(each, (2, 3))), whole) for each in (half, untied(half)))
+    assert found[0] < 0.3
+    assert without[0] > 2.0 * found[0]
+
+
+def test_a_joint_prior_is_conditioned_as_on_paper():
+    """Two coefficients of correlation ρ, the first seen with the error of its own sd: the second follows by ρ/2."""
+    rho, sd = 0.8, np.array([2.0, 0.5])
+    covariance = np.outer(sd, sd) * np.array([[1.0, rho], [rho, 1.0]])
+    prior = Prior(np.zeros(2), sd, tied=((np.arange(2), covariance),))
+    seen = np.array([[1.0, 0.0, 3.0]]) / sd[0]  # column of the first, of the second, and the datum, over the error
+    found = gaussian_marginal(seen.T @ seen, prior.root(sd), 2.0 * np.log(sd[0]), 1)
+    assert found.mean == pytest.approx([1.5, 0.5 * rho * 3.0 * sd[1] / sd[0]])
+    after = covariance - np.outer(covariance[0], covariance[0]) / (2.0 * sd[0] ** 2)
+    np.testing.assert_allclose(found.covariance, after, rtol=1e-12)
+    assert found.log_density == pytest.approx(stats.norm.logpdf(3.0, scale=np.sqrt(2.0) * sd[0]))
+
+
+def test_densities_and_parts_of_a_joint_prior():
+    covariance = np.array([[4.0, 1.2, 0.0], [1.2, 1.0, -0.3], [0.0, -0.3, 0.5]])
+    sd = np.array([2.0, 3.0, 1.0, np.sqrt(0.5)])
+    prior = Prior(np.array([1.0, 2.0, 3.0, 4.0]), sd, tied=((np.array([0, 2, 3]), covariance),))
+    at = np.array([[0.3, 1.0, 2.0, 5.0], [2.0, -1.0, 3.5, 4.0]])
+    joint = stats.multivariate_normal(prior.centre[[0, 2, 3]], covariance).logpdf(at[:, [0, 2, 3]])
+    np.testing.assert_allclose(prior.log_density(at), joint + stats.norm.logpdf(at[:, 1], 2.0, 3.0))
+    part = prior.of(np.array([1, 2, 3]))
+    joint = stats.multivariate_normal(prior.centre[[2, 3]], covariance[1:, 1:]).logpdf(at[:, 2:])
+    np.testing.assert_allclose(part.log_density(at[:, 1:]), joint + stats.norm.logpdf(at[:, 1], 2.0, 3.0))
+    root = prior.root(sd)
+    np.testing.assert_allclose((root @ root.T)[np.ix_([0, 2, 3], [0, 2, 3])], covariance)
+
+
+def test_correlations_of_a_mission_are_those_of_its_priors(transit_mission):
+    """Between effects, within one, and of an amplitude with a size, by its phase."""
+    inertial = {"amplitude": {"mean": "0.1 m/s", "sd": "1 cm/s"}, "phase": {"mean": "0.6 rad", "sd": "0.1 rad"}}
+    pairs = [
+        ("speed-scale.fraction", "mean-current.east", 0.7),
+        ("mean-current.east", "mean-current.north", -0.4),
+        ("speed-scale.fraction", "inertial-current.amplitude", 0.5),
+    ]
+    written = [{"between": [f"effects.{a}", f"effects.{b}"], "rho": rho} for a, b, rho in pairs]
+    effects = [*WIDE, {"inertial-current": inertial}]
+    mission = Mission.from_data({**transit_mission.raw, "effects": effects, "correlations": written})
+    (joint,) = tied(given_priors(mission, effects_of("transit")))
+    places = {c.key: index for index, c in enumerate(joint.coordinates)}
+    speed, east, north = (
+        places[key, name, "strength"]
+        for key, name in (("speed-scale", "fraction"), ("mean-current", "east"), ("mean-current", "north"))
+    )
+    assert joint.covariance[speed, east] == pytest.approx(0.7 * 0.06 * 0.08)
+    assert joint.covariance[east, north] == pytest.approx(-0.4 * 0.08**2)
+    cosine = joint.covariance[speed, places["inertial-current", "amplitude", "cosine"]]
+    assert cosine == pytest.approx(0.5 * 0.06 * 0.01 * np.cos(0.6))
+    assert np.linalg.eigvalsh(joint.covariance).min() > 0.0
+
+
+def test_effects_without_correlations_stay_apart(transit_mission):
+    mission = Mission.from_data({**transit_mission.raw, "effects": WIDE})
+    given = given_priors(mission, effects_of("transit"))
+    assert tied(given) == given
