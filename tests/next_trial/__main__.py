@@ -10,32 +10,40 @@ from . import campaign, dive_campaign
 from .campaign import Campaign, recorded
 
 KINDS = {"transit": campaign.made, "descent": dive_campaign.made}
+UNITS = {"transit": "min", "descent": "%"}
+"""Of the savings; those of dives over the loss expected before."""
 
 
-def slope(predicted: Sequence[float], realised: Sequence[float]) -> tuple[float, float]:
-    """Slope through the origin of realised on predicted, and its standard error (of unequal variances)."""
+def slope(predicted: Sequence[float], realised: Sequence[float], groups: Sequence[int]) -> tuple[float, float]:
+    """Slope through the origin of realised on predicted, and its standard error.
+
+    Trials of one campaign share the truth: the error is that of independent groups of unequal variances (Liang & Zeger
+    1986, *Biometrika* 73).
+    """
     x, y = np.asarray(predicted), np.asarray(realised)
     if not np.any(x):
         return float("nan"), float("nan")
     value = float(x @ y / (x @ x))
-    return value, float(np.sqrt(np.sum((x * (y - value * x)) ** 2)) / (x @ x))
+    _, group = np.unique(groups, return_inverse=True)
+    return value, float(np.sqrt(np.sum(np.bincount(group, x * (y - value * x)) ** 2)) / (x @ x))
 
 
 def told(found: Sequence[Campaign]) -> str:
     """Write the figures."""
     among = [each for each in found if each.among]
-    information = slope([each.expected for each in among], [each.gained for each in among])
+    seeds = [each.seed for each in among]
+    information = slope([each.expected for each in among], [each.gained for each in among], seeds)
     lines = [
-        f"{len(found)} campaigns; the truth among the sets considered in {len(among)}",
+        f"{len({each.seed for each in found})} campaigns; the truth among the sets considered in {len(set(seeds))}, "
+        f"with {len(among)} trials",
         f"information: expected {np.mean([e.expected for e in among]):.2f}, gained "
         f"{np.mean([e.gained for e in among]):.2f} nats; slope {information[0]:.2f} ± {information[1]:.2f}",
     ]
-    predicted, saved = (np.array([getattr(each, name) for each in found]) for name in ("saving", "saved"))
-    if np.any(np.nan_to_num(predicted) > 0.0):
-        value, error = slope(predicted.tolist(), saved.tolist())
+    predicted, saved = (np.array([getattr(each, name) for each in among]) for name in ("saving", "saved"))
+    if np.any(predicted > 0.0):
+        value, error = slope(predicted.tolist(), saved.tolist(), seeds)
         lines.append(
-            f"saving: predicted {predicted.mean():.2f}, realised {saved.mean():.2f} ± "
-            f"{saved.std() / np.sqrt(len(found)):.2f} min; slope {value:.2f} ± {error:.2f}"
+            f"saving: predicted {predicted.mean():.2f}, realised {saved.mean():.2f}; slope {value:.2f} ± {error:.2f}"
         )
     return "\n".join(lines)
 
@@ -50,13 +58,13 @@ def main() -> None:
     options = parser.parse_args()
     found: list[Campaign] = []
     for seed in range(options.seed, options.seed + options.cases):
-        found.append(recorded(options.folder / options.kind, seed, KINDS[options.kind]))
-        last = found[-1]
-        print(
-            f"{last.seed} {last.causes}, {last.design}: {last.expected:.2f} → {last.gained:.2f} nats, "
-            f"{last.saving:.2f} → {last.saved:.2f} min",
-            flush=True,
-        )
+        for each in recorded(options.folder / options.kind, seed, KINDS[options.kind]):
+            found.append(each)
+            print(
+                f"{each.seed} {each.causes}, {each.design}: {each.expected:.2f} → {each.gained:.2f} nats, "
+                f"{each.saving:.2f} → {each.saved:.2f} {UNITS[options.kind]}",
+                flush=True,
+            )
     print(told(found))
 
 

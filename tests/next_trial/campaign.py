@@ -35,7 +35,7 @@ TRIALS = 4000
 
 @dataclass(frozen=True)
 class Campaign:
-    """What one campaign showed.
+    """What one trial of a campaign showed.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Campaign:
     expected, gained : float
         Information about the truth [nats]; nan where it was not among the sets.
     saving, saving_error, saved : float
-        Predicted saving with its error, and what the choice made saved [min].
+        Predicted saving with its error, and what the choice made saved [min; of dives % of the loss expected before].
     """
 
     seed: int
@@ -85,8 +85,8 @@ def parameters_of(causes: tuple[str, ...], truth: Truth) -> np.ndarray:
     return np.array([value for cause in causes for value in known[cause]])
 
 
-def made(seed: int) -> Campaign:
-    """Make one campaign."""
+def made(seed: int) -> list[Campaign]:
+    """Make one campaign, with one trial."""
     rng = np.random.default_rng(seed)
     causes, truth = draw_truth(rng)
     count = int(rng.integers(8, 15))
@@ -117,7 +117,7 @@ def made(seed: int) -> Campaign:
     planned = next(each for each in result.designs if each.name == chosen.name)
     parameters = parameters_of(causes, truth)
     gained = experiment.realised_information(sets.index(causes), parameters, y) if among else float("nan")
-    return Campaign(
+    one = Campaign(
         seed=seed,
         causes="+".join(causes) or "nothing",
         design=chosen.name,
@@ -128,6 +128,7 @@ def made(seed: int) -> Campaign:
         saving_error=planned.saving_error,
         saved=saved(value, experiment, y, truth, seed),
     )
+    return [one]
 
 
 def saved(value: Valuation, experiment: Experiment, y: np.ndarray, truth: Truth, seed: int) -> float:
@@ -156,10 +157,10 @@ def legs_of(trial: object) -> tuple[np.ndarray, np.ndarray]:
     return np.arctan2(steps[0], steps[1]), np.hypot(*steps)
 
 
-def recorded(folder: Path, seed: int, make: Callable[[int], Campaign]) -> Campaign:
-    """Make a campaign, or read it where it was made before."""
+def recorded(folder: Path, seed: int, make: Callable[[int], list[Campaign]]) -> list[Campaign]:
+    """Make a campaign, or read it where it was made before: one entry for each trial made."""
     file = folder / f"{seed}.json"
     if not file.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        file.write_text(json.dumps(asdict(make(seed))), encoding="utf-8")
-    return Campaign(**json.loads(file.read_text(encoding="utf-8")))
+        file.write_text(json.dumps([asdict(each) for each in make(seed)]), encoding="utf-8")
+    return [Campaign(**each) for each in json.loads(file.read_text(encoding="utf-8"))]

@@ -40,7 +40,9 @@ def test_the_legs_of_a_trial_are_read_from_its_mission() -> None:
 
 
 def test_figures_of_campaigns() -> None:
-    assert slope([1.0, 2.0], [2.0, 4.0]) == pytest.approx((2.0, 0.0))
+    assert slope([1.0, 2.0], [2.0, 4.0], [1, 2]) == pytest.approx((2.0, 0.0))
+    assert slope([1.0] * 4, [0.0, 0.0, 2.0, 2.0], [1, 1, 2, 2])[1] == pytest.approx(2.0**-0.5)  # two groups, not four
+    assert slope([1.0] * 4, [0.0, 0.0, 2.0, 2.0], [1, 2, 3, 4])[1] == pytest.approx(0.5)
     made = [Campaign(k, "nothing", "a box", True, 1.0, 1.0 + 0.1 * k, 2.0, 0.1, 1.0) for k in (-1, 1)]
     assert "slope 1.00" in told(made)
     assert "predicted 2.00, realised 1.00" in told(made)
