@@ -29,16 +29,49 @@ def result(name: str, folder: Path) -> Result:
         "import": lambda: missionplan.import_log(ROOT / "tests" / "importers" / "made.gli"),
         "diagnosis": lambda: _diagnosis(folder),
         "comparison": lambda: _comparison(folder),
+        "exploration": lambda: _exploration(),
+        "score": lambda: missionplan.score(MISSIONS / "loop" / "mission.yaml", MISSIONS / "loop" / "third-log"),
+        "history": lambda: _history(folder),
     }
     return made[name]()
 
 
-NAMES = ("simulation", "sweep", "anchor", "identification", "import", "diagnosis", "comparison")
+NAMES = (
+    "simulation",
+    "sweep",
+    "anchor",
+    "identification",
+    "import",
+    "diagnosis",
+    "comparison",
+    "exploration",
+    "score",
+    "history",
+)
 
 
 def _diagnosis(folder: Path) -> Result:
     missionplan.init(folder)
     return missionplan.diagnose(folder / "mission.yaml", folder / "sea-trial", plan=False)
+
+
+def _exploration() -> Result:
+    varied = ["moor.line_length=4:6:1 m", "ingress.speed=1.0:1.5:0.5 m/s"]
+    return missionplan.explore(MISSIONS / "chesapeake.yaml", vary=varied, trials=20)
+
+
+def _history(folder: Path) -> Result:
+    result("diagnosis", folder).save(folder / "log-book" / "first", force=True)
+    return missionplan.history(folder / "log-book")
+
+
+def test_an_exploration_is_a_grid(folder):
+    pytest.importorskip("xarray")
+    grid = result("exploration", folder).to_xarray()
+    assert dict(grid.sizes) == {"moor.line_length": 3, "ingress.speed": 2}
+    assert grid["moor.line_length"].values.tolist() == [4.0, 5.0, 6.0]
+    assert grid["moor.line_length"].attrs["units"] == "m"
+    assert float(grid["success"].sel({"moor.line_length": 5.0, "ingress.speed": 1.5})) >= 0.0
 
 
 def _comparison(folder: Path) -> Result:

@@ -1,6 +1,7 @@
 """Report of `history`: each learned parameter from mission to mission, with its intervals, and where it changed."""
 
 import shlex
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -91,16 +92,14 @@ def _figure(history: History) -> Figure | None:
     rows = -(-len(drawn) // columns)
     figure = MatplotlibFigure(figsize=(6.4, 0.7 + 1.7 * rows))
     panels = figure.subplots(rows, columns, sharex=True, squeeze=False).ravel()
-    place = {report: index + 1 for index, report in enumerate(history.reports)}
     for axes, entries in zip(panels, drawn, strict=False):
-        _panel(axes, entries, place)
+        draw_parameter(axes, history, entries)
     for axes in panels[len(drawn) :]:
         axes.set_axis_off()
-    for axes in panels[max(len(drawn) - columns, 0) : len(drawn)]:
-        axes.set_xlabel("Diagnosis")
-        axes.xaxis.set_tick_params(labelbottom=True)
-    panels[0].set_xlim(0.5, len(history.reports) + 0.5)
-    panels[0].set_xticks(range(1, len(history.reports) + 1))
+    for number, axes in enumerate(panels[: len(drawn)]):
+        is_lowest = number >= max(len(drawn) - columns, 0)
+        axes.xaxis.set_tick_params(labelbottom=is_lowest)
+        axes.set_xlabel("Diagnosis" if is_lowest else "")
     return to_figure(
         figure,
         "history",
@@ -112,7 +111,11 @@ def _figure(history: History) -> Figure | None:
     )
 
 
-def _panel(axes: Axes, entries: list[Learned], place: dict[str, int]) -> None:
+def draw_parameter(axes: Axes, history: History, entries: Sequence[Learned]) -> None:
+    """Draw a parameter over the diagnoses, with its intervals; a dashed line where it was no longer as before."""
+    place = {report: index + 1 for index, report in enumerate(history.reports)}
+    axes.set(xlabel="Diagnosis", xlim=(0.5, len(place) + 0.5))
+    axes.set_xticks(list(place.values()))
     scale, unit = _scale(entries[-1].unit)
     for entry in entries:
         at, colour = place[entry.report], ORANGE if entry.is_change else BLUE

@@ -31,6 +31,8 @@ _MODULES = {
     "tide.page": "tide",
     "exploration.page": "exploration",
     "alternatives": "comparison",
+    "scoring.page": "scoring",
+    "log_book.history": "log_book",
 }
 """Module with the drawings, by that of the report."""
 

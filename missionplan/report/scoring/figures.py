@@ -4,8 +4,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.errors import InputError, Problem, shown
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
-from missionplan.results.log_book.score import PIT_BINS, DatasetScore, Prediction, pit_counts
+from missionplan.results.log_book.score import PIT_BINS, DatasetScore, Prediction, Score, pit_counts
 
 Q90 = 1.645
 """Normal quantile: half the width of a 90 % interval in standard deviations."""
@@ -17,11 +18,8 @@ def prediction_figure(each: DatasetScore) -> Figure:
     figure = MatplotlibFigure(figsize=(6.4, 4.4))
     panels = figure.subplots(2, 1, sharex=True, sharey=not legs)
     for axes, part in zip(panels, (0, 1), strict=True):
-        if legs:
-            _leg_panel(axes, each, part)
-        else:
-            _dive_panel(axes, each, list(each.predictions.values())[part], ("one step ahead", "all the way")[part])
-    panels[1].set_xlabel("Leg" if legs else "Reading, dive after dive")
+        _panel(axes, each, part)
+    panels[0].set_xlabel("")
     panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, frameon=False, ncols=3)
     what = "Position errors of the legs" if legs else "Departures of the depths from what was expected"
     return to_figure(
@@ -30,6 +28,30 @@ def prediction_figure(each: DatasetScore) -> Figure:
         alt=f"{what} with the mission's predictions",
         caption=f"{what} (points) and the mission's 90 % bands: blue one step ahead, grey without the past.",
     )
+
+
+def draw_predictions(axes: Axes, score: Score, dataset: int = 0, part: int = 0) -> None:
+    """Draw a data set of the score, by its number.
+
+    Parameters
+    ----------
+    part : int
+        Of legs, 0 for errors east and 1 for north; of dives, 0 for one step ahead and 1 for all the way.
+    """
+    for given, most, key in ((dataset, len(score.datasets), "dataset"), (part, 2, "part")):
+        if not isinstance(given, int) or not 0 <= given < most:
+            raise InputError([Problem(f"given {shown(given)}, expected 0 to {most - 1}", key=key)])
+    _panel(axes, score.datasets[dataset], part)
+    axes.legend()
+
+
+def _panel(axes: Axes, each: DatasetScore, part: int) -> None:
+    if each.kind == "transit":
+        _leg_panel(axes, each, part)
+        axes.set_xlabel("Leg")
+    else:
+        _dive_panel(axes, each, list(each.predictions.values())[part], ("one step ahead", "all the way")[part])
+        axes.set_xlabel("Reading, dive after dive")
 
 
 def _leg_panel(axes: Axes, each: DatasetScore, axis: int) -> None:

@@ -2,14 +2,17 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability, Statistic
-from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.base import Provenance, Result, to_csv, to_grid
 from missionplan.results.choosing.axis import Aim, Axis
 from missionplan.results.simulation import RequirementOutcome
+
+if TYPE_CHECKING:
+    import xarray
 
 NOT_RUN = Probability(float("nan"), float("nan"), float("nan"))
 """Of a cell that cannot be run."""
@@ -194,6 +197,14 @@ class Exploration(Result):
     def to_frame(self) -> pd.DataFrame:
         """One row per cell."""
         return pd.DataFrame([self._row(cell) for cell in self.cells])
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return the table as arrays over the keys varied, in their units; needs the extra ``netcdf``."""
+        frame = self.to_frame()
+        for number, axis in enumerate(self.axes):
+            values = axis.labels if axis.numbers is None else axis.numbers
+            frame[axis.name] = [values[cell.place[number]] for cell in self.cells]
+        return to_grid(frame, [axis.name for axis in self.axes], {axis.name: axis.unit for axis in self.axes})
 
     def _row(self, cell: Cell) -> dict[str, object]:
         row: dict[str, object] = {**self.values_of(cell), "status": cell.status, "reason": cell.reason}
