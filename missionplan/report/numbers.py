@@ -8,8 +8,8 @@ from missionplan.report.display_units import Unit
 NARROW_SPACE = "\u202f"
 
 
-_LEAST_SPREAD = 3e-6
-"""Spread over the value below which it is left out: no model of a vehicle is true to six digits."""
+_LEAST_SPREAD = 3e-5
+"""Spread over the value below which it is left out: no model of a vehicle is true to five digits."""
 
 
 def has_spread(value: float, spread: float) -> bool:

@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
+from matplotlib.ticker import MaxNLocator
 
 from missionplan.errors import InputError, Problem, shown
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
@@ -49,6 +50,7 @@ def _panel(axes: Axes, each: DatasetScore, part: int) -> None:
     if each.kind == "transit":
         _leg_panel(axes, each, part)
         axes.set_xlabel("Leg")
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     else:
         _dive_panel(axes, each, list(each.predictions.values())[part], ("one step ahead", "all the way")[part])
         axes.set_xlabel("Reading, dive after dive")

@@ -88,7 +88,7 @@ def _how_far(result: TideResult) -> PageSection:
             number(tide.east, tide.mean_error),
             number(tide.north, tide.mean_error),
             f"{tide.residual:.3f}",
-            f"{tide.residual_time / 3600.0:.1f}",
+            f"{tide.residual_time / 3600.0:.1f}" if tide.residual_time >= 360.0 else "< 0.1",
             f"{100.0 * tide.held_out.coverage:.0f}" if tide.held_out else "–",
         )
         for tide in result.depths
