@@ -17,7 +17,9 @@ from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 REQUIRED = 0.95
 """Probability that an anchor must have."""
 WORST = 1.0
-"""Loss of a choice that cannot be made, or that never arrives: the whole mission."""
+"""Loss of a choice that never arrives, and the greatest of any: the whole mission."""
+TRIED = np.geomspace(0.3, 3.0, 24)
+"""Weights over the worst case's of which the likeliest to succeed is taken where none reaches the probability."""
 
 
 @dataclass(frozen=True)
@@ -50,15 +52,11 @@ class LegChoice:
 
 @dataclass(frozen=True)
 class AnchorChoice:
-    """The lightest anchor that reaches the probability in a mission [N]; None where none does."""
+    """The lightest anchor that reaches the probability in a mission [N]; where none does, the likeliest to succeed."""
 
-    weight: float | None
+    weight: float
+    is_possible: bool
     trials: AnchorTrials
-
-    @property
-    def is_possible(self) -> bool:
-        """Whether an anchor does."""
-        return self.weight is not None
 
     @classmethod
     def of(cls, mission: Mission, trials: int) -> "AnchorChoice":
@@ -68,15 +66,18 @@ class AnchorChoice:
         means = Scenario.at_means(mission)
         start = worst_case_weight(means, moor)
         line = float(means[f"{moor.name}.line_length"])
-        return cls(lightest_anchor(study.probabilities, REQUIRED, start, line).weight, study)
+        found = lightest_anchor(study.probabilities, REQUIRED, start, line).weight
+        if found is not None:
+            return cls(found, True, study)
+        tried = start * TRIED
+        good = [study.probabilities(weight).good.value for weight in tried.tolist()]
+        return cls(float(tried[int(np.argmax(good))]), False, study)
 
     def regret(self, truth: "AnchorChoice") -> float:
         """Needless weight over that of the anchor chosen in knowledge of the truth, or what is missing of the probability.
 
         Both are shares of what is asked: 10 % too heavy, or successful in 85.5 % of the dives instead of 95 %, is 0.1.
         """
-        if self.weight is None or truth.weight is None:
-            return WORST
         reached = truth.trials.probabilities(self.weight).good.value
         missing = max(REQUIRED - reached, 0.0) / REQUIRED
         return min(max(self.weight / truth.weight - 1.0, 0.0) + missing, WORST)
