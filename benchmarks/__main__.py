@@ -15,6 +15,7 @@ from benchmarks.common import Comparison, Options, circumstances, load_average
 COMPARISONS: dict[str, Comparison] = {
     "sweep": sweep.compare,
     "commands": commands.compare,
+    "studies": commands.studies,
     "descent": descent.compare,
     "diagnosis": commands.diagnoses,
     "monaco": monaco_peer.compare,

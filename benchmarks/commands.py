@@ -1,5 +1,6 @@
 """Whole commands, from the start of the process to its end: sweep, help, diagnoses; and the dynamic programme."""
 
+import shutil
 import tempfile
 from pathlib import Path
 
@@ -35,6 +36,31 @@ def compare(options: Options) -> Section:
         Row(what, duration(legs), target="≤ 3 s", met=legs <= 3.0),
     )
     return Section(rows, ("numpy", "joblib", "typer", "matplotlib"))
+
+
+def studies(options: Options) -> Section:
+    """Time an exploration in a field of the current, and the plan of legs of a vehicle that barely makes way."""
+    explored, planned = [], []
+    trials = str(2000 // options.shrink)
+    chesapeake = (MISSIONS / "chesapeake.yaml").read_text(encoding="utf-8")
+    slow = chesapeake.replace("speed: 1.5 m/s", "speed: 0.45 m/s")
+    for _ in range(options.repeats):
+        with tempfile.TemporaryDirectory() as folder:
+            end = ("--jobs", "2", "--quiet", "--out", Path(folder) / "report")
+            starts = ("--vary", "start=04:00:12:10:10 min", "--trials", trials)
+            explore = python("missionplan", "explore", MISSIONS / "estuary.yaml", *starts, *end)
+            explored.append(run_command(explore))
+        with tempfile.TemporaryDirectory() as folder:
+            mission = Path(folder) / "slow.yaml"
+            mission.write_text(slow, encoding="utf-8")
+            shutil.copytree(MISSIONS / "vehicles", Path(folder) / "vehicles")
+            end = ("--jobs", "2", "--quiet", "--out", Path(folder) / "report")
+            planned.append(run_command(python("missionplan", "plan-legs", mission, *end), accept=(0, 3)))
+    rows = (
+        _row(f"`explore`, 50 starts of the estuary × {trials} trials, start to report, 2 jobs", explored, 10.0),
+        _row("`plan-legs`, chesapeake at 0.45 m/s, start to report, 2 jobs", planned, 30.0),
+    )
+    return Section(rows, ("numpy", "scipy", "joblib", "matplotlib"))
 
 
 def diagnoses(options: Options) -> Section:

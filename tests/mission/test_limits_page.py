@@ -2,12 +2,14 @@
 
 import importlib.util
 import re
+import shutil
 from pathlib import Path
 
 import pytest
 import yaml
 from test_limits import altered
 
+from missionplan import validate
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.studies.validation.datasets import validated_dataset
@@ -27,6 +29,7 @@ def rows(heading):
 
 
 MISSIONS_OF_THE_PAGE, DATA_SETS = rows("# What cannot be"), rows("Data sets")
+FIELDS = rows("Fields of the current")
 
 
 def test_the_page_has_fifty_rows_and_all_data_sets():
@@ -47,6 +50,21 @@ def test_a_mission_of_the_page_is_said_what_stands_there(row):
         assert str(refused.value).splitlines()[0] == now
     else:
         assert now in Mission.from_data(altered(changes)).notices()
+
+
+@pytest.mark.parametrize("row", FIELDS, ids=[row[0] for row in FIELDS])
+def test_a_field_of_the_page_is_said_what_stands_there(row, tmp_path):
+    for folder in ("vehicles", "currents"):
+        shutil.copytree(ROOT / "missions" / folder, tmp_path / folder)
+    path, _, value = row[0].strip("`").partition(": ")
+    data = yaml.safe_load((ROOT / "missions" / "estuary.yaml").read_text(encoding="utf-8"))
+    place, keys = data, [int(key) if key.isdigit() else key for key in path.split(".")]
+    for key in keys[:-1]:
+        place = place[key]
+    place[keys[-1]] = yaml.safe_load(value)
+    (tmp_path / "mission.yaml").write_text(yaml.safe_dump(data), encoding="utf-8")
+    (found,) = validate(tmp_path / "mission.yaml")
+    assert [problem.message.replace("\u202f", " ") for problem in found.problems] == [row[1]]
 
 
 @pytest.mark.parametrize("row", DATA_SETS, ids=[row[0] for row in DATA_SETS])
