@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
-from missionplan.report.crew.conversion import column_in_units, drawing_in, in_units, using_units
+from missionplan.report.crew.conversion import column_in_units, drawing_in, in_units, row_in_units, using_units
 from missionplan.report.crew.drawing import draw_in_units, round_length
 from missionplan.report.page import to_figure
 from missionplan.report.render import render_report, terminal_view
@@ -53,6 +53,14 @@ def test_a_column_is_converted_whole_or_not_at_all():
         "radius (ft)", ["49", "13.94 ± 0.33", "–"],
     )  # fmt: skip
     assert column_in_units("half axes (m)", ["18 (circle)", "5"], "imperial")[0] == "half axes (m)"
+
+
+def test_spread_and_points_of_a_row_have_the_unit_of_its_quantity():
+    heads = ["quantity", "mean", "sd", "5\u00a0%", "trials"]
+    assert row_in_units(heads, ["offset", "30.5 ± 0.3\u00a0m", "3.05", "–", "12"], "imperial") == [
+        "offset", "30.5 ± 0.3\u00a0m", "10.01", "–", "12",
+    ]  # fmt: skip
+    assert row_in_units(heads, ["duration", "30.5\u00a0s", "3.05", "1", "12"], "imperial")[2] == "3.05"
 
 
 def test_a_mission_or_the_run_chooses_the_units_and_the_summary_stays_in_si():

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import partial
@@ -38,6 +38,8 @@ _QUANTITY = re.compile(
     rf"(?<![\w.])({_NUMBER}(?:{_SIGN}{_NUMBER})*){_SPACE}({_NAMES})(?![\w/²³*·])(?![ \u00a0\u202f][ms]\b)"
 )
 _CELL = re.compile(rf"({_NUMBER}(?:{_SIGN}{_NUMBER})*)|–?")
+_OF_THE_ROW = ("sd", "5 %", "50 %", "95 %")
+"""Heads of columns whose numbers have the unit of the quantity in their row."""
 HEAD = re.compile(rf"(.*\()({_NAMES})(\).*)", re.DOTALL)
 """A heading or the label of an axis with a unit in brackets."""
 
@@ -139,4 +141,18 @@ def column_in_units(head: str, cells: list[str], system: str) -> tuple[str, list
         return head, cells
     return f"{found[1]}{target}{found[3]}", [
         rescaled(cell, unit, target) if cell.strip("–") else cell for cell in cells
+    ]
+
+
+def row_in_units(heads: Sequence[str], row: Sequence[str], system: str) -> list[str]:
+    """Convert the spread and the points of a row, bare numbers in the unit of the row's own quantity."""
+    found = next(filter(None, map(_QUANTITY.fullmatch, row)), None)
+    if found is None or len(heads) != len(row):
+        return list(row)
+    target = target_unit(found[2], [found[1]], system)
+    return [
+        rescaled(cell, found[2], target)
+        if head.replace(_NO_BREAK_SPACE, " ") in _OF_THE_ROW and _CELL.fullmatch(cell) and cell.strip("–")
+        else cell
+        for head, cell in zip(heads, row, strict=True)
     ]

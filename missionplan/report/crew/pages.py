@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
-from missionplan.report.crew.conversion import column_in_units, in_units
+from missionplan.report.crew.conversion import column_in_units, in_units, row_in_units
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
 from missionplan.report.typesetting import typeset_page, typeset_section, typeset_terminal
 
@@ -39,6 +39,7 @@ def _table(block: Block, system: str) -> Block:
 
 def _columns(heads: Sequence[str], rows: Sequence[Sequence[str]], system: str) -> tuple[list[str], list[Sequence[str]]]:
     """Convert the columns whose heads have a unit."""
+    rows = [row_in_units(heads, row, system) for row in rows]
     converted = [
         column_in_units(head, [row[index] for row in rows], system)
         if all(len(row) > index for row in rows)

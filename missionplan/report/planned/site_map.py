@@ -69,8 +69,8 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
         figure,
         "site",
         f"Map of the site: {words}.",
-        "The straight way, and the circles within which a transit has arrived or the anchor may lie; metres from the "
-        f"origin.{problem}",
+        "The straight way, and the circles within which a transit has arrived or the anchor may lie; east and "
+        f"north of the origin.{problem}",
     )
 
 

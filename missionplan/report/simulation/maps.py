@@ -24,7 +24,7 @@ def track_map(outcome: Outcome) -> Figure:
     return to_figure(
         figure,
         "track-map",
-        f"Map of {count} trials from above, with the goals of the phases; axes in metres, north is up.",
+        f"Map of {count} trials from above, with the goals of the phases; north is up.",
         f"{count} trials (light), the median trial (orange, a dot at each fix), and the circles and ellipses that "
         f"the close-ups explain. Both axes have the same scale.{shown.outliers_in_words()}",
     )

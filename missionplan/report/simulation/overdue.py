@@ -91,6 +91,7 @@ def _time_row(time: ExpectedTime, start: datetime | None, *, has_energy: bool) -
 def _map(found: Overdue) -> Figure:
     """Draw the search areas; of the drift, one for each number of hours overdue."""
     points = np.concatenate([area.line for area in found.areas], axis=1) / 1000.0
+    start = np.asarray(found.areas[0].centre) / 1000.0
     spread = np.maximum(np.ptp(points, axis=1), 0.05)
     figure = MatplotlibFigure(figsize=(WIDTH, float(np.clip(WIDTH * spread[1] / spread[0], 2.4, 1.1 * WIDTH)) + 1.3))
     axes = figure.add_subplot()
@@ -102,8 +103,10 @@ def _map(found: Overdue) -> Figure:
         axes.plot(east, north, color=_COLOURS[area.way], linewidth=1.3, label=label)
         if area.overdue > 0.0:
             hours = f"+{area.overdue / 3600.0:.0f}\u00a0h"
-            axes.annotate(hours, (area.centre[0] / 1000.0, area.centre[1] / 1000.0), fontsize=8, ha="center", color=INK)
-    axes.set(xlabel="east (km)", ylabel="north (km)", aspect="equal")
+            far = np.argmax(np.hypot(east - start[0], north - start[1]))
+            axes.annotate(hours, (east[far], north[far]), fontsize=8, ha="center", color=INK)
+    axes.set(xlabel="east (km)", ylabel="north (km)")
+    axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.06)
     figure.legend(loc="outside upper center", ncols=2)
     words = "; ".join(f"{area.way}, {_hours(area)}: {_size(area)}" for area in found.areas)
@@ -128,7 +131,7 @@ def _areas(outcome: Outcome, found: Overdue) -> Table:
         )
         for area in found.areas
     ]
-    columns = ("way to fail", "from", "overdue", "centre", "half axes (m)", "area (km²)")
+    columns = ("way to fail", "from", "overdue", "centre", "half axes", "area (km²)")
     return Table(columns, rows, "Overdue: hours after the time at which to worry.", text_columns=2)
 
 
@@ -139,8 +142,8 @@ def _hours(area: SearchArea) -> str:
 
 def _size(area: SearchArea) -> str:
     if area.half_length == area.half_width:
-        return f"{area.half_length:.0f} (circle)"
-    return f"{area.half_length:.0f} × {area.half_width:.0f}"
+        return f"{area.half_length:.0f} m (circle)"
+    return f"{area.half_length:.0f} m × {area.half_width:.0f} m"
 
 
 def _place(outcome: Outcome, area: SearchArea) -> str:
