@@ -236,8 +236,6 @@ class EffectInfo:
         Whether its parameters `east` and `north` add to the mission's own uncertainty of the current.
     scatter : str
         Whether dives scatter in this effect from one to the next: in the time of release, or in drag.
-    is_sensor_lag : bool
-        Whether it is the sensor's lag, a part of which is a pure delay.
     instrument : Instrument, optional
         What measures it directly.
     likeness : Likeness, optional
@@ -273,7 +271,6 @@ class EffectInfo:
     needs_latitude: bool = False
     is_steady_current: bool = False
     scatter: Scatter = ""
-    is_sensor_lag: bool = False
     instrument: Instrument | None = None
     likeness: Likeness | None = None
     finding: Finding | None = None

@@ -16,7 +16,7 @@ CONTRACT = {
     "stratification": ["lift", "depth", "thickness"],
     "broadside-start": ["extra_drag", "time"],
     "added-mass": ["fraction"],
-    "sensor-lag": ["time"],
+    "sensor-lag": ["time", "averaging"],
     "clock-offset": ["time"],
     "depth-scale": ["fraction"],
     "vertical-current": ["speed"],

@@ -65,3 +65,28 @@ def test_lag_behind_a_steady_fall(step):
     safe = np.where(lags > 0.0, lags, 1.0)
     expected = depth - 1.4 * lags * -np.expm1(-t[:, None] / safe)
     np.testing.assert_allclose(SensorLag(lags).reading(t, depth), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(("lag", "averaging"), [(0.5, 0.4), (5.0, 0.4), (5.0, 30.0)])
+def test_a_logger_that_averages_a_slow_sensor(lag, averaging):
+    """Against the mean of the sensor's own output by the trapezoidal rule; far from the start it is late by the lag."""
+    t = np.arange(0.0, 40.0, 0.01)
+    depth = np.maximum(t - 2.0, 0.0) * 1.2
+    window = 2.0 * lag * averaging / (1.0 + averaging)
+    sensor = SensorLag(lag / (1.0 + averaging)).reading(t, depth[:, None])[:, 0]
+    integral = np.concatenate([[0.0], np.cumsum(0.005 * (sensor[1:] + sensor[:-1]))])
+    expected = (integral - np.interp(t - window, t, integral, left=0.0)) / window
+    found = SensorLag(lag, averaging).reading(t, depth[:, None])[:, 0]
+    np.testing.assert_allclose(found, expected, atol=2e-4)
+    assert found[-1] == pytest.approx(depth[-1] - 1.2 * lag, abs=0.01)
+
+
+def test_trials_are_lagged_each_by_itself():
+    rng = np.random.default_rng(1)
+    depth = np.cumsum(rng.random((60, 5)), axis=0)
+    lags, averaging = np.array([0.0, 0.3, 0.3, 2.0, 4.0]), np.array([0.5, 0.0, 0.5, 0.5, 50.0])
+    together = SensorLag(lags, averaging).reading(0.16 * np.arange(60), depth)
+    for trial in range(5):
+        alone = SensorLag(lags[trial], averaging[trial]).reading(0.16 * np.arange(60), depth[:, [trial]])
+        np.testing.assert_array_equal(together[:, [trial]], alone)
+    np.testing.assert_array_equal(together[:, 0], depth[:, 0])

@@ -27,12 +27,6 @@ MIN_FRACTION = -0.9
 """Least strength of an effect that multiplies a drag or a weight, which -1 would cancel."""
 LARGEST_RELEASE_DELAY = 1.0
 """Largest release delay, of either sign: the separation against the log's clock [s]; ten times its scatter."""
-LAG_ORDER, LAG_ORDER_SD = 0.5, 0.35
-"""Order of the sensor's lag: prior mean and standard deviation.
-
-0 is a first-order lag, 1 a lag of which one half is a pure delay. Two equal poles lie at 0.5 to 0.7, a moving average
-at 0.6 to 0.9. The phase is run at the mean; the difference is a nuisance parameter of the fit.
-"""
 NO_BOTTOM = 1e5
 """Site depth for the fit [m]: the logs end above touchdown, so no model of them may reach the bottom."""
 
@@ -86,7 +80,7 @@ class DescentForward:
             Factor on the anchor's wet weight.
         """
         count, settings = len(self.logs), values.shape[1]
-        trials = np.repeat(_with_mean_lag_order(coordinates, values), count, axis=1)
+        trials = np.repeat(values, count, axis=1)
         effects = (*self.given, *self._effects(coordinates, trials))
         factor = np.repeat(np.broadcast_to(np.asarray(weight_factor, dtype=float), settings), count)
         until = max(float(log.fine[-1]) for log in self.logs) + LARGEST_RELEASE_DELAY
@@ -189,25 +183,6 @@ class DiveHistories:
         for index, log in enumerate(self.logs):
             times[: len(log.fine), index] = log.fine
         return times
-
-
-def _with_mean_lag_order(coordinates: Sequence[Coordinate], values: Array) -> Array:
-    """Settings, shape (k, b), with the sensor's lag at the mean of its order: a part of it is a pure delay."""
-    names = [coordinate.effect for coordinate in coordinates]
-    if not any(CATALOGUE[name].is_sensor_lag for name in names):
-        return values
-    return with_pure_delay(values, names, 0.5 * LAG_ORDER)
-
-
-def with_pure_delay(values: Array, names: Sequence[str], share: float) -> Array:
-    """Coordinates, shape (k, ...), with a share of the sensor's lag turned into a pure delay."""
-    lag = next(index for index, name in enumerate(names) if CATALOGUE[name].is_sensor_lag)
-    clock = names.index(RELEASE_EFFECT)
-    delay = share * np.maximum(values[lag], 0.0)
-    result = values.copy()
-    result[lag] -= delay
-    result[clock] += delay
-    return result
 
 
 def _averaged(log: DiveLog, depths: Array) -> Array:

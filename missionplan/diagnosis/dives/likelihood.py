@@ -39,8 +39,8 @@ class NoiseGridLikelihood:
 
     Attributes
     ----------
-    grams : array, shape (g, d, k + 3, k + 3)
-        Whitened inner products of the k coordinates' columns, the two that all dives share, and the data.
+    grams : array, shape (g, d, k + 2, k + 2)
+        Whitened inner products of the k coordinates' columns, the curvature's, and the data.
     log_determinants : array, shape (g, d)
         Ln |covariance| of each dive's readings.
     counts : array of int, shape (d,)
@@ -66,7 +66,7 @@ class NoiseGridLikelihood:
     def marginal(
         self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES, shift: Array | None = None
     ) -> Marginal:
-        """Marginalise all coordinates, and what the dives share, at one noise of the grid.
+        """Marginalise all coordinates, and the curvature, at one noise of the grid.
 
         Parameters
         ----------
@@ -86,7 +86,7 @@ class NoiseGridLikelihood:
             gram = moved.T @ gram @ moved
         prior = _with_shared(prior_sd, noise_grid()[index])
         found = gaussian_marginal(gram, prior, log_determinant, int(self.counts[dives].sum()))
-        return Marginal(found.log_density, found.mean[:-2], found.covariance[:-2, :-2])
+        return Marginal(found.log_density, found.mean[:-1], found.covariance[:-1, :-1])
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class DescentLikelihood(LinearisedDescent):
     def total_covariance(self, linear: DiveLinearisation, noise: Noise, prior_sd: Array) -> Array:
         """Covariance of all readings with the coordinates' priors, shape (N, N) [m²]."""
         own = standardised(linear.columns, prior_sd)
-        scaled = np.concatenate([own, linear.nuisances * [noise.scatter, 1.0]], axis=1)
+        scaled = np.concatenate([own, noise.scatter * linear.curvature[:, None]], axis=1)
         total = scaled @ scaled.T
         for rows, block in zip(self.parts, self.covariances(linear, (noise,)), strict=True):
             total[np.ix_(rows, rows)] += block[0]
@@ -133,14 +133,14 @@ class DescentLikelihood(LinearisedDescent):
         numpy.linalg.LinAlgError
             When a covariance is not positive definite.
         """
-        both = np.concatenate([linear.columns, linear.nuisances, linear.y[:, None]], axis=1)
+        both = np.concatenate([linear.columns, linear.curvature[:, None], linear.y[:, None]], axis=1)
         grams, log_determinants = zip(*self._inner_products(linear, both), strict=True)
         counts = np.array([len(rows) for rows in self.parts])
         return NoiseGridLikelihood(np.stack(grams, axis=1), np.stack(log_determinants, axis=1), counts)
 
     def products(self, linear: DiveLinearisation, prior_sd: Array, columns: Array) -> list[InnerProducts]:
         """Inner products of columns, shape (N, m), and the data, the coordinates integrated out, at every noise."""
-        both = np.concatenate([linear.columns, linear.nuisances, columns, linear.y[:, None]], axis=1)
+        both = np.concatenate([linear.columns, linear.curvature[:, None], columns, linear.y[:, None]], axis=1)
         dives = self._inner_products(linear, both)
         gram, log_determinant = next(dives)
         for more, further in dives:  # added in place: one dive's alone are some tens of megabytes
@@ -155,12 +155,12 @@ class DescentLikelihood(LinearisedDescent):
 
 
 def _with_shared(prior_sd: Array, noise: Noise) -> Array:
-    """Prior standard deviations of the coordinates, or their factor, then of curvature and lag's order.
+    """Prior standard deviations of the coordinates, or their factor, then of the curvature.
 
     The scatter of the release delay smooths the jerk of every dive to the same side, hence one coefficient for all.
     """
-    shared = [noise.scatter, 1.0]
-    return np.append(prior_sd, shared) if prior_sd.ndim == 1 else np.asarray(block_diag(prior_sd, np.diag(shared)))
+    scatter = noise.scatter
+    return np.append(prior_sd, scatter) if prior_sd.ndim == 1 else np.asarray(block_diag(prior_sd, scatter))
 
 
 def inner_products(covariance: Array, columns: Array) -> tuple[Array, Array]:
@@ -188,7 +188,7 @@ def marginalised_products(grams: Array, log_determinants: Array, prior_sd: Array
     prior_sd : array, shape (k,)
         Of the coordinates.
     """
-    found, inner = [], len(prior_sd) + 2
+    found, inner = [], len(prior_sd) + 1
     for noise, gram, log_determinant in zip(noise_grid(), grams, log_determinants, strict=True):
         prior = _with_shared(prior_sd, noise)
         own, others = gram[:inner, :inner], gram[:inner, inner:]

@@ -14,12 +14,9 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.diagnosis.dives.forward import (
     DRAG_EFFECT,
-    LAG_ORDER,
-    LAG_ORDER_SD,
     LARGEST_RELEASE_DELAY,
     RELEASE_EFFECT,
     Histories,
-    with_pure_delay,
 )
 from missionplan.diagnosis.dives.noise import (
     DIVE_SD,
@@ -38,11 +35,9 @@ WEIGHT_STEP, DRAG_STEP, DELAY_STEP = 0.01, 0.01, 0.005
 """Steps of the differences along wet weight and drag, of themselves, and along a release delay [s]."""
 CURVATURE_STEP = 0.1
 """Step of the second differences along the release delay [s]: its standard deviation from dive to dive."""
-PURE_DELAY_SHARE = 0.5
-"""Share of the sensor's lag that is turned into a pure delay for the derivative along the lag's order."""
 DELAY_ITERATIONS = 2
 """Gauss–Newton steps towards each dive's most likely release delay."""
-FIXED_SETTINGS = 7
+FIXED_SETTINGS = 6
 """Settings of a linearisation before those of its forward differences."""
 
 
@@ -73,9 +68,6 @@ class DiveLinearisation:
         Second-order term of the release delay's scatter: large where the line goes taut with a jerk [m].
     shaped : array, shape (N,)
         Part of the readings that is due to the causes with shape parameters [m].
-    lag_order : array, shape (N,)
-        Change of the readings when the order of the sensor's lag is higher by `LAG_ORDER_SD`; all dives have the same
-        sensor [m].
     """
 
     at: Array
@@ -87,12 +79,6 @@ class DiveLinearisation:
     readings: Array
     curvature: Array
     shaped: Array
-    lag_order: Array
-
-    @property
-    def nuisances(self) -> Array:
-        """Columns that all dives share beside the catalogue's: curvature and order of the lag, shape (N, 2) [m]."""
-        return np.stack([self.curvature, self.lag_order], axis=1)
 
     def sensitivity(self, name: str) -> Array:
         """Sensitivity of the readings to one of the things that differ from dive to dive, shape (N,)."""
@@ -136,17 +122,14 @@ class LinearisedDescent(DescentPriors):
     def _settings(self, at: Array, varied: NDArray[np.int_]) -> Array:
         """Settings of one linearisation.
 
-        Here, heavier, lighter, later, earlier, without effects of a shape, with a higher order of the lag; then one a
-        coordinate for the forward differences.
+        Here, heavier, lighter, later, earlier, without effects of a shape; then one a coordinate for the forward
+        differences.
         """
         shifted = np.repeat(at[:, None], 2, axis=1)
         shifted[self.index(RELEASE_EFFECT)] += np.array([CURVATURE_STEP, -CURVATURE_STEP])
-        names = [coordinate.effect for coordinate in self.coordinates]
-        higher_order = with_pure_delay(at, names, PURE_DELAY_SHARE)
         here = np.repeat(at[:, None], 3, axis=1)
-        others = np.stack([self._without_shapes(at), higher_order], axis=1)
         ahead = perturbed(at, varied, DIFFERENCE * self.slab[varied])
-        return np.concatenate([here, shifted, others, ahead], axis=1)
+        return np.concatenate([here, shifted, self._without_shapes(at)[:, None], ahead], axis=1)
 
     def _without_shapes(self, at: Array) -> Array:
         """Coordinates without the effects that have shape parameters, shape (k,)."""
@@ -157,7 +140,7 @@ class LinearisedDescent(DescentPriors):
         self, causes: Causes, at: Array, varied: NDArray[np.int_], delays: Array, readings: Array
     ) -> DiveLinearisation:
         """Linearisation from the readings under its settings, in the order of `_settings`."""
-        here, heavier, lighter, later, earlier, shapeless, higher_order = readings[:, :FIXED_SETTINGS].T
+        here, heavier, lighter, later, earlier, shapeless = readings[:, :FIXED_SETTINGS].T
         columns = np.zeros((len(self.y), len(self.coordinates)))
         columns[:, varied] = (readings[:, FIXED_SETTINGS:] - here[:, None]) / (DIFFERENCE * self.slab[varied])
         centre = self.prior(causes).centre
@@ -174,7 +157,6 @@ class LinearisedDescent(DescentPriors):
             readings=here,
             curvature=0.5 * np.abs(later + earlier - 2.0 * here) * DIVE_SD["release"] / CURVATURE_STEP,
             shaped=here - shapeless,
-            lag_order=LAG_ORDER_SD / (PURE_DELAY_SHARE * (2.0 - LAG_ORDER)) * (higher_order - here),
         )
 
     def release_delay_shift(self, linear: DiveLinearisation) -> Array:

@@ -21,6 +21,13 @@ LEVEL_QUANTILE, LEVEL_SHARES = 0.98, (0.8, 0.95)
 """Quantile of the readings that is a log's level, and shares of it between which the descent's speed is taken."""
 LEVEL_TIMES = 4.0
 """Times as long as at that speed the last of the way takes, where a log ends level."""
+STRUCK_SHARES = (0.6, 0.85)
+"""Shares of the deepest reading: of those beyond the first a bend is sought, of those beyond the second it is taken for
+a touchdown, after which a vehicle coasts no further than a metre or two."""
+STRUCK_RATE, STRUCK_SD = 0.7, 6.0
+"""Rate after a touchdown over that before it, at most, and the bend over its standard error, at least."""
+FEWEST_AFTER = 3
+"""Readings on either side of a bend."""
 TIMES_PER_BIN = 6
 """Times kept in a bin, at most."""
 MOVING_DEPTH = 0.15
@@ -107,10 +114,12 @@ def prepare_dives(data: DescentData) -> PreparedDives:
 def _prepare(dive: MeasuredDive, stated: float | None, notices: list[str]) -> DiveLog | None:
     """Trim start and bottom contact, estimate the noise, average in bins; None when too little is left."""
     t, depth = dive.t, dive.depth
-    level = levels_off_at(t, depth)
-    if level < dive.deepest_fitted:
-        moored = dive.site_depth - dive.line_length
-        notices.append(f"{dive.name} levels off at {level:.4g} m, not at {moored:.4g} m: taken for its touchdown")
+    level, struck = levels_off_at(t, depth), slows_at(t, depth)
+    if min(level, struck) < dive.deepest_fitted:
+        moored, does = dive.site_depth - dive.line_length, "levels off" if level <= struck else "slows abruptly"
+        where = f"{min(level, struck):.4g} m, not at {moored:.4g} m"
+        notices.append(f"{dive.name} {does} at {where}: taken for its touchdown")
+        level = min(level, struck)
     beyond = np.flatnonzero(depth > min(dive.deepest_fitted, (1.0 - TOUCHDOWN_MARGIN) * level))
     end = int(beyond[0]) if len(beyond) else len(t)
     moving = np.flatnonzero(depth > MOVING_DEPTH)
@@ -140,6 +149,41 @@ def levels_off_at(t: Array, depth: Array) -> float:
     near, nearer = (int(np.argmax(depth >= share * level)) for share in LEVEL_SHARES)
     steady = (1.0 - LEVEL_SHARES[1]) / (LEVEL_SHARES[1] - LEVEL_SHARES[0]) * (t[nearer] - t[near])
     return level if level > MOVING_DEPTH and t[-1] - t[nearer] > LEVEL_TIMES * steady else np.inf
+
+
+def slows_at(t: Array, depth: Array) -> float:
+    """Return the depth at which a log that ends soon after it slows abruptly, as at touchdown; else infinite [m].
+
+    A line with one bend is fitted to the end of the log, the bend where the squares are least (Hinkley 1969,
+    *Biometrika* 56).
+
+    Parameters
+    ----------
+    t, depth : array, shape (m,)
+        Times [s] and readings [m].
+    """
+    deepest = float(depth.max())
+    begin = int(np.argmax(depth >= STRUCK_SHARES[0] * deepest))
+    t, depth = t[begin:], depth[begin:]
+    bends = range(FEWEST_AFTER, len(t) - FEWEST_AFTER)
+    if not bends:
+        return np.inf
+    fits = [_bent_line(t, depth, bend) for bend in bends]
+    at, before, change, error, _ = min(fits, key=lambda fit: fit[-1])
+    is_struck = (
+        at > STRUCK_SHARES[1] * deepest and before + change < STRUCK_RATE * before and -change > STRUCK_SD * error
+    )
+    return at if is_struck else np.inf
+
+
+def _bent_line(t: Array, depth: Array, bend: int) -> tuple[float, float, float, float, float]:
+    """Depth at a bend [m], rate before it, its change there and that one's error [m/s], and the sum of squares [m²]."""
+    since = t - t[bend]
+    design = np.stack([np.ones_like(t), since, np.maximum(since, 0.0)], axis=1)
+    inverse = np.linalg.pinv(design.T @ design)
+    at, before, change = (float(value) for value in inverse @ (design.T @ depth))
+    squares = float(np.sum(np.square(depth - design @ [at, before, change])))
+    return at, before, change, float(np.sqrt(inverse[2, 2] * squares / max(len(t) - 3, 1))), squares
 
 
 def estimate_noise(t: Array, depth: Array) -> float:

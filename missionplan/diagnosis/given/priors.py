@@ -77,15 +77,25 @@ def check_together(
 
 def _given(info: EffectInfo, parameters: Mapping[str, Quantity]) -> GivenEffect | None:
     quantities = _stated(info, parameters)
+    unknown = [] if info.part == "covariance" else _nil_shapes(info, quantities)
+    quantities = {name: quantity for name, quantity in quantities.items() if name not in unknown}
     if any(info.parameters[name].is_shape and not 0.0 < mean_of(q) < math.inf for name, q in quantities.items()):
         return None
     phases = dict(info.polar)
-    names = [name for name in info.parameters if name in quantities or phases.get(name) in quantities]
+    known = {*quantities, *unknown}
+    names = [name for name in info.parameters if name in known or phases.get(name) in known]
     coordinates = coordinates_of(info, names)
     blocks = [_block(coordinate, quantities, phases) for coordinate in coordinates if coordinate.kind != "sine"]
     means, covariances, scatters = zip(*blocks, strict=True) if blocks else ((np.zeros(0),),) * 3
     covariance = block_diag(*covariances) if blocks else np.zeros((0, 0))
     return GivenEffect(info.id, coordinates, np.concatenate(means), covariance, np.concatenate(scatters))
+
+
+def _nil_shapes(info: EffectInfo, quantities: Mapping[str, Quantity]) -> list[str]:
+    """Shapes at nil of an effect on the mean, which does not vanish with them: as unknown as in the catalogue."""
+    return [
+        name for name, quantity in quantities.items() if info.parameters[name].is_shape and mean_of(quantity) == 0.0
+    ]
 
 
 def _stated(info: EffectInfo, parameters: Mapping[str, Quantity]) -> dict[str, Quantity]:
@@ -103,6 +113,8 @@ def _block(
     """Mean, covariance and scatter of a parameter's coordinate, or of the pair of an amplitude with its phase."""
     quantity, spike = quantities.get(coordinate.name, 0.0), coordinate.spike**2
     if coordinate.kind == "shape":
+        if coordinate.name not in quantities:
+            return np.array([coordinate.centre]), np.array([[coordinate.slab**2]]), np.zeros(1)
         centre, sd = _log_moments(quantity)
         return np.array([centre]), np.array([[(sd or BARE_SHAPE_LOG_SD) ** 2]]), np.zeros(1)
     if coordinate.kind == "strength":
