@@ -116,7 +116,7 @@ def _prepare(dive: MeasuredDive, stated: float | None, notices: list[str]) -> Di
     t, depth = dive.t, dive.depth
     level, struck = levels_off_at(t, depth), slows_at(t, depth)
     if min(level, struck) < dive.deepest_fitted:
-        moored, does = dive.site_depth - dive.line_length, "levels off" if level <= struck else "slows abruptly"
+        moored, does = dive.site_depth - dive.line_length, "levels off" if np.isfinite(level) else "slows abruptly"
         where = f"{min(level, struck):.4g} m, not at {moored:.4g} m"
         notices.append(f"{dive.name} {does} at {where}: taken for its touchdown")
         level = min(level, struck)

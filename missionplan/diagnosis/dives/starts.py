@@ -14,8 +14,8 @@ INITIAL_STRENGTH = 0.5
 SHAPE_SHIFTS = (-1.2, 0.0, 1.2)
 """Its first shape parameter there, in prior standard deviations about its prior mean."""
 LATE_STARTS = (-8.0, -4.0, 4.0, 8.0)
-"""Further starts of an effect that delays the dive, in prior standard deviations: to a search from no delay a vehicle
-that starts seconds late looks like one that sinks slowly."""
+"""Further starts of an effect that delays the dive or its readings, in prior standard deviations: to a search from no
+delay a vehicle that starts seconds late looks like one that sinks slowly."""
 
 
 def starting_points(
@@ -57,13 +57,17 @@ def starting_points(
 
 
 def _late(coordinates: Sequence[Coordinate], name: str, start: Array) -> Iterator[Array]:
-    """Points about one at which an effect that delays the dive is strong, inside its physical range."""
+    """Points about one at which an effect that delays the dive or its readings is strong, inside its physical range."""
     info = CATALOGUE[name]
-    if getattr(info.effect, "delay", DescentEffect.delay) is DescentEffect.delay:
-        return
+    delays = getattr(info.effect, "delay", DescentEffect.delay) is not DescentEffect.delay
     for i, coordinate in enumerate(coordinates):
-        if coordinate.effect == name and coordinate.kind == "strength":
-            parameter = info.parameters[coordinate.name]
+        parameter = info.parameters.get(coordinate.name)
+        if (
+            coordinate.effect == name
+            and coordinate.kind == "strength"
+            and parameter
+            and (delays or parameter.unit == "s")
+        ):
             for shift in LATE_STARTS:
                 if parameter.low < shift * coordinate.slab < parameter.high:
                     moved = start.copy()
