@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import legs
+from . import dives, legs
 from .case import Case
 from .cases import SCENARIO_CYCLE, draw_case
 from .legs import random_records
@@ -25,9 +25,14 @@ from .tool import Outcome, diagnose
 
 FURTHER = ("strong", "given", "wandering", "narrow", "calm", "strong", "changed", "gathering")
 """Further scenarios of navigation logs, in turn."""
-GIVEN = {"compass-bias": ("angle",), "speed-scale": ("fraction",), "mean-current": ("east", "north")}
+FURTHER_DIVES = ("strong", "given", "strong", "changed")
+"""Further scenarios of dives, in turn."""
+GIVEN = {
+    "transit": {"compass-bias": ("angle",), "speed-scale": ("fraction",), "mean-current": ("east", "north")},
+    "descent": {"clock-offset": ("time",), "depth-scale": ("fraction",), "vertical-current": ("speed",)},
+}
 """Effects that a mission carries, with their parameters."""
-UNITS = {"angle": "rad", "fraction": "", "east": "m/s", "north": "m/s"}
+UNITS = {"angle": "rad", "fraction": "", "east": "m/s", "north": "m/s", "time": "s", "speed": "m/s"}
 PRIOR_SD = 0.08
 """Standard deviation of what the mission knows, over the effect's size."""
 CLEAR = {"wandering": 6.0, "gathering": 8.0}
@@ -38,11 +43,13 @@ Argument = tuple[int, str, str]
 
 def draw(seed: int, kind: str, scenario: str) -> Case:
     """Draw a case of any scenario."""
+    if kind == "descent" and scenario == "strong":
+        return dives.draw(seed, scenario)
     if scenario in ("strong", "narrow"):
         case = legs.draw(seed, scenario)
         return replace(case, ties=(("mean-current",), ("persistent-error",))) if scenario == "narrow" else case
     if scenario in ("given", "changed"):
-        return _known(seed, scenario)
+        return _known(seed, kind, scenario)
     if scenario in ("wandering", "calm"):
         return replace(random_records.wandering(seed, inertial=scenario == "wandering"), scenario=scenario)
     if scenario == "gathering":
@@ -50,14 +57,15 @@ def draw(seed: int, kind: str, scenario: str) -> Case:
     return draw_case(seed, kind, scenario)
 
 
-def _known(seed: int, scenario: str) -> Case:
+def _known(seed: int, kind: str, scenario: str) -> Case:
     """A case whose mission carries the effect: as it is to within its prior, or with the other sign."""
     rng = np.random.default_rng([seed, 43])
-    name = str(rng.choice(list(GIVEN)))
-    case = legs.draw(seed, "single", name)
-    size = float(np.hypot(*(case.parameters[f"{name}.{key}"] for key in GIVEN[name]), 0.0))
+    given = GIVEN[kind]
+    name = str(rng.choice(list(given)))
+    case = (dives if kind == "descent" else legs).draw(seed, "single", name)
+    size = float(np.linalg.norm([case.parameters[f"{name}.{key}"] for key in given[name]]))
     entry = {}
-    for key in GIVEN[name]:
+    for key in given[name]:
         truth, unit = float(case.parameters[f"{name}.{key}"]), UNITS[key]
         mean = (truth if scenario == "given" else -truth) + float(PRIOR_SD * size * rng.standard_normal())
         sd = PRIOR_SD * size
@@ -68,10 +76,12 @@ def _known(seed: int, scenario: str) -> Case:
 
 
 def plan(cases: int, seed: int, which: str) -> Iterator[Argument]:
-    """Seed, kind and scenario of each case: ``further`` ones, or those of the study of a kind."""
+    """Seed, kind and scenario of each case: further ones of legs or dives, or those of the study of a kind."""
     for index in range(cases):
         if which == "further":
             yield seed + index, "transit", FURTHER[index % len(FURTHER)]
+        elif which == "further-descent":
+            yield seed + index, "descent", FURTHER_DIVES[index % len(FURTHER_DIVES)]
         else:
             yield seed + index, which, SCENARIO_CYCLE[index % len(SCENARIO_CYCLE)]
 
@@ -153,7 +163,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--lines", type=Path, required=True, help="file of outcomes, continued where it ends")
     parser.add_argument("--cases", type=int, default=400)
     parser.add_argument("--seed", type=int, default=41_000_000)
-    parser.add_argument("--which", choices=("further", "transit", "descent"), default="further")
+    parser.add_argument("--which", choices=("further", "further-descent", "transit", "descent"), default="further")
     options = parser.parse_args(words)
     known = [outcome_of(line) for line in options.lines.read_text().splitlines()] if options.lines.exists() else []
     done = {(o.case.seed, o.case.kind, o.case.scenario) for o in known}

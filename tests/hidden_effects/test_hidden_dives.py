@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from . import dives
+from . import dives, further
 from .dives.catalogue import CATALOGUE, DiveConditions
 from .dives.drag import Craft, friction, spheroid_share
 from .dives.dynamics import Dive, DiveEffect, simulate_dive
 from .dives.outside import OUTSIDE
-from .dives.strength import MINIMUM_STRENGTH
+from .dives.strength import LARGEST, MINIMUM_STRENGTH
 
 PAPER = Craft(
     length=1.1176,
@@ -188,3 +188,23 @@ def test_elastic_line_is_stretched_by_the_drag_of_the_vehicle():
 def test_effect_moves_the_dives(effect):
     """Chi-square of with-effect against without, under the nuisances' covariance: nothing of the tool is used."""
     assert dives.draw(101, "single", effect).strength >= MINIMUM_STRENGTH
+
+
+def test_a_strong_effect_on_dives_is_several_times_the_usual_size():
+    case = further.draw(5, "descent", "strong")
+    (name,) = case.truth
+    kind = CATALOGUE[name]
+    usual = float(np.sqrt(kind.low * kind.high))
+    assert min(3.0 * usual, LARGEST[name]) <= case.notes["sizes"][name] <= LARGEST[name]
+    assert case.parameters
+    assert case.strength > 12.0
+
+
+@pytest.mark.parametrize(("scenario", "sign"), [("given", 1.0), ("changed", -1.0)])
+def test_a_mission_knows_its_effect_on_dives(scenario, sign):
+    case = further.draw(8, "descent", scenario)
+    ((name, entry),) = case.mission["effects"][0].items()
+    for key, known in entry.items():
+        mean, sd = (float(str(known[part]).split()[0]) for part in ("mean", "sd"))
+        assert abs(mean - sign * case.parameters[f"{name}.{key}"]) < 4.0 * sd
+    assert case.truth == (() if scenario == "given" else (name,))

@@ -6,7 +6,7 @@ from ..case import Case
 from .catalogue import CATALOGUE
 from .files import measure, mission_files
 from .outside import OUTSIDE, STUDIED
-from .strength import draw_hidden
+from .strength import LARGEST, draw_hidden, draw_strong
 from .trials import Plan, draw_nuisances, draw_plan
 
 BLIND_SHARE = 0.75
@@ -26,7 +26,10 @@ def draw(seed: int, scenario: str, effect: str | None = None) -> Case:
         shape, hiding, noise_rng = np.random.default_rng([*base, attempt]).spawn(3)
         plan = draw_plan(shape, scenario, names)
         noise = draw_nuisances(shape, scenario)
-        hidden = draw_hidden(plan, noise, names, hiding, scale, scenario == "tie")
+        if scenario == "strong":
+            hidden = draw_strong(plan, noise, names[0], hiding)
+        else:
+            hidden = draw_hidden(plan, noise, names, hiding, scale, scenario == "tie")
         if hidden is not None:
             break
     else:
@@ -60,6 +63,8 @@ def _pick_effects(rng: np.random.Generator, scenario: str) -> tuple[str, ...]:
         return (str(rng.choice([name for name in OUTSIDE if (name in STUDIED) != blind])),)
     if scenario == "tie":
         return (str(rng.choice(["line-payout", "clock-offset"])),)
+    if scenario == "strong":
+        return (str(rng.choice(list(LARGEST))),)
     while True:
         names = tuple(sorted(str(name) for name in rng.choice(list(CATALOGUE), 1 + (scenario == "pair"), False)))
         if not any(tie <= set(names) for tie in NEAR_TIES):

@@ -166,3 +166,32 @@ def _rivals(plan: Plan, noise: Nuisances) -> tuple[Array, ...]:
     """Whitened changes by each effect of the catalogue at a medium size."""
     effects = [build(name, 0.5, 1.0, 0, conditions_of(plan)).effect for name in CATALOGUE]
     return tuple(strength(plan, noise, (effect,))[1] for effect in effects)
+
+
+LARGEST = {
+    "drag-bias": 1.0,
+    "line-payout": 0.8,
+    "trapped-gas": 0.45,
+    "added-mass": 1.5,
+    "sensor-lag": 5.0,
+    "clock-offset": 5.0,
+    "depth-scale": 0.25,
+    "vertical-current": 0.5,
+}
+"""Largest sizes of strong effects: half of what is physically possible, or of what still lets a dive go down."""
+STRONG = (3.0, 10.0)
+"""Range of a strong effect's size over its usual size, the middle of its range."""
+LEAST_DRAG = -0.35
+"""Drag that a strong drag bias takes off, at most."""
+
+
+def draw_strong(plan: Plan, noise: Nuisances, name: str, rng: np.random.Generator) -> HiddenEffects | None:
+    """Draw an effect of 3 to 10 times its usual size; None if there is no such dive."""
+    kind = CATALOGUE[name]
+    factor = float(np.exp(rng.uniform(*np.log(STRONG))))
+    size = min(factor * float(np.sqrt(kind.low * kind.high)), LARGEST[name])
+    effect, parameters = kind.build(size, np.random.default_rng(int(rng.integers(2**32))), conditions_of(plan))
+    if name == "drag-bias" and parameters["fraction"] < LEAST_DRAG:
+        return None
+    named = {f"{name}.{key}": float(value) for key, value in parameters.items()}
+    return HiddenEffects((effect,), named, {name: size}, strength(plan, noise, (effect,))[0])
