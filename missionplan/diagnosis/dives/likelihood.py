@@ -160,7 +160,7 @@ def _with_shared(prior_sd: Array, noise: Noise) -> Array:
     The scatter of the release delay smooths the jerk of every dive to the same side, hence one coefficient for all.
     """
     scatter = noise.scatter
-    return np.append(prior_sd, scatter) if prior_sd.ndim == 1 else np.asarray(block_diag(prior_sd, scatter))
+    return np.append(prior_sd, scatter) if prior_sd.ndim == 1 else np.asarray(block_diag(prior_sd, [scatter]))
 
 
 def inner_products(covariance: Array, columns: Array) -> tuple[Array, Array]:

@@ -26,8 +26,8 @@ STRUCK_SHARES = (0.6, 0.85)
 a touchdown, after which a vehicle coasts no further than a metre or two."""
 STRUCK_RATE, STRUCK_SD = 0.7, 6.0
 """Rate after a touchdown over that before it, at most, and the bend over its standard error, at least."""
-FEWEST_AFTER = 3
-"""Readings on either side of a bend."""
+FEWEST_AFTER, MOST_BENT = 3, 200
+"""Readings on either side of a bend at least, and of all among which it is sought, about."""
 TIMES_PER_BIN = 6
 """Times kept in a bin, at most."""
 MOVING_DEPTH = 0.15
@@ -114,12 +114,12 @@ def prepare_dives(data: DescentData) -> PreparedDives:
 def _prepare(dive: MeasuredDive, stated: float | None, notices: list[str]) -> DiveLog | None:
     """Trim start and bottom contact, estimate the noise, average in bins; None when too little is left."""
     t, depth = dive.t, dive.depth
-    level, struck = levels_off_at(t, depth), slows_at(t, depth)
-    if min(level, struck) < dive.deepest_fitted:
-        moored, does = dive.site_depth - dive.line_length, "levels off" if np.isfinite(level) else "slows abruptly"
-        where = f"{min(level, struck):.4g} m, not at {moored:.4g} m"
-        notices.append(f"{dive.name} {does} at {where}: taken for its touchdown")
-        level = min(level, struck)
+    level, does = levels_off_at(t, depth), "levels off"
+    if np.isinf(level):
+        level, does = slows_at(t, depth), "slows abruptly"
+    if level < dive.deepest_fitted:
+        moored = dive.site_depth - dive.line_length
+        notices.append(f"{dive.name} {does} at {level:.4g} m, not at {moored:.4g} m: taken for its touchdown")
     beyond = np.flatnonzero(depth > min(dive.deepest_fitted, (1.0 - TOUCHDOWN_MARGIN) * level))
     end = int(beyond[0]) if len(beyond) else len(t)
     moving = np.flatnonzero(depth > MOVING_DEPTH)
@@ -164,7 +164,8 @@ def slows_at(t: Array, depth: Array) -> float:
     """
     deepest = float(depth.max())
     begin = int(np.argmax(depth >= STRUCK_SHARES[0] * deepest))
-    t, depth = t[begin:], depth[begin:]
+    every = max(1, (len(t) - begin) // MOST_BENT)
+    t, depth = t[begin::every], depth[begin::every]
     bends = range(FEWEST_AFTER, len(t) - FEWEST_AFTER)
     if not bends:
         return np.inf
