@@ -208,3 +208,19 @@ def test_an_empty_track_is_said(tmp_path):
     with pytest.raises(InputError, match="0 fixes that count"):
         import_logs([tmp_path / "a.csv"], names=["time=t[epoch] lat=lat lon=lon"])
     assert isinstance(Track("a", "b", made(legs=1).track.fixes).depth, Series)
+
+
+def test_a_track_due_north_is_drawn(tmp_path):
+    """All of it at one longitude: the map has no width of its own."""
+    rows = ["t,lat,lon,depth"]
+    for n in range(2000):
+        dive, step = divmod(n, 200)
+        north = 1800 * dive + 10 * min(step, 180) + (0 if step < 180 else 40) + 40 * dive
+        rows.append(
+            f"{1.8e9 + 10 * n},{37.2 + north / 111000:.6f},-76.1,{60 * np.sin(np.pi * min(step, 180) / 180):.1f}"
+        )
+    (tmp_path / "log.csv").write_text("\n".join(rows) + "\n")
+    names = "time=t[epoch] lat=lat lon=lon depth=depth"
+    done = run("import", "log.csv", "--out", "data", "--map", *names.split(), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "data" / "figures" / "track.svg").is_file()

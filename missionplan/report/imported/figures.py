@@ -60,12 +60,24 @@ def draw_track(axes: Axes, result: ImportedData) -> None:
     _error_arrows(axes, result, counted, unit)
     axes.set(xlabel=f"east ({word})", ylabel=f"north ({word})", aspect="equal")
     axes.margins(0.06)
+    _widen(axes, _drawn(result) / unit)
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
 
 
 def _height(points: Array) -> float:
     size = np.maximum(np.ptp(points, axis=1), 1.0) if points.size else np.ones(2)
     return float(np.clip(0.9 + (_WIDTH - 0.9) * size[1] / size[0], 3.0, 8.0))
+
+
+def _widen(axes: Axes, points: Array) -> None:
+    """Show at least a quarter of the map's extent along each axis: a track due north has no width of its own."""
+    if not points.size:
+        return
+    low, high = points.min(axis=1), points.max(axis=1)
+    least = 0.25 * max(float((high - low).max()), 1.0)
+    for set_limits, a, b in zip((axes.set_xlim, axes.set_ylim), low, high, strict=True):
+        if b - a < least:
+            set_limits(0.5 * (a + b - least), 0.5 * (a + b + least))
 
 
 def _rejected_nearby(result: ImportedData) -> Array:
