@@ -114,3 +114,12 @@ def test_a_fragment_is_validated_in_its_mission(runner, tmp_path):
     assert (made["phases"][1]["moor"]["radius"], made["phases"][1]["moor"]["line_length"]) == ("12 m", "5 m")
     (problem,) = runner.problems_of(page("<!-- in mission.yaml -->", "vehicle: {hul: 1 m}", "yaml"), reader)
     assert "unknown key" in problem
+
+
+def test_the_tree_of_the_architecture_names_every_folder():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    tree = page[page.index("missionplan/\n") : page.index("Imports point one way")]
+    named = set(re.findall(r"\b([a-z_]+)/", tree)) - {"missionplan"}
+    folders = {each.parent.name for each in (ROOT / "missionplan").glob("*/**/__init__.py")} | {"starter"}
+    assert named - folders == set(), "not in the package"
+    assert folders - named == set(), "not in the tree"
