@@ -75,9 +75,11 @@ def _widen(axes: Axes, points: Array) -> None:
         return
     low, high = points.min(axis=1), points.max(axis=1)
     least = 0.25 * max(float((high - low).max()), 1.0)
-    for set_limits, a, b in zip((axes.set_xlim, axes.set_ylim), low, high, strict=True):
-        if b - a < least:
-            set_limits(0.5 * (a + b - least), 0.5 * (a + b + least))
+    west, south = np.where(high - low < least, 0.5 * (low + high - least), np.nan)
+    if np.isfinite(west):
+        axes.set_xlim(west, west + least)
+    if np.isfinite(south):
+        axes.set_ylim(south, south + least)
 
 
 def _rejected_nearby(result: ImportedData) -> Array:
