@@ -193,38 +193,39 @@ def _costs(each: Tried) -> tuple[tuple[str, float], tuple[str, float]]:
 
 
 def front_figure(found: Optimised) -> Figure | None:
-    """Draw P(success) against the cost of all that was tried with many trials."""
-    tried = [each for each in found.tried if np.isfinite(getattr(each, found.aim))]
+    """Draw P(success) against the cost of all that was tried and reached the mission's end."""
+    tried = [each for each in found.tried if np.isfinite(_least(found, each))]
     if not tried:
         return None
-    typical = float(np.median([getattr(each, found.aim) for each in tried]))
+    typical = float(np.median([_least(found, each) for each in tried]))
     unit = unit_for("total", found.key, found.provenance.data, typical=typical)
+    chosen = [each for each in tried if each.values == found.chosen and found.feasible]
     figure = MatplotlibFigure(figsize=(6.0, 3.4))
     axes = figure.subplots()
-    groups = (
-        ("misses a requirement", GREY, [each for each in tried if not each.feasible]),
-        ("meets all requirements", BLUE, [each for each in tried if each.feasible]),
-    )
-    for label, colour, members in groups:
-        if not members:
-            continue
-        x, y = [unit(getattr(each, found.aim)) for each in members], [100.0 * each.success.value for each in members]
-        axes.plot(x, y, "o", color=colour, markersize=4, alpha=0.6, label=label)
-    chosen = [each for each in tried if each.values == found.chosen]
-    if chosen and found.feasible:
-        x = [unit(getattr(each, found.aim)) for each in chosen]
-        axes.plot(x, [100.0 * each.success.value for each in chosen], "*", color=ORANGE, markersize=14, label="chosen")
-    what = "energy" if found.aim == "energy" else "duration"
-    axes.set(xlabel=f"Mean {what}{unit.axis}", ylabel="P(success) (%)")
+    for label, marker, size, colour, members in (
+        ("misses a requirement", "o", 4, GREY, [each for each in tried if not each.feasible]),
+        ("meets all requirements", "o", 4, BLUE, [each for each in tried if each.feasible]),
+        ("chosen", "*", 14, ORANGE, chosen),
+    ):
+        if members:
+            x = [unit(_least(found, each)) for each in members]
+            y = [100.0 * each.success.value for each in members]
+            axes.plot(x, y, marker, color=colour, markersize=size, alpha=0.6 if marker == "o" else 1.0, label=label)
     low = min(90.0, 100.0 * min(each.success.value for each in tried))
+    axes.set(xlabel=f"Mean {found.aim}{unit.axis}", ylabel="P(success) (%)")
     axes.set_ylim(low - 0.05 * (100.0 - low), 100.0 + 0.05 * (100.0 - low))
     axes.legend(loc="best")
     return to_figure(
         figure,
         "optimise",
-        f"Probability of success against mean {what} of the choices tried",
+        f"Probability of success against mean {found.aim} of the choices tried",
         f"All choices tried, with {min(each.trials for each in tried)} trials or more.",
     )
+
+
+def _least(found: Optimised, each: Tried) -> float:
+    """Return the mean of what is to be least."""
+    return each.energy if found.aim == "energy" else each.duration
 
 
 def _effort(found: Optimised) -> Iterator[PageSection]:
