@@ -134,6 +134,10 @@ class DataKind(ABC):
         """Return the sets that these data cannot separate from a set, however the evidence falls."""
         return ()
 
+    def suspect_labels(self, base: CauseFit, best: CauseFit) -> str:
+        """Say which labels of the record look wrong, given the fits of the base model and the best set; else empty."""
+        return ""
+
     def limited_verdict(self, verdict: Verdict) -> Verdict:
         """Return the verdict, or a weaker one where data of this kind cannot support it."""
         return verdict

@@ -158,6 +158,7 @@ def _result(
         ranking=ranked_sets(bound, found, residuals),
         rivals=judgement.rivals,
         not_constant=judgement.not_constant,
+        suspect_labels=judgement.suspect_labels,
         none_of_these=judgement.none_of_these,
         coverage=judgement.coverage,
         discrepancy=found.discrepancy,

@@ -26,6 +26,8 @@ class Judgement:
         Those.
     not_constant : tuple of str
         Claimed causes that do not hold still.
+    suspect_labels : str
+        Which labels of the record look wrong; empty where none do.
     none_of_these : float
         Probability that something outside the catalogue is left.
     coverage : Coverage or None
@@ -37,6 +39,7 @@ class Judgement:
     rivals: tuple[Causes, ...]
     inseparable: tuple[Causes, ...]
     not_constant: Causes
+    suspect_labels: str
     none_of_these: float
     coverage: Coverage | None
 
@@ -47,13 +50,17 @@ def judge(bound: DataKind, found: PipelineResult) -> Judgement:
     inseparable = bound.inseparable(causes) if causes else ()
     not_constant = bound.not_constant(found.best) if causes else ()
     rivals = tuple(rival.causes for rival in found.claimed.rivals) if found.claimed else ()
-    verdict = limited(found.verdict, is_constant=not not_constant, is_separable=not inseparable)
+    suspect = bound.suspect_labels(found.selection.base, found.best)
+    verdict = limited(found.verdict, is_constant=not not_constant and not suspect, is_separable=not inseparable)
+    if suspect and not causes:
+        verdict = "unexplained"
     return Judgement(
         bound.limited_verdict(verdict),
         tuple(dict.fromkeys((*found.credible_set, *inseparable))),
         tuple(dict.fromkeys((*rivals, *inseparable))),
         inseparable,
         not_constant,
+        suspect,
         none_of_these(found.discrepancy, found.selection.catalogue),
         interval_coverage(_held_out(found)),
     )

@@ -10,6 +10,7 @@ import pandas as pd
 from missionplan.datasets.dives import read_descent
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.dives.labels import exchanged_labels
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.model_factory import check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
@@ -62,6 +63,11 @@ class DescentKind(DataKind):
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
         """Return the share of the squared depth residuals that goes with each fit."""
         return descent_shares(self.model, base, fits)
+
+    def suspect_labels(self, base: CauseFit, best: CauseFit) -> str:
+        """Say between which dives the labels of the weights look exchanged."""
+        found = exchanged_labels(self.model, base, best)
+        return "" if found is None else str(found)
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
         """Write the causes as effects."""

@@ -85,7 +85,7 @@ def terminal(diagnosis: Diagnosis) -> Terminal:
 
 def answer(diagnosis: Diagnosis) -> str:
     """Tell what was found and what to do about it, then the verdict, with the size of the misfit."""
-    found = finding_in_words(diagnosis)
+    found = f"{diagnosis.suspect_labels} {finding_in_words(diagnosis)}".strip()
     verdict = f"{_verdict_words(diagnosis)} {diagnosis.misfit}"
     return f"{found} {verdict}{last_part_words(diagnosis)}".strip()
 
@@ -97,6 +97,8 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
         return (
             f"The mission's model is adequate for these data: nothing in them asks for a cause.{_confirmed(diagnosis)}"
         )
+    if diagnosis.verdict == "unexplained" and diagnosis.suspect_labels:
+        return "No cause of the catalogue explains the dives as they are labelled."
     if diagnosis.verdict == "unexplained":
         return f"Something is left that no cause of the catalogue explains: it {left}."
     if diagnosis.verdict == "partly-explained":

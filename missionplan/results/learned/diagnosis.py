@@ -80,6 +80,8 @@ class Diagnosis(Result):
         Sets within 3 nats of the claimed one, and those that the data cannot separate from it.
     not_constant : tuple of str
         Claimed causes that do not hold still over the record.
+    suspect_labels : str
+        Which labels of the record look wrong, such as weights of dives; empty where none do.
     none_of_these : float
         Probability that something is left which no cause of the catalogue explains.
     coverage : Coverage or None
@@ -126,6 +128,7 @@ class Diagnosis(Result):
     ranking: tuple[RankedSet, ...]
     rivals: tuple[Causes, ...]
     not_constant: Causes
+    suspect_labels: str
     none_of_these: float
     coverage: Coverage | None
     discrepancy: Discrepancy
@@ -189,6 +192,7 @@ class Diagnosis(Result):
             "changed": bool(self.changed),
             "changed_effects": list(self.changed),
             "not_constant": list(self.not_constant),
+            "suspect_labels": self.suspect_labels,
             "none_of_these": self.none_of_these,
             "coverage_scale": self.coverage.scale if self.coverage is not None else 1.0,
             **({"next_trial": self.next_trial.summary()} if self.next_trial is not None else {}),
