@@ -152,7 +152,7 @@ def _relaxed(found: Optimised) -> Iterator[PageSection]:
         for each in found.relaxations
     ]
     columns = ("requirement", "relaxed", "saves", "with the choice")
-    caption = "Found by steps from the best choices known, on the same random numbers, not by a new wide search."
+    caption = "Found from what was tried, and a few choices more, on the same random numbers, not by a new wide search."
     binding = [each for each in found.relaxations if each.saved > 0.0]
     heading = f"{len(binding)} requirement{'' if len(binding) == 1 else 's'} bind{'s' if len(binding) == 1 else ''}"
     yield PageSection(heading if binding else "No requirement binds", [Table(columns, rows, caption, text_columns=2)])
@@ -233,8 +233,9 @@ def _effort(found: Optimised) -> Iterator[PageSection]:
         f"{number(found.search_trials)} trials searched the {number(found.combinations)} combinations, "
         f"{number(found.check_trials)} more checked the choice, and {number(found.relaxation_trials)} were run with "
         "relaxed requirements. "
-        "All choices have the same random numbers. A wide search (differential evolution) is followed by steps of one "
-        "value along one key or two, with more trials; the best of a large lattice is not guaranteed to be found."
+        "All choices have the same random numbers. Smooth surfaces (kriging) through the cost and the requirements of "
+        "what was tried say what to try next, with few trials and then with more; the best of a large lattice is not "
+        "guaranteed to be found."
     )
     yield PageSection("How it was found", [text, Listing("missionplan simulate mission-optimised.yaml")])
 

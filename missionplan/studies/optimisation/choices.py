@@ -6,7 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from missionplan.arrays import Array
 from missionplan.results.choosing.axis import Axis
 
 Point = tuple[int, ...]
@@ -38,6 +40,21 @@ class Lattice(Sequence[Mapping[str, object]]):
         """Return the values by key path."""
         pairs = zip(self.axes, point, strict=True)
         return {key: axis.values[index] for axis, index in pairs for key in axis.keys}
+
+    def places(self, points: Sequence[Point]) -> tuple[Array, NDArray[np.intp]]:
+        """Return where points lie, shape (n, k), and the axis of each column.
+
+        Numbers run from 0 to 1; of an axis without numbers each value has a column, so that any two are 1 apart.
+        """
+        columns, axes = [], []
+        for number, (axis, indices) in enumerate(zip(self.axes, np.array(points).T, strict=True)):
+            values = np.array(axis.numbers if axis.numbers is not None else range(len(axis.values)), dtype=float)
+            if axis.numbers is not None:
+                columns.append((values[indices] - values.min()) / max(float(np.ptp(values)), 1e-12))
+            else:
+                columns += [(indices == value) / math.sqrt(2.0) for value in values]
+            axes += [number] * (len(columns) - len(axes))
+        return np.stack(columns, axis=1), np.array(axes)
 
     def neighbours(self, point: Point) -> Iterator[Point]:
         """Yield points one step away in one axis, or in each of two; along an axis without numbers, any other value."""

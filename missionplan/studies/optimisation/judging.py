@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import scipy
 
+from missionplan.arrays import Array
 from missionplan.mission import Mission
 from missionplan.montecarlo.statistics import Count, Probability
 from missionplan.studies.optimisation.evaluations import Evaluation
@@ -16,6 +18,10 @@ RELAXED = 0.01
 """By which a bound is widened, or a required probability lowered."""
 _CANNOT_RUN = 100.0
 """Violation of a choice that cannot be run: more than of any that can."""
+_DEEPEST = 4.0
+"""Greatest margin, inside or outside, in standard deviations."""
+_SUREST = 2.5
+"""Greatest normal deviate of a probability: few trials cannot tell more."""
 _FARTHEST = 1.0
 """Greatest overshoot of a bound that counts, relative to the bound."""
 
@@ -66,6 +72,32 @@ class Demand:
             return np.asarray(values, dtype=bool)
         return np.asarray(values <= self.limit if self.side == "at_most" else values >= self.limit)  # type: ignore[operator]
 
+    def margin(self, evaluation: Evaluation) -> float:
+        """Return how far a choice is inside the demand, smooth over choices; negative outside.
+
+        Of a bound, the quantile that it concerns in standard deviations of the trials; of an event, or where too few
+        trials have the quantity, the probability as a normal deviate less that required.
+        """
+        if evaluation.reason:
+            return -_DEEPEST
+        slack, met = self.slack(evaluation), self._met(evaluation)
+        share = (float(met.sum()) + 0.5) / (met.size + 1.0)
+        deviate = min(max(float(scipy.special.ndtri(share)), -_SUREST), _SUREST)
+        inside = deviate - min(float(scipy.special.ndtri(self.required)), _SUREST)
+        if self.side is not None:
+            values = evaluation.columns[self.column].astype(float)
+            beyond, known = self._beyond(values), values[np.isfinite(values)]
+            if np.isfinite(beyond):
+                inside = -beyond / max(float(known.std()), 1e-3 * abs(self.limit), 1e-9)
+        inside = min(max(inside, -_DEEPEST), _DEEPEST)
+        return max(inside, 1e-3) if slack >= 0.0 else min(inside, -1e-3)
+
+    def _beyond(self, values: Array) -> float:
+        """Return by how much the quantile that the demand concerns lies beyond its bound; infinite where too few do."""
+        sign = 1.0 if self.side == "at_most" else -1.0
+        reached = np.sort(np.where(np.isfinite(values), sign * values, np.inf))
+        return float(reached[max(math.ceil(self.required * reached.size) - 1, 0)]) - sign * self.limit
+
     def violation(self, evaluation: Evaluation) -> float:
         """Return how far a choice is from the demand: the probability that lacks, and the quantile beyond the bound.
 
@@ -74,13 +106,8 @@ class Demand:
         lacking = max(-self.slack(evaluation), 0.0)
         if lacking == 0.0 or self.side is None:
             return lacking
-        values = evaluation.columns[self.column].astype(float)
-        worst = math.inf if self.side == "at_most" else -math.inf
-        reached = np.sort(np.where(np.isfinite(values), values, worst))
-        share = self.required if self.side == "at_most" else 1.0 - self.required
-        quantile = reached[min(math.floor(share * reached.size), reached.size - 1)]
-        beyond = (quantile - self.limit) if self.side == "at_most" else (self.limit - quantile)
-        return lacking + min(float(beyond) / max(abs(self.limit), 1e-9), _FARTHEST)
+        beyond = self._beyond(evaluation.columns[self.column].astype(float))
+        return lacking + min(max(beyond, 0.0) / max(abs(self.limit), 1e-9), _FARTHEST)
 
 
 def demands_of(mission: Mission) -> tuple[Demand, ...]:

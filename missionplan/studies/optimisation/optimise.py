@@ -204,10 +204,10 @@ class _Run:
     def _relaxations(self, search: Search, choice: Evaluation) -> tuple[Relaxation, ...]:
         """Solve the problem again with each requirement relaxed, from what is known of it."""
         found = []
-        base = self._best_of(search.closely(starts=1), self.demands) or choice
+        base = self._best_of(search.closely(), self.demands) or choice
         for number, demand in enumerate(self.demands):
             demands = (*self.demands[:number], demand.relaxed(), *self.demands[number + 1 :])
-            best = self._best_of(search.closely(demands, starts=1), demands) or base
+            best = self._best_of(search.closely(demands), demands) or base
             column = AIM_COLUMNS[self.aim]
             saved, error, _ = paired_difference(best.columns[column], base.columns[column], most=True)
             gain = max(-saved, 0.0) if best is not base else 0.0

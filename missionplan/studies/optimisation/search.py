@@ -1,31 +1,41 @@
-"""The constrained search: differential evolution with few trials, then steps on the lattice with more."""
+"""The constrained search: kriging of cost and margins on common random numbers, with few trials and then with more.
+
+Bayesian optimisation under constraints (Schonlau 1997; Gardner et al. 2014): surfaces through the cost and through each
+demand's margin say where a choice may be better than the best so far and meet the demands, and that is tried next. All
+choices have the same random numbers, so that the surfaces are smooth and differences between choices precise.
+"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from missionplan.arrays import Array
+from missionplan.montecarlo.kriging import Kriging, expected_improvement
 from missionplan.results.choosing.axis import Aim
+from missionplan.studies.optimisation.choices import Point
 from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations
 from missionplan.studies.optimisation.judging import Demand, is_feasible, violations
 
 COARSE, FINE = 128, 1024
-"""Trials of a choice in the wide search, and in the steps about its best."""
-MEMBERS, GENERATIONS = 7, 16
-"""Of the differential evolution; members a key."""
-_STARTS = 4
-"""Best points of the wide search from which steps are taken."""
+"""Trials of a choice in the wide search, and about its best."""
+_FIRST, _MOST = 6, 30
+"""Choices from which the surfaces start, and most of the wide search, a key."""
+_TOGETHER = 4
+"""Choices that are tried before the surfaces are drawn again: as many as can be run at once."""
+_ENOUGH = 1e-3
+"""Hoped-for improvement at which a search ends, of the cost."""
+_MOST_FINE = 16
+"""Choices with many trials that one close search may add."""
+_CANDIDATES = 3000
+"""Of a large lattice, choices drawn at random of which the next is taken, besides neighbours of the best."""
 _DOUBT = 2.0
 """Standard errors by which few trials may fall short and a choice still be looked at with more."""
-_NEVER = 1e9
-"""Cost of what cannot be had: finite, for the search."""
-_MOST_STEPS = 40
+_NEIGHBOURED = 5
 
 
-@dataclass(frozen=True)
+@dataclass
 class Search:
     """A search for the choice of least cost that meets all demands.
 
@@ -35,55 +45,31 @@ class Search:
     demands : tuple of Demand
     aim : 'energy' or 'duration'
     seed : int
-        Of the differential evolution.
+        Of the first choices and of the candidates.
+    fits : dict of int to Kriging
+        The last surface of each margin, and under −1 that of the cost: the next fit starts from it.
     """
 
     evaluations: Evaluations
     demands: tuple[Demand, ...]
     aim: Aim
     seed: int
+    fits: dict[int, Kriging] = field(default_factory=dict)
 
     def widely(self) -> None:
-        """Search the whole lattice with few trials, by differential evolution under constraints (Lampinen 2002)."""
-        shape = self.evaluations.lattice.shape
-        free = [axis for axis, count in enumerate(shape) if count > 1]
-        if not free:
-            self.evaluations.of([(0,) * len(shape)], COARSE)
-            return
+        """Search the whole lattice with few trials."""
+        lattice = self.evaluations.lattice
+        keys = sum(count > 1 for count in lattice.shape)
+        rng = np.random.default_rng(self.seed)
+        self.evaluations.of(_spread_out(lattice.shape, max(_FIRST * keys, 1), rng), COARSE)
+        while len(self.evaluations.kept) < min(_MOST * keys, len(lattice)):
+            todo = self._most_hopeful(self.demands, rng, _TOGETHER, set())
+            if not todo:
+                break
+            self.evaluations.of(todo, COARSE)
 
-        def at(x: NDArray[np.float64]) -> list[Evaluation]:
-            rows = np.atleast_2d(x.T)
-            points = np.zeros((len(rows), len(shape)), dtype=int)
-            points[:, free] = np.rint(rows)
-            return self.evaluations.of([tuple(int(i) for i in point) for point in points], COARSE)
-
-        def costs(x: NDArray[np.float64]) -> NDArray[np.float64]:
-            return np.array([min(each.cost(self.aim), _NEVER) for each in at(x)])
-
-        def beyond(x: NDArray[np.float64]) -> NDArray[np.float64]:
-            found = np.array([violations(self.demands, each) for each in at(x)]).T
-            return found if x.ndim > 1 else found[:, 0]
-
-        limits = {"constraints": scipy.optimize.NonlinearConstraint(beyond, -np.inf, 0.0)} if self.demands else {}
-        run: Any = scipy.optimize.differential_evolution  # its stubs know no vectorised function
-        run(
-            costs,
-            [(0, shape[axis] - 1) for axis in free],
-            integrality=[True] * len(free),
-            popsize=MEMBERS,
-            maxiter=GENERATIONS,
-            tol=1e-3,
-            vectorized=True,
-            updating="deferred",
-            polish=False,
-            seed=self.seed,
-            **limits,
-        )
-
-    def closely(self, demands: Sequence[Demand] | None = None, *, starts: int = _STARTS) -> list[Evaluation]:
-        """Step from the best points known to better neighbours, with more trials, until none is better.
-
-        A neighbour is looked at with more trials only where few leave open that it is both feasible and better.
+    def closely(self, demands: Sequence[Demand] | None = None) -> list[Evaluation]:
+        """Run what may be the best with more trials, until nothing is likely to be better.
 
         Returns
         -------
@@ -91,33 +77,112 @@ class Search:
             Those run with many trials, the best first.
         """
         demands = self.demands if demands is None else demands
+        rng = np.random.default_rng(self.seed)
         known = sorted(self.evaluations.best_known(), key=lambda each: self._rank(each, demands, _DOUBT))
-        for start in self.evaluations.of([each.point for each in known[:starts]], FINE):
-            best = start
-            for _ in range(_MOST_STEPS):
-                better = self._better_neighbours(best, demands)
-                if not better:
-                    break
-                best = better[0]
-        fine = [each for (_, trials), each in self.evaluations.kept.items() if trials == FINE]
-        return sorted(fine, key=lambda each: self._rank(each, demands, 0.0))
+        self.evaluations.of([each.point for each in known[:2]], FINE)
+        for _ in range(_MOST_FINE // 2):
+            fine = {point for point, trials in self.evaluations.kept if trials == FINE}
+            todo = self._most_hopeful(demands, rng, 2, fine)
+            if not todo:
+                break
+            self.evaluations.of(todo, FINE)
+        found = [each for (_, trials), each in self.evaluations.kept.items() if trials == FINE]
+        return sorted(found, key=lambda each: self._rank(each, demands, 0.0))
 
-    def _better_neighbours(self, best: Evaluation, demands: Sequence[Demand]) -> list[Evaluation]:
-        around = list(self.evaluations.lattice.neighbours(best.point))
-        (here,) = self.evaluations.of([best.point], COARSE)
-        coarse = self.evaluations.of(around, COARSE)
-        rank = self._rank(here, demands, _DOUBT)
-        promising = sorted(
-            (each for each in coarse if self._rank(each, demands, _DOUBT) < rank),
-            key=lambda each: self._rank(each, demands, _DOUBT),
-        )
-        for each in self.evaluations.of([each.point for each in promising[:3]], FINE):
-            if self._rank(each, demands, 0.0) < self._rank(best, demands, 0.0):
-                return [each]
-        return []
+    def _most_hopeful(
+        self, demands: Sequence[Demand], rng: np.random.Generator, count: int, fine: set[Point]
+    ) -> list[Point]:
+        """Return the choices to be tried next, none where little can be hoped for.
+
+        Those of `fine`, and without them those tried at all, are not tried again.
+        """
+        known = self.evaluations.best_known()
+        tried = fine or {each.point for each in known}
+        candidates = [point for point in self._candidates(known, demands, rng) if point not in tried]
+        if not candidates:
+            return []
+        places = self._places(candidates)
+        chance = np.zeros(len(candidates))
+        for number, demand in enumerate(demands):
+            margins = np.array([demand.margin(each) for each in known])
+            chance += _log_chance(self._surface(number, known, margins), places)
+        judged = [each for each in known if each.point in fine] if fine else known
+        costs = [each.cost(self.aim) for each in judged if is_feasible(demands, each)]
+        low = min(costs, default=np.inf)
+        if not np.isfinite(low):
+            hope = np.exp(chance - chance.max())
+            return self._apart(candidates, places, hope, count, least=0.0)
+        own = self._with_common_noise(known)
+        with_cost = np.isfinite(own)
+        surface = self._surface(-1, [each for each, has in zip(known, with_cost, strict=True) if has], own[with_cost])
+        hope = expected_improvement(low, *surface.at(places)) * np.exp(chance)
+        return self._apart(candidates, places, hope, count, least=_ENOUGH * abs(low))
+
+    def _with_common_noise(self, known: Sequence[Evaluation]) -> Array:
+        """Costs of choices, those with few trials moved by what more trials changed of the others, on average."""
+        costs = np.array([each.cost(self.aim) for each in known])
+        kept = self.evaluations.kept
+        moved = [
+            each.cost(self.aim) - kept[each.point, COARSE].cost(self.aim)
+            for each in known
+            if each.trials == FINE and (each.point, COARSE) in kept
+        ]
+        moved = [move for move in moved if np.isfinite(move)]
+        few = np.array([each.trials < FINE for each in known])
+        return costs + np.where(few, float(np.mean(moved)) if moved else 0.0, 0.0)
+
+    def _apart(
+        self, candidates: Sequence[Point], places: Array, hope: Array, count: int, *, least: float
+    ) -> list[Point]:
+        """Return the most hopeful candidates, each unlike those before it."""
+        chosen: list[Point] = []
+        surface = self.fits.get(-1) or next(iter(self.fits.values()), None)
+        for _ in range(min(count, len(candidates))):
+            index = int(np.argmax(hope))
+            if hope[index] <= least:
+                break
+            chosen.append(candidates[index])
+            alike = surface.alike(places[index], places) if surface is not None else 0.0
+            hope = hope * np.maximum(1.0 - alike, 0.0)
+            hope[index] = -1.0
+        return chosen
+
+    def _surface(self, number: int, known: Sequence[Evaluation], values: Array) -> Kriging:
+        """Draw a surface through a value of some choices, from where the last fit of the same value ended."""
+        places, axis = self.evaluations.lattice.places([each.point for each in known])
+        self.fits[number] = Kriging.fitted(places, axis, values, self.fits.get(number))
+        return self.fits[number]
+
+    def _places(self, points: Sequence[Point]) -> Array:
+        return self.evaluations.lattice.places(points)[0]
+
+    def _candidates(
+        self, known: Sequence[Evaluation], demands: Sequence[Demand], rng: np.random.Generator
+    ) -> list[Point]:
+        """All choices, or of many some at random and the neighbours of the best known."""
+        lattice = self.evaluations.lattice
+        if len(lattice) <= _CANDIDATES:
+            return [tuple(int(i) for i in np.unravel_index(number, lattice.shape)) for number in range(len(lattice))]
+        drawn = rng.integers(0, lattice.shape, (_CANDIDATES, len(lattice.shape)))
+        best = sorted(known, key=lambda each: self._rank(each, demands, _DOUBT))[:_NEIGHBOURED]
+        near = [point for each in best for point in (each.point, *lattice.neighbours(each.point))]
+        return list(dict.fromkeys([*near, *(tuple(int(i) for i in point) for point in drawn)]))
 
     def _rank(self, each: Evaluation, demands: Sequence[Demand], doubt: float) -> tuple[float, float]:
         """Order: feasible choices by their cost, then the others by how far they are from the demands."""
         if is_feasible(demands, each, doubt=doubt):
             return 0.0, each.cost(self.aim)
         return sum(violations(demands, each)) + 1e-12, each.cost(self.aim)
+
+
+def _log_chance(margin: Kriging, places: Array) -> Array:
+    """Logarithm of the probability that a margin is positive."""
+    mean, spread = margin.at(places)
+    return np.asarray(scipy.special.log_ndtr(mean / np.maximum(spread, 1e-3)))
+
+
+def _spread_out(shape: Sequence[int], count: int, rng: np.random.Generator) -> list[Point]:
+    """Draw choices that are spread evenly along each axis (Latin hypercube)."""
+    columns = [rng.permutation((np.arange(count) + rng.random(count)) / count) for _ in shape]
+    points = [np.minimum((column * size).astype(int), size - 1) for column, size in zip(columns, shape, strict=True)]
+    return [tuple(int(i) for i in point) for point in np.stack(points, axis=1)]

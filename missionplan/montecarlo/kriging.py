@@ -1,0 +1,118 @@
+"""Kriging: a smooth surface through values at some places, with how sure it is of itself anywhere.
+
+A Gaussian process with a constant mean, a Matérn covariance (ν = 5/2) with a length along each axis, and a nugget for
+the noise of the values; lengths and nugget are the likeliest of a lattice of powers of two (Rasmussen & Williams 2006,
+Gaussian Processes for Machine Learning, chapters 2, 4 and 5). Values are standardised, so that prior deviations are 1.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+
+_SHORTEST, _LONGEST = 1.0 / 16.0, 8.0
+"""Lengths, of an axis that runs from 0 to 1."""
+_LEAST_NUGGET, _MOST_NUGGET = 4.0**-10, 0.25
+"""Variance of the noise, of that of the values."""
+_SWEEPS = 8
+
+
+@dataclass(frozen=True)
+class Kriging:
+    """A surface through values at some places.
+
+    Attributes
+    ----------
+    places : array, shape (n, k)
+    axis : array of int, shape (k,)
+        Axis of each column: a word has a column for each of its values, which have one length.
+    lengths : array, shape (d,)
+        By axis.
+    nugget : float
+    centre, scale : float
+        Mean and standard deviation of the values.
+    factor : array, shape (n, n)
+        Lower Cholesky factor of the covariance of the standardised values.
+    weights : array, shape (n,)
+    """
+
+    places: Array
+    axis: NDArray[np.intp]
+    lengths: Array
+    nugget: float
+    centre: float
+    scale: float
+    factor: Array
+    weights: Array
+
+    @classmethod
+    def fitted(cls, places: Array, axis: NDArray[np.intp], values: Array, start: "Kriging | None" = None) -> "Kriging":
+        """Fit lengths and nugget by steps that make the values likelier, from those of an earlier fit.
+
+        Parameters
+        ----------
+        places : array, shape (n, k)
+        axis : array of int, shape (k,)
+        values : array, shape (n,)
+        start : Kriging, optional
+        """
+        log = np.full(int(axis.max()) + 2, -1.0) if start is None else np.log2([*start.lengths, start.nugget])
+        log[-1] = -10.0 if start is None else log[-1]
+        low = np.array([math.log2(_SHORTEST)] * (log.size - 1) + [math.log2(_LEAST_NUGGET)])
+        high = np.array([math.log2(_LONGEST)] * (log.size - 1) + [math.log2(_MOST_NUGGET)])
+        best, likelihood = cls._with(places, axis, values, log)
+        for _ in range(_SWEEPS):
+            before = likelihood
+            for index in range(log.size):
+                for step in (-1.0, 1.0) if index < log.size - 1 else (-2.0, 2.0):
+                    moved = log.copy()
+                    moved[index] = min(max(log[index] + step, low[index]), high[index])
+                    found, own = cls._with(places, axis, values, moved)
+                    if own > likelihood + 1e-9:
+                        best, likelihood, log = found, own, moved
+            if likelihood <= before:
+                break
+        return best
+
+    @classmethod
+    def _with(cls, places: Array, axis: NDArray[np.intp], values: Array, log: Array) -> "tuple[Kriging, float]":
+        """Return the surface with given logarithms of lengths and nugget, and its log-likelihood."""
+        lengths, nugget = 2.0 ** log[:-1], float(2.0 ** log[-1])
+        centre, scale = float(values.mean()), max(float(values.std()), 1e-12)
+        own = _covariance(places / lengths[axis], places / lengths[axis]) + nugget * np.eye(len(values))
+        factor = scipy.linalg.cholesky(own, lower=True)
+        standard = (values - centre) / scale
+        weights = scipy.linalg.cho_solve((factor, True), standard)
+        likelihood = -0.5 * float(standard @ weights) - float(np.log(np.diag(factor)).sum())
+        likelihood -= 0.5 * float(((log + 1.0) ** 2)[:-1].sum()) / 9.0  # lengths of half an axis, give or take 2³
+        return cls(places, axis, lengths, nugget, centre, scale, factor, weights), likelihood
+
+    def at(self, places: Array) -> tuple[Array, Array]:
+        """Return mean and standard deviation at some places, shape (m, k), without the noise of values there."""
+        across = _covariance(places / self.lengths[self.axis], self.places / self.lengths[self.axis])
+        solved = scipy.linalg.solve_triangular(self.factor, across.T, lower=True)
+        spread = np.sqrt(np.maximum(1.0 - (solved * solved).sum(axis=0), 0.0))
+        return self.centre + self.scale * (across @ self.weights), self.scale * spread
+
+    def alike(self, place: Array, places: Array) -> Array:
+        """Return the correlation of one place, shape (k,), with others, shape (m, k), before any value is known."""
+        lengths = self.lengths[self.axis]
+        return _covariance(places / lengths, place[None] / lengths)[:, 0]
+
+
+def _covariance(one: Array, two: Array) -> Array:
+    """Matérn covariance with ν = 5/2 between places in units of their lengths."""
+    squared = (one * one).sum(axis=1)[:, None] + (two * two).sum(axis=1) - 2.0 * one @ two.T
+    distance = np.sqrt(5.0 * np.maximum(squared, 0.0))
+    return np.asarray((1.0 + distance + distance * distance / 3.0) * np.exp(-distance))
+
+
+def expected_improvement(low: float, mean: Array, spread: Array) -> Array:
+    """Mean of how much a value falls below `low` (Jones, Schonlau & Welch 1998, eq. 15)."""
+    safe = np.maximum(spread, 1e-12)
+    z = (low - mean) / safe
+    return np.asarray((low - mean) * scipy.special.ndtr(z) + safe * np.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi))
