@@ -20,7 +20,7 @@ from missionplan.studies.optimisation.judging import Demand, is_feasible, violat
 
 COARSE, FINE = 128, 1024
 """Trials of a choice in the wide search, and about its best."""
-_FIRST, _MOST = 6, 30
+_FIRST, _MOST = 12, 40
 """Choices from which the surfaces start, and most of the wide search, a key."""
 _TOGETHER = 4
 """Choices that are tried before the surfaces are drawn again: as many as can be run at once."""
