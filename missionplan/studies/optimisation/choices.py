@@ -46,7 +46,8 @@ class Lattice(Sequence[Mapping[str, object]]):
 
         Numbers run from 0 to 1; of an axis without numbers each value has a column, so that any two are 1 apart.
         """
-        columns, axes = [], []
+        columns: list[Array] = []
+        axes: list[int] = []
         for number, (axis, indices) in enumerate(zip(self.axes, np.array(points).T, strict=True)):
             values = np.array(axis.numbers if axis.numbers is not None else range(len(axis.values)), dtype=float)
             if axis.numbers is not None:

@@ -21,11 +21,15 @@ from missionplan.studies.optimisation.judging import Demand, is_feasible, violat
 COARSE, FINE = 128, 1024
 """Trials of a choice in the wide search, and about its best."""
 _FIRST, _MOST = 12, 40
-"""Choices from which the surfaces start, and most of the wide search, a key."""
+"""Choices from which the surfaces start, and most that they add in the wide search, a key."""
+_LOOKED_AT, _MOST_LOOKED_AT = 1.0 / 20.0, 100
+"""Share of all choices that is looked at besides, lest a narrow optimum be missed, and most of them, a key."""
 _TOGETHER = 4
 """Choices that are tried before the surfaces are drawn again: as many as can be run at once."""
 _ENOUGH = 1e-3
 """Hoped-for improvement at which a search ends, of the cost."""
+_STARTS = 3
+"""Choices apart from each other from which steps are taken, at most."""
 _MOST_FINE = 16
 """Choices with many trials that one close search may add."""
 _CANDIDATES = 3000
@@ -61,12 +65,13 @@ class Search:
         lattice = self.evaluations.lattice
         keys = sum(count > 1 for count in lattice.shape)
         rng = np.random.default_rng(self.seed)
-        self.evaluations.of(_spread_out(lattice.shape, max(_FIRST * keys, 1), rng), COARSE)
-        while len(self.evaluations.kept) < min(_MOST * keys, len(lattice)):
-            todo = self._most_hopeful(self.demands, rng, _TOGETHER, set())
-            if not todo:
-                break
-            self.evaluations.of(todo, COARSE)
+        first = max(_FIRST * keys, 1) + min(round(_LOOKED_AT * len(lattice)), _MOST_LOOKED_AT * keys)
+        self.evaluations.of(_spread_out(lattice.shape, first, rng), COARSE)
+        most = min(first + _MOST * keys, len(lattice))
+        self._while_hopeful(rng, most)
+        for point in self._separate_best():
+            self._descend(point)
+        self._while_hopeful(rng, most)
 
     def closely(self, demands: Sequence[Demand] | None = None) -> list[Evaluation]:
         """Run what may be the best with more trials, until nothing is likely to be better.
@@ -88,6 +93,39 @@ class Search:
             self.evaluations.of(todo, FINE)
         found = [each for (_, trials), each in self.evaluations.kept.items() if trials == FINE]
         return sorted(found, key=lambda each: self._rank(each, demands, 0.0))
+
+    def _while_hopeful(self, rng: np.random.Generator, most: int) -> None:
+        """Run with few trials what the surfaces hope most of, until that is little or so many choices are known."""
+        while len(self.evaluations.best_known()) < most:
+            todo = self._most_hopeful(self.demands, rng, _TOGETHER, set())
+            if not todo:
+                break
+            self.evaluations.of(todo, COARSE)
+
+    def _separate_best(self) -> list[Point]:
+        """Return the best few choices that have no better known beside them."""
+        found: list[Point] = []
+        better: set[Point] = set()
+        for each in sorted(self.evaluations.best_known(), key=self._by_rank):
+            if better.isdisjoint(self.evaluations.lattice.neighbours(each.point)):
+                found.append(each.point)
+            better.add(each.point)
+        return found[:_STARTS]
+
+    def _descend(self, point: Point) -> None:
+        """Step to a better choice beside one while there is any, with few trials.
+
+        Of a hole in flat ground a surface through its rim does not tell the depth.
+        """
+        while True:
+            around = [other for other in self.evaluations.lattice.neighbours(point) if _is_one_step(point, other)]
+            best = min(self.evaluations.of([point, *around], COARSE), key=self._by_rank)
+            if best.point == point:
+                return
+            point = best.point
+
+    def _by_rank(self, each: Evaluation) -> tuple[float, float]:
+        return self._rank(each, self.demands, _DOUBT)
 
     def _most_hopeful(
         self, demands: Sequence[Demand], rng: np.random.Generator, count: int, fine: set[Point]
@@ -173,6 +211,10 @@ class Search:
         if is_feasible(demands, each, doubt=doubt):
             return 0.0, each.cost(self.aim)
         return sum(violations(demands, each)) + 1e-12, each.cost(self.aim)
+
+
+def _is_one_step(point: Point, other: Point) -> bool:
+    return sum(a != b for a, b in zip(point, other, strict=True)) == 1
 
 
 def _log_chance(margin: Kriging, places: Array) -> Array:

@@ -1,0 +1,73 @@
+"""The search on made-up surfaces whose best choice is known, without a mission behind them."""
+
+import numpy as np
+import pytest
+
+from missionplan.results.choosing.axis import Axis
+from missionplan.studies.optimisation.choices import Lattice
+from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations
+from missionplan.studies.optimisation.judging import Demand, is_feasible
+from missionplan.studies.optimisation.search import FINE, Search
+
+MARGIN = Demand("ok", "ok", None, float("nan"), 0.95)
+
+
+def _bowl(x):
+    return 30.0 + 20.0 * np.sum((x - 0.37) ** 2)
+
+
+def _valley(x):
+    return 30.0 + 40.0 * (x[1] - 0.2 - 0.6 * x[0] ** 2) ** 2 + 2.0 * (x[0] - 0.7) ** 2
+
+
+def _two_holes(x):
+    """Flat ground with two narrow holes, the deeper one far from the other."""
+    return 32.0 - 6.0 * np.exp(-np.sum((x - 0.2) ** 2) / 0.02) - 7.0 * np.exp(-np.sum((x - 0.8) ** 2) / 0.02)
+
+
+class Surface(Evaluations):
+    """Trials drawn about a surface, on common random numbers and with a noise of each choice's own."""
+
+    def __init__(self, cost, keys, size):
+        axis = (tuple(range(size)), tuple(map(str, range(size))), tuple(map(float, range(size))))
+        lattice = Lattice(tuple(Axis((f"key{number}",), *axis) for number in range(keys)))
+        super().__init__(None, lattice, None, 1)
+        rng = np.random.default_rng(7)
+        self.cost, self.common, self.normals = cost, rng.normal(size=(2, FINE)), rng.normal(size=FINE)
+
+    def choice(self, point):
+        x = np.array(point) / (np.array(self.lattice.shape) - 1.0)
+        own = np.random.default_rng(self.lattice.number(point)).normal(size=FINE)
+        energy = self.cost(x) + 3.0 * self.common[0] + 2.0 * x[0] * self.common[1] + 0.6 * own
+        inside = 6.0 * (x.sum() - 0.5 * len(x) + 0.1)
+        return {"total.energy_wh": energy, "ok": self.normals + 0.2 * own < 1.645 + inside}
+
+    def of(self, points, trials):
+        for point in dict.fromkeys(points):
+            if (point, trials) not in self.kept:
+                columns = {name: values[:trials] for name, values in self.choice(point).items()}
+                self.kept[point, trials] = Evaluation(point, columns)
+                self.spent += trials
+        return [self.kept[point, trials] for point in points]
+
+
+@pytest.mark.parametrize(
+    ("cost", "keys", "size", "demands"),
+    [
+        (_bowl, 2, 21, (MARGIN,)),
+        (_valley, 2, 21, ()),
+        (_two_holes, 2, 21, ()),
+        (_two_holes, 3, 15, (MARGIN,)),
+    ],
+)
+@pytest.mark.parametrize("seed", [11, 12])
+def test_the_best_is_found_with_a_few_of_the_grids_trials(cost, keys, size, demands, seed):
+    surface = Surface(cost, keys, size)
+    search = Search(surface, demands, "energy", seed)
+    search.widely()
+    found = search.closely()[0]
+    every = [Evaluation(point, surface.choice(point)) for point in np.ndindex(surface.lattice.shape)]
+    best = min(each.cost("energy") for each in every if is_feasible(demands, each))
+    assert is_feasible(demands, found)
+    assert found.cost("energy") <= 1.01 * best
+    assert surface.spent <= 0.05 * len(surface.lattice) * FINE
