@@ -1,4 +1,4 @@
-"""Trials until the best cell of a grid is found: a race, successive halving, and kriging of paired differences.
+"""Trials until the best cell of a grid is found: a race, successive halving, and the kriging of `optimise`.
 
 All take their trials from one full exploration, which is also the truth: what is compared is how many of them each
 looks at, and whether it ends with the same best cell: that of least energy among those that meet all requirements.
@@ -9,27 +9,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
-from scipy.special import ndtr
 
 from benchmarks.common import MISSIONS, Options, Row, Section
 from missionplan.mission import Mission, load
+from missionplan.results.choosing.axis import Axis
 from missionplan.studies.exploration.cell_run import CellRun, CellTrials
 from missionplan.studies.exploration.explore import CellPlan
-from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of, rank
+from missionplan.studies.exploration.findings import ENERGY, cell_of, rank
 from missionplan.studies.exploration.racing import race
 from missionplan.studies.exploration.variation import read_axes
+from missionplan.studies.optimisation.choices import Lattice, Point
+from missionplan.studies.optimisation.evaluations import Evaluation, Evaluations, columns_needed
+from missionplan.studies.optimisation.judging import demands_of
+from missionplan.studies.optimisation.search import Search
 
 CASES = {
     "chesapeake": ("ingress.speed+egress.speed=0.6:2:0.1 m/s", "ingress.d_max+egress.d_max=200:1600:100 m"),
-    "estuary": ("start=04:00:14:00:20 min", "ingress.speed+egress.speed=0.9:1.9:0.1 m/s"),
+    "estuary": ("start=04:00:14:00:20 min", "ingress.speed+egress.speed=0.6:1.8:0.1 m/s"),
 }
 TRIALS = 1024
 FEW = 128
-"""Trials of the first round of halving, and of a point of the kriging."""
-START = 12
-"""Points from which kriging starts."""
+"""Trials of the first round of halving."""
 
 
 @dataclass
@@ -37,7 +37,7 @@ class Grid:
     """A full exploration, and how many of its trials have been looked at."""
 
     mission: Mission
-    shape: tuple[int, ...]
+    axes: tuple[Axis, ...]
     found: Sequence[CellTrials]
     trials: int
     spent: int = 0
@@ -97,71 +97,26 @@ def by_halving(grid: Grid) -> int:
     return grid.best(left, grid.trials)
 
 
+class _Looked(Evaluations):
+    """Evaluations whose trials are looked up in a grid."""
+
+    def __init__(self, grid: Grid) -> None:
+        super().__init__(grid.mission, Lattice(grid.axes), None, 1)
+        self.grid = grid
+
+    def of(self, points: Sequence[Point], trials: int) -> list[Evaluation]:
+        """Look the trials of some points up."""
+        for point in points:
+            own = self.grid.look(self.lattice.number(point), trials)
+            self.kept[point, trials] = Evaluation(point, own.columns, own.reason)
+        return [self.kept[point, trials] for point in points]
+
+
 def by_kriging(grid: Grid) -> int:
-    """Model paired differences of the cost and the requirements' margins by Gaussian processes; look where they hope.
-
-    Expected improvement times the probability that all requirements are met (Schonlau 1997), until none is left; then
-    the five best predicted are looked at in full.
-    """
-    places = np.stack(np.unravel_index(np.arange(grid.cells), grid.shape), axis=1) / np.maximum(
-        np.array(grid.shape) - 1, 1
-    )
-    order = np.random.default_rng(1).permutation(grid.cells)
-    points = [int(cell) for cell in order[:START]]
-    while True:
-        judged = [grid.judged(cell, FEW) for cell in points]
-        cost = np.array([rank(each, ENERGY)[0] if not each.reason else np.nan for each in judged])
-        margin = np.array(
-            [min((i.probability.value - i.required for i in each.requirements), default=-1.0) for each in judged]
-        )
-        known = np.isfinite(cost)
-        feasible = known & (margin >= 0.0)
-        low = cost[feasible].min() if feasible.any() else np.inf
-        mean, sd = (
-            _kriged(places[np.array(points)[known]], cost[known], places)
-            if known.sum() > 2
-            else (np.zeros(grid.cells),) * 2
-        )
-        may, may_sd = _kriged(places[points], np.maximum(margin, -0.2), places)
-        chance = ndtr((may + 1e-3) / np.maximum(may_sd, 1e-6))
-        gain = _improvement(low, mean, sd) * chance if np.isfinite(low) else chance
-        gain[points] = 0.0
-        if len(points) >= grid.cells or (np.isfinite(low) and gain.max() < 1e-3 * low):
-            break
-        points.append(int(np.argmax(gain)))
-    hopeful = sorted(range(grid.cells), key=lambda cell: mean[cell] if chance[cell] > 0.2 else np.inf)[:5]
-    seen = [cell for cell, ok in zip(points, feasible, strict=True) if ok]
-    seen = sorted(seen, key=lambda cell: mean[cell])[:5]
-    return grid.best(list(dict.fromkeys([*hopeful, *seen])), grid.trials)
-
-
-def _improvement(low: float, mean: NDArray, sd: NDArray) -> NDArray:
-    z = (low - mean) / np.maximum(sd, 1e-9)
-    return (low - mean) * ndtr(z) + sd * np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi)
-
-
-def _kriged(known: NDArray, values: NDArray, places: NDArray) -> tuple[NDArray, NDArray]:
-    """Predict by a Gaussian process (Matérn 5/2) whose length scales are the likeliest of a few."""
-    centre, scale = values.mean(), max(values.std(), 1e-9)
-    y = (values - centre) / scale
-    best = None
-    for one in (0.1, 0.2, 0.4, 0.8):
-        for two in (0.1, 0.2, 0.4, 0.8) if known.shape[1] > 1 else (one,):
-            lengths = np.array([one, two])[: known.shape[1]]
-            factor = cho_factor(_matern(known, known, lengths) + 1e-4 * np.eye(len(y)), lower=True)
-            weights = cho_solve(factor, y)
-            likelihood = -0.5 * y @ weights - np.log(np.diag(factor[0])).sum()
-            if best is None or likelihood > best[0]:
-                best = likelihood, lengths, factor, weights
-    _, lengths, factor, weights = best
-    across = _matern(places, known, lengths)
-    variance = 1.0 - np.einsum("ij,ji->i", across, cho_solve(factor, across.T))
-    return centre + scale * (across @ weights), scale * np.sqrt(np.maximum(variance, 0.0))
-
-
-def _matern(a: NDArray, b: NDArray, lengths: NDArray) -> NDArray:
-    r = np.sqrt(5.0) * np.sqrt((((a[:, None] - b[None]) / lengths) ** 2).sum(axis=-1))
-    return (1.0 + r + r * r / 3.0) * np.exp(-r)
+    """Search by kriging of cost and margins, as `optimise` does."""
+    search = Search(_Looked(grid), demands_of(grid.mission), "energy", seed=1)
+    search.widely()
+    return search.evaluations.lattice.number(search.closely()[0].point)
 
 
 METHODS = {"race": by_race, "successive halving": by_halving, "kriging": by_kriging}
@@ -171,9 +126,9 @@ def full(name: str, trials: int) -> Grid:
     """Run a full exploration."""
     mission = load(MISSIONS / f"{name}.yaml")
     axes = read_axes(mission, CASES[name])
-    plan = CellPlan.of(mission, axes, 1, (DURATION, ENERGY))
+    plan = CellPlan.of(mission, axes, 1, columns_needed(mission))
     found = CellRun(plan.task, [(cell, 0, trials) for cell in plan.cells]).run(plan.cells)
-    return Grid(mission, tuple(len(axis.values) for axis in axes), found, trials)
+    return Grid(mission, axes, found, trials)
 
 
 def rows_of(name: str, grid: Grid) -> list[Row]:
@@ -181,7 +136,7 @@ def rows_of(name: str, grid: Grid) -> list[Row]:
     truth = grid.best(range(grid.cells), grid.trials)
     total, rows = grid.cells * grid.trials, []
     for method, find in METHODS.items():
-        own = Grid(grid.mission, grid.shape, grid.found, grid.trials)
+        own = Grid(grid.mission, grid.axes, grid.found, grid.trials)
         best = find(own)
         cost = [rank(grid.judged(cell, grid.trials), ENERGY)[0] for cell in (best, truth)]
         same = "the same best" if best == truth else f"{100.0 * (cost[0] / cost[1] - 1.0):.2g} % from the best"
