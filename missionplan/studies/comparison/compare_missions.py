@@ -72,44 +72,32 @@ def compare_missions(
         When something is neither, or a mission cannot be run.
     """
     began = time.perf_counter()
-    paths = _paths(alternatives)
-    if len(paths) < 2:
-        raise InputError([Problem(f"given {len(paths)}, expected two or more missions or reports", key="alternatives")])
-    given = {path: each for path, each in zip(paths, alternatives, strict=True) if isinstance(each, Mission)}
-    missions = {
-        path: given.get(path) or load(path, allow_outside=allow_outside)
-        for path in paths
-        if path in given or not is_folder(path)
-    }
-    summaries = {path: read_summary(path) for path in paths if path not in missions}
-    first = next(iter(missions.values()), None)
-    if first is not None:
-        check_arguments(first, trials=trials, seed=seed, jobs=jobs)
-        trials = first.monte_carlo.trials if trials is None else trials
-        seed = first.monte_carlo.seed if seed is None else seed
-    found = dict(zip(missions, _run(list(missions.values()), trials or 0, seed or 0, jobs, progress), strict=True))
-    names = _names(paths)
+    sources = _sources(alternatives, allow_outside=allow_outside)
+    missions = [each.mission for each in sources if each.mission is not None]
+    if missions:
+        check_arguments(missions[0], trials=trials, seed=seed, jobs=jobs)
+        trials = missions[0].monte_carlo.trials if trials is None else trials
+        seed = missions[0].monte_carlo.seed if seed is None else seed
+    runs = iter(_run(missions, trials or 0, seed or 0, jobs, progress))
+    found = [next(runs) if each.mission is not None else None for each in sources]
     entries = [
-        _of_mission(name, path, missions[path], found[path], seed or 0)
-        if path in missions
-        else reported(name, path, summaries[path])
-        for name, path in zip(names, paths, strict=True)
+        _of_mission(each.name, each.path, each.mission, run, seed or 0)
+        if each.mission is not None and run is not None
+        else reported(each.name, each.path, each.summary)
+        for each, run in zip(sources, found, strict=True)
     ]
     best = min(range(len(entries)), key=lambda index: _rank(entries[index]))
-    columns = [found[path].columns if path in found else {} for path in paths]
+    columns = [run.columns if run is not None else {} for run in found]
     return Alternatives(
         provenance=Provenance(
             command="compare",
-            mission=" and ".join(names),
-            file=" ".join(map(str, paths)),
+            mission=" and ".join(each.name for each in sources),
+            file=" ".join(str(each.path) for each in sources),
             seed=entries[best].seed,
             trials=entries[best].trials,
             options={"jobs": jobs},
             elapsed_s=time.perf_counter() - began,
-            data={
-                name: missions[path].raw if path in missions else load_document(path / "mission.yaml").data
-                for name, path in zip(names, paths, strict=True)
-            },
+            data={each.name: each.data for each in sources},
         ),
         alternatives=tuple(
             entry if index == best else replace(entry, contrasts=_contrasts(entries, columns, index, best))
@@ -117,6 +105,36 @@ def compare_missions(
         ),
         best=best,
     )
+
+
+@dataclass(frozen=True)
+class _Source:
+    """Where an alternative comes from: a mission, or the summary of a report."""
+
+    name: str
+    path: Path
+    mission: Mission | None
+    summary: Mapping[str, object]
+
+    @property
+    def data(self) -> object:
+        """The mission's document."""
+        return self.mission.raw if self.mission is not None else load_document(self.path / "mission.yaml").data
+
+
+def _sources(alternatives: Sequence[MissionOrPath], *, allow_outside: bool) -> list[_Source]:
+    """Read missions and summaries; raises InputError when there are fewer than two, or one is neither."""
+    paths = _paths(alternatives)
+    if len(paths) < 2:
+        raise InputError([Problem(f"given {len(paths)}, expected two or more missions or reports", key="alternatives")])
+    found = []
+    for name, path, each in zip(_names(paths), paths, alternatives, strict=True):
+        if not isinstance(each, Mission) and is_folder(path):
+            found.append(_Source(name, path, None, read_summary(path)))
+        else:
+            mission = each if isinstance(each, Mission) else load(path, allow_outside=allow_outside)
+            found.append(_Source(name, path, mission, {}))
+    return found
 
 
 def _paths(alternatives: Sequence[MissionOrPath]) -> list[Path]:
