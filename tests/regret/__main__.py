@@ -28,10 +28,12 @@ from missionplan.results.learned.diagnosis import Diagnosis
 
 from .ambiguous_dives import Hidden, draw_dives
 from .ambiguous_legs import draw_legs
-from .choices import AnchorChoice, LegChoice, with_truth
+from .choices import REQUIRED, AnchorChoice, LegChoice, with_truth
 
 WAYS = ("averaged", "best", "base")
 TRIALS = {"dives": 400, "legs": 400}
+LOW = 0.9
+"""Share of successes below which an anchor that was chosen for REQUIRED has clearly failed to reach it."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -74,7 +76,7 @@ def run_case(seed: int) -> dict[str, Any]:
         found |= {"verdict": diagnosis.verdict, "causes": list(diagnosis.causes)}
         found["explanations"] = [each.summary() for each in diagnosis.explanations]
         if diagnosis.explanations:
-            found["regret"] = regrets(case, base, diagnosis)
+            found |= regrets(case, base, diagnosis)
     except MissionplanError as error:
         found["error"] = str(error)
     return found
@@ -90,17 +92,21 @@ def diagnosed(case: Hidden, base: Mission) -> Diagnosis:
         return diagnose(base, folder, plan=False)
 
 
-def regrets(case: Hidden, base: Mission, diagnosis: Diagnosis) -> dict[str, float]:
-    """Regret of each way to plan; none where not even the truth leaves a choice."""
+def regrets(case: Hidden, base: Mission, diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
+    """Regret and outcome of each way to plan; none where not even the truth leaves a choice."""
     averaged = Mission.from_data(diagnosis.extended)
     best = next(each.mission for each in explained_missions(averaged) if each.causes == diagnosis.causes)
     choose: Any = AnchorChoice.of if case.kind == "dives" else LegChoice.of
     trials = TRIALS[case.kind]
     truth = choose(with_truth(case.mission, case.truth), trials)
     if not truth.is_possible:
-        return {}
+        return {"regret": {}}
     missions = dict(zip(WAYS, (averaged, best, base), strict=True))
-    return {way: choose(mission, trials).regret(truth) for way, mission in missions.items()}
+    chosen = {way: choose(mission, trials) for way, mission in missions.items()}
+    return {
+        "regret": {way: each.regret(truth) for way, each in chosen.items()},
+        "outcome": {way: each.outcome(truth) for way, each in chosen.items()},
+    }
 
 
 def _kind(seed: int) -> str:
@@ -112,14 +118,19 @@ def _in_doubt(result: Mapping[str, Any]) -> bool:
 
 
 def table(results: Sequence[Mapping[str, Any]]) -> str:
-    """Median and 90th percentile of the regret by kind and way."""
-    lines = ["| cases | way | median | 90th percentile | mean |", "|---|---|---|---|---|"]
+    """Median and 90th percentile of the regret by kind and way, and how many anchors reach the probability asked for."""
+    lines = [
+        "| cases | way | median | 90th percentile | mean | reach 0.95 | below 0.90 |",
+        "|---|---|---|---|---|---|---|",
+    ]
     for kind in ("dives", "legs", "all"):
         own = [each for each in results if _in_doubt(each) and kind in ("all", each["kind"])]
         for way in WAYS if own else ():
             values = 100.0 * np.array([each["regret"][way] for each in own])
             numbers = f"{np.median(values):.1f} % | {np.quantile(values, 0.9):.1f} % | {values.mean():.1f} %"
-            lines.append(f"| {len(own)} {kind} | {way} | {numbers} |")
+            success = np.array([each["outcome"][way].get("success", np.nan) for each in own])
+            counts = f"{np.sum(success >= REQUIRED)} | {np.sum(success < LOW)}" if kind == "dives" else "– | –"
+            lines.append(f"| {len(own)} {kind} | {way} | {numbers} | {counts} |")
     return "\n".join(lines)
 
 

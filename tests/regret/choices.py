@@ -49,6 +49,10 @@ class LegChoice:
         best = float(truth.loss.min())
         return min(float(truth.loss[self.chosen] / best - 1.0), WORST)
 
+    def outcome(self, truth: "LegChoice") -> dict[str, float]:
+        """Mean time per arrival where the truth holds, in nominal times; that of the best d_max."""
+        return {"chosen": float(truth.loss[self.chosen]), "best": float(truth.loss.min())}
+
 
 @dataclass(frozen=True)
 class AnchorChoice:
@@ -81,6 +85,11 @@ class AnchorChoice:
         reached = truth.trials.probabilities(self.weight).good.value
         missing = max(REQUIRED - reached, 0.0) / REQUIRED
         return min(max(self.weight / truth.weight - 1.0, 0.0) + missing, WORST)
+
+    def outcome(self, truth: "AnchorChoice") -> dict[str, float]:
+        """Weight of the choice and of the best [N], and the share of dives that succeed where the truth holds."""
+        reached = truth.trials.probabilities(self.weight).good.value
+        return {"chosen": self.weight, "best": truth.weight, "success": reached}
 
 
 def with_truth(mission: Mapping[str, Any], truth: Mapping[str, Any]) -> Mission:

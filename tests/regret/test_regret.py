@@ -40,9 +40,19 @@ def test_regret_of_legs_is_time_lost_against_the_best_choice():
 
 def test_results_are_continued_and_told_in_a_table(tmp_path, capsys):
     file = tmp_path / "regret.jsonl"
-    rows = [{**CASE, "seed": k, "regret": {"averaged": 0.01 * k, "best": 0.02 * k, "base": 0.03 * k}} for k in range(5)]
+    ways = {"averaged": 0.01, "best": 0.02, "base": 0.03}
+    rows = [
+        {
+            **CASE,
+            "seed": k,
+            "regret": {way: k * size for way, size in ways.items()},
+            "outcome": {way: {"chosen": 1.0, "best": 1.0, "success": 0.98 - k * size} for way, size in ways.items()},
+        }
+        for k in range(5)
+    ]
     file.write_text("".join(json.dumps(row) + "\n" for row in [*rows, {**CASE, "seed": 5}]))
     assert main(["--cases", "5", "--results", str(file)]) == 0  # enough: none is run
     assert capsys.readouterr().out.strip() == table([*rows, {**CASE, "seed": 5}])
-    assert "| 5 legs | best | 4.0 % | 7.2 % | 4.0 % |" in table(rows)
+    assert "| 5 legs | best | 4.0 % | 7.2 % | 4.0 % | – | – |" in table(rows)
+    assert "| 5 dives | base | 6.0 % | 10.8 % | 6.0 % | 2 | 1 |" in table([{**row, "kind": "dives"} for row in rows])
     assert REQUIRED == 0.95
