@@ -3,7 +3,8 @@
 Besides the scenarios of `cases`: effects of 3 to 10 times their usual size (``strong``), missions that already carry
 the effect, unchanged (``given``) or changed since (``changed``), headings within ±10° (``narrow``), inertial currents
 that wander beside persistent errors (``wandering``, and ``calm`` without the current), and position errors that gather
-within a leg (``gathering``). Each case is a line of a file; those that are in it are not run again.
+within a leg (``gathering``). ``transit-control`` and ``descent-control`` are data sets without an effect alone. Each case
+is a line of a file; those that are in it are not run again.
 """
 
 import argparse
@@ -75,15 +76,20 @@ def _known(seed: int, kind: str, scenario: str) -> Case:
     return replace(case, scenario=scenario, mission=mission, truth=truth)
 
 
+STUDIES = ("further", "further-descent", "transit", "descent", "transit-control", "descent-control")
+"""Names of the studies."""
+
+
 def plan(cases: int, seed: int, which: str) -> Iterator[Argument]:
     """Seed, kind and scenario of each case: further ones of legs or dives, or those of the study of a kind."""
+    kind = which.removesuffix("-control")
     for index in range(cases):
         if which == "further":
             yield seed + index, "transit", FURTHER[index % len(FURTHER)]
         elif which == "further-descent":
             yield seed + index, "descent", FURTHER_DIVES[index % len(FURTHER_DIVES)]
         else:
-            yield seed + index, which, SCENARIO_CYCLE[index % len(SCENARIO_CYCLE)]
+            yield seed + index, kind, SCENARIO_CYCLE[index % len(SCENARIO_CYCLE)] if kind == which else "control"
 
 
 KEPT = ("kind", "scenario", "truth", "ties", "outside", "parameters", "strength")
@@ -163,7 +169,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--lines", type=Path, required=True, help="file of outcomes, continued where it ends")
     parser.add_argument("--cases", type=int, default=400)
     parser.add_argument("--seed", type=int, default=41_000_000)
-    parser.add_argument("--which", choices=("further", "further-descent", "transit", "descent"), default="further")
+    parser.add_argument("--which", choices=STUDIES, default="further")
     options = parser.parse_args(words)
     known = [outcome_of(line) for line in options.lines.read_text().splitlines()] if options.lines.exists() else []
     done = {(o.case.seed, o.case.kind, o.case.scenario) for o in known}

@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from . import dives, further
+from . import dives, further, pairs
 from .dives.catalogue import CATALOGUE, DiveConditions
 from .dives.drag import Craft, friction, spheroid_share
 from .dives.dynamics import Dive, DiveEffect, simulate_dive
 from .dives.outside import OUTSIDE
 from .dives.strength import LARGEST, MINIMUM_STRENGTH
+from .tool import Outcome
 
 PAPER = Craft(
     length=1.1176,
@@ -208,3 +209,22 @@ def test_a_mission_knows_its_effect_on_dives(scenario, sign):
         mean, sd = (float(str(known[part]).split()[0]) for part in ("mean", "sd"))
         assert abs(mean - sign * case.parameters[f"{name}.{key}"]) < 4.0 * sd
     assert case.truth == (() if scenario == "given" else (name,))
+
+
+def test_repeats_of_a_case_differ_in_random_errors_alone():
+    first, again, other = (dives.draw(3, "pair", repeat=repeat) for repeat in (0, 0, 1))
+    assert first == again
+    assert (other.truth, other.parameters, other.mission) == (first.truth, first.parameters, first.mission)
+    assert other.rows != first.rows
+
+
+def test_the_margin_of_a_pair_is_over_the_best_set_without_it():
+    case = dives.draw(3, "pair")
+    other = tuple(case.truth[:1])
+    ranking = [
+        {"causes": [*case.truth, "sensor-lag"], "log_bayes_factor": 31.0},
+        {"causes": list(case.truth), "log_bayes_factor": 30.0},
+        {"causes": list(other), "log_bayes_factor": 24.0},
+    ]
+    assert pairs.margin(Outcome(case, {"ranking": ranking}, 1.0)) == (6.0, other)
+    assert pairs.margin(Outcome(case, {"ranking": ranking[2:]}, 1.0)) == (-np.inf, other)

@@ -15,8 +15,8 @@ NEAR_TIES = ({"line-payout", "clock-offset"}, {"drag-bias", "depth-scale"}, {"dr
 """Never drawn as a pair: one can cancel or mimic the other."""
 
 
-def draw(seed: int, scenario: str, effect: str | None = None) -> Case:
-    """Draw a descent case; deterministic for its arguments."""
+def draw(seed: int, scenario: str, effect: str | None = None, repeat: int = 0) -> Case:
+    """Draw a descent case; deterministic for its arguments. Repeats differ in random errors alone."""
     base = [seed, 1, sum(map(ord, scenario))]
     names = _pick_effects(np.random.default_rng(base), scenario)
     if effect is not None:
@@ -34,6 +34,8 @@ def draw(seed: int, scenario: str, effect: str | None = None) -> Case:
             break
     else:
         raise RuntimeError(f"no plan shows {names} (seed {seed})")
+    if repeat:
+        noise_rng = np.random.default_rng([*base, attempt, repeat])
     header, rows, stated = measure(plan, noise, hidden.effects, noise_rng)
     inside = scenario != "outside"
     mission, vehicle = mission_files(plan, shape)
