@@ -7,7 +7,9 @@ import numpy as np
 from matplotlib.figure import Figure as MatplotlibFigure
 
 import missionplan
-from missionplan.physics.line_statics import HeldLine, LayersAbove, held_pose
+from missionplan.physics.current_above import LayersAbove
+from missionplan.physics.held_body import HeldLine
+from missionplan.physics.line_statics import held_pose
 from missionplan.report.held_vehicle import hold_figure
 from missionplan.report.page import Figure, style, to_figure
 from missionplan.scenario.anchor_weight import wet_weight_of

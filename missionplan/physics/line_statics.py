@@ -11,119 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from missionplan.arrays import Array, Scalars, over_trials, take_trials
 from missionplan.physics.bracketed_roots import bracketed_roots
-from missionplan.physics.vehicle_drag import DragLaw
+from missionplan.physics.current_above import LayersAbove, ProfileAbove
+from missionplan.physics.held_balance import balanced
+from missionplan.physics.held_body import HeldBody, HeldLine
 
-CROSSFLOW_COEFFICIENT = 1.1
-"""C_d of a long round body across the flow, on length × diameter, below the drag crisis (Hoerner 1965, ch. III)."""
-LINE_COEFFICIENT = 1.2
-"""C_d of a line across the flow, on its diameter: a smooth cylinder at Re 10³ to 10⁵ (Hoerner 1965, ch. III); one that
-is set swinging by its wake has up to twice as much."""
-_EDGE = 0.1
-"""Thickness over which one layer passes into the next, so that no pull is undecided at an edge [m]."""
-_BODY_SECTIONS = 10
 _LINE_SECTIONS = 20
 _TOLERANCE = 1e-7
 """Of angles [rad] and of the nose's altitude, in line lengths."""
 _WEAKEST = 1e-12
 """Tension that keeps a slack line's direction finite [N]."""
-
-
-@dataclass(frozen=True)
-class LayersAbove:
-    """Layers of the current above the anchor, from the seafloor up, with edges `_EDGE` thick between them.
-
-    Attributes
-    ----------
-    tops : array, shape (k, n)
-        Upper ends above the anchor, increasing; the last one does not count [m].
-    velocity : array, shape (k, 2, n)
-        East and north [m/s].
-    """
-
-    tops: Array
-    velocity: Array
-
-    @property
-    def patience(self) -> int:
-        """Steps that are tried before a bracket is halved: few where a layer's edge makes the pull jump."""
-        return 3
-
-    def at(self, altitude: Array) -> Array:
-        """Velocity at altitudes of shape (m, n) [m], shape (2, m, n) [m/s]."""
-        found = np.broadcast_to(self.velocity[-1][:, None], (2, *altitude.shape))
-        for top, velocity in zip(self.tops[-2::-1], self.velocity[-2::-1], strict=True):
-            share = np.clip((altitude - top) / _EDGE + 0.5, 0.0, 1.0)
-            found = velocity[:, None] + (found - velocity[:, None]) * share
-        return np.asarray(found)
-
-
-@dataclass(frozen=True)
-class ProfileAbove(LayersAbove):
-    """A current that is linear between altitudes at equal distances, `tops`, the first of them 0."""
-
-    @property
-    @override
-    def patience(self) -> int:
-        return 6
-
-    @override
-    def at(self, altitude: Array) -> Array:
-        """Velocity at altitudes of shape (m, n) [m], shape (2, m, n) [m/s]."""
-        last, trials = len(self.tops) - 1, altitude.shape[-1]
-        place = np.clip(altitude / self.tops[1], 0.0, last * (1.0 - 1e-12))
-        below = place.astype(np.intp)
-        share = place - below
-        found = np.empty((2, *altitude.shape))
-        east = below * (2 * trials) + np.arange(trials)
-        for side, flat in zip(found, (east, east + trials), strict=True):
-            low = self.velocity.take(flat)
-            side[:] = low + (self.velocity.take(flat + 2 * trials) - low) * share
-        return found
-
-
-@dataclass(frozen=True)
-class HeldBody:
-    """A slender body held by its nose; each number is a float or an array over trials, shape (n,).
-
-    Attributes
-    ----------
-    length, diameter : float or array
-        [m].
-    net_buoyancy : float or array
-        Buoyancy minus weight [N].
-    raising_moment : float or array
-        About the nose with the body level, buoyancy's minus weight's; positive raises the tail [N m].
-    righting_moment : float or array
-        About the nose with the body upright, of centres off the axis; its size counts, as the body rolls freely [N m].
-    crossflow_coefficient : float or array
-        C_d on length × diameter.
-    axial_drag : DragLaw
-        Drag along the axis.
-    density : float or array
-        Of the water [kg/m³].
-    """
-
-    length: Scalars
-    diameter: Scalars
-    net_buoyancy: Scalars
-    raising_moment: Scalars
-    righting_moment: Scalars
-    crossflow_coefficient: Scalars
-    axial_drag: DragLaw
-    density: Scalars
-
-
-@dataclass(frozen=True)
-class HeldLine:
-    """The line: its length and diameter, each a float or an array of shape (n,) [m]; 0 across has no drag."""
-
-    length: Scalars
-    diameter: Scalars = 0.0
-    coefficient: Scalars = LINE_COEFFICIENT
 
 
 @dataclass(frozen=True)
@@ -190,6 +89,12 @@ def held_pose(body: HeldBody, line: HeldLine, current: LayersAbove, near: HeldPo
     trials = current.velocity.shape[-1]
     length = over_trials(line.length, trials)
     pitch, start = (near.pitch, near.nose[2]) if near else (np.full(trials, 0.25 * np.pi), 0.8 * length)
+    if isinstance(current, ProfileAbove):
+
+        def height(altitude: Array, pull: Array) -> Array:
+            return np.asarray(_follow_line(line, body.density, current, altitude, pull)[0][-1, 2])
+
+        pitch, start = balanced(body, current, height, length, (pitch, start))
     standing = _Standing(body, line, current, pitch)
     tolerance, patience = _TOLERANCE * float(np.max(length)), current.patience
     altitude = bracketed_roots(standing, np.zeros(trials), length, start, tolerance=tolerance, patience=patience)
@@ -237,7 +142,7 @@ class _Standing:
         sine, cosine = np.sin(self.pitch), np.cos(self.pitch)
         axis = np.stack((course[0] * cosine, course[1] * cosine, sine))
         across = np.stack((course[0] * sine, course[1] * sine, -cosine))
-        normal = turning.section_drag * (speeds * np.abs(speeds)).sum(axis=0) * sine * np.abs(sine)
+        normal = body.section_drag * (speeds * np.abs(speeds)).sum(axis=0) * sine * np.abs(sine)
         pull = axis * body.axial_drag(speeds.mean(axis=0) * cosine) + across * normal
         pull[2] += body.net_buoyancy
         places, load = _follow_line(self.line, body.density, self.current, altitude, pull)
@@ -252,18 +157,6 @@ class _Turning:
     current: LayersAbove
     altitude: Array
 
-    @property
-    def section_drag(self) -> Scalars:
-        """Drag of a section of the body across the flow over the speed squared [kg/m]."""
-        body = self.body
-        return 0.5 * body.density * body.crossflow_coefficient * body.diameter * body.length / _BODY_SECTIONS
-
-    @property
-    def _places(self) -> Array:
-        """Middles of the body's sections from its nose, shape (m, 1) or (m, n) [m]."""
-        middles = (np.arange(_BODY_SECTIONS) + 0.5) / _BODY_SECTIONS
-        return np.asarray(middles[:, None] * self.body.length)
-
     def take(self, trials: NDArray[np.intp]) -> "_Turning":
         return take_trials(self, trials)
 
@@ -271,7 +164,7 @@ class _Turning:
         """Moment [N m], and Newton's step [rad]."""
         body, sine, cosine = self.body, np.sin(pitch), np.cos(pitch)
         _, speeds = self.flow(pitch)
-        drag = self.section_drag * (self._places * speeds * np.abs(speeds)).sum(axis=0)
+        drag = body.section_drag * (body.sections * speeds * np.abs(speeds)).sum(axis=0)
         righting = np.abs(body.righting_moment)
         moment = body.raising_moment * cosine - righting * sine - drag * sine * np.abs(sine)
         slope = body.raising_moment * sine + righting * cosine + 2.0 * drag * np.abs(sine) * cosine
@@ -282,8 +175,8 @@ class _Turning:
 
         It is the direction of the drag's moment about the nose; what flows across it is left out.
         """
-        velocity = self.current.at(self.altitude + self._places * np.sin(pitch))
-        turning = (self._places * np.hypot(velocity[0], velocity[1]) * velocity).sum(axis=1)
+        velocity = self.current.at(self.altitude + self.body.sections * np.sin(pitch))
+        turning = (self.body.sections * np.hypot(velocity[0], velocity[1]) * velocity).sum(axis=1)
         size = np.hypot(turning[0], turning[1])
         course = turning / np.where(size > 0.0, size, 1.0)
         course[0] += size <= 0.0  # in still water any direction will do

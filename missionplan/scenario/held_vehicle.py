@@ -6,7 +6,7 @@ from missionplan.arrays import Scalars
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.mooring.hold import Hold
 from missionplan.physics.buoyancy import STANDARD_GRAVITY
-from missionplan.physics.line_statics import CROSSFLOW_COEFFICIENT, HeldBody, HeldLine
+from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT, HeldBody, HeldLine
 from missionplan.physics.seafloor import FRICTION, ROUGHNESS, LyingAnchor, Slope
 from missionplan.scenario.anchor_weight import anchor_length
 from missionplan.scenario.scenario import Scenario

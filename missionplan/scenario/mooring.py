@@ -10,7 +10,7 @@ from missionplan.phases.mooring.horizontal_drift import CrossFlowBody, TiedBodie
 from missionplan.phases.mooring.mooring import MoorPlan
 from missionplan.physics.added_mass import anchor_added_mass, lamb_lateral_coefficient
 from missionplan.physics.buoyancy import STANDARD_GRAVITY
-from missionplan.physics.line_statics import CROSSFLOW_COEFFICIENT
+from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT
 from missionplan.physics.seafloor import lateral_coefficient
 from missionplan.physics.snatch import LineSpring, PitchingBody, mass_at_nose
 from missionplan.physics.vehicle_drag import anchor_drag

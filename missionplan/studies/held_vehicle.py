@@ -12,7 +12,8 @@ from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.mooring.hold import Hold, HoldRecord, extreme_moments, layers_above, lifted, record_at_once
-from missionplan.physics.line_statics import LayersAbove, held_pose, line_shape
+from missionplan.physics.current_above import LayersAbove
+from missionplan.physics.line_statics import held_pose, line_shape
 from missionplan.results.mooring.held_vehicle import HeldState, HeldVehicle
 from missionplan.scenario.anchor_weight import anchor_length, design_current
 from missionplan.scenario.held_vehicle import CENTRES_GIVEN, HOLDING_GIVEN, hold_of

@@ -7,14 +7,11 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, fsolve
 
-from missionplan.physics.line_statics import (
-    CROSSFLOW_COEFFICIENT,
-    HeldBody,
-    HeldLine,
-    LayersAbove,
-    ProfileAbove,
-    held_pose,
-)
+from missionplan.physics import line_statics
+from missionplan.physics.current_above import LayersAbove, ProfileAbove
+from missionplan.physics.held_balance import balanced
+from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT, HeldBody, HeldLine
+from missionplan.physics.line_statics import held_pose
 from missionplan.physics.vehicle_drag import Hull, QuadraticDrag, Sail, VehicleDrag
 from missionplan.physics.water import sea_water
 
@@ -217,3 +214,33 @@ def test_a_profile_is_linear_between_its_altitudes_and_held_above_them():
         for axis in range(2):
             theory = np.interp(altitude[:, trial], tops[:, trial], velocity[:, axis, trial])
             assert found[axis, :, trial] == pytest.approx(theory, abs=1e-10)
+
+
+speeds_above = st.lists(st.floats(0.0, 1.0), min_size=4, max_size=4).map(sorted)
+
+
+@given(speeds=speeds_above, width=st.sampled_from([0.0, 0.003]), buoyancy=st.floats(-0.5, 20.0))
+@settings(max_examples=80, deadline=None)
+def test_newtons_method_begins_where_the_search_for_altitude_and_pitch_ends(speeds, width, buoyancy):
+    """Without it the search takes longer and finds the same: a current that grows upward leaves one balance."""
+    velocity = np.stack([np.array([[speed], [0.1]]) for speed in speeds])
+    profile = ProfileAbove(np.array([[0.0], [2.1], [4.2], [6.3]]), velocity)
+    held, line = body(net_buoyancy=buoyancy, righting_moment=0.1), HeldLine(5.0, width)
+    pose = held_pose(held, line, profile)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(line_statics, "balanced", lambda *arguments: arguments[-1])
+        searched = held_pose(held, line, profile)
+    assert pose.nose == pytest.approx(searched.nose, abs=1e-5)
+    assert pose.pitch == pytest.approx(searched.pitch, abs=1e-5)
+
+
+def test_newtons_method_keeps_its_start_where_there_is_nothing_to_find():
+    """A body that sinks has no balance above the seafloor."""
+    profile = ProfileAbove(np.array([[0.0], [6.3]]), np.full((2, 2, 1), 0.1))
+    start = np.array([0.5]), np.array([2.0])
+
+    def straight(altitude, pull):
+        return 5.0 * pull[2] / np.linalg.norm(pull, axis=0)
+
+    found = balanced(body(net_buoyancy=-0.5), profile, straight, np.array([5.0]), start)
+    assert [part.tolist() for part in found] == [[0.5], [2.0]]

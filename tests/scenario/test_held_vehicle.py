@@ -9,7 +9,7 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.physics.line_statics import CROSSFLOW_COEFFICIENT
+from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT
 from missionplan.physics.seafloor import FRICTION, ROUGHNESS
 from missionplan.scenario.anchor_weight import anchor_length
 from missionplan.scenario.held_vehicle import hold_of

@@ -13,7 +13,9 @@ from missionplan.arrays import Array, Scalars, over_trials, take_trials
 from missionplan.phases.currents import Current, LayeredCurrent
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.forces import DescentHooks
-from missionplan.physics.line_statics import HeldBody, HeldLine, HeldPose, LayersAbove, ProfileAbove, held_pose
+from missionplan.physics.current_above import LayersAbove, ProfileAbove
+from missionplan.physics.held_body import HeldBody, HeldLine
+from missionplan.physics.line_statics import HeldPose, held_pose
 from missionplan.physics.seafloor import (
     ROUGHNESS,
     LyingAnchor,

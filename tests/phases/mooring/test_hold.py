@@ -8,7 +8,8 @@ import pytest
 from missionplan.phases.currents import layers
 from missionplan.phases.mooring.hold import Hold, hold_vehicle, layers_above
 from missionplan.phases.recorded_currents import SeriesCurrent
-from missionplan.physics.line_statics import HeldBody, HeldLine, held_pose
+from missionplan.physics.held_body import HeldBody, HeldLine
+from missionplan.physics.line_statics import held_pose
 from missionplan.physics.seafloor import LyingAnchor, Slope
 from missionplan.physics.vehicle_drag import QuadraticDrag
 
