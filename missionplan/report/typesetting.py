@@ -27,7 +27,7 @@ _RULES: tuple[tuple[re.Pattern[str], str], ...] = (
     (re.compile(rf"\[((?:{_UNITS})(?:/(?:m|s|N|V))?)\]"), r"(\1)"),
     (re.compile(r"(?<![\w.)\]\u2013\u202f\u00a0/:=−-])-(?=\d|\.\d)"), _MINUS),
     (re.compile(r"(?<=\de)-(?=\d)"), _MINUS),
-    (re.compile(r"[−-](?=0(?:\.0+)?(?![\d.]))(?<![\w)].)"), ""),
+    (re.compile(r"[−-](?=0(?:\.0+)?(?![\d.]))(?<![\w)−-].)"), ""),
     (re.compile(r"(?<=\d)\u00a0(?=\d{3}(?!\d))"), _NARROW_SPACE),
     (re.compile(rf"(?<=\d) (?=(?:{_UNITS})(?![\w²³]))"), _NO_BREAK_SPACE),
     (re.compile(r"(?<=\d) (?=±)|(?<=±) (?=[\d−])"), _NO_BREAK_SPACE),

@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from missionplan.mission import load
@@ -155,6 +155,7 @@ def test_text_is_set(given_text, expected):
     assert typeset(given_text) == expected
 
 
+@example("--0")
 @given(st.text(alphabet="0123456789 .-−±mskWhNe[]()^23,\u00a0", max_size=40))
 def test_setting_text_twice_changes_nothing_and_no_digit_is_lost(text):
     once = typeset(text)
