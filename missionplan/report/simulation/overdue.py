@@ -6,10 +6,13 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime, timedelta
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.arrays import Array
 from missionplan.exporters.maps.geojson import feature
 from missionplan.exporters.maps.geometry import longitudes_latitudes
+from missionplan.report.geography.frame import frame
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figure, PageSection, Table, to_figure
 from missionplan.report.simulation.figures import WIDTH
@@ -23,6 +26,8 @@ _COLOURS = {
     "on the seafloor": PINK,
     "still under way": BLUE,
 }
+_CROWDED = 0.08
+"""Share of the map's width within which two labels would lie on each other."""
 
 
 def overdue_section(outcome: Outcome) -> Iterator[PageSection]:
@@ -90,24 +95,17 @@ def _time_row(time: ExpectedTime, start: datetime | None, *, has_energy: bool) -
 
 def _map(found: Overdue) -> Figure:
     """Draw the search areas; of the drift, one for each number of hours overdue."""
-    points = np.concatenate([area.line for area in found.areas], axis=1) / 1000.0
-    start = np.asarray(found.areas[0].centre) / 1000.0
-    spread = np.maximum(np.ptp(points, axis=1), 0.05)
-    figure = MatplotlibFigure(figsize=(WIDTH, float(np.clip(WIDTH * spread[1] / spread[0], 2.4, 1.1 * WIDTH)) + 1.3))
+    shown = frame([], [area.line for area in found.areas])
+    figure = MatplotlibFigure(figsize=(WIDTH, 1.3 + (WIDTH - 0.9) * shown.shape))
     axes = figure.add_subplot()
     named: set[str] = set()
     for area in found.areas:
-        east, north = area.line / 1000.0
         label = None if area.way in named else area.way
         named.add(area.way)
-        axes.plot(east, north, color=_COLOURS[area.way], linewidth=1.3, label=label)
-        if area.overdue > 0.0:
-            hours = f"+{area.overdue / 3600.0:.0f}\u00a0h"
-            far = np.argmax(np.hypot(east - start[0], north - start[1]))
-            axes.annotate(hours, (east[far], north[far]), fontsize=8, ha="center", color=INK)
-    axes.set(xlabel="east (km)", ylabel="north (km)")
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.margins(0.06)
+        axes.plot(*(area.line / 1000.0), color=_COLOURS[area.way], linewidth=1.3, label=label)
+    _name_hours(axes, found)
+    limits = shown.limits / 1000.0
+    axes.set(xlim=limits[0], ylim=limits[1], xlabel="east (km)", ylabel="north (km)", aspect="equal")
     figure.legend(loc="outside upper center", ncols=2)
     words = "; ".join(f"{area.way}, {_hours(area)}: {_size(area)}" for area in found.areas)
     return to_figure(
@@ -119,6 +117,26 @@ def _map(found: Overdue) -> Figure:
     )
 
 
+def _name_hours(axes: Axes, found: Overdue) -> None:
+    """Write the hours at the ellipses of the drift, one above the other where ellipses crowd."""
+    width = float(np.ptp(np.concatenate([area.line[0] for area in found.areas])))
+    placed: list[Array] = []
+    for area in sorted((area for area in found.areas if area.overdue > 0.0), key=lambda area: area.centre[0]):
+        top = area.line[:, np.argmax(area.line[1])]
+        level = sum(bool(np.all(np.abs(top - other) < _CROWDED * width)) for other in placed)
+        placed.append(top)
+        axes.annotate(
+            f"+{area.overdue / 3600.0:.0f}\u00a0h",
+            top / 1000.0,
+            (0.0, 4.0 + 11.0 * level),
+            textcoords="offset points",
+            fontsize=8,
+            ha="center",
+            color=INK,
+            arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 0.4} if level else None,
+        )
+
+
 def _areas(outcome: Outcome, found: Overdue) -> Table:
     rows = [
         (
@@ -127,7 +145,7 @@ def _areas(outcome: Outcome, found: Overdue) -> Table:
             _hours(area),
             _place(outcome, area),
             _size(area),
-            number(area.area / 1e6, 0.01 * area.area / 1e6),
+            number(area.area / 1e6, 0.05 * area.area / 1e6),
         )
         for area in found.areas
     ]

@@ -1,6 +1,7 @@
 """The sheet for the boat, against trials that it was not made from."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,8 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.phases.currents import layers
 from missionplan.rendering import render
+from missionplan.report.page import Figure, style
+from missionplan.report.simulation.overdue import overdue_section
 from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.overdue.search_areas import Cloud, FloatingVehicle, circle_of, ellipse_of
@@ -136,6 +139,19 @@ def test_the_sheet_is_in_the_report_as_words_table_map_and_geojson(outcome: Outc
     assert ring[0] == pytest.approx(ring[-1])
     assert -76.5 < ring[0][0] < -75.5
     assert "search-areas.csv" in outcome.files()
+
+
+def test_the_hours_on_the_map_do_not_lie_on_each_other(outcome: Outcome) -> None:
+    found = outcome.overdue
+    assert found is not None
+    adrift = next(area for area in found.areas if area.overdue > 0.0)
+    at_once = [replace(adrift, overdue=3600.0 * hours) for hours in (1, 3, 6)]
+    with style():
+        (block,) = overdue_section(replace(outcome, overdue=replace(found, areas=tuple(at_once))))
+    (map_of_them,) = [each for each in block.blocks if isinstance(each, Figure)]
+    tops = sorted(map(float, re.findall(r' y="([\d.]+)"[^>]*>\+\d+\u00a0h', map_of_them.svg)))
+    assert len(tops) == 3
+    assert np.diff(tops) == pytest.approx(11.0, abs=0.1)
 
 
 def test_a_mission_that_never_comes_back_has_no_sheet(mission: Mission) -> None:
