@@ -61,9 +61,16 @@ _ROWS: tuple[tuple[str, Callable[[HeldState], str]], ...] = (
 
 
 def _numbers(held: HeldVehicle) -> Table:
-    rows = [(label, *map(cell, held.states)) for label, cell in _ROWS]
+    states = _apart(held)
+    rows = [(label, *map(cell, states)) for label, cell in _ROWS]
     caption = f"With an anchor of {held.anchor_weight:.3g}\u00a0N wet and a holding factor of {held.friction:g}."
-    return Table(("", *(state.current for state in held.states)), rows, caption)
+    return Table(("", *(state.current for state in states)), rows, caption)
+
+
+def _apart(held: HeldVehicle) -> tuple[HeldState, ...]:
+    """States in different currents: where the current stays as it is, the last says it all."""
+    *others, worst = held.states
+    return (*(state for state in others if f"{state.speed:.3f}" != f"{worst.speed:.3f}"), worst)
 
 
 def _needed(friction: float) -> str:
@@ -79,11 +86,12 @@ def hold_figure(held: HeldVehicle) -> Figure:
     reach = max(max(state.tail[0], state.excursion) for state in held.states)
     top = max(0.3 * reach, *(max(state.tail[1], state.line[-1, 1]) for state in held.states))
     left, right = -0.12 * max(reach, top) - 0.3, 1.08 * reach + 0.5
-    figure = MatplotlibFigure(figsize=(6.0, min(5.0, 1.2 + 5.4 * 1.35 * top / (right - left))))
+    low = min(-0.06 * top - 0.1, *(state.uphill * side for state in held.states for side in (left, right)))
+    figure = MatplotlibFigure(figsize=(6.0, min(5.0, 0.95 + 5.4 * (1.25 * top - low) / (right - left))))
     axes = figure.subplots()
     _draw_seafloor(axes, held, left, right)
     _draw_anchor(axes, held)
-    for state, colour in zip(held.states, (SKY, BLUE), strict=False):
+    for state, colour in reversed(list(zip(reversed(_apart(held)), (BLUE, SKY), strict=False))):
         _draw_state(axes, held, state, colour)
     axes.annotate(
         "",
@@ -92,7 +100,6 @@ def hold_figure(held: HeldVehicle) -> Figure:
         arrowprops={"arrowstyle": "->", "color": INK, "linewidth": 1.2},
     )
     axes.text(left + 0.27 * (right - left), 1.16 * top, "current", va="center", fontsize=9)
-    low = min(-0.06 * top - 0.1, *(state.uphill * side for state in held.states for side in (left, right)))
     axes.set(xlim=(left, right), ylim=(low, 1.25 * top), aspect="equal")
     axes.set(xlabel="Downstream of the anchor (m)", ylabel="Above the anchor (m)")
     figure.legend(loc="outside lower center", ncols=2)

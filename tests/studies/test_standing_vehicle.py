@@ -110,6 +110,17 @@ def test_uphill_is_drawn_and_measured():
         assert hold_section(held).blocks
 
 
+def test_a_current_that_stays_as_it_is_is_told_once():
+    held = stands()
+    touchdown, worst = held.states
+    with style():
+        figure, table, *_ = hold_section(replace(held, states=(replace(touchdown, speed=worst.speed), worst))).blocks
+        _, both, *_ = hold_section(held).blocks
+    assert list(table.columns) == ["", worst.current]
+    assert touchdown.current not in figure.svg
+    assert list(both.columns) == ["", touchdown.current, worst.current]
+
+
 def test_the_report_says_what_it_assumed():
     with style():
         words = [block for block in hold_section(stands()).blocks if isinstance(block, str)]
