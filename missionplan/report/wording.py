@@ -16,6 +16,7 @@ _PHRASES = {
     "offset": "offset of the anchor",
     "lowest_altitude": "lowest altitude of the nose",
     "total.success": "success of the mission",
+    "site.current.member": "which member of the current's ensemble",
     "anchor_holds": "anchor that holds",
     "grounded": "vehicle touching the seafloor in the hold",
     "nose_altitude": "least altitude of the nose in the hold",

@@ -16,7 +16,7 @@ from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
 from missionplan.report.simulation.requirements import judged
 from missionplan.results.mooring.sized_anchor import MooringAnchor
-from missionplan.results.simulation import Attrition, Outcome, RequirementOutcome
+from missionplan.results.simulation import Attrition, Outcome, RequirementOutcome, Sensitivity
 
 
 @pytest.fixture(scope="module")
@@ -185,6 +185,22 @@ def test_a_quantity_that_does_not_vary_is_told_and_not_drawn(outcome):
     rendered = render_report(replace(outcome, phases=phases))
     assert "The lowest altitude of the nose (moor) is 1.498\u00a0m in every trial" in rendered.html
     assert "moor-lowest-altitude-m" not in rendered.figures
+
+
+def test_the_heading_names_what_matters_for_a_quantity_that_varies(outcome):
+    def shown(*found: Sensitivity) -> str:
+        return render_report(replace(outcome, sensitivities=found)).html
+
+    release = Sensitivity("moor.offset_m", "moor.release_time", 0.6, 0.4, 0.02)
+    member = Sensitivity("moor.lowest_altitude_m", "site.current.member", 0.1, 0.9, 0.02)
+    assert "Which member of the current&#39;s ensemble matters most" in shown(release, member)
+    altitude = replace(outcome.phases[1].quantities["lowest_altitude_m"], sd=1e-4)
+    quantities = {**outcome.phases[1].quantities, "lowest_altitude_m": altitude}
+    phases = (outcome.phases[0], replace(outcome.phases[1], quantities=quantities), outcome.phases[2])
+    steady = render_report(replace(outcome, phases=phases, sensitivities=(release, member))).html
+    assert "Release time (moor) matters most: it accounts for 40\u00a0% of the variance of the offset" in steady
+    assert "; grey: neither" in steady  # a member has a number, which is neither large nor small
+    assert "; grey: neither" not in shown(release)
 
 
 @pytest.mark.parametrize("keep", [0, 1])

@@ -12,6 +12,7 @@ from missionplan.results.simulation import Outcome, Sensitivity
 SMALL = 0.05
 """Share of a variance below which it is not worth finding out which explanation holds."""
 _COLUMNS = ("explanation", "probability", "success (95 % interval)", "duration (5–95 %)", "energy (5–95 %)")
+_MEMBERS_DIFFER = "Which member of the current's ensemble spoils the mission"
 _MATTERS = ("total.success", "total.duration_s", "total.energy_wh")
 
 
@@ -37,7 +38,8 @@ def member_in_words(outcome: Outcome) -> str:
     worst, best = tried[0], tried[-1]
     low, high = share(worst.success), share(best.success)
     if success_differs(tried):
-        return f"It depends on the forecast: it succeeds {low} in {worst.causes[0]}, {high} in {best.causes[0]}."
+        ends = f"{low} of the time in {worst.causes[0]} and {high} in {best.causes[0]}"
+        return f"It depends on the forecast: it succeeds {ends}."
     ends = f"{low} to {high}" if low != high else f"in {low} of the trials"
     return f"In each member of the current's ensemble it succeeds as often, as far as the trials can tell ({ends})."
 
@@ -50,7 +52,8 @@ def member_sections(outcome: Outcome) -> Iterator[PageSection]:
         columns = ("member", *_COLUMNS[1:])
         rows = [(each.causes[0], *row[1:]) for each, row in zip(tried, _rows(outcome, tried), strict=True)]
         words = [_worth(found, "member") for found in _by_place(outcome, outcome.members)]
-        yield PageSection("Which member of the ensemble spoils it", [*words, Table(columns, rows, note)])
+        heading = _MEMBERS_DIFFER if success_differs(tried) else "Members of the current's ensemble"
+        yield PageSection(heading, [*words, Table(columns, rows, note)])
 
 
 def explanation_sections(outcome: Outcome) -> Iterator[PageSection]:
@@ -84,7 +87,8 @@ def _by_place(outcome: Outcome, explained: Sequence[ExplainedOutcome]) -> list[l
 def _worth(found: list[Sensitivity], what: str) -> str:
     """Say for which share of the variance it matters which explanation holds, and whether to find out."""
     shares = [f"{_percent(each.first_order)} of the variance of the {in_words(each.output)}" for each in found]
-    words = f"Which {what} it is matters for {', '.join(shares)}"
+    listed = ", ".join(shares[:-1]) + f" and {shares[-1]}" if len(shares) > 1 else shares[0]
+    words = f"Which {what} it is accounts for {listed}"
     if all(each.first_order < SMALL for each in found):
         return f"{words}: no need to find out."
     return f"{words}: find out what you can before you rely on the plan."

@@ -1,14 +1,14 @@
 """What to measure better: which uncertain inputs make the key figures of a simulated mission vary."""
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from itertools import chain, groupby
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.display_units import Unit
 from missionplan.report.numbers import number, with_error
-from missionplan.report.page import BLUE, INK, ORANGE, Figure, PageSection, Table, to_figure
+from missionplan.report.page import BLUE, GREY, INK, ORANGE, Figure, PageSection, Table, to_figure
 from missionplan.report.simulation.figures import WIDTH
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.simulation import Outcome, Sensitivity
@@ -16,6 +16,8 @@ from missionplan.results.simulation import Outcome, Sensitivity
 _MOST_INPUTS = 5
 _MOST_FIGURES = 4
 _LEAST_SHOWN = 0.01
+_STEADY = 0.01
+"""Standard deviation over mean below which a quantity counts as the same in all trials."""
 
 InputsOf = tuple[str, Sequence[Sensitivity]]
 """A key figure and the inputs that matter for it, the most important first."""
@@ -29,7 +31,7 @@ def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
     drawn = _most_relevant(outcome, influential)
     rows = [_row(influence) for _, found in influential for influence in found]
     yield PageSection(
-        _heading(drawn),
+        _heading(outcome, drawn),
         [
             "What to measure better: the share of a key figure's variance that would go if an input were known. "
             "Inputs without a detectable influence are not listed.",
@@ -63,16 +65,31 @@ def _worth_drawing(found: Sequence[Sensitivity]) -> Sequence[Sensitivity]:
     return [influence for influence in found if influence.first_order > _LEAST_SHOWN] or found[:1]
 
 
-def _heading(groups: Sequence[InputsOf]) -> str:
-    output, (first, *_) = max(groups, key=lambda group: group[1][0].first_order)
+def _heading(outcome: Outcome, groups: Sequence[InputsOf]) -> str:
+    """Name the input that accounts for most of a figure, of those that vary enough to be worth a thought."""
+    varying = [group for group in groups if not _is_steady(outcome, group[0])] or groups
+    output, (first, *_) = max(varying, key=lambda group: group[1][0].first_order)
     share = f"{100.0 * first.first_order:.0f}\u00a0%"
     source = capitalised(in_words(first.source))
-    return f"{source} matters most: it accounts for {share} of the variance of {in_words(output)}"
+    return f"{source} matters most: it accounts for {share} of the variance of the {in_words(output)}"
+
+
+def _is_steady(outcome: Outcome, output: str) -> bool:
+    """Whether a quantity is the same in all trials to a hundredth: there is nothing to gain from knowing why not."""
+    parts = {phase.name: phase for phase in (*outcome.phases, outcome.total)}
+    name, _, key = output.partition(".")
+    statistic = parts[name].quantities.get(key) if name in parts else None
+    return statistic is not None and statistic.sd < _STEADY * abs(statistic.mean)
+
+
+def _has_order(influence: Sensitivity) -> bool:
+    """Whether the input is larger in one trial than in another; a member or an explanation only has a number."""
+    return not influence.source.endswith((".member", ".one-of"))
 
 
 def _row(influence: Sensitivity) -> tuple[str, str, str, str]:
     share, error = 100.0 * influence.first_order, 100.0 * influence.standard_error
-    correlation = f"{influence.rank_correlation:+.2f}".replace("-", "−")
+    correlation = f"{influence.rank_correlation:+.2f}".replace("-", "−") if _has_order(influence) else "–"
     return (
         in_words(influence.output),
         in_words(influence.source),
@@ -89,20 +106,21 @@ def sensitivity_figure(groups: Sequence[InputsOf]) -> Figure:
     for axes, (output, found) in zip(panels, groups, strict=True):
         _draw_shares(axes, output, found)
     panels[-1].set_xlabel("share of the variance explained alone (%)")
+    unordered = "" if all(map(_has_order, chain.from_iterable(found for _, found in groups))) else "; grey: neither"
     words = "; ".join(f"{in_words(output)}: mostly {in_words(found[0].source)}" for output, found in groups)
     return to_figure(
         figure,
         "sensitivity",
         f"Bars: the share of the key figures' variance that each uncertain input explains. {words}.",
         "First-order Sobol indices with 95 % intervals; blue: a larger input makes the figure larger, orange: smaller "
-        "(sign of the rank correlation).",
+        f"(sign of the rank correlation){unordered}.",
     )
 
 
 def _draw_shares(axes: Axes, output: str, found: Sequence[Sensitivity]) -> None:
     for row, influence in enumerate(found):
         share, error = 100.0 * max(influence.first_order, 0.0), 100.0 * influence.standard_error
-        axes.barh(row, share, color=BLUE if influence.rank_correlation >= 0.0 else ORANGE, height=0.4)
+        axes.barh(row, share, color=_colour(influence), height=0.4)
         axes.errorbar(share, row, xerr=1.96 * error, color=INK, capsize=2.5, linewidth=1.0)
         axes.annotate(
             _label(influence),
@@ -115,6 +133,12 @@ def _draw_shares(axes: Axes, output: str, found: Sequence[Sensitivity]) -> None:
         )
     axes.set(yticks=[], ylim=(len(found) - 0.6, -0.85), xlim=(0.0, 105.0), title=in_words(output))
     axes.grid(visible=False, axis="y")
+
+
+def _colour(influence: Sensitivity) -> str:
+    if not _has_order(influence):
+        return GREY
+    return BLUE if influence.rank_correlation >= 0.0 else ORANGE
 
 
 def _label(influence: Sensitivity) -> str:

@@ -66,7 +66,7 @@ def test_the_member_that_spoils_the_mission_is_named(tmp_path):
     assert successes["run-2.csv"] == 0.0
     assert sum(each.trials for each in found.members) == 600
     said = answer(found).replace("\N{NO-BREAK SPACE}", " ")
-    assert "It depends on the forecast: it succeeds 0 % in run-2.csv, 100 % in run-" in said
+    assert "It depends on the forecast: it succeeds 0 % of the time in run-2.csv and 100 % in run-" in said
     (entry,) = [each for each in found.summary()["members"] if each["member"] == "run-2.csv"]
     assert entry["probability"] == pytest.approx(0.2)
     assert entry["success"]["value"] == 0.0
