@@ -127,7 +127,7 @@ def _name_hours(axes: Axes, found: Overdue) -> None:
         placed.append(top)
         axes.annotate(
             f"+{area.overdue / 3600.0:.0f}\u00a0h",
-            top / 1000.0,
+            (float(top[0]) / 1000.0, float(top[1]) / 1000.0),
             (0.0, 4.0 + 11.0 * level),
             textcoords="offset points",
             fontsize=8,
