@@ -50,6 +50,22 @@ def test_cells_beside_land_are_judged_by_their_columns():
     assert good.tolist() == [True, True, True, False, False, False, False]
 
 
+@given(seed=st.integers(0, 10_000), spread=st.sampled_from([50.0, 500.0, 3000.0]))
+def test_places_are_good_together_where_each_is_good_alone(seed, spread):
+    generator = np.random.default_rng(seed)
+    wet = generator.random((NORTH.size, EAST.size)) < 0.8
+    wet[0, 0] = True
+    water = field(NORTH, wet=wet)._water
+    middle = np.array([[generator.uniform(0.0, 1800.0)], [generator.uniform(-400.0, 400.0)]])
+    places = middle + spread * generator.uniform(-0.5, 0.5, (2, 20))
+    depth = generator.uniform(10.0, 15.5, 20)
+    together = np.broadcast_to(water.is_good(places, 60.0, depth), 20)
+    assert together.tolist() == [
+        bool(water.is_good(places[:, [trial]], 60.0, depth[[trial]])[0]) for trial in range(20)
+    ]
+    assert together.tolist() == water._is_good_by_columns(places, 60.0, depth).tolist()
+
+
 def test_the_mean_along_a_leg_follows_the_track_that_the_current_bends():
     gain = 1e-3  # the current grows by this along the way [1/s]
     values = np.broadcast_to((gain * np.tile(EAST, NORTH.size))[None, :, None] + 0j, (TIME.size, 35, LEVELS.size))

@@ -35,6 +35,8 @@ class FieldWater:
 
     def is_good(self, place: Array, t: Scalars, depth: Scalars) -> NDArray[np.bool_]:
         """Whether places, shape (2, n), are on the grid, water at a time [s], and as deep as a depth [m]."""
+        if self._is_all_open(place, depth):
+            return np.ones(1, dtype=bool)
         easily = self._is_open(place, depth)
         if easily is None:
             return self._is_good_by_columns(place, t, depth)
@@ -50,13 +52,26 @@ class FieldWater:
         share = np.sum(columns.weight * ever[columns.node], axis=0)
         return np.asarray(columns.inside & (share >= 0.5), dtype=bool)
 
+    def _is_all_open(self, place: Array, depth: Scalars) -> bool:
+        """Whether all places are in one block of cells all of whose columns are always water and as deep: soon told."""
+        cells = self._open_down_to
+        if cells is None or not place.size:
+            return False
+        axes, deep = cells
+        low, high = place.min(axis=1), place.max(axis=1)
+        least, most = self.grid.extent
+        if not ((least <= low) & (high <= most)).all():
+            return False
+        (south, north), (west, east) = axes.cells(np.stack((low, high), axis=1)[::-1].copy())[0].astype(np.intp)
+        return bool(deep[south : north + 1, west : east + 1].min() >= np.max(depth))
+
     def _is_open(self, place: Array, depth: Scalars) -> NDArray[np.bool_] | None:
         """Whether places are in cells all of whose columns are always water and as deep; None on other grids."""
         cells = self._open_down_to
         if cells is None:
             return None
         axes, deep = cells
-        (row, column), _ = axes.cells(place[::-1].copy())
+        row, column = axes.cells(place[::-1].copy())[0].astype(np.intp)
         inside = depth <= deep[row, column]
         for x, least, most in zip(place, *self.grid.extent, strict=True):
             inside &= (least <= x) & (x <= most)

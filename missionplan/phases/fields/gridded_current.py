@@ -115,11 +115,14 @@ class GriddedCurrent(RecordedCurrent):
         step = lasting / steps
         own = through / np.where(lasting > 0.0, lasting, np.inf)
         place, moment, total = start, np.asarray(t, dtype=float), np.zeros((2, 1))
-        for number in range(int(np.max(steps, initial=1.0))):
+        most = int(np.max(steps, initial=1.0))
+        for number in range(most):
             first = self.velocity(moment, depth, place)
             second = self.velocity(moment + 0.5 * step, depth, place + (0.5 * step) * (first + own))
             third = self.velocity(moment + 0.75 * step, depth, place + (0.75 * step) * (second + own))
             mean = (2.0 / 9.0) * first + (3.0 / 9.0) * second + (4.0 / 9.0) * third
+            if most == 1:
+                return mean
             counted = np.minimum(np.maximum(steps - number, 0.0), 1.0)  # 0 for trials whose leg is over
             total = total + mean * counted
             place, moment = place + (step * counted) * (mean + own), moment + step * counted

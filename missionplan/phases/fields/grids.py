@@ -41,7 +41,7 @@ class Grid(ABC):
     def __init__(self, points: Array) -> None:
         self.points = points
 
-    @property
+    @cached_property
     def extent(self) -> Array:
         """South-west and north-east corner of a box about the columns, shape (2, 2) [m]."""
         return np.stack((self.points.min(axis=1), self.points.max(axis=1)))

@@ -45,8 +45,8 @@ class EvenAxes:
         per_unit = 1.0 / np.array([[step] for step in steps], dtype=float)
         return cls(first, per_unit, (np.array(count, dtype=float)[:, None] - 1.0) * _SHORT, count)
 
-    def cells(self, places: Array) -> tuple[NDArray[np.intp], Array]:
-        """Numbers of the cells along each axis, and shares of the way through them; places beyond are at the edge.
+    def cells(self, places: Array) -> tuple[Array, Array]:
+        """Whole numbers of the cells along each axis, and shares of the way through them; those beyond are at the edge.
 
         `places`, shape (k, n), is written over.
         """
@@ -55,7 +55,7 @@ class EvenAxes:
         share *= self.per_unit
         np.maximum(share, 0.0, out=share)
         np.minimum(share, self.end, out=share)
-        cell = share.astype(np.intp)
+        cell = np.floor(share)
         share -= cell
         return cell, share
 
@@ -109,8 +109,11 @@ class Lattice:
         cell, (later, north, east) = self.axes.cells(places)
         _, rows, columns = self.axes.count
         across, levels = (rows - 1) * (columns - 1), len(self.levels)
-        row = cell[1] * (columns - 1) + cell[2]
-        row += cell[0] * (across * levels)
+        cell[0] *= across * levels
+        cell[1] *= columns - 1
+        cell[0] += cell[1]
+        cell[0] += cell[2]
+        row = cell[0].astype(np.intp)
         weighted = [(row, 1.0 - later), (row + across * levels, later)]
         if depth is not None:
             level, below = self._level(depth)
@@ -122,13 +125,19 @@ class Lattice:
                 (row + across * levels, later - both),
                 (row + across * (levels + 1), both),
             ]
-        total = np.zeros((8, row.size), dtype=np.float32)
+        total: NDArray[np.float32] | None = None
         for number, weight in weighted:
             corner = np.ascontiguousarray(self.cells.take(number, axis=0).T)
             corner *= weight.astype(np.float32)
-            total += corner
-        start, along, up, twist = total.reshape(4, 2, -1)
-        return np.asarray(start + along * east + north * (up + twist * east))
+            total = corner if total is None else np.add(total, corner, out=total)
+        start, along, up, twist = np.asarray(total, dtype=float).reshape(4, 2, -1)
+        twist *= east
+        twist += up
+        twist *= north
+        along *= east
+        start += along
+        start += twist
+        return start
 
     def _level(self, depth: Array) -> tuple[NDArray[np.intp], Array]:
         """Number of the level above each depth, and the share of the way to the next; held beyond the levels."""

@@ -56,36 +56,43 @@ class GroundVelocity:
         array, shape (2, n)
             [m/s]
         """
-        plan, current, effects = self._plan, self._environment.current, self._environment.effects
+        plan, current = self._plan, self._environment.current
         velocity = random_part(plan.velocity_error, normals)
-        length = np.hypot(*through)
+        length = np.sqrt(through[0] * through[0] + through[1] * through[1])
         speed = plan.speed if speed is None else speed
-        leg = Leg(t, duration, start, through / np.where(length > 0.0, length, 1.0), speed, plan.latitude)
-        mid_leg = t + 0.5 * duration
-        elapsed = np.zeros_like(t) if self._mid_leg is None else mid_leg - self._mid_leg
-        persistent: Array | float = 0.0
-        gathered: Array | float = 0.0
-        for index, effect in enumerate(effects):
-            source = self._normals.effects[index] if effect.is_random else None
-            own = source.leg(number)[:, : t.size] if source is not None else np.zeros((2, t.size))
-            velocity = velocity * effect.error_scale(own)
-            self._memory[index], carried = effect.step(self._memory[index], elapsed, own, leg)
-            persistent = persistent + carried
-            if source is not None and np.any(rate := effect.position_variance_rate()):
-                gathered = gathered + np.sqrt(rate / np.where(duration > 0.0, duration, 1.0)) * own
-        velocity = velocity + gathered
-        persistent = persistent + velocity_error(effects, leg)
-        self._mid_leg = mid_leg
-        velocity = velocity + plan.velocity_error.mean + persistent
-        drift = plan.velocity_error.mean + persistent
+        drift: Array = plan.velocity_error.mean
+        if self._environment.effects:
+            along = through / np.where(length > 0.0, length, 1.0)
+            leg = Leg(t, duration, start, along, speed, plan.latitude)
+            velocity, persistent = self._with_effects(number, velocity, leg)
+            drift = drift + persistent
+        velocity = velocity + drift
         moving = length > 0.0
         if current is not None:
             carried = current.mean_velocity(t, duration, plan.depth, start, through)
             velocity, drift = velocity + carried, drift + carried
             end = start + through + velocity * duration
             self.left_record |= moving & ~current.covers(Span(t, t + duration, plan.depth, (start, end)))
-        self.outrun |= moving & (np.hypot(*drift) >= speed)
+        self.outrun |= moving & (np.sqrt(drift[0] * drift[0] + drift[1] * drift[1]) >= speed)
         return velocity
+
+    def _with_effects(self, number: int, velocity: Array, leg: Leg) -> tuple[Array, Array]:
+        """Random velocity error of a leg as the effects change it, and the velocity that they add to it [m/s]."""
+        effects, trials = self._environment.effects, leg.t_start.size
+        mid_leg = leg.t_start + 0.5 * leg.duration
+        elapsed = np.zeros(trials) if self._mid_leg is None else mid_leg - self._mid_leg
+        persistent: Array | float = 0.0
+        gathered: Array | float = 0.0
+        for index, effect in enumerate(effects):
+            source = self._normals.effects[index] if effect.is_random else None
+            own = source.leg(number)[:, :trials] if source is not None else np.zeros((2, trials))
+            velocity = velocity * effect.error_scale(own)
+            self._memory[index], carried = effect.step(self._memory[index], elapsed, own, leg)
+            persistent = persistent + carried
+            if source is not None and np.any(rate := effect.position_variance_rate()):
+                gathered = gathered + np.sqrt(rate / np.where(leg.duration > 0.0, leg.duration, 1.0)) * own
+        self._mid_leg = mid_leg
+        return velocity + gathered, persistent + velocity_error(effects, leg)
 
     def at_surface(self, t: Array, position: Array, moving: Array | None = None) -> Array | float:
         """Mean velocity of the drift while the vehicle is at the surface, shape (2, n); 0 in still water [m/s].
