@@ -73,13 +73,13 @@ def laplace(
     numpy.linalg.LinAlgError
         When the mode lies on the boundary of the support, where there is no curvature.
     """
+    known: dict[bytes, float] = {}
 
     def negative(at: Array) -> float:
-        try:
-            value = log_posterior(at)
-        except np.linalg.LinAlgError:
-            return IMPOSSIBLE
-        return -value if math.isfinite(value) else IMPOSSIBLE
+        key = at.tobytes()
+        if key not in known:
+            known[key] = _negative(log_posterior, at)
+        return known[key]
 
     best = min(starts, key=negative)
     found = scipy.optimize.minimize(
@@ -97,6 +97,14 @@ def laplace(
     evidence = -negative(mode) + 0.5 * len(mode) * LOG_2PI - 0.5 * float(np.log(values).sum())
     covariance = (vectors / values) @ vectors.T
     return Laplace(evidence, mode, 0.5 * (covariance + covariance.T))
+
+
+def _negative(log_posterior: Callable[[Array], float], at: Array) -> float:
+    try:
+        value = log_posterior(at)
+    except np.linalg.LinAlgError:
+        return IMPOSSIBLE
+    return -value if math.isfinite(value) else IMPOSSIBLE
 
 
 def _curvature(negative: Callable[[Array], float], mode: Array) -> Array:

@@ -20,7 +20,7 @@ QUANTILE_95 = 1.6448536269514722
 """95 % quantile of the standard normal distribution: half the width of a 90 % interval, in standard deviations."""
 Normal = tuple[Array, Array]
 """A normal distribution: mean, shape (N,), and covariance, shape (N, N)."""
-NEAR, TOLERANCE = 0.01, 1e-6
+NEAR, TOLERANCE = 0.1, 1e-6
 """Last step below which Newton's is tried, and below which the mode is found [prior standard deviations]."""
 
 
@@ -130,25 +130,27 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
         Degrees of freedom ν, above 2.
     """
     k, n = len(prior_sd), y.shape[1]
-    scaled_y = (y / np.sqrt(variance)).ravel()
-    columns = (design * prior_sd / np.sqrt(variance)[:, :, None]).reshape(2 * n, k)
+    sd = np.sqrt(variance)
+    scaled_y = (y / sd).ravel()
+    columns = (design * prior_sd / sd[:, :, None]).reshape(2 * n, k)
+    transposed = np.ascontiguousarray(columns.T)
     coefficients, moved = np.zeros(k), math.inf
     for _ in range(60):
-        residual = (scaled_y - columns @ coefficients).reshape(2, n)
-        squared = np.sum(residual**2, axis=0)
+        residual = scaled_y - columns @ coefficients
+        squared = np.square(residual).reshape(2, n).sum(axis=0)
         weight = (dof + 2.0) / (dof - 2.0 + squared)
-        weighted = columns * np.concatenate([weight, weight])[:, None]
-        gradient = weighted.T @ residual.ravel() - coefficients
-        hessian = weighted.T @ columns + np.eye(k)
-        along = (residual.ravel()[:, None] * columns).reshape(2, n, k).sum(axis=0)
-        curvature = hessian - along.T @ (along * (2.0 * weight**2 / (dof + 2.0))[:, None])
+        weighted = (transposed.reshape(k, 2, n) * weight).reshape(k, 2 * n)
+        gradient = weighted @ residual - coefficients
+        hessian = weighted @ columns
+        hessian.flat[:: k + 1] += 1.0
         if moved < TOLERANCE:
             break
-        step = np.linalg.solve(hessian, gradient)
+        _, step, _ = lapack.dposv(hessian, gradient)
         if moved < NEAR:
-            newton = np.linalg.solve(curvature, gradient)
-            step = newton if newton @ gradient > 0.0 and np.max(np.abs(newton), initial=0.0) < moved else step
-        coefficients, moved = coefficients + step, float(np.max(np.abs(step), initial=0.0))
+            newton = np.linalg.solve(_curvature(hessian, columns, residual, weight, dof), gradient)
+            step = newton if newton @ gradient > 0.0 and np.abs(newton).max(initial=0.0) < moved else step
+        coefficients, moved = coefficients + step, float(np.abs(step).max(initial=0.0))
+    curvature = _curvature(hessian, columns, residual, weight, dof)
     if np.linalg.eigvalsh(curvature)[0] <= 0.0:
         curvature = hessian
     constant = gammaln(0.5 * dof + 1.0) - gammaln(0.5 * dof) - math.log(math.pi * (dof - 2.0))
@@ -157,6 +159,12 @@ def student_marginal(y: Array, design: Array, prior_sd: Array, variance: Array, 
     log_density -= 0.5 * float(np.linalg.slogdet(curvature)[1])
     covariance = prior_sd[:, None] * np.linalg.inv(curvature) * prior_sd[None, :]
     return Marginal(log_density, prior_sd * coefficients, covariance)
+
+
+def _curvature(hessian: Array, columns: Array, residual: Array, weight: Array, dof: float) -> Array:
+    """Negative second derivatives of the log density, whose first part, `hessian`, takes the weights as given."""
+    along = (residual[:, None] * columns).reshape(2, len(weight), -1).sum(axis=0)
+    return np.asarray(hessian - along.T @ (along * (2.0 * weight**2 / (dof + 2.0))[:, None]))
 
 
 def expected_log_ratio(truth: Normal, first: Normal, second: Normal) -> float:

@@ -12,7 +12,7 @@ from missionplan.diagnosis.given.effects import GivenEffect, RecordPosterior, he
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS, Grams, TransitCovariance
+from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS, TransitCovariance
 from missionplan.diagnosis.legs.likelihood.hyperparameters import (
     SLAB_SCALE,
     Hyperparameter,
@@ -136,12 +136,11 @@ class TransitFitting(TransitCovariance):
         *,
         integrate: bool,
     ) -> Laplace:
-        grams: Grams = {}
+        selected = self.selected(linear, rows)
         prior = HyperparameterPrior.of(hyperparameters, self.given_in_covariance)
 
         def log_posterior(logarithms: Array) -> float:
-            likelihood = self.log_density(hyperparameters, logarithms, linear, rows, grams)
-            return prior.log_density(logarithms) + likelihood
+            return prior.log_density(logarithms) + self.log_density(hyperparameters, logarithms, selected)
 
         return laplace(log_posterior, starts, covariance, integrate=integrate)
 
@@ -150,12 +149,12 @@ class TransitFitting(TransitCovariance):
 
         Oscillations are steady or modulated as in the fit; what the other case adds is as in the fit.
         """
-        state, linear = fit.state, fit.state.linear
+        state, selected = fit.state, self.selected(fit.state.linear)
         prior = HyperparameterPrior.of(state.hyperparameters, self.given_in_covariance)
 
         def log_joint(logarithms: Array) -> float:
             try:
-                likelihood = self.log_density(state.hyperparameters, logarithms, linear)
+                likelihood = self.log_density(state.hyperparameters, logarithms, selected)
             except np.linalg.LinAlgError:
                 return -math.inf
             return prior.log_density(logarithms) + likelihood

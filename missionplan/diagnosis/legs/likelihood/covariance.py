@@ -14,7 +14,6 @@ from missionplan.diagnosis.inference.marginal_likelihood import (
     Marginal,
     gaussian_log_density,
     gaussian_marginal,
-    student_marginal,
 )
 from missionplan.diagnosis.legs.likelihood.hyperparameters import (
     Hyperparameter,
@@ -27,16 +26,13 @@ from missionplan.diagnosis.legs.likelihood.linearised import LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.markov_covariance import LegSelection, MarkovCovariance
 from missionplan.diagnosis.legs.likelihood.mean import TransitMean
 from missionplan.diagnosis.legs.likelihood.modulation import STEADY, Forms
+from missionplan.diagnosis.legs.likelihood.selected_legs import NoiseComponents, SelectedLegs
 from missionplan.effects import CATALOGUE, EffectInfo
 from missionplan.effects.oscillation import COHERENCE_TIME, MODULATION_PARAMETERS
 from missionplan.phases.hooks import MarkovProcess, TransitEffect
 from missionplan.results.learned.evidence import Causes
 
 ALL_LEGS = slice(None)
-Grams = dict[tuple[float | MarkovProcess | None, ...], tuple[Array, float]]
-"""Inner products of whitened columns and ln |covariance|, by the noise."""
-KEPT_GRAMS = 8
-"""Most of these that are kept: a gradient by differences needs those of a point and of each step along a noise."""
 
 SIGMA_LOG_SD = 0.7
 """Prior standard deviation of the logarithm of the velocity error's size, about the mission's."""
@@ -44,8 +40,6 @@ FIX_LOG_SD = 0.15
 """The same for a fix error that data set or mission states: one that is worse is no calibration but `fix-error`."""
 FIX_UNSTATED = (3.0, 0.7)
 """Prior median [m] and log-sd of the fix error where neither data set nor mission states one."""
-MIN_DOF = 2.02
-"""Degrees of freedom at and below which a Student-t error has practically no variance."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +127,7 @@ class TransitCovariance(TransitMean):
         shape = np.linalg.eigvalsh(self.covariance) if np.any(self.covariance) else np.ones(2)
         return np.asarray(np.maximum(shape / max(shape.mean(), 1e-12), 1e-6))
 
-    def noise_components(self, values: HyperparameterValues) -> "NoiseComponents":
+    def noise_components(self, values: HyperparameterValues) -> NoiseComponents:
         """Parts of the errors' covariance at given hyperparameters."""
         white = values["", "sigma_v"] ** 2 * self._anisotropy
         effects = _covariance_effects(values)
@@ -167,7 +161,6 @@ class TransitCovariance(TransitMean):
         logarithms: Array,
         linear: LinearisedLegs,
         rows: LegSelection = ALL_LEGS,
-        grams: Grams | None = None,
     ) -> Marginal:
         """Log density of some of the legs with the coefficients of the mean integrated out.
 
@@ -183,93 +176,37 @@ class TransitCovariance(TransitMean):
             Linearised mean.
         rows : slice or array
             Legs to use.
-        grams : dict, optional
-            Inner products at the last few noises, of the same linearisation and legs.
 
         Raises
         ------
         numpy.linalg.LinAlgError
             When the hyperparameters give no covariance.
         """
-        values = values_of(hyperparameters, logarithms)
+        values, selected = values_of(hyperparameters, logarithms), self.selected(linear, rows)
         prior_sd, noise = linear.prior_sd(values), self.noise_components(values)
         if not math.isinf(noise.dof):
-            return self._student(noise, linear, prior_sd, rows)
-        gram, log_determinant = self._gram(noise, linear, rows, grams)
-        return gaussian_marginal(gram, prior_sd, log_determinant, 2 * linear.y[0, rows].size)
+            return selected.student(noise, prior_sd)
+        gram, log_determinant = selected.gram(noise)
+        return gaussian_marginal(gram, prior_sd, log_determinant, selected.count)
 
     def log_density(
         self,
         hyperparameters: Sequence[Hyperparameter],
         logarithms: Array,
-        linear: LinearisedLegs,
-        rows: LegSelection = ALL_LEGS,
-        grams: Grams | None = None,
+        selected: SelectedLegs,
     ) -> float:
-        """Log density of `marginal`, from the same arguments, without the coefficients' posterior."""
+        """Log density of `marginal` for legs that are selected already, without the coefficients' posterior."""
         values = values_of(hyperparameters, logarithms)
-        prior_sd, noise = linear.prior_sd(values), self.noise_components(values)
+        prior_sd, noise = selected.linear.prior_sd(values), self.noise_components(values)
         if not math.isinf(noise.dof):
-            return self._student(noise, linear, prior_sd, rows).log_density
-        gram, log_determinant = self._gram(noise, linear, rows, grams)
-        return gaussian_log_density(gram, prior_sd, log_determinant, 2 * linear.y[0, rows].size)
+            return selected.student(noise, prior_sd).log_density
+        gram, log_determinant = selected.gram(noise)
+        return gaussian_log_density(gram, prior_sd, log_determinant, selected.count)
 
-    def _gram(
-        self, noise: "NoiseComponents", linear: LinearisedLegs, rows: LegSelection, grams: Grams | None
-    ) -> tuple[Array, float]:
-        """Inner products of whitened columns and data, and ln |covariance|, kept in `grams` by the noise."""
-        grams = {} if grams is None else grams
-        if noise.key not in grams:
-            while len(grams) >= KEPT_GRAMS:
-                del grams[next(iter(grams))]
-            legs = self._all_legs if rows is ALL_LEGS else self.markov_covariance(rows)
-            grams[noise.key] = legs.gram(
-                linear.joined[:, rows], noise.independent(legs.under_way), noise.fix_sd, noise.process
-            )
-        return grams[noise.key]
-
-    def _student(
-        self, noise: "NoiseComponents", linear: LinearisedLegs, prior_sd: Array, rows: LegSelection
-    ) -> Marginal:
-        if noise.dof <= MIN_DOF:
-            raise np.linalg.LinAlgError("the variance of the errors does not exist")
+    def selected(self, linear: LinearisedLegs, rows: LegSelection = ALL_LEGS) -> SelectedLegs:
+        """Select legs of a linearised log, for likelihoods at many hyperparameters."""
         legs = self._all_legs if rows is ALL_LEGS else self.markov_covariance(rows)
-        variance = noise.independent(legs.under_way) + noise.fix_sd**2 * legs.fix_variance()
-        return student_marginal(linear.y[:, rows], linear.columns[:, rows], prior_sd, variance, noise.dof)
-
-
-@dataclass(frozen=True)
-class NoiseComponents:
-    """Parts of the errors' covariance.
-
-    Attributes
-    ----------
-    white : array, shape (2,)
-        Variance of the velocity error that is the same on every leg, on each axis [m²/s²].
-    walk : float
-        Growth of the variance of the position error under way, each axis [m²/s].
-    fix_sd : float
-        Standard deviation of a fix, each axis [m].
-    process : MarkovProcess or None
-        Error that persists from leg to leg.
-    dof : float
-        Degrees of freedom of the errors; infinite: normal.
-    """
-
-    white: Array
-    walk: float
-    fix_sd: float
-    process: MarkovProcess | None
-    dof: float
-
-    @cached_property
-    def key(self) -> tuple[float | MarkovProcess | None, ...]:
-        """What distinguishes it from other noises of normal errors."""
-        return (*self.white.tolist(), self.walk, self.fix_sd, self.process)
-
-    def independent(self, under_way: Array) -> Array:
-        """Variance of the velocity error that no other leg shares, fixes apart, shape (2, n) [m²/s²]."""
-        return np.asarray(self.white[:, None] + self.walk / under_way)
+        return SelectedLegs(linear, legs, linear.joined[:, rows])
 
 
 def _of_shapes(info: EffectInfo, names: Iterable[str]) -> list[Hyperparameter]:

@@ -4,11 +4,12 @@ An error that persists from leg to leg is a Markov process (Ornstein–Uhlenbeck
 two consecutive legs at most. With such states x of banded precision Q, and errors e = H x + ε with independent
 ε ~ N(0, R), Σ⁻¹ = R⁻¹ − R⁻¹ H M⁻¹ Hᵀ R⁻¹ and ln |Σ| = ln |R| + ln |M| − ln |Q| for M = Q + Hᵀ R⁻¹ H (matrix inversion
 lemma: Rasmussen & Williams 2006, Eqs. A.9 and A.10). M has two diagonals on either side of the main one, so that its
-Cholesky factor has two (Rue & Held 2005, Section 2.4); a Kalman filter would give the same (Durbin & Koopman 2012,
-Section 7.2).
+Cholesky factor has two (Rue & Held 2005, Section 2.4), and one where only the process or only fixes are shared; a
+Kalman filter would give the same (Durbin & Koopman 2012, Section 7.2).
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,52 +80,108 @@ class MarkovCovariance:
         if not np.all(variance > 0.0):
             raise np.linalg.LinAlgError("a variance is not positive")
         weighted = values / variance[:, :, None]
-        gram = sum(weighted[axis].T @ values[axis] for axis in (0, 1))
+        gram = weighted[0].T @ values[0] + weighted[1].T @ values[1]
         log_determinant = float(np.log(variance).sum())
-        if process is None and not self.shares_fix.any():
+        states = self._states(np.ascontiguousarray(np.swapaxes(weighted, 1, 2)), variance, fix_sd, process)
+        if states is None:
             return gram, log_determinant
-        prior = _ProcessPrecision.of(self, process)
         for axis in (0, 1):
-            correction, added = self._state_terms(weighted[axis], variance[axis], fix_sd, prior)
-            gram -= correction
-            log_determinant += added
+            factor, failed = lapack.dpbtrf(states.band[axis].T, lower=1)
+            if failed:
+                raise np.linalg.LinAlgError("the covariance is not positive definite")
+            whitened, _ = lapack.dtbtrs(factor, states.right[axis].T, uplo="L")
+            gram -= whitened.T @ whitened
+            log_determinant += 2.0 * float(np.log(factor[0]).sum()) + states.log_determinant
         return gram, log_determinant
 
-    @property
+    @cached_property
     def _unshared_fix_variance(self) -> Array:
         """Variance of a leg's velocity error from fixes of 1 m that no other leg shares, shape (n,) [1/s²]."""
         ends = np.append(self.shares_fix[1:], False)
         starts, ends = self.start_scale**2 * (1.0 - self.shares_fix), self.end_scale**2 * (1.0 - ends)
         return np.asarray((starts + ends) / self.under_way**2)
 
-    def _state_terms(
-        self, weighted: Array, variance: Array, fix_sd: float, prior: "_ProcessPrecision"
-    ) -> tuple[Array, float]:
-        """What the states subtract from the Gram matrix of one axis, and add to ln |Σ|.
+    @cached_property
+    def _shared_fix_loads(self) -> tuple[Array, Array]:
+        """Velocity error of a leg for a fix error of 1 m before it and after it that another leg shares [1/s]."""
+        start = -self.start_scale * self.shares_fix / self.under_way
+        return start, self.end_scale * np.append(self.shares_fix[1:], False) / self.under_way
 
-        States alternate: the process on a leg, then the fix at its end in units of its standard deviation.
+    @cached_property
+    def _shares_any_fix(self) -> bool:
+        return bool(self.shares_fix.any())
+
+    def _states(
+        self, weighted: Array, variance: Array, fix_sd: float, process: MarkovProcess | None
+    ) -> "_States | None":
+        """States of both axes: the process on each leg, the fix at its end in units of its standard deviation.
+
+        Parameters
+        ----------
+        weighted : array, shape (2, m, n)
+            Columns over the variance, those of a leg apart.
+        variance : array, shape (2, n)
+            That no state explains.
         """
-        n = len(variance)
-        loads = fix_sd / self.under_way
-        start = -loads * self.start_scale * self.shares_fix
-        end = loads * self.end_scale * np.append(self.shares_fix[1:], False)
-        band = np.zeros((3, 2 * n))
-        band[0, ::2] = prior.diagonal + prior.present / variance
-        band[2, 0 : 2 * n - 2 : 2] = prior.off_diagonal
-        band[1, ::2] = prior.present * end / variance
-        band[0, 1::2] = 1.0 + end**2 / variance
-        band[0, 1:-1:2] += start[1:] ** 2 / variance[1:]
-        band[1, 1:-1:2] = (prior.present * start / variance)[1:]
-        band[2, 1:-1:2] = (end * start / variance)[1:]
-        right = np.zeros((2 * n, weighted.shape[1]), order="F")
-        right[::2] = prior.present[:, None] * weighted
-        right[1::2] = end[:, None] * weighted
-        right[1:-1:2] += start[1:, None] * weighted[1:]
-        factor, failed = lapack.dpbtrf(band, lower=1)
-        if failed:
-            raise np.linalg.LinAlgError("the covariance is not positive definite")
-        whitened, _ = lapack.dtbtrs(factor, right, uplo="L")
-        return whitened.T @ whitened, 2.0 * float(np.log(factor[0]).sum()) - prior.log_determinant
+        if process is None:
+            return self._fixes(weighted, variance, fix_sd) if self._shares_any_fix else None
+        prior = _ProcessPrecision.of(self, process)
+        of_process = _States.tridiagonal(
+            prior.diagonal + prior.present / variance,
+            prior.off_diagonal,
+            prior.present * weighted,
+            -prior.log_determinant,
+        )
+        if not self._shares_any_fix:
+            return of_process
+        start, end = (fix_sd * loads for loads in self._shared_fix_loads)
+        both = of_process.interleaved(self._fixes(weighted, variance, fix_sd))
+        both.band[:, ::2, 1] = prior.present * end / variance
+        both.band[:, 1:-1:2, 1] = (prior.present * start / variance)[:, 1:]
+        return both
+
+    def _fixes(self, weighted: Array, variance: Array, fix_sd: float) -> "_States":
+        """Fixes that legs share, as states."""
+        start, end = (fix_sd * loads for loads in self._shared_fix_loads)
+        diagonal = 1.0 + end**2 / variance
+        diagonal[:, :-1] += start[1:] ** 2 / variance[:, 1:]
+        right = end * weighted
+        right[:, :, :-1] += start[1:] * weighted[:, :, 1:]
+        return _States.tridiagonal(diagonal, (end * start / variance)[:, 1:], right, 0.0)
+
+
+@dataclass(frozen=True)
+class _States:
+    """States x of both axes: M = Q + Hᵀ R⁻¹ H and Hᵀ R⁻¹ times columns.
+
+    Attributes
+    ----------
+    band : array, shape (2, s, w)
+        The main diagonal of M and those below it, each column's elements together.
+    right : array, shape (2, m, s)
+        Of m columns.
+    log_determinant : float
+        Minus ln |Q| of one axis.
+    """
+
+    band: Array
+    right: Array
+    log_determinant: float
+
+    @classmethod
+    def tridiagonal(cls, diagonal: Array, off_diagonal: Array, right: Array, log_determinant: float) -> "_States":
+        """Make one state a leg, tied to those of the legs before and after."""
+        band = np.zeros((*diagonal.shape, 2))
+        band[:, :, 0], band[:, :-1, 1] = diagonal, off_diagonal
+        return cls(band, right, log_determinant)
+
+    def interleaved(self, other: "_States") -> "_States":
+        """Alternate with other states, of which none is tied to these yet."""
+        axes, columns, n = self.right.shape
+        band, right = np.zeros((axes, 2 * n, 3)), np.empty((axes, columns, 2 * n))
+        band[:, ::2, ::2], band[:, 1::2, ::2] = self.band, other.band
+        right[:, :, ::2], right[:, :, 1::2] = self.right, other.right
+        return _States(band, right, self.log_determinant + other.log_determinant)
 
 
 @dataclass(frozen=True)
@@ -147,10 +204,7 @@ class _ProcessPrecision:
     log_determinant: float
 
     @classmethod
-    def of(cls, legs: MarkovCovariance, process: MarkovProcess | None) -> "_ProcessPrecision":
-        n = len(legs.since)
-        if process is None:
-            return cls(np.ones(n), np.zeros(n - 1), np.zeros(n), 0.0)
+    def of(cls, legs: MarkovCovariance, process: MarkovProcess) -> "_ProcessPrecision":
         begins = np.isnan(legs.elapsed)
         kept, added = process.transition(np.where(begins, legs.since, legs.elapsed))
         variance = added + np.where(begins, kept**2 * process.first_variance, 0.0)

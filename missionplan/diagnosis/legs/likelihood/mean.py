@@ -256,12 +256,13 @@ class TransitMean:
         forms : Forms
             Oscillations that are not steady.
         """
-        about = self.expected if about is None else about
-        prior = self.prior(causes)
-        linear = all(CATALOGUE[name].linear for name in causes)
-        columns = self.columns_as_expected if linear else self.columns(about)
-        moved = self.mean_error(about) - self._error_as_expected
-        y = self.y - moved + columns @ (about - prior.mean)
+        prior, y, columns = self.prior(causes), self.y, self.columns_as_expected
+        if about is None:
+            about = self.expected
+        else:
+            y = y - (self.mean_error(about) - self._error_as_expected)
+            columns = columns if all(CATALOGUE[name].linear for name in causes) else self.columns(about)
+        y = y + columns @ (about - prior.mean)
         of_modulations = [self._modulation_columns(name, about) for name in forms.modulated]
         of_modulations += [self._wandering_columns(name) for name in forms.wandering]
         standardised = np.concatenate([columns @ prior.factor, *(found for _, found in of_modulations)], axis=2)

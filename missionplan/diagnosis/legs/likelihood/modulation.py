@@ -12,6 +12,7 @@ zero. Its size is then inferred from the record, and a weak one is not compared 
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -88,7 +89,18 @@ class Modulation:
 
     def mean_sd(self, coherence_time: float) -> float:
         """Standard deviation of the mean over the record of an amplitude that wanders with one of 1."""
-        return 1.0 if self.wanders_over is None else math.sqrt(variance_of_mean(self.wanders_over, 1.0, coherence_time))
+        if self.wanders_over is None:
+            return 1.0
+        length, n = LENGTH_OF_TIME * coherence_time, len(self.wanders_over)
+        pairs = float(np.exp(-0.5 / length**2 * self._squared_intervals).sum())
+        return math.sqrt((n + 2.0 * pairs) / n**2)
+
+    @cached_property
+    def _squared_intervals(self) -> Array:
+        """Squared times between the middles of the legs, each pair once, shape (n (n − 1)/2,) [s²]."""
+        t = self.wanders_over if self.wanders_over is not None else np.zeros(0)
+        first, second = np.triu_indices(len(t), 1)
+        return np.asarray(np.square(t[first] - t[second]))
 
 
 def smooth_functions(effect: str, t: Array) -> tuple[Modulation, Array]:
