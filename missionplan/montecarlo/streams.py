@@ -78,6 +78,11 @@ class LegNormals:
         self._stream: np.random.Generator | None = None  # opened on first use: many never are
         self._legs: list[Array] = []
 
+    @property
+    def drawn(self) -> int:
+        """Legs drawn so far."""
+        return len(self._legs)
+
     def leg(self, number: int) -> Array:
         """Normals of a leg, from 0: read-only, shape (2, BLOCK)."""
         if self._stream is None:

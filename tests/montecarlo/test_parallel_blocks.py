@@ -48,6 +48,26 @@ def test_bits_do_not_depend_on_jobs_or_backend(jobs, backend):
     assert merged == functools.reduce(RunningStatistic.merge, map(RunningStatistic.of, reference())).statistic()
 
 
+class CountingTask:
+    """Returns the process and how many items it has run there; it keeps the count."""
+
+    def __init__(self):
+        self.count = 0
+
+    def __call__(self, item):
+        time.sleep(0.02)
+        self.count += 1
+        return os.getpid(), self.count
+
+
+def test_a_worker_keeps_the_task_for_its_next_items():
+    """What a task has computed for one item serves the others; a new run begins anew."""
+    for _ in range(2):
+        found = list(run_blocks(CountingTask(), range(60), jobs=2))
+        assert len(set(found)) == len(found)  # no count twice in a process
+        assert min(count for _, count in found) == 1
+
+
 def test_bits_do_not_depend_on_the_order_of_blocks():
     order = [4, 0, 5, 2, 1, 3]
     for block, found in zip(order, run_blocks(block_of_trials, order), strict=True):

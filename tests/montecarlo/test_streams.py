@@ -1,9 +1,12 @@
 import hashlib
+import pickle
 
 import numpy as np
 import pytest
 
-from missionplan.montecarlo.streams import BLOCK, LegNormals, block_count, block_size, stream
+from missionplan.montecarlo import common_streams
+from missionplan.montecarlo.common_streams import CommonStreams
+from missionplan.montecarlo.streams import BLOCK, BlockStreams, LegNormals, block_count, block_size, stream
 
 
 def test_a_draw_depends_on_seed_name_and_block_only():
@@ -64,3 +67,17 @@ def test_a_negative_seed_is_refused():
         stream(-1, "a", 0)
     with pytest.raises(ValueError):
         stream(1, "a", -1)
+
+
+def test_streams_that_are_kept_give_what_those_drawn_anew_give(monkeypatch):
+    monkeypatch.setattr(common_streams, "MOST_KEPT", 6)
+    common = CommonStreams(seed=5)
+    for _ in range(3):  # what is kept is given up in between
+        for block in (0, 2):
+            kept, anew = pickle.loads(pickle.dumps(common)).of_block(block), BlockStreams(5, block)
+            for source in (common.of_block(block), kept):
+                assert np.array_equal(source.once("moor.hold"), anew.once("moor.hold"))
+                legs, fresh = source.legs("ingress.fix_on_diving"), anew.legs("ingress.fix_on_diving")
+                for number in (2, 0, 1):
+                    assert np.array_equal(legs.leg(number), fresh.leg(number))
+    assert common.of_block(0).once("moor.hold") is common.of_block(0).once("moor.hold")

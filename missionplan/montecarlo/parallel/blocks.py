@@ -14,6 +14,7 @@ from loky import cpu_count
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.parallel.dask_cluster import run_on_cluster
 from missionplan.montecarlo.parallel.pool import PATIENCE, borrowed_pool, interrupts_deferred
+from missionplan.montecarlo.parallel.shipped_task import ShippedTask
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -112,13 +113,13 @@ class _PoolRun(Generic[Item, Result]):
     """Items to be done, and those begun with the futures of their results, here or in the pool."""
 
     def __init__(self, executor: Executor, task: Callable[[Item], Result], items: Sequence[Item], workers: int) -> None:
-        self._task, self._workers = task, workers
+        self._task, self._workers, self._shipped = task, workers, ShippedTask.of(task)
         self._todo = deque(items)
         self._begun: deque[tuple[Item, Future[Result]]] = deque()  # in the order of the items
         self._in_pool: list[Future[Result]] = []
         self._executor = executor
         with interrupts_deferred():
-            self._started = self._executor.submit(_do_nothing, task)
+            self._started = self._executor.submit(self._shipped.prepare)
 
     @property
     def unfinished(self) -> bool:
@@ -160,7 +161,7 @@ class _PoolRun(Generic[Item, Result]):
         self._in_pool = [future for future in self._in_pool if not future.done()]
         wanted = self._workers * (2 if self._started.done() else 1) - len(self._in_pool)
         for item in [self._todo.popleft() for _ in range(min(wanted, len(self._todo)))]:
-            self._in_pool.append(self._executor.submit(self._task, item))
+            self._in_pool.append(self._executor.submit(self._shipped, item))
             self._begun.append((item, self._in_pool[-1]))
 
     def _run(self, item: Item, future: "Future[Result]") -> None:
@@ -169,10 +170,6 @@ class _PoolRun(Generic[Item, Result]):
             future.set_result(self._task(item))
         except Exception as error:
             future.set_exception(error)
-
-
-def _do_nothing(task: object) -> None:
-    """Return: a worker has started, and has imported what the task needs."""
 
 
 def _by_threads(task: Callable[[Item], Result], items: Sequence[Item], jobs: int) -> Generator[Result, None, None]:

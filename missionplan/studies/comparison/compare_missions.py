@@ -3,6 +3,7 @@
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +11,13 @@ import numpy as np
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.reading.documents import load_document
+from missionplan.montecarlo.common_streams import CommonStreams
 from missionplan.montecarlo.paired import LEVEL, paired_difference
 from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.base import Provenance
 from missionplan.results.choosing.alternatives import Alternative, Alternatives, Contrast, Estimate
+from missionplan.scenario.scenario import Scenario
 from missionplan.store.paths import as_path, is_folder
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.comparison.reported_runs import reported
@@ -39,9 +42,14 @@ class MissionTask:
 
     def __call__(self, item: CellItem) -> CellBlock | InvalidCell:
         """Run one block."""
-        number, block, size = item
-        mission, current = self.missions[number], self.currents[number]
-        return run_checked(lambda: checked_means(mission, current), self.seed, block, size, (DURATION, ENERGY))
+        return run_checked(self._means, self._streams, item, (DURATION, ENERGY))
+
+    def _means(self, number: int) -> Scenario:
+        return checked_means(self.missions[number], self.currents[number])
+
+    @cached_property
+    def _streams(self) -> CommonStreams:
+        return CommonStreams(self.seed)
 
 
 def compare_missions(

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from importlib.metadata import version
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from missionplan.errors import InputError, MissionplanError, Problem
 from missionplan.mission import Mission
+from missionplan.montecarlo.common_streams import CommonStreams
 from missionplan.results.base import to_yaml
 from missionplan.results.choosing.axis import Axis
 from missionplan.scenario.scenario import Scenario
@@ -19,7 +21,7 @@ from missionplan.studies.exploration.shared_current import SharedCurrent
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.block_statistics import requirement_flags
 from missionplan.studies.simulation.checks import check_complete
-from missionplan.studies.simulation.trial_block import run_block
+from missionplan.studies.simulation.trial_block import run_trials
 
 CellItem = tuple[int, int, int]
 """A cell, a block of its trials, and how many of the block's trials are used."""
@@ -83,10 +85,13 @@ class CellTask:
         """Return the mission of a cell at its means, checked."""
         return checked_means(self.mission(cell), self.current)
 
+    @cached_property
+    def _streams(self) -> CommonStreams:
+        return CommonStreams(self.seed)
+
     def __call__(self, item: CellItem) -> CellBlock | InvalidCell:
         """Run one block of a cell; what is wrong with its mission is returned, not raised, so that others go on."""
-        cell, block, size = item
-        return run_checked(lambda: self.scenario(cell), self.seed, block, size, self.quantities)
+        return run_checked(self.scenario, self._streams, item, self.quantities)
 
 
 def checked_means(mission: Mission, current: SharedCurrent) -> Scenario:
@@ -98,13 +103,13 @@ def checked_means(mission: Mission, current: SharedCurrent) -> Scenario:
 
 
 def run_checked(
-    means_of: Callable[[], Scenario], seed: int, block: int, size: int, quantities: Sequence[str]
+    means_of: Callable[[int], Scenario], streams: CommonStreams, item: CellItem, quantities: Sequence[str]
 ) -> CellBlock | InvalidCell:
     """Run one block of a mission; what is wrong with it is returned, not raised."""
+    cell, block, size = item
     try:
-        means = means_of()
-        scenario = means.sampled(seed=seed, block=block, size=size)
-        trials = run_block(scenario, seed, block, size, inputs=False)
+        means, source = means_of(cell), streams.of_block(block)
+        trials = run_trials(means.sampled_from(source, size), source, size, inputs=False)
     except InputError as error:
         return InvalidCell("; ".join(_in_short(problem) for problem in error.problems))
     except MissionplanError:

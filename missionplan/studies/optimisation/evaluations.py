@@ -14,12 +14,8 @@ from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.studies.exploration.cell_run import CellRun
 from missionplan.studies.exploration.cells import (
-    CellBlock,
-    CellItem,
     CellTask,
-    InvalidCell,
     checked_means,
-    run_checked,
 )
 from missionplan.studies.exploration.findings import AIM_COLUMNS, DURATION, ENERGY
 from missionplan.studies.optimisation.choices import Lattice, Point
@@ -41,11 +37,6 @@ class ChoiceTask(CellTask):
         if unbuilt:
             raise InputError([Problem(f"the anchor cannot be built: {unbuilt[0].failures[0]}", key=unbuilt[0].phase)])
         return means
-
-    def __call__(self, item: CellItem) -> CellBlock | InvalidCell:
-        """Run one block of a choice."""
-        cell, block, size = item
-        return run_checked(lambda: self.scenario(cell), self.seed, block, size, self.quantities)
 
 
 @dataclass(frozen=True)
