@@ -74,6 +74,7 @@ def test_a_table_that_is_not_worth_it_is_not_shown_but_what_it_would_bring_is(ad
         assert listing.text == f"d_max: {adaptive.fixed_d_max:.1f} m"
         assert terminal(plan).columns[0] == "Errors"
         assert all("knots" not in figure.caption for figure in [page(plan).figure, *blocks(plan, Figure)])
+        assert "stops short" not in page(plan).figure.svg  # a fixed d_max aims at the target itself
 
 
 def test_legs_that_arrive_less_often_than_required_are_said_to_in_red(adaptive):

@@ -14,24 +14,36 @@ from missionplan.results.leg_length.legs import LegPlan
 
 
 def policy_figure(plan: LegPlan) -> Figure:
-    """Draw leg length, and where legs aim, against distance left."""
+    """Draw leg length, and where the legs of a table aim, against distance left."""
+    if not plan.recommended:
+        return _fixed_figure(plan)
     figure = MatplotlibFigure(figsize=(6.0, 5.4))
     legs, aims = figure.subplots(2, 1)
     draw_lengths(legs, plan)
     draw_aims(aims, plan)
-    plans = "Blue: the table, dots its knots; grey: the best fixed d_max" if plan.recommended else "The fixed d_max"
     return to_figure(
         figure,
         "policy",
         alt=(
-            f"Leg length against distance left: far out legs stop short of the target, near it they end "
-            f"{'just inside the arrival circle of' if plan.recommended else 'at its middle, the arrival circle being'} "
-            f"{plan.arrival_radius:.0f} m"
+            "Leg length against distance left: far out legs stop short of the target, near it they end "
+            f"just inside the arrival circle of {plan.arrival_radius:.0f} m"
         ),
         caption=(
-            f"{plans}, which aims at the target itself when it can. "
+            "Blue: the table, dots its knots; grey: the best fixed d_max, which aims at the target itself when it can. "
             "Above, leg length; below, how far short of the target a leg is aimed."
         ),
+    )
+
+
+def _fixed_figure(plan: LegPlan) -> Figure:
+    """Draw the leg length of a fixed d_max; it aims at the target itself, so that there is no more to show."""
+    figure = MatplotlibFigure(figsize=(6.0, 2.9))
+    draw_lengths(figure.subplots(), plan)
+    return to_figure(
+        figure,
+        "policy",
+        alt=f"Leg length against distance left: {plan.fixed_d_max:.0f} m, or what is left where that is less",
+        caption="The fixed d_max, which aims at the target itself when it can.",
     )
 
 
