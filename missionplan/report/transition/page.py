@@ -46,7 +46,7 @@ def terminal(result: TransitionSweep) -> Terminal:
         )
         for speed, depth, pitch, common, own in cells[list(names)].to_numpy(dtype=float)
     ]
-    columns = ("mid-transition speed", "depth excursion", "pitch excursion", "energy (a)", "energy (b)")
+    columns = ("mid-transition speed", "depth excursion", "pitch excursion", "energy, all hover", "it hovers")
     return Terminal(answer(result), columns, rows)
 
 
@@ -56,7 +56,8 @@ def answer(result: TransitionSweep) -> str:
     return (
         f"Without thrusters the vehicle cannot hold depth below {result.saturation_speed:.2f} m/s. One tunnel thruster "
         f"takes it to hover with least energy, {best['energy_common_wh']:.1f} W h, at a mid-transition speed of "
-        f"{best['mid_speed_m_s']:g} m/s."
+        f"{best['mid_speed_m_s']:g} m/s, the best of those tried; it then strays from its depth by up to "
+        f"{best['depth_excursion_m']:.2f} m."
     )
 
 
@@ -103,7 +104,7 @@ def energy_table(result: TransitionSweep) -> Table:
         for speed, row in zip(table.index, table.to_numpy(), strict=True)
     ]
     return Table(
-        ("u*", *(f"{s:g} m/s" for s in table.columns)),
+        ("mid-transition speed", *(f"{s:g} m/s" for s in table.columns)),
         rows,
         "Energy until the slowest run of the set hovers (W\u202fh), by steepness.",
     )
@@ -123,5 +124,5 @@ def variant_table(result: TransitionSweep) -> Table:
                 f"{cells['energy_common_wh'].mean():.2f} W h",
             )
         )
-    columns = ("variant", "depth excursion", "pitch excursion", "pitch swing at hover", "energy (a)")
+    columns = ("variant", "depth excursion", "pitch excursion", "pitch swing at hover", "energy, all hover")
     return Table(columns, rows, "Means over mid-transition speeds and steepnesses.")
