@@ -23,6 +23,7 @@ from missionplan.report.page import (
     Terminal,
     to_figure,
 )
+from missionplan.report.wording import capitalised
 from missionplan.results.base import to_yaml
 from missionplan.results.learned.identification import (
     FitCurve,
@@ -39,15 +40,15 @@ _MANY = 60
 def page(result: Identification) -> Page:
     """Build the page of an identification."""
     figures = [panel_figure(panel) for panel in result.analysis.panels]
-    sections = [PageSection(_fits_heading(result.fits), [parameter_table(result), *result.analysis.remarks])]
+    source = [f"The data: {result.source}"] if result.source else []
+    blocks: list[Block] = [parameter_table(result), *result.analysis.remarks, *source]
+    sections = [PageSection(_fits_heading(result.fits), blocks)]
     if len(figures) > 1:
         sections.append(PageSection("The fit against the other readings", list[Block](figures[1:])))
     fragment = "Paste this into the vehicle file; it is also in vehicle-fragment.yaml."
     sections.append(
         PageSection("What to write in the vehicle file", [fragment, Listing(to_yaml(result.analysis.fragment))])
     )
-    if result.source:
-        sections.append(PageSection("Where the data come from", [result.source]))
     return Page(
         title=f"Identification: {result.name}",
         answer=result.analysis.answer,
@@ -59,16 +60,9 @@ def page(result: Identification) -> Page:
 
 
 def _numbers(result: Identification) -> list[tuple[str, str]]:
-    """The first parameters; those that share a symbol, such as a model's and the full-size vehicle's, by name."""
-    shown = result.estimates[:4]
-    symbols = [estimate.symbol for estimate in shown]
-    return [
-        (
-            estimate.symbol if symbols.count(estimate.symbol) == 1 else _name_in_words(estimate),
-            estimate_in_words(estimate),
-        )
-        for estimate in shown
-    ]
+    """The first parameters, those for the vehicle file where the data are of a model."""
+    shown = (result.analysis.derived or result.estimates)[:4]
+    return [(capitalised(_name_in_words(estimate)), estimate_in_words(estimate)) for estimate in shown]
 
 
 def _name_in_words(estimate: IdentifiedParameter) -> str:
@@ -77,14 +71,17 @@ def _name_in_words(estimate: IdentifiedParameter) -> str:
 
 def terminal(result: Identification) -> Terminal:
     """Build the terminal's view of an identification."""
-    rows = [(e.name, significant(e.value, e.sd), _standard_error(e), _interval(e), e.unit) for e in result.estimates]
+    rows = [
+        (_name_in_words(e), significant(e.value, e.sd), _standard_error(e), _interval(e), e.unit)
+        for e in result.estimates
+    ]
     return Terminal(result.analysis.answer, ("parameter", "value", "standard error", "90 % interval", "unit"), rows)
 
 
 def panel_figure(panel: FitPanel) -> Figure:
     """Draw data with their errors, the fitted models over them, and the residuals of the preferred one below."""
     has_residuals = bool(np.any(panel.y != panel.fitted))
-    figure = MatplotlibFigure(figsize=(6.0, 4.4 if has_residuals else 3.2))
+    figure = MatplotlibFigure(figsize=(6.0, 4.4 if has_residuals else 2.6))
     if has_residuals:
         top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
         _draw_residuals(bottom, panel)
@@ -93,13 +90,19 @@ def panel_figure(panel: FitPanel) -> Figure:
         top = figure.subplots()
         top.set_xlabel(panel.x_label)
     draw_fit(top, panel)
-    return to_figure(figure, panel.name, panel.alt)
+    bars = "" if _is_plain(panel) else "Bars: the standard deviation of a reading."
+    return to_figure(figure, panel.name, panel.alt, bars)
+
+
+def _is_plain(panel: FitPanel) -> bool:
+    """Whether the readings are drawn without their errors: they are many, or have none."""
+    return len(panel.x) > _MANY or bool(np.all(np.isnan(panel.y_sd)))
 
 
 def draw_fit(axes: Axes, panel: FitPanel) -> None:
     """Draw the data with their errors, and the fitted models over them."""
     many = len(panel.x) > _MANY
-    if many or np.all(np.isnan(panel.y_sd)):
+    if _is_plain(panel):
         axes.plot(panel.x, panel.y, ".", color=GREY, markersize=3 if many else 7, label="measured", zorder=2)
     else:
         axes.errorbar(
@@ -126,7 +129,7 @@ def _draw_curves(axes: Axes, curves: Sequence[FitCurve]) -> None:
 def _draw_residuals(axes: Axes, panel: FitPanel) -> None:
     residual = panel.y - panel.fitted
     axes.axhline(0.0, color=BLUE, linewidth=1.0)
-    if len(panel.x) > _MANY or np.all(np.isnan(panel.y_sd)):
+    if _is_plain(panel):
         axes.plot(panel.x, residual, ".", color=GREY, markersize=3)
     else:
         axes.errorbar(panel.x, residual, panel.y_sd, fmt="o", color=GREY, markersize=4, capsize=2)
@@ -138,7 +141,7 @@ def parameter_table(result: Identification) -> Table:
     groups = [(fit.name, fit.estimates) for fit in result.fits] + [("derived", result.analysis.derived)]
     rows = [
         (
-            f"{e.symbol} ({_name_in_words(e)})",
+            f"{_name_in_words(e)} ({e.symbol})",
             group,
             significant(e.value, e.sd),
             _standard_error(e),

@@ -45,8 +45,11 @@ def _from_frequencies(data: TankData, settings: OscillationSettings) -> TankAnal
     estimates, masses = direct.estimates, direct.fitted
     words = ", ".join(f"{mode} {value:.2f} kg" for mode, value in zip(modes, masses, strict=True))
     full_size = tuple(scaled_estimate(f"{e.name}_full_size", e.symbol, "kg", e, scale**3) for e in estimates)
+    answer = f"Added mass: {_masses_in_words(modes, estimates)}."
+    if scale != 1.0:
+        answer = f"Added mass of the vehicle, from a model at 1:{scale:g}: {_masses_in_words(modes, full_size)}."
     return TankAnalysis(
-        answer=f"Added mass: {words}.",
+        answer=answer,
         fits=(direct,),
         panels=(_mass_panel(direct, modes, words),),
         remarks=(
@@ -57,6 +60,18 @@ def _from_frequencies(data: TankData, settings: OscillationSettings) -> TankAnal
         fragment=_fragment(modes, estimates, scale),
         derived=full_size if scale != 1.0 else (),
     )
+
+
+def _masses_in_words(modes: list[str], estimates: tuple[IdentifiedParameter, ...]) -> str:
+    """Write each mode's added mass to two figures of its error, where it has one."""
+    words = []
+    for mode, each in zip(modes, estimates, strict=True):
+        if not math.isfinite(each.sd) or each.sd <= 0.0:
+            words.append(f"{mode} {each.value:.4g} kg")
+            continue
+        decimals = max(0, 1 - math.floor(math.log10(each.sd)))
+        words.append(f"{mode} {each.value:.{decimals}f} ± {each.sd:.{decimals}f} kg")
+    return ", ".join(words)
 
 
 def _added_masses(data: TankData, settings: OscillationSettings) -> FittedModel:
