@@ -10,7 +10,8 @@ from missionplan.montecarlo.statistics import Statistic
 from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.numbers import number, percent, share, with_error
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Listing, Page, PageSection, Table, Terminal, to_figure
-from missionplan.report.wording import in_words
+from missionplan.report.simulation.quantities import requirement_in_words
+from missionplan.report.wording import in_words, keys_in_words
 from missionplan.results.choosing.optimisation import Optimised, Tried
 
 _MOST_ROWS = 25
@@ -31,18 +32,19 @@ def page(found: Optimised) -> Page:
 
 def terminal(found: Optimised) -> Terminal:
     """Build the terminal's view: what is chosen."""
-    rows = [(_name(name), value) for name, value in found.chosen.items()]
+    rows = [(_name(name), _shown(found, name, value)) for name, value in found.chosen.items()]
     verdict, heading = ("good", "chosen") if found.feasible else ("bad", "nearest")
     return Terminal(answer(found), ("", heading), rows, verdict)
 
 
 def answer(found: Optimised) -> str:
     """Write the choice, what it costs and how it was checked, or which requirement is the obstacle and by how much."""
-    values = ", ".join(f"{_name(name)} {value}" for name, value in found.chosen.items())
+    *some, last = [f"{_name(name)} {_shown(found, name, value)}" for name, value in found.chosen.items()]
+    values = f"{', '.join(some)} and {last}" if some else last
     if not found.feasible:
-        return f"No choice tried meets all requirements. {_obstacle_words(found)} Nearest comes {values}."
+        return f"No choice tried meets all requirements. {_obstacle_words(found)} What comes nearest: {values}."
     least = "energy" if found.aim == "energy" else "time"
-    sentences = [f"The least {least}, {_cost(found)}, takes {values}."]
+    sentences = [f"The least {least}, {_cost(found)}, is had with {values}."]
     if found.checked is not None and found.fresh is not None:
         trials, fresh = number(found.fresh.provenance.trials), percent(found.fresh.total.events["success"])
         sentences.append(f"All requirements are met, on {trials} fresh trials too, of which {fresh} succeed.")
@@ -72,7 +74,15 @@ def _binding_words(found: Optimised) -> str:
 
 
 def _name(name: str) -> str:
-    return " and ".join(in_words(key) for key in name.split("+"))
+    return keys_in_words(name.split("+"))
+
+
+def _shown(found: Optimised, name: str, value: str) -> str:
+    """Write a value as people read it, a start by its time of day; `value` is as a script reads it."""
+    for axis in found.axes:
+        if axis.name == name:
+            return next((axis.shown(i) for i in range(len(axis.values)) if axis.exact(i) == value), value)
+    return value
 
 
 def _unit(found: Optimised) -> Unit:
@@ -89,7 +99,10 @@ def _cost(found: Optimised) -> str:
 
 
 def _numbers(found: Optimised) -> list[tuple[str, str]]:
-    numbers = [("Combinations", number(found.combinations)), ("Trials of the search", number(found.search_trials))]
+    numbers = [
+        ("Combinations to choose from", number(found.combinations)),
+        ("Trials of the search", number(found.search_trials)),
+    ]
     if found.fresh is not None:
         numbers.insert(0, ("P(success), fresh trials", percent(found.fresh.total.events["success"])))
     return numbers
@@ -99,7 +112,7 @@ def _choice(found: Optimised) -> Iterator[PageSection]:
     rows = [
         (
             _name(axis.name),
-            found.chosen[axis.name],
+            _shown(found, axis.name, found.chosen[axis.name]),
             f"{axis.labels[0]} to {axis.shown(len(axis.values) - 1)}",
             _where(found, index),
         )
@@ -123,7 +136,7 @@ def _checks(found: Optimised) -> Iterator[PageSection]:
         return
     rows = [
         (
-            in_words(item.quantity),
+            requirement_in_words(found.checked, item),
             _required(item.required),
             percent(item.probability),
             percent(fresh.probability),
@@ -147,7 +160,7 @@ def _relaxed(found: Optimised) -> Iterator[PageSection]:
             in_words(each.quantity),
             each.change,
             with_error(each.saved, each.error, _unit(found)) if each.saved else "nothing",
-            ", ".join(each.values.values()) if each.saved else "",
+            ", ".join(_shown(found, *item) for item in each.values.items()) if each.saved else "",
         )
         for each in found.relaxations
     ]
@@ -182,7 +195,7 @@ def _front(found: Optimised) -> Iterator[PageSection]:
 
 
 def _row(found: Optimised, each: Tried) -> list[str]:
-    values = [each.values[axis.name] for axis in found.axes]
+    values = [_shown(found, axis.name, each.values[axis.name]) for axis in found.axes]
     energy, duration = (unit_for("total", key, found.provenance.data, typical=value) for key, value in _costs(each))
     costs = [f"{number(energy(each.energy))}{energy.suffix}", f"{number(duration(each.duration))}{duration.suffix}"]
     return [*values, share(each.success), *costs, "met" if each.feasible else "not met"]
@@ -214,7 +227,7 @@ def front_figure(found: Optimised) -> Figure | None:
     low = min(90.0, 100.0 * min(each.success.value for each in tried))
     axes.set(xlabel=f"Mean {found.aim}{unit.axis}", ylabel="P(success) (%)")
     axes.set_ylim(low - 0.05 * (100.0 - low), 100.0 + 0.05 * (100.0 - low))
-    axes.legend(loc="best")
+    figure.legend(loc="outside upper center", ncols=3)
     return to_figure(
         figure,
         "optimise",

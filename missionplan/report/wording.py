@@ -1,6 +1,7 @@
 """Names of keys and phases as people read them."""
 
 import re
+from collections.abc import Sequence
 
 from missionplan.report.display_units import split_key
 
@@ -55,6 +56,15 @@ def in_words(name: str) -> str:
     if phase.partition("[")[0] in _WHOLES:
         return _PHRASES.get(quantity, _spaced(quantity))
     return f"{_PHRASES.get(own, _spaced(own))} ({phase})"
+
+
+def keys_in_words(keys: Sequence[str]) -> str:
+    """Write keys that take the same value: ``speed (ingress, egress)``."""
+    names = [in_words(key) for key in keys]
+    parts = [name.partition(" (") for name in names]
+    if len(names) > 1 and all(phase for *_, phase in parts) and len({what for what, *_ in parts}) == 1:
+        return f"{parts[0][0]} ({', '.join(phase.removesuffix(')') for *_, phase in parts)})"
+    return " and ".join(names)
 
 
 def _spaced(name: str) -> str:

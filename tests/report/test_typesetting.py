@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from missionplan.mission import load
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.typesetting import typeset, wrapped
-from missionplan.report.wording import in_words
+from missionplan.report.wording import in_words, keys_in_words
 from missionplan.studies.anchor.size_anchor import size_anchor
 from missionplan.studies.comparison.compare import compare
 from missionplan.studies.identification.identify import identify
@@ -186,3 +186,17 @@ def test_lines_break_at_ordinary_spaces_alone():
 )
 def test_names_of_quantities_read_as_phrases(name, words):
     assert in_words(name) == words
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        (["start"], "start"),
+        (["ingress.speed"], "speed (ingress)"),
+        (["ingress.speed", "egress.speed"], "speed (ingress, egress)"),
+        (["ingress.speed", "egress.d_max"], "speed (ingress) and maximum leg length (egress)"),
+        (["start", "ingress.speed"], "start and speed (ingress)"),
+    ],
+)
+def test_keys_that_take_the_same_value_are_named_once(keys, words):
+    assert keys_in_words(keys) == words

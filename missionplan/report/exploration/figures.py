@@ -20,6 +20,8 @@ from missionplan.results.choosing.exploration import Cell, Exploration
 _PERCENT = Unit("%", 0.01)
 _LEVELS = (50.0, 90.0, 99.0)
 """Contours of P(success) [%]."""
+_FINE = 8
+"""Least number of values of each key for contours: on a coarser map they cross the cells and one another."""
 
 
 def quantities_shown(found: Exploration) -> list[str]:
@@ -117,8 +119,9 @@ def _draw_map(axes: Axes, found: Exploration, key: str) -> None:
     without = np.ma.masked_where(np.isfinite(values), np.zeros(shape))
     axes.pcolormesh(x, y, without, cmap=ListedColormap(["#d5d8dc"]), shading="nearest")
     axes.figure.colorbar(drawn, ax=axes, label=f"{capitalised(_title(key))}{unit.axis}")
-    if min(shape) > 1:
+    if min(shape) >= _FINE:
         _draw_contours(axes, x, y, values, unit)
+    if min(shape) > 1:
         _outline_met(axes, found, x, y, shape)
     _mark_cells(axes, found, x, y)
     _mark_axis(axes, second, x)

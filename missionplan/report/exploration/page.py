@@ -16,12 +16,18 @@ from missionplan.report.exploration.words import (
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Figure, Page, PageSection, Table, Terminal
 from missionplan.report.wording import capitalised, in_words
+from missionplan.results.choosing.axis import Aim
 from missionplan.results.choosing.exploration import Cell, Exploration, Status
 
 _MOST_ROWS = 40
 _MOST_REASONS = 12
 _MOST_NARROW = 3
 """Quantities that fit on a terminal."""
+_UNLESS: dict[Aim, str] = {
+    "success": "unless the best succeeds more often",
+    "energy": "unless the best takes less energy",
+    "duration": "unless the best is faster",
+}
 _STATUS: dict[Status, str] = {
     "met": "met",
     "undecided": "undecided",
@@ -126,8 +132,9 @@ def _good(found: Exploration) -> Iterator[PageSection]:
         axis = found.axes[0]
         rows = [
             (
-                axis.shown(window.first),
-                axis.shown(window.last),
+                axis.shown(window.first)
+                if window.first == window.last
+                else f"{axis.labels[window.first]} to {axis.shown(window.last)}",
                 str(window.last - window.first + 1),
                 percent(min((found.cells[i].success for i in range(window.first, window.last + 1)), key=_value)),
             )
@@ -135,11 +142,11 @@ def _good(found: Exploration) -> Iterator[PageSection]:
         ]
         heading = f"All requirements are met {ranges_in_words(axis, found.windows)}"
         caption = "Between the values that were tried nothing is known: a finer step shows where a window ends."
-        yield PageSection(heading, [Table(("from", "to", "tried", "least P(success)"), rows, caption, text_columns=2)])
+        yield PageSection(heading, [Table(("window", "tried", "least P(success)"), rows, caption)])
     if good:
         text = (
             f"{capitalised(tried(found))} are compared trial by trial on the same random numbers. One counts as good "
-            "unless the best beats it by more than chance, at 5 % for all together (Bonferroni)."
+            f"{_UNLESS[found.aim]} by more than chance, at 5 % for all together (Bonferroni)."
         )
         yield PageSection(f"{capitalised(_good_in_words(found, good))}", [text, _table(found, good)])
 
@@ -182,7 +189,7 @@ def _invalid(found: Exploration) -> Iterator[PageSection]:
         ]
         yield PageSection(
             f"{count} of {len(found.cells)} {tried(found)} cannot be run",
-            [Table(("first", tried(found), "reason"), rows, "All reasons are in explore.csv.", text_columns=3)],
+            [Table(("for instance", tried(found), "reason"), rows, "All reasons are in explore.csv.", text_columns=3)],
         )
 
 

@@ -1,15 +1,23 @@
 """What an exploration found, in sentences."""
 
+import math
 from collections.abc import Sequence
 
 from missionplan.report.display_units import unit_for
 from missionplan.report.numbers import number, percent, with_error
-from missionplan.report.wording import in_words
-from missionplan.results.choosing.axis import Axis
+from missionplan.report.wording import in_words, keys_in_words
+from missionplan.results.choosing.axis import Aim, Axis
 from missionplan.results.choosing.exploration import Cell, Exploration, Window
 from missionplan.results.simulation import RequirementOutcome
 
 ENERGY, DURATION = "total.energy_wh", "total.duration_s"
+_AS_GOOD: dict[Aim, tuple[str, str, str]] = {
+    "success": ("succeeds as often", "succeed as often", "Succeeding as often"),
+    "energy": ("takes as little energy", "take as little energy", "Taking as little energy"),
+    "duration": ("is as fast", "are as fast", "As fast"),
+}
+"""In what one or several are as good as the best: they may be worse in all else."""
+_WORSE: dict[Aim, str] = {"success": "succeeds less often", "energy": "takes more energy", "duration": "takes longer"}
 _MOST_RANGES = 4
 """Ranges that a sentence lists."""
 
@@ -31,8 +39,8 @@ def answer(found: Exploration) -> str:
 
 
 def name_of(axis: Axis) -> str:
-    """Write what is varied: ``speed (ingress)``."""
-    return " and ".join(in_words(key) for key in axis.keys)
+    """Write what is varied: ``speed (ingress, egress)``."""
+    return keys_in_words(axis.keys)
 
 
 def tried(found: Exploration) -> str:
@@ -58,6 +66,8 @@ def quantity_with_error(found: Exploration, cell: Cell, key: str) -> str:
 def quantity_alone(found: Exploration, cell: Cell, key: str) -> str:
     """Write the mean of a cell's quantity with the digits that its error supports."""
     statistic = cell.quantities[key]
+    if not math.isfinite(statistic.mean):
+        return "–"
     phase, _, name = key.rpartition(".")
     unit = unit_for(phase, name, found.provenance.data, typical=statistic.mean)
     return number(unit(statistic.mean), unit(statistic.standard_error)) + unit.suffix
@@ -87,7 +97,7 @@ def _best_in_words(found: Exploration, best: Cell) -> str:
 
 
 def _what_it_gives(found: Exploration, best: Cell) -> str:
-    parts = [f"the mission succeeds with {percent(best.success)}"]
+    parts = [f"the mission succeeds in {percent(best.success)} of the trials"]
     for key, words in ((ENERGY, "takes"), (DURATION, "lasts")):
         if key in best.quantities and best.quantities[key].count:
             parts.append(f"{words} {quantity_with_error(found, best, key)}")
@@ -99,16 +109,17 @@ def _as_good(found: Exploration) -> str:
     count = sum(cell.as_good for cell in found.cells)
     noise = f"as far as {found.provenance.trials} trials tell"
     if count < 2:
-        return f"Every other one tried is worse, {noise}."
+        return f"Every other one tried {_WORSE[found.aim]}, {noise}."
     if len(found.axes) == 1:
         axis = found.axes[0]
         if axis.numbers is None:
             others = [
                 axis.labels[cell.place[0]] for cell in found.cells if cell.as_good and cell is not found.best_cell
             ]
-            return f"As good, {noise}: {', '.join(others)}."
-        return f"Any {name_of(axis)} {ranges_in_words(axis, found.ranges_as_good)} is as good, {noise}."
-    return f"{count} of the {len(found.cells)} {tried(found)} are as good, {noise}."
+            return f"{_AS_GOOD[found.aim][2]}, {noise}: {', '.join(others)}."
+        where = ranges_in_words(axis, found.ranges_as_good)
+        return f"Any {name_of(axis)} {where} {_AS_GOOD[found.aim][0]}, {noise}."
+    return f"{count} of the {len(found.cells)} {tried(found)} {_AS_GOOD[found.aim][1]}, {noise}."
 
 
 def _windows(found: Exploration) -> str:
