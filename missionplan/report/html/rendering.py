@@ -18,6 +18,8 @@ from missionplan.results.base import Provenance, to_yaml
 
 _LARGEST = 1.7
 """Largest scale of a figure on the page [px/pt]: text of 10 pt is then 17 px high, as the page's."""
+_TALL = 0.8
+"""Height over width from which a figure is given more room on paper, so that its text can be read."""
 _LONG_NAME = 18
 """Characters of a first cell for which a wide screen keeps more room."""
 _LEAST_COLUMNS, _MOST_CARDS = 4, 14
@@ -67,6 +69,7 @@ def _environment() -> Environment:
     environment.filters["inline"] = inline
     environment.filters["grouped"] = grouped
     environment.filters["shape"] = shape
+    environment.filters["is_tall"] = is_tall
     environment.filters["filled"] = filled
     environment.tests["text"] = lambda block: isinstance(block, str)
     environment.tests["figures"] = lambda block: isinstance(block, list)
@@ -131,6 +134,12 @@ def inline(figure: Figure) -> Markup:
     width = re.search(r'viewBox="0 0 ([\d.]+)', svg)
     limit = f' style="max-width: {_LARGEST * float(width[1]):.0f}px"' if width else ""
     return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"{limit}', 1))
+
+
+def is_tall(figure: Figure) -> bool:
+    """Whether a figure is about as high as it is wide, or higher."""
+    size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', figure.svg)
+    return size is not None and float(size[2]) > _TALL * float(size[1])
 
 
 def rerun_command(provenance: Provenance) -> str:

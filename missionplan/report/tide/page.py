@@ -68,9 +68,9 @@ def _forecast_in_words(tide: DepthTide, days: float) -> str:
 def _numbers(tide: DepthTide) -> list[tuple[str, str]]:
     error = tide.mean_error
     return [
-        ("mean, east and north", f"{number(tide.east, error)} and {number(tide.north, error)} m/s, each ± {error:.2g}"),
-        ("left, each component", f"{tide.residual:.3f} m/s"),
-        ("what is left lasts", _lasting(tide.residual_time)),
+        ("Mean, east and north", f"{number(tide.east, error)} and {number(tide.north, error)} m/s, each ± {error:.2g}"),
+        ("What is left, each component", f"{tide.residual:.3f} m/s"),
+        ("What is left lasts", _lasting(tide.residual_time)),
     ]
 
 
