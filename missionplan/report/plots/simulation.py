@@ -9,6 +9,7 @@ from missionplan.report.plots.catalogue import Drawing
 from missionplan.report.simulation.figures import draw_timeline, draw_waterfall
 from missionplan.report.simulation.histograms import draw_histogram
 from missionplan.report.simulation.maps import draw_tracks
+from missionplan.report.simulation.quantities import failure_in_words
 from missionplan.results.rare_failure import RareFailure
 from missionplan.results.simulation import Outcome
 
@@ -28,7 +29,7 @@ def failures(axes: Axes, found: RareFailure) -> None:
     """Draw the share of each way to fail."""
     modes = found.modes[::-1]
     axes.barh(range(len(modes)), [100.0 * mode.share for mode in modes])
-    axes.set_yticks(range(len(modes)), [mode.step or "any" for mode in modes])
+    axes.set_yticks(range(len(modes)), [failure_in_words(mode.step) if mode.step else "any" for mode in modes])
     axes.set(xlabel="of the failures (%)", xlim=(0.0, 100.0))
 
 

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from missionplan.report.numbers import number
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
 from missionplan.report.simulation.quantities import failure_in_words
-from missionplan.report.wording import in_words
+from missionplan.report.wording import capitalised, in_words
 from missionplan.results.rare_failure import Cause, FailureMode, RareFailure
 
+_FAILS = "not total.success"
 _DEGREES = 180.0 / math.pi
 
 
@@ -36,8 +37,8 @@ def answer(found: RareFailure) -> str:
     if not found.reached:
         near = _power(found.nearest)
         return (
-            f"No failure ({found.event}) was found: of {number(found.provenance.trials)} trials that were led towards "
-            f"it, the nearest have a probability of about {near} and do not fail. As far as the margins lead it is "
+            f"No {event_in_words(found.event)} was found: of {number(found.provenance.trials)} trials that were led "
+            f"towards it, the nearest have a probability of about {near} and do not fail. As far as the margins lead it is "
             f"rarer than that; by plain trials alone it is at most {_power(found.probability.high)}."
         )
     chance = f"{_power(found.probability.value)} ({_power(found.probability.low)} to {_power(found.probability.high)})"
@@ -53,7 +54,19 @@ def answer(found: RareFailure) -> str:
 
 
 def _event(found: RareFailure) -> str:
-    return "This mission fails" if found.event == "not total.success" else f"Of this mission, {found.event} happens"
+    return "This mission fails" if found.event == _FAILS else f"{capitalised(event_in_words(found.event))} comes about"
+
+
+def event_in_words(event: str) -> str:
+    """Write an event in words: ``offset of the anchor (moor) above 30 m``, ``failure``."""
+    if event == _FAILS:
+        return "failure"
+    for sign, word in ((" > ", "above"), (" < ", "below")):
+        quantity, found, limit = event.partition(sign)
+        if found:
+            return f"{in_words(quantity.strip())} {word} {limit.strip()}"
+    denied = event.removeprefix("not ")
+    return f"failure of “{in_words(denied)}”" if denied != event else in_words(event)
 
 
 def _way(mode: FailureMode) -> str:
