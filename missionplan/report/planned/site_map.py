@@ -21,6 +21,8 @@ from missionplan.report.page import BLUE, GREEN, INK, ORANGE, Figure, to_figure
 from missionplan.report.planned.chart import draw_chart
 
 _WIDTH = 5.0
+_NAME_BELOW = 0.08
+"""Room that a name below its place takes, of the map's longer side."""
 Point = tuple[float, float]
 """East and north of the origin [m]."""
 
@@ -50,7 +52,8 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
         return None
     way = np.array([goal.place for goal in goals]).T
     circles = [circle(goal.place, goal.radius) for goal in goals if goal.radius]
-    shown = frame([], [way, *circles])
+    named = list(_names(goals))
+    shown = frame([], [way, *circles, *_room_for_names(named, way)])
     figure = MatplotlibFigure(figsize=(_WIDTH, 0.6 + (_WIDTH - 0.9) * shown.shape))
     axes = figure.add_subplot()
     axes.set(xlim=shown.west_east, ylim=shown.south_north, xlabel="east (m)", ylabel="north (m)", aspect="equal")
@@ -59,7 +62,6 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
         axes.plot(*zip(start.place, end.place, strict=True), color=BLUE, linewidth=1.4)
     for line in circles:
         axes.plot(*line, color=ORANGE, linewidth=1.2)
-    named = list(_names(goals))
     _write_names(axes, named, way)
     north_and_scale(axes, shown.width, emptiest_corner([way, *circles], shown.limits))
     if _has_picture(data):
@@ -111,6 +113,14 @@ def _write_names(axes: Axes, named: list[tuple[str, Point]], way: np.ndarray) ->
             color=GREEN,
             weight="bold",
         )
+
+
+def _room_for_names(named: list[tuple[str, Point]], way: np.ndarray) -> Iterator[np.ndarray]:
+    """Points that must lie on the map too, so that no name below a place runs into the axis."""
+    room = _NAME_BELOW * float(np.ptp(way, axis=1).max())
+    for _, (east, north) in named:
+        if not _runs_below(way, (east, north)):
+            yield np.array([[east], [north - room]])
 
 
 def _runs_below(way: np.ndarray, place: Point) -> bool:
