@@ -32,6 +32,8 @@ def result(name: str, folder: Path) -> Result:
         "exploration": lambda: _exploration(),
         "score": lambda: missionplan.score(MISSIONS / "loop" / "mission.yaml", MISSIONS / "loop" / "third-log"),
         "history": lambda: _history(folder),
+        "optimisation": lambda: _optimisation(),
+        "campaign": lambda: _campaign(folder),
     }
     return made[name]()
 
@@ -47,6 +49,8 @@ NAMES = (
     "exploration",
     "score",
     "history",
+    "optimisation",
+    "campaign",
 )
 
 
@@ -58,6 +62,17 @@ def _diagnosis(folder: Path) -> Result:
 def _exploration() -> Result:
     varied = ["moor.line_length=4:6:1 m", "ingress.speed=1.0:1.5:0.5 m/s"]
     return missionplan.explore(MISSIONS / "chesapeake.yaml", vary=varied, trials=20)
+
+
+def _optimisation() -> Result:
+    return missionplan.optimise(MISSIONS / "chesapeake.yaml", choose=["ingress.speed=1.0:1.6:0.3 m/s"], trials=60)
+
+
+def _campaign(folder: Path) -> Result:
+    result("diagnosis", folder)
+    return missionplan.diagnose_campaign(
+        folder / "mission.yaml", [folder / "sea-trial", MISSIONS / "loop" / "third-log"]
+    )
 
 
 def _history(folder: Path) -> Result:

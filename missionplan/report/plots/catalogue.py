@@ -33,6 +33,8 @@ _MODULES = {
     "alternatives": "comparison",
     "scoring.page": "scoring",
     "log_book.history": "log_book",
+    "log_book.campaign": "log_book",
+    "optimisation": "exploration",
 }
 """Module with the drawings, by that of the report."""
 

@@ -5,8 +5,10 @@ from collections.abc import Mapping
 from matplotlib.axes import Axes
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.report.diagnosis.figures import draw_ranking
 from missionplan.report.log_book.history import draw_parameter
 from missionplan.report.plots.catalogue import Drawing
+from missionplan.results.log_book.campaign import Campaign
 from missionplan.results.log_book.history import History
 
 
@@ -22,5 +24,14 @@ def parameter(axes: Axes, history: History, effect: str = "") -> None:
     draw_parameter(axes, history, known[chosen])
 
 
-DRAWINGS: Mapping[str, Mapping[str, Drawing]] = {"History": {"parameter": parameter}, "Campaign": {}}
+def ranking(axes: Axes, campaign: Campaign, dataset: int = 0) -> None:
+    """Draw the evidence for each set of causes in one of the data sets, counted from 0."""
+    if not 0 <= dataset < len(campaign.diagnoses):
+        problem = f"given {shown(dataset)}, expected 0 to {len(campaign.diagnoses) - 1}"
+        raise InputError([Problem(problem, key="dataset")])
+    draw_ranking(axes, campaign.diagnoses[dataset])
+    axes.set_title(campaign.names[dataset])
+
+
+DRAWINGS: Mapping[str, Mapping[str, Drawing]] = {"History": {"parameter": parameter}, "Campaign": {"ranking": ranking}}
 """By the name of the result's class; the main one first."""

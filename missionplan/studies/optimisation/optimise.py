@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from missionplan.errors import InputError, Problem
-from missionplan.mission import Mission
+from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.paired import paired_difference, pareto_front
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance
@@ -40,7 +40,7 @@ Progress = Callable[[int, int], None]
 
 
 def optimise(
-    mission: Mission,
+    mission: MissionOrPath,
     *,
     choose: Sequence[str] = (),
     aim: Literal["energy", "duration"] | None = None,
@@ -55,7 +55,7 @@ def optimise(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, str or Path
         With requirements, and a section `optimise` unless `choose` is given.
     choose : sequence of str
         What may be chosen, as ``KEY=FROM:TO:STEP`` or ``KEY=A,B,C``; default: the mission's section `optimise`.
@@ -81,7 +81,8 @@ def optimise(
         When a worker dies, or the checkpoint cannot be written.
     """
     started = time.perf_counter()
-    check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of={"aim": (aim, (None, "energy", "duration"))})
+    aims = {"aim": (aim, (None, "energy", "duration"))}
+    mission = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of=aims)
     lattice, demands = read_lattice(mission, choose), demands_of(mission)
     if not demands:
         raise InputError([Problem("missing; what every choice must meet", mission.file, key="requirements")])
