@@ -38,8 +38,8 @@ def answer(found: RareFailure) -> str:
         near = _power(found.nearest)
         return (
             f"No {event_in_words(found.event)} was found: of {number(found.provenance.trials)} trials that were led "
-            f"towards it, the nearest have a probability of about {near} and do not fail. As far as the margins lead it "
-            f"is rarer than that; by plain trials alone it is at most {_power(found.probability.high)}."
+            f"towards it, the nearest have a probability of about {near} and do not fail. As far as the margins lead "
+            f"it is rarer than that; by plain trials alone it is at most {_power(found.probability.high)}."
         )
     chance = f"{_power(found.probability.value)} ({_power(found.probability.low)} to {_power(found.probability.high)})"
     words = f"{_event(found)} with probability {chance}: {_one_in(found.probability.value)}."
