@@ -3,7 +3,8 @@
 Each hidden pair is drawn several times: the same plan, causes and sizes, with other random errors of dives and log. The
 mean, over the repeats, of the log Bayes factor of the true pair over the best other set of causes is an estimate of the expected
 log Bayes factor at the truth: where it is below some 3 nats, data of this kind do not tell the pair from its rival, and a
-pair that is not claimed in full is no fault of the method. Each pair is a line of a file; those in it are not run again.
+pair that is not claimed in full is no fault of the method. A pair is not ranked where, in one of the repeats, its second
+cause adds less to the first than a cause has to. Each pair is a line of a file; those in it are not run again.
 """
 
 import argparse
@@ -53,13 +54,15 @@ def table(pairs: Sequence[dict[str, Any]]) -> str:
         margins = np.array([one["margin"] for one in each["repeats"]])
         claims = [one["claimed"] for one in each["repeats"]]
         rivals = [" + ".join(one["rival"]) for one in each["repeats"]]
-        mean, error = margins.mean(), margins.std(ddof=1) / np.sqrt(margins.size)
+        ranked = bool(np.isfinite(margins).all())
+        mean = margins.mean() if ranked else -np.inf
+        error = margins.std(ddof=1) / np.sqrt(margins.size) if ranked and margins.size > 1 else np.nan
         counts = shares[bool(mean >= TOLD)]
         counts[0] += sum(claims)
         counts[1] += len(claims)
         lines.append(
-            f"| {' + '.join(each['truth'])} | {max(set(rivals), key=rivals.count) or 'none'} | {mean:.1f} ± {error:.1f} "
-            f"| {sum(claims)} of {len(claims)} |"
+            f"| {' + '.join(each['truth'])} | {max(set(rivals), key=rivals.count) or 'none'} "
+            f"| {f'{mean:.1f} ± {error:.1f}' if ranked else 'not ranked'} | {sum(claims)} of {len(claims)} |"
         )
     head = ["| pair | usual rival | log Bayes factor, mean | claimed in full |", "|---|---|---|---|"]
     ends = [
