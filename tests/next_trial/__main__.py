@@ -14,37 +14,40 @@ UNITS = {"transit": "min", "descent": "%"}
 """Of the savings; those of dives over the loss expected before."""
 
 
-def slope(predicted: Sequence[float], realised: Sequence[float], groups: Sequence[int]) -> tuple[float, float]:
+def slope(
+    predicted: Sequence[float], realised: Sequence[float], groups: Sequence[int], weights: Sequence[float] | None = None
+) -> tuple[float, float]:
     """Slope through the origin of realised on predicted, and its standard error.
 
     Trials of one campaign share the truth: the error is that of independent groups of unequal variances (Liang & Zeger
     1986, *Biometrika* 73).
     """
     x, y = np.asarray(predicted), np.asarray(realised)
-    if not np.any(x):
+    wx = x * (1.0 if weights is None else np.asarray(weights))
+    if not np.any(wx):
         return float("nan"), float("nan")
-    value = float(x @ y / (x @ x))
+    value = float(wx @ y / (wx @ x))
     _, group = np.unique(groups, return_inverse=True)
-    return value, float(np.sqrt(np.sum(np.bincount(group, x * (y - value * x)) ** 2)) / (x @ x))
+    return value, float(np.sqrt(np.sum(np.bincount(group, wx * (y - value * x)) ** 2)) / (wx @ x))
+
+
+def compared(found: Sequence[Campaign], predicted: str, realised: str, unit: str) -> str:
+    """Write the weighted means of what was predicted and realised, and the slope."""
+    x, y, weights = ([float(getattr(each, name)) for each in found] for name in (predicted, realised, "weight"))
+    value, error = slope(x, y, [each.seed for each in found], weights)
+    means = f"predicted {np.average(x, weights=weights):.2f}, realised {np.average(y, weights=weights):.2f}{unit}"
+    return f"{means}; slope {value:.2f} ± {error:.2f}"
 
 
 def told(found: Sequence[Campaign]) -> str:
     """Write the figures."""
     among = [each for each in found if each.among]
-    seeds = [each.seed for each in among]
-    information = slope([each.expected for each in among], [each.gained for each in among], seeds)
-    lines = [
-        f"{len({each.seed for each in found})} campaigns; the truth among the sets considered in {len(set(seeds))}, "
-        f"with {len(among)} trials",
-        f"information: expected {np.mean([e.expected for e in among]):.2f}, gained "
-        f"{np.mean([e.gained for e in among]):.2f} nats; slope {information[0]:.2f} ± {information[1]:.2f}",
-    ]
-    predicted, saved = (np.array([getattr(each, name) for each in among]) for name in ("saving", "saved"))
-    if np.any(predicted > 0.0):
-        value, error = slope(predicted.tolist(), saved.tolist(), seeds)
-        lines.append(
-            f"saving: predicted {predicted.mean():.2f}, realised {saved.mean():.2f}; slope {value:.2f} ± {error:.2f}"
-        )
+    valued = [each for each in among if np.isfinite(each.saving)]
+    campaigns, kept = (len({each.seed for each in part}) for part in (found, among))
+    lines = [f"{campaigns} campaigns; the truth among the sets considered in {kept}, with {len(among)} trials"]
+    lines.append(f"information: {compared(among, 'expected', 'gained', ' nats')}")
+    if any(each.saving > 0.0 for each in valued):
+        lines.append(f"saving, of {len(valued)} trials: {compared(valued, 'saving', 'saved', '')}")
     return "\n".join(lines)
 
 

@@ -49,7 +49,10 @@ class Campaign:
     expected, gained : float
         Information about the truth [nats]; nan where it was not among the sets.
     saving, saving_error, saved : float
-        Predicted saving with its error, and what the choice made saved [min; of dives % of the loss expected before].
+        Predicted saving with its error, and what the choice made saved [min; of dives % of the loss expected before];
+        nan where it was not found.
+    weight : float
+        Of the campaign in every mean.
     """
 
     seed: int
@@ -61,6 +64,7 @@ class Campaign:
     saving: float
     saving_error: float
     saved: float
+    weight: float = 1.0
 
 
 def draw_truth(rng: np.random.Generator) -> tuple[tuple[str, ...], Truth]:

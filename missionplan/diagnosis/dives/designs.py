@@ -8,7 +8,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.datasets.dives import TOUCHDOWN_MARGIN
 from missionplan.diagnosis.dives.forward import DescentForward
-from missionplan.diagnosis.dives.preparation import MAX_SAMPLES, DiveLog
+from missionplan.diagnosis.dives.preparation import MAX_SAMPLES, MIN_NOISE, MOVING_DEPTH, DiveLog
 
 DESIGNS = (
     ("two dives with 0.4 times the anchor's weight", 0.4, 1.0, 1.0),
@@ -50,10 +50,41 @@ def sampled_dives(forward: DescentForward, logs: Sequence[DiveLog]) -> tuple[Div
     logs : sequence of DiveLog
         With the dives' anchors, lines and depths, and readings as noisy as theirs.
     """
+    return tuple(
+        _sampled(log, np.linspace(0.0, _near_touchdown(log, *run), MAX_SAMPLES))
+        for log, run in _base_runs(forward, logs)
+    )
+
+
+def stretched_dives(forward: DescentForward, logs: Sequence[DiveLog]) -> tuple[DiveLog, ...]:
+    """Return dives read as often as those of given logs, from the first motion until the base model nears touchdown.
+
+    As many bins of readings as those logs have, so that each holds more of them, or fewer. Their depths are zero.
+
+    Parameters
+    ----------
+    forward : DescentForward
+        The phase.
+    logs : sequence of DiveLog
+        With the anchors, lines and depths of the dives to come, and the times and readings of others.
+    """
+    return tuple(_stretched(log, *run) for log, run in _base_runs(forward, logs))
+
+
+def _stretched(log: DiveLog, times: Array, depth: Array) -> DiveLog:
+    begin, end = float(times[np.argmax(depth > MOVING_DEPTH)]), _near_touchdown(log, times, depth)
+    factor = (end - begin) / float(log.t[-1] - log.t[0])
+    t, fine = (begin + factor * (own - log.t[0]) for own in (log.t, log.fine))
+    sd = np.maximum(log.sd / np.sqrt(factor), MIN_NOISE)
+    return replace(log, t=t, depth=0.0 * t, sd=sd, fine=fine)
+
+
+def _base_runs(forward: DescentForward, logs: Sequence[DiveLog]) -> list[tuple[DiveLog, tuple[Array, Array]]]:
+    """Logs, each with times [s] and depths [m] of the dive by the base model."""
     times = np.linspace(0.0, LONGEST_DIVE, 600)
     long = replace(forward, logs=tuple(_sampled(log, times) for log in logs))
     depths = long.readings((), np.zeros((0, 1)))[:, 0].reshape(len(logs), -1)
-    return tuple(_until_touchdown(log, times, depth) for log, depth in zip(logs, depths, strict=True))
+    return [(log, (times, depth)) for log, depth in zip(logs, depths, strict=True)]
 
 
 def _sampled(log: DiveLog, t: Array) -> DiveLog:
@@ -62,11 +93,10 @@ def _sampled(log: DiveLog, t: Array) -> DiveLog:
     return replace(log, t=t, depth=0.0 * t, sd=sd, fine=t, bins=np.arange(len(t)), shares=np.ones(len(t)))
 
 
-def _until_touchdown(log: DiveLog, times: Array, depth: Array) -> DiveLog:
-    """Sample a dive evenly until the base model nears touchdown."""
+def _near_touchdown(log: DiveLog, times: Array, depth: Array) -> float:
+    """When the base model nears touchdown [s]."""
     near = np.flatnonzero(depth > (1.0 - TOUCHDOWN_MARGIN) * (log.site_depth - log.line_length))
-    end = times[near[0]] if len(near) else LONGEST_DIVE
-    return _sampled(log, np.linspace(0.0, float(end), MAX_SAMPLES))
+    return float(times[near[0]]) if len(near) else LONGEST_DIVE
 
 
 def with_depths(logs: tuple[DiveLog, ...], readings: Array) -> tuple[DiveLog, ...]:

@@ -11,7 +11,7 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed, explanation_weights, shares_in_doubt
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.trials.experiment import Explanation
+from missionplan.diagnosis.inference.trials.prediction import Explanation
 from missionplan.diagnosis.judgement import Judgement
 from missionplan.diagnosis.pipeline import PipelineResult
 from missionplan.mission import Mission

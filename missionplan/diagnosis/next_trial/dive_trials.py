@@ -9,14 +9,14 @@ from typing import cast
 import numpy as np
 
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.dives.designs import sampled_dives, with_depths
+from missionplan.diagnosis.dives.designs import stretched_dives
 from missionplan.diagnosis.dives.kind import DescentKind
-from missionplan.diagnosis.dives.noise import noise_grid
 from missionplan.diagnosis.dives.preparation import DiveLog
 from missionplan.diagnosis.inference.model import CauseFit
-from missionplan.diagnosis.inference.trials.experiment import Prediction
+from missionplan.diagnosis.inference.trials.prediction import Prediction
 from missionplan.diagnosis.next_trial.belief import Believed, Posterior
 from missionplan.diagnosis.next_trial.designs import Cost, TrialKind, cost_of
+from missionplan.diagnosis.next_trial.dive_law import made, planned
 from missionplan.diagnosis.next_trial.losses import Alternatives
 from missionplan.diagnosis.plan_gain import with_first_mooring
 from missionplan.mission import Mission
@@ -108,7 +108,7 @@ class DiveTrials(TrialKind):
 
     def predictions(self, design: int, believed: Sequence[Believed]) -> list[Prediction]:
         """Depths of a design's dives as each set of causes predicts them [m]."""
-        planned = [
+        dives = [
             replace(
                 self._logs[0],
                 name=f"dive {number + 1}",
@@ -118,18 +118,19 @@ class DiveTrials(TrialKind):
             )
             for number, dive in enumerate(self._plans[design].dives)
         ]
-        return self.predicted(sampled_dives(self.bound.model.forward.coarse, planned), believed)
+        logs = stretched_dives(self.bound.model.forward.coarse, dives)
+        return [planned(logs, each) for each in believed]
 
     def predicted(self, logs: tuple[DiveLog, ...], believed: Sequence[Believed]) -> list[Prediction]:
-        """Return the depths of dives at the times of their logs as each set of causes predicts them [m].
+        """Return the depths of dives that were made as each set of causes predicts them [m].
 
         Parameters
         ----------
         logs : tuple of DiveLog
-            Whose own depths are not used.
         believed : sequence of Believed
+            With data bound to the mission under one explanation.
         """
-        return [_prediction(logs, each) for each in believed]
+        return made(logs, believed)
 
     def cost(self, design: int, seed: int) -> Cost | None:
         """Return what a design takes: the cost of one of its dives, so many times."""
@@ -189,18 +190,6 @@ def _deepened(site: object, depth: float) -> dict[str, object]:
     if isinstance(layers, list) and layers and isinstance(layers[-1], dict):
         found["current"] = [*layers[:-1], {**layers[-1], "down_to": f"{depth:.4g} m"}]
     return found | {"depth": f"{depth:.4g} m"}
-
-
-def _prediction(logs: tuple[DiveLog, ...], each: Believed) -> Prediction:
-    """Mean, sensitivities and everything else of the dives under a set of causes, linearised at its mean."""
-    model = cast("DescentKind", each.bound).model
-    forward = replace(model.forward.coarse, logs=logs)
-    readings = forward.readings(model.coordinates, each.posterior.mean[:, None])[:, 0]
-    model = replace(model, forward=replace(forward, logs=with_depths(logs, readings)))
-    (linear,) = model.linearise([(each.fit.causes, each.posterior.mean)])
-    spikes = np.array([coordinate.spike for coordinate in model.coordinates])
-    noise = model.total_covariance(linear, noise_grid()[each.fit.state.best_noise], spikes)
-    return Prediction(linear.readings, linear.columns[:, each.posterior.places], noise)
 
 
 def _counted(count: int) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.inference.trials.experiment import Prediction
+from missionplan.diagnosis.inference.trials.prediction import Prediction
 from missionplan.diagnosis.next_trial.belief import Believed
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import Instrument

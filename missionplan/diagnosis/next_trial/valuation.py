@@ -7,7 +7,8 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.trials.decision import Saving, value_of_information
-from missionplan.diagnosis.inference.trials.experiment import Draws, Experiment, Prediction, drawn, polynomial
+from missionplan.diagnosis.inference.trials.experiment import Draws, Experiment, drawn, polynomial
+from missionplan.diagnosis.inference.trials.prediction import Prediction
 from missionplan.diagnosis.next_trial.belief import Believed
 from missionplan.diagnosis.next_trial.designs import Cost, TrialKind
 from missionplan.diagnosis.next_trial.instruments import instruments_for, measured

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from scipy.stats import norm
 
 from missionplan.diagnosis.inference.trials.decision import DecisionProblem, value_of_information
-from missionplan.diagnosis.inference.trials.experiment import Experiment, Explanation, Prediction, drawn, polynomial
+from missionplan.diagnosis.inference.trials.experiment import Experiment, drawn, polynomial
+from missionplan.diagnosis.inference.trials.prediction import Explanation, Prediction
 
 DRAWS = 20_000
 
@@ -135,3 +136,39 @@ def test_a_choice_that_hangs_on_the_explanation_is_worth_its_prior_regret() -> N
         DecisionProblem(np.arange(2.0), losses, draws.weight), experiment.summaries(experiment.data(draws, generator))
     )
     assert found.mean == pytest.approx(0.5, abs=1e-3)
+
+
+def of_unknown_noise(sds: tuple[float, float]) -> Experiment:
+    """One reading of a parameter N(0, 1), its error of either size with the same probability."""
+    known = Explanation(1.0, np.zeros(1), np.eye(1))
+    noise = np.square(sds)[:, None, None]
+    return Experiment((known,), (Prediction(np.zeros(1), np.ones((1, 1)), noise, np.full(2, 0.5)),))
+
+
+def test_the_information_of_a_reading_of_unknown_error_is_that_of_a_mixture() -> None:
+    """By quadrature: ∬ p(θ) p(y | θ) ln(p(y | θ)/p(y)), p(y | θ) a mixture of two normals."""
+    sds = (0.2, 3.0)
+    theta, y = np.meshgrid(np.linspace(-6.0, 6.0, 1201), np.linspace(-18.0, 18.0, 3601), indexing="ij")
+    given = sum(0.5 * norm.pdf(y, theta, sd) for sd in sds)
+    alone = sum(0.5 * norm.pdf(y, 0.0, np.hypot(1.0, sd)) for sd in sds)
+    exact = float(np.sum(norm.pdf(theta) * given * np.log(given / alone)) * 0.01 * 0.01)
+    generator, experiment = np.random.default_rng(5), of_unknown_noise(sds)
+    draws = drawn(experiment.explanations, [DRAWS], generator)
+    assert experiment.expected_information(draws, experiment.data(draws, generator)) == pytest.approx(exact, abs=0.01)
+
+
+def test_a_reading_of_unknown_error_moves_the_mean_by_what_each_error_would() -> None:
+    sds, y = (0.2, 3.0), 1.5
+    weights = np.array([norm.pdf(y, 0.0, np.hypot(1.0, sd)) for sd in sds])
+    expected = weights @ [y / (1.0 + sd**2) for sd in sds] / weights.sum()
+    (found,) = of_unknown_noise(sds).means(np.array([[y]]))
+    assert found[0, 0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_information_gained_with_an_unknown_error_averages_to_what_was_expected() -> None:
+    generator, experiment = np.random.default_rng(6), of_unknown_noise((0.3, 2.0))
+    draws = drawn(experiment.explanations, [4000], generator)
+    data = experiment.data(draws, generator)
+    gained = [experiment.realised_information(0, theta, y) for theta, y in zip(draws.parameters[0], data, strict=True)]
+    error = np.std(gained) / np.sqrt(len(gained))
+    assert np.mean(gained) == pytest.approx(experiment.expected_information(draws, data), abs=4.0 * error)

@@ -13,102 +13,10 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
+from missionplan.diagnosis.inference.trials.prediction import Explanation, Prediction, Updated, normalised
 
-SMALLEST_SHARE = 1e-9
-"""Share of a parameter's variance below which an experiment is taken to say nothing of a direction."""
 CURVED = 3
 """Directions of a summary that enter squared and multiplied with each other; the rest enter linearly."""
-
-
-@dataclass(frozen=True)
-class Explanation:
-    """What is believed if one explanation is true.
-
-    Attributes
-    ----------
-    probability : float
-        Of the explanation.
-    mean : array, shape (k,)
-        Of its parameters.
-    covariance : array, shape (k, k)
-        Of them.
-    """
-
-    probability: float
-    mean: Array
-    covariance: Array
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """The data of an experiment if one explanation is true: y ~ N(centre + columns·(θ − mean), noise).
-
-    Attributes
-    ----------
-    centre : array, shape (N,)
-        Data at the parameters' mean.
-    columns : array, shape (N, k)
-        Sensitivities to the parameters.
-    noise : array, shape (N, N)
-        Covariance of everything else.
-    """
-
-    centre: Array
-    columns: Array
-    noise: Array
-
-
-@dataclass(frozen=True)
-class _Updated:
-    """One explanation with its prediction, prepared for conditioning (Rasmussen & Williams 2006, Eq. A.6)."""
-
-    explanation: Explanation
-    prediction: Prediction
-
-    @cached_property
-    def factor(self) -> Array:
-        """Lower Cholesky factor of the data's covariance, shape (N, N)."""
-        prediction = self.prediction
-        total = prediction.columns @ self.explanation.covariance @ prediction.columns.T + prediction.noise
-        return np.asarray(np.linalg.cholesky(total))
-
-    @cached_property
-    def gain(self) -> Array:
-        """Posterior mean's change a unit of data, shape (k, N)."""
-        cross = self.prediction.columns @ self.explanation.covariance
-        return np.asarray(np.linalg.solve(self.factor.T, np.linalg.solve(self.factor, cross)).T)
-
-    def log_density(self, data: Array) -> Array:
-        """Ln p(y) of data, shape (n, N) → (n,)."""
-        white = np.linalg.solve(self.factor, (data - self.prediction.centre).T)
-        constant = 0.5 * len(self.factor) * LOG_2PI + float(np.log(np.diag(self.factor)).sum())
-        return np.asarray(-0.5 * np.sum(white**2, axis=0) - constant)
-
-    def means(self, data: Array) -> Array:
-        """Posterior means, shape (n, k)."""
-        return np.asarray(self.explanation.mean + (data - self.prediction.centre) @ self.gain.T)
-
-    @cached_property
-    def covariance(self) -> Array:
-        """Posterior covariance, shape (k, k)."""
-        prior = self.explanation.covariance
-        return np.asarray(prior - self.gain @ self.prediction.columns @ prior)
-
-    @cached_property
-    def information(self) -> float:
-        """Half the log determinant of the data's covariance over the noise's [nats]."""
-        noise = np.linalg.slogdet(self.prediction.noise)[1]
-        return max(float(np.log(np.diag(self.factor)).sum()) - 0.5 * float(noise), 0.0)
-
-    @cached_property
-    def directions(self) -> Array:
-        """Columns that whiten the posterior mean's changes, most informative first, shape (k, q)."""
-        spread = self.gain @ self.prediction.columns @ self.explanation.covariance
-        sd = np.sqrt(np.maximum(np.diag(self.explanation.covariance), 1e-300))
-        values, vectors = np.linalg.eigh(spread / np.outer(sd, sd))
-        kept = np.flatnonzero(values > SMALLEST_SHARE)[::-1]
-        return np.asarray(vectors[:, kept] / np.sqrt(values[kept]) / sd[:, None])
 
 
 @dataclass(frozen=True)
@@ -171,8 +79,8 @@ class Experiment:
     predictions: tuple[Prediction, ...]
 
     @cached_property
-    def _updated(self) -> tuple[_Updated, ...]:
-        return tuple(map(_Updated, self.explanations, self.predictions))
+    def _updated(self) -> tuple[Updated, ...]:
+        return tuple(map(Updated, self.explanations, self.predictions))
 
     def data(self, draws: Draws, generator: np.random.Generator) -> Array:
         """Simulate the experiment for every draw, shape (n, N)."""
@@ -180,13 +88,20 @@ class Experiment:
         for each, own in zip(self._updated, draws.parameters, strict=True):
             predicted = each.prediction.centre + (own - each.explanation.mean) @ each.prediction.columns.T
             normals = generator.standard_normal(predicted.shape)
-            parts.append(predicted + normals @ square_root(each.prediction.noise).T)
+            ends = np.round(np.cumsum(each.prediction.shares) * len(own)).astype(int)  # so many draws of each noise
+            for noise, end, count in zip(each.prediction.noises, ends, np.diff(ends, prepend=0), strict=True):
+                predicted[end - count : end] += normals[end - count : end] @ square_root(noise).T
+            parts.append(predicted)
         return np.concatenate(parts)
 
     def probabilities(self, data: Array) -> Array:
         """Probability of each explanation after data, shape (n, N) → (n, s)."""
-        logs = np.stack([np.log(each.explanation.probability) + each.log_density(data) for each in self._updated], 1)
-        return np.asarray(np.exp(logs - logsumexp(logs, axis=1, keepdims=True)))
+        return normalised(self._log_joint(data))
+
+    def _log_joint(self, data: Array) -> Array:
+        """Ln p(y, explanation) of data, shape (n, N) → (n, s)."""
+        logs = [np.log(each.explanation.probability) + logsumexp(each.log_densities(data), 1) for each in self._updated]
+        return np.stack(logs, axis=1)
 
     def means(self, data: Array) -> tuple[Array, ...]:
         """Posterior means of the parameters under each explanation, shape (n, k_s) each."""
@@ -213,13 +128,16 @@ class Experiment:
     def expected_information(self, draws: Draws, data: Array) -> float:
         """Mutual information between all that is unknown and the data [nats].
 
-        Of the parameters half a log determinant, exactly; of which explanation holds the mean of its gain in log
-        probability over the draws.
+        Of the parameters half a log determinant where the noise is known; of which explanation holds the mean of its
+        gain in log probability over the draws.
         """
         after = self.probabilities(data)[np.arange(len(data)), draws.explanation]
         before = np.array([each.probability for each in self.explanations])[draws.explanation]
         which = float(draws.weight @ np.log(np.maximum(after, 1e-300) / before))
-        within = sum(each.explanation.probability * each.information for each in self._updated)
+        within, end = 0.0, 0
+        for each, own in zip(self._updated, draws.parameters, strict=True):
+            begin, end = end, end + len(own)
+            within += each.explanation.probability * each.information(own, data[begin:end])
         return max(which, 0.0) + within
 
     def realised_information(self, which: int, parameters: Array, data: Array) -> float:
@@ -234,14 +152,8 @@ class Experiment:
         data : array, shape (N,)
             What was measured.
         """
-        each, prediction = self._updated[which], self.predictions[which]
-        error = data - prediction.centre - prediction.columns @ (parameters - each.explanation.mean)
-        factor = np.linalg.cholesky(prediction.noise)
-        white = np.linalg.solve(factor, error)
-        constant = 0.5 * len(error) * LOG_2PI + float(np.log(np.diag(factor)).sum())
-        likelihood = -0.5 * float(white @ white) - constant
-        logs = [np.log(e.explanation.probability) + e.log_density(data[None])[0] for e in self._updated]
-        return likelihood - float(logsumexp(logs))
+        likelihood = logsumexp(self._updated[which].log_likelihoods(parameters[None], data[None]))
+        return float(likelihood - logsumexp(self._log_joint(data[None])))
 
 
 def polynomial(changes: Array) -> list[Array]:
