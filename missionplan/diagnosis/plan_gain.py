@@ -94,14 +94,13 @@ def _anchor_plans(seed: int, cases: Sequence[tuple[Mission, float]]) -> list[Pla
 
 
 def _anchor_plan(mission: Mission, weight: float, seed: int) -> Plan:
-    from missionplan.studies.simulation.simulate import simulate
+    from missionplan.studies.simulation.simulate import event_probabilities
 
     anchored = with_first_mooring(mission, lambda moor: moor.model_copy(update={"anchor_wet_weight": weight}))
-    outcome = simulate(anchored, trials=TRIALS, seed=seed)
-    phase = next(phase for phase in outcome.phases if phase.name == mission.moors[0].name)
+    found, phase = event_probabilities(anchored, trials=TRIALS, seed=seed), mission.moors[0].name
     return {
         "anchor_wet_weight_n": weight,
-        "within_radius": phase.events["within_radius"].value,
-        "struck_seafloor": phase.events["struck_seafloor"].value,
-        "success": outcome.total.events["success"].value,
+        "within_radius": found[f"{phase}.within_radius"].value,
+        "struck_seafloor": found[f"{phase}.struck_seafloor"].value,
+        "success": found["total.success"].value,
     }

@@ -3,11 +3,13 @@
 import time
 from collections.abc import Generator, Sequence
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
+from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
 from missionplan.results.base import Provenance, to_yaml
 from missionplan.results.overdue import Overdue
@@ -21,7 +23,7 @@ from missionplan.studies.arguments import check_arguments
 from missionplan.studies.mission_plan.build import plan_if_any
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.overdue.overdue import overdue
-from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence
+from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockSequence, MergedBlocks
 from missionplan.studies.simulation.block_statistics import LIMIT
 from missionplan.studies.simulation.checks import (
     check_complete,
@@ -89,9 +91,7 @@ def simulate(
     check_complete(mission)
     seed = mission.monte_carlo.seed if seed is None else seed
     goal = Precision.parse(precision, mission) if precision else None
-    means = Scenario.at_means(mission, recorded_current(mission))
-    check_cover(mission, means)
-    check_dives(means)
+    means = _checked_means(mission)
     notices = input_notices(mission, means)
     task = BlockTask(means, seed, keep_trials)
     run = BlockSequence(
@@ -105,8 +105,7 @@ def simulate(
         yield from run_blocks(task, todo, jobs=jobs, backend=backend, scheduler=scheduler)
 
     merged = run.run(run_items, progress)
-    left = merged.totals.counts.get(f"{LIMIT}left_record")
-    check_trials(mission, means.recorded, left.probability() if left else None)
+    _check_record(means, merged)
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
     provenance = Provenance(
@@ -125,6 +124,40 @@ def simulate(
     builder = OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held, task.members)
     built = builder.outcome(provenance)
     return replace(built, plan=plan_if_any(mission, means, seed), overdue=_overdue(task, merged.first))
+
+
+def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[str, Probability]:
+    """Return the probabilities of ``total.success`` and of each phase's events, as `simulate` does and nothing else.
+
+    Parameters
+    ----------
+    mission : Mission
+    trials, seed : int
+
+    Raises
+    ------
+    InputError, RunError
+        As `simulate` does.
+    """
+    check_complete(mission)
+    means = _checked_means(mission)
+    merged = BlockSequence(_items(trials)).run(partial(run_blocks, BlockTask(means, seed)))
+    _check_record(means, merged)
+    return {name: count.probability() for name, count in merged.totals.counts.items()}
+
+
+def _checked_means(mission: Mission) -> Scenario:
+    """Return a complete mission at its means, its current's cover and its dives checked."""
+    means = Scenario.at_means(mission, recorded_current(mission))
+    check_cover(mission, means)
+    check_dives(means)
+    return means
+
+
+def _check_record(means: Scenario, merged: MergedBlocks) -> None:
+    """Refuse a run whose trials leave the record of the current."""
+    left = merged.totals.counts.get(f"{LIMIT}left_record")
+    check_trials(means.mission, means.recorded, left.probability() if left else None)
 
 
 def _overdue(task: BlockTask, first: BlockItem) -> Overdue | None:
