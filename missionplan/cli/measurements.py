@@ -64,13 +64,14 @@ def diagnose(
     def study(loaded: "Mission", progress: Progress) -> "Result":
         from missionplan.montecarlo.parallel.mapping import MAX_PROCESSES
         from missionplan.montecarlo.parallel.pool import preloaded_pool
-        from missionplan.studies.validation.datasets import check_dataset
 
-        for dataset in datasets:
-            check_dataset(dataset, loaded, allow_outside=allow_outside)  # a refusal needs no workers
         processes = o.worker_count(jobs)
         others = min(processes, MAX_PROCESSES) - 1
-        with preloaded_pool(others, "missionplan.diagnosis.diagnose"):  # they import while this process does
+        with preloaded_pool(others, "missionplan.diagnosis.diagnose"):  # they import while this process reads
+            from missionplan.studies.validation.datasets import check_dataset
+
+            for dataset in datasets:
+                check_dataset(dataset, loaded, allow_outside=allow_outside)
             from missionplan.diagnosis.diagnose import diagnose
             from missionplan.diagnosis.together.campaign import diagnose_campaign
 

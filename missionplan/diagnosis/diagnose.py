@@ -1,7 +1,7 @@
 """`diagnose`: a mission and a data set in; verdict, causes, extended mission and gain out."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -10,17 +10,17 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.datasets.reading import files_outside
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.explanations import hypotheses, odds, weighed
+from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed
 from missionplan.diagnosis.forecast_error import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.judgement import Judgement, judge
 from missionplan.diagnosis.mission_in_doubt import mission_in_doubt
-from missionplan.diagnosis.next_trial.next_trial import next_trial as value_trials
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
 from missionplan.diagnosis.result_builder import group_scores, ranked_sets
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.base import Provenance
 from missionplan.results.learned.diagnosis import Diagnosis, PlanGain
+from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.log_book.score import DatasetScore
 from missionplan.store.paths import as_path
 from missionplan.studies.arguments import check_arguments
@@ -110,7 +110,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     separated = _separated(bound, found, judgement, jobs)
     stage()
     decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if wanted.plan else PlanGain()
-    trial = value_trials(explanations, found, judgement, scale, seed) if wanted.next_trial else None
+    trial = _next_trial(explanations, found, judgement, scale, seed) if wanted.next_trial else None
     provenance = Provenance(
         command="diagnose",
         mission=mission.name,
@@ -186,6 +186,15 @@ class _Stages:
         self._done = min(self._done + 1, STAGES)
         if self._progress is not None:
             self._progress(self._done, STAGES)
+
+
+def _next_trial(
+    explanations: Sequence[Weighed], found: PipelineResult, judgement: Judgement, scale: float, seed: int
+) -> NextTrial | None:
+    """Value further trials; their models of dives and legs are imported for it alone."""
+    from missionplan.diagnosis.next_trial.next_trial import next_trial
+
+    return next_trial(explanations, found, judgement, scale, seed)
 
 
 def _first_part(bound: DataKind, *, share: float, seed: int) -> DataKind:
