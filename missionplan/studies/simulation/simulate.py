@@ -3,7 +3,6 @@
 import time
 from collections.abc import Generator, Sequence
 from dataclasses import replace
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -141,7 +140,8 @@ def event_probabilities(mission: Mission, *, trials: int, seed: int) -> dict[str
     """
     check_complete(mission)
     means = _checked_means(mission)
-    merged = BlockSequence(_items(trials)).run(partial(run_blocks, BlockTask(means, seed)))
+    task = BlockTask(means, seed)
+    merged = BlockSequence(_items(trials)).run(lambda items: (task(item) for item in items))
     _check_record(means, merged)
     return {name: count.probability() for name, count in merged.totals.counts.items()}
 
