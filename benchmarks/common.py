@@ -105,6 +105,7 @@ def run_command(command: Sequence[str | Path], *, accept: Sequence[int] = (0,)) 
         When the exit status is not one of those accepted.
     """
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # an installed package has its modules compiled
     started, before = time.perf_counter(), _cpu_of_children()
     process = subprocess.Popen(
         [str(word) for word in command],
