@@ -118,6 +118,11 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
+def counted(number: int, noun: str) -> str:
+    """Write a number of things: ``1 row``, ``2 rows``."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 def did_you_mean(name: str, known: Iterable[str], before: str = "") -> str:
     """Return a hint at the known name nearest to the one given, with `before` in front; empty where none is near."""
     close = get_close_matches(name, list(known), n=1)

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.datasets.table import problems_at
-from missionplan.errors import Problem
+from missionplan.errors import Problem, counted
 
 MIN_LEGS = 8
 MAX_LEGS = 2000
@@ -30,7 +30,7 @@ def check_legs(legs: pd.DataFrame, file: str) -> list[Problem]:
     """
     problems = []
     if 0 < len(legs) < MIN_LEGS:
-        problems.append(Problem(f"has {len(legs)} usable legs, too few: {NEEDED}", file))
+        problems.append(Problem(f"has {counted(len(legs), 'usable leg')}, too few: {NEEDED}", file))
     if len(legs) > MAX_LEGS:
         problems.append(Problem(f"has {len(legs)} legs; expected at most {MAX_LEGS}", file, hint="split it"))
     problems += [*_check_durations(legs, file), *_check_degrees(legs, file)]

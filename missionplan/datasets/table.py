@@ -15,7 +15,7 @@ import pandas as pd
 
 from missionplan.datasets.csv_cells import BLANKS, check_file, long_rows, read_cells, read_header
 from missionplan.datasets.times import epoch_seconds
-from missionplan.errors import UNPRINTABLE, InputError, Problem
+from missionplan.errors import UNPRINTABLE, InputError, Problem, counted
 
 MAX_SHOWN = 5
 """Problems of one sort that are reported one by one; the rest are counted."""
@@ -146,7 +146,7 @@ def _without_marked(rows: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
         return rows, []
     marked = pd.to_numeric(rows["ok"], errors="coerce") == 0.0
     count = int(marked.sum())
-    return rows[~marked], [f"{_count(count)} left out as marked (ok = 0)"] if count else []
+    return rows[~marked], [f"{counted(count, 'row')} left out as marked (ok = 0)"] if count else []
 
 
 def _as_numbers(rows: pd.DataFrame, columns: Columns, file: str) -> tuple[pd.DataFrame, list[Problem]]:
@@ -208,20 +208,16 @@ def _without_incomplete(
     candidates = rows[incomplete]
     words = [name for name in text if name in rows]
     blank = candidates.drop(columns=words).isna().all(axis=1) & (candidates[words] == "").all(axis=1)
-    counted = missing[incomplete][~blank]
+    missing_some = missing[incomplete][~blank]
     notices = []
-    if len(counted):
-        where = [name for name in complete if counted[name].any()]
-        notices.append(f"{_count(len(counted))} left out without {' or '.join(where)}")
+    if len(missing_some):
+        where = [name for name in complete if missing_some[name].any()]
+        notices.append(f"{counted(len(missing_some), 'row')} left out without {' or '.join(where)}")
     return rows[~incomplete], notices
 
 
 def _blanks(words: "pd.Series[str]", file: str, name: str) -> list[Problem]:
     return problems_at(words.index[words == ""], lambda line: Problem("is blank; expected a name", file, line, name))
-
-
-def _count(rows: int) -> str:
-    return f"{rows} row{'s' if rows > 1 else ''}"
 
 
 def problems_at(lines: Sequence[int] | pd.Index, problem: Callable[[int], Problem]) -> list[Problem]:

@@ -8,7 +8,6 @@ from typing import Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, field_validator
 
-from missionplan.effects import FAILED_PLUGINS
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
 from missionplan.mission.checks.correlations import check_correlations
 from missionplan.mission.checks.limits.ranges import Findings, check_effects, check_ranges
@@ -19,6 +18,7 @@ from missionplan.mission.checks.site import check_site
 from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.mission_text import MissionText
 from missionplan.mission.editing.yaml_text import dumped
+from missionplan.mission.notices import notices
 from missionplan.mission.quantity_paths import collect_quantities
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import REMOTE, include_files
@@ -296,13 +296,7 @@ class Mission(FileSection):
 
     def notices(self) -> tuple[str, ...]:
         """Return a note for each unusual value, distribution cut at its physical range, and plug-in left out."""
-        cut = (
-            f"{path}: {value.mass_cut:.2g} of the distribution lies outside the physical range and was cut off"
-            for path, value in self.uncertain().items()
-            if value.mass_cut > 1e-12
-        )
-        plugins = (f"the plug-in {name} of effects is left out: {reason}" for name, reason in FAILED_PLUGINS.items())
-        return (*self._unusual, *cut, *plugins)
+        return notices(self._unusual, self.uncertain())
 
     def uncertain(self) -> dict[str, Distribution]:
         """Return the quantities that are distributions, by key path."""

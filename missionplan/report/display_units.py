@@ -10,6 +10,7 @@ from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 
 _SUFFIXES = {"_m_s": "m/s", "_wh": "W*h", "_s": "s", "_m": "m", "_n": "N", "_kg": "kg", "_rad": "rad", "_deg": "deg"}
 _SI = {"W*h": "J", "deg": "rad"}
+_DEGREE = math.pi / 180.0
 _TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
 _TIMES = ((600.0, "s"), (5.0 * 3600.0, "min"), (4.0 * 86400.0, "h"), (math.inf, "day"))
 _KEYS: dict[str, tuple[tuple[str, ...], ...]] = {
@@ -90,7 +91,7 @@ def unit_for(phase: str, key: str, data: Mapping[str, object], *, typical: float
     if unit == "s" and math.isfinite(typical):
         name = next(name for limit, name in _TIMES if abs(typical) < limit)
         return Unit("d" if name == "day" else name, parse_number_with_unit(f"1 {name}", "s"))
-    return Unit(_shown(unit), 1.0)
+    return Unit("°", _DEGREE) if unit == "rad" else Unit(_shown(unit), 1.0)
 
 
 def _texts(phase: str, quantity: str, data: Mapping[str, object]) -> list[object]:
@@ -143,4 +144,6 @@ def _unit_of(value: object, unit: str) -> Unit | None:
 
 
 def _shown(unit: str) -> str:
+    if unit in ("deg", "degree"):
+        return "°"
     return unit.replace("**", "^").replace("*", "\u202f").replace("^2", "²").replace("^3", "³")

@@ -23,7 +23,7 @@ class ExpectedTime:
     share : float
         Of all trials that came so far.
     p50, p95, p99, p999 : float
-        Since the mission's start [s].
+        Since the mission's start [s]; nan for a share that so few trials cannot tell.
     energy_left : float
         In the battery then, in all but 5 % of these trials [W h]; nan where energy is not computed.
     """
@@ -110,14 +110,22 @@ class Overdue:
     beyond_record: bool = False
 
     @property
+    def worry_share(self) -> float:
+        """Largest share of the missions that come back whose time the trials can tell: 0.999 with enough of them."""
+        back = self.times[-1]
+        return 0.999 if math.isfinite(back.p999) else 0.99 if math.isfinite(back.p99) else 0.95
+
+    @property
     def worry_after(self) -> float:
-        """Time by which 99.9 % of the missions that come back are back [s]."""
-        return self.times[-1].p999
+        """Time by which that share of the missions that come back is back [s]."""
+        back = self.times[-1]
+        return next(time for time in (back.p999, back.p99, back.p95) if math.isfinite(time))
 
     def summary(self) -> dict[str, object]:
         """Return the part of `summary.json`."""
         return {
             "worry_after_s": self.worry_after,
+            "worry_share": self.worry_share,
             "times": [
                 {
                     "name": time.name,

@@ -152,7 +152,7 @@ def test_draws_outside_the_physical_range_are_said(tmp_path: Path) -> None:
     path = tmp_path / "mission.yaml"
     path.write_text(TRANSIT.replace("surfacing_time: 90 s", "surfacing_time: {mean: 90 s, sd: 90 s}"))
     assert load(path).notices() == (
-        "navigation.surfacing_time: 0.16 of the distribution lies outside the physical range and was cut off",
+        "navigation.surfacing_time: 16 % of the distribution lies outside the physical range and was cut off",
     )
 
 

@@ -64,7 +64,7 @@ def example(*, origin: bool = True, name: str | None = None, seed: int = 1, shif
             options={"precision": None},
             elapsed_s=1.25,
             data=raw if name is None else {**raw, "name": name},
-            notices=("moor.release_time: 0.00043 of the distribution lies outside the physical range and was cut off",),
+            notices=("moor.release_time: 0.043 % of the distribution lies outside the physical range and was cut off",),
         ),
         phases=(
             _phase("ingress", "transit", ingress, {"arrived": arrived}, np.zeros(TRIALS), first_end),

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.datasets.dives import TOUCHDOWN_MARGIN, DescentData, MeasuredDive
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, Problem, counted
 
 MAX_SAMPLES = 70
 MIN_SAMPLES = 10
@@ -107,7 +107,7 @@ def prepare_dives(data: DescentData) -> PreparedDives:
     prepared = [_prepare(dive, data.depth_noise, notices) for dive in data.dives]
     dives = tuple(dive for dive in prepared if dive is not None)
     if len(dives) < MIN_DIVES:
-        raise InputError([Problem(f"has {len(dives)} usable dives, too few: {NEEDED}", data.file)])
+        raise InputError([Problem(f"has {counted(len(dives), 'usable dive')}, too few: {NEEDED}", data.file)])
     return PreparedDives(data.name, data.source, dives, (*notices, *_doubts_of_metres(data.dives, dives)))
 
 

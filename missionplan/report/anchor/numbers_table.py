@@ -34,7 +34,7 @@ def _of_design(value: Callable[[AnchorDesign], float]) -> Callable[[SizedAnchor]
 
 _ROWS = (
     _Row("Wet weight", lambda anchor: anchor.wet_weight, 2, "N"),
-    _Row("Terminal velocity sized for", lambda anchor: anchor.terminal_velocity, 4, "m/s"),
+    _Row("Terminal velocity sized for", lambda anchor: anchor.terminal_velocity, 3, "m/s"),
     _Row("Dry mass = displaced mass", _of_design(lambda design: design.dry_mass), 4, "kg"),
     _Row("Flooded mass", _of_design(lambda design: design.flooded_mass), 3, "kg"),
     _Row("Length", _of_design(lambda design: design.length), 1, "mm", 1e3),

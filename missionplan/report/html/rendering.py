@@ -16,14 +16,14 @@ from missionplan.report.crew.conversion import given_units
 from missionplan.report.page import BLUE, GRID, INK, Block, Figure, Page, PageSection, Table
 from missionplan.results.base import Provenance, to_yaml
 
-_LARGEST = 1.7
-"""Largest scale of a figure on the page [px/pt]: text of 10 pt is then 17 px high, as the page's."""
+_LARGEST, _LARGEST_PRINTED = 1.7, 1.2
+"""Largest scale of a figure on the screen and on paper [px/pt]: text of 10 pt is then about as high as the page's."""
 _TALL = 0.8
 """Height over width from which a figure is given more room on paper, so that its text can be read."""
 _LONG_NAME = 18
 """Characters of a first cell for which a wide screen keeps more room."""
-_LEAST_COLUMNS, _MOST_CARDS = 4, 14
-"""A narrow screen shows the rows of a table as cards if it has so many columns, and not too many rows."""
+_LEAST_COLUMNS, _MOST_CARDS, _NARROW = 4, 14, 42
+"""A narrow screen shows rows as cards if they have so many columns or more characters than fit, unless too many."""
 
 
 def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenance, notices: Sequence[str]) -> Rendered:
@@ -91,10 +91,17 @@ def grouped(blocks: Sequence[Block]) -> list[Block | list[Figure]]:
 def shape(table: Table) -> str:
     """Choose how a table is shown on a narrow screen and on paper: the classes of its element."""
     few = len(table.rows) <= _MOST_CARDS
-    wide = len(table.columns) >= _LEAST_COLUMNS
+    wide = len(table.columns) >= _LEAST_COLUMNS or (len(table.columns) > 2 and _characters(table) > _NARROW)
     named = any(len(row[0]) > _LONG_NAME for row in table.rows)
     names = (("short", few), ("cards", few and wide), ("long", not few), ("named", named))
     return " ".join(name for name, holds in names if holds)
+
+
+def _characters(table: Table) -> int:
+    """Count the characters that a row needs, its first cell wrapped and those of words too."""
+    wrapped = max(table.text_columns, 1)
+    columns = list(zip(*table.rows, strict=True))[wrapped:] if table.rows else []
+    return 10 * wrapped + sum(2 + max(map(len, cells)) for cells in columns)
 
 
 def filled(table: Table) -> Table:
@@ -132,7 +139,8 @@ def inline(figure: Figure) -> Markup:
     )
     label = Markup.escape(figure.alt)
     width = re.search(r'viewBox="0 0 ([\d.]+)', svg)
-    limit = f' style="max-width: {_LARGEST * float(width[1]):.0f}px"' if width else ""
+    limits = [f"{scale * float(width[1]):.0f}px" for scale in (_LARGEST, _LARGEST_PRINTED)] if width else []
+    limit = f' style="--widest: {limits[0]}; --widest-printed: {limits[1]}"' if limits else ""
     return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"{limit}', 1))
 
 

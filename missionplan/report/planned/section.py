@@ -32,8 +32,7 @@ _NAMES = {
     "sigma": "velocity error of a leg, sd of each axis",
     "covariance": "covariance of a leg's velocity error",
     "origin": "origin of the coordinates",
-    "net_buoyancy": "net buoyancy without the anchor",
-    "mass": "dry mass without the anchor",
+    "mass": "dry mass",
     "roughness": "roughness of the seafloor",
 }
 """Keys that say more in other words."""
@@ -82,9 +81,9 @@ def _site(data: Mapping[str, object]) -> Iterator[Row]:
 def _current(value: object) -> Iterator[Row]:
     """Write each layer of a current, or where it is read."""
     if not isinstance(value, list | tuple):
-        yield "current", value_in_words(_by_name(value))
+        yield "current", _recorded(value)
         return
-    above = "the surface"
+    above = "surface"
     for layer in map(_mapping, value):
         edge = value_in_words(layer.get("down_to"))
         words = f"{value_in_words(layer.get('speed'))} toward {value_in_words(layer.get('toward'))}"
@@ -92,16 +91,17 @@ def _current(value: object) -> Iterator[Row]:
         above = edge
 
 
-def _by_name(current: object) -> object:
-    """Name the files of a current without their folders."""
+def _recorded(current: object) -> str:
+    """Write the file of a recorded current without its folder, or those of an ensemble with their weights."""
     if not isinstance(current, Mapping):
-        return current
-    names = {
-        key: [Path(str(each)).name for each in value] if isinstance(value, list | tuple) else Path(str(value)).name
-        for key, value in current.items()
-        if key == "file"
-    }
-    return {**current, **names}
+        return value_in_words(current)
+    given, rest = current.get("file"), {key: value for key, value in current.items() if key not in ("file", "weights")}
+    weights = current.get("weights")
+    files = [Path(str(each)).name for each in given] if isinstance(given, list | tuple) else [Path(str(given)).name]
+    if isinstance(weights, list | tuple) and len(weights) == len(files):
+        files = [f"{name} (weight {value_in_words(weight)})" for name, weight in zip(files, weights, strict=True)]
+    words = f"one of {len(files)} files: {', '.join(files)}" if len(files) > 1 else f"file {files[0]}"
+    return "; ".join(filter(None, (words, value_in_words(rest))))
 
 
 def _navigation(data: Mapping[str, object]) -> Iterator[Row]:
@@ -124,10 +124,21 @@ def _vehicle(data: Mapping[str, object]) -> Iterator[Row]:
             shown = {inner: each for inner, each in _mapping(value).items() if inner in _ANCHOR}
             if shown:
                 yield "anchor", value_in_words(shown)
+        elif key in ("mass", "net_buoyancy") and "anchor" in vehicle:
+            yield f"{_named(key)} without the anchor", value_in_words(value)
+        elif key == "hull":
+            yield "hull", _hull(_mapping(value))
         else:
             yield _named(key), value_in_words(value)
     if "energy" in data:
         yield "energy of the mission", value_in_words(data["energy"])
+
+
+def _hull(hull: Mapping[str, object]) -> str:
+    """Write the hull; a form factor that is a formula by its author."""
+    author = hull.get("form_factor")
+    named = {**hull, "form_factor": f"after {author.capitalize()}"} if isinstance(author, str) else hull
+    return value_in_words(named)
 
 
 def _phases(data: Mapping[str, object]) -> Iterator[Row]:
@@ -137,13 +148,15 @@ def _phases(data: Mapping[str, object]) -> Iterator[Row]:
         keys = {key: value for key, value in _mapping(section).items() if key not in ("name", "sweep")}
         name = str(_mapping(section).get("name", kind))
         label = name if name == kind else f"{name} ({kind})"
-        yield label, ", ".join(f"{_named(key)} {_phase_value(key, value)}" for key, value in keys.items())
+        yield label, ", ".join(_phase_value(key, value) for key, value in keys.items())
 
 
 def _phase_value(key: str, value: object) -> str:
+    if isinstance(value, bool):
+        return f"{'with' if value else 'without'} {_named(key)}"
     if key == "d_max" and isinstance(value, Mapping) and "table" in value:
-        return "those of a table of legs"
-    return value_in_words(value)
+        return "legs from a table"
+    return f"{_named(key)} {value_in_words(value)}"
 
 
 def _effects(data: Mapping[str, object]) -> Iterator[Row]:

@@ -56,7 +56,12 @@ def _start(outcome: Outcome) -> datetime | None:
 
 
 def _clock(seconds: float, start: datetime | None) -> str:
-    """Write a time since the start in hours and minutes, rounded up, with the time of day where it is known."""
+    """Write a time since the start in hours and minutes, rounded up, with the time of day where it is known.
+
+    Empty for a time that the trials cannot tell.
+    """
+    if math.isnan(seconds):
+        return ""
     minutes = math.ceil(seconds / 60.0)
     words = f"{minutes // 60}:{minutes % 60:02d}\u00a0h"
     return words if start is None else f"{words} ({start + timedelta(minutes=minutes):%d %b %H:%M})"
@@ -64,10 +69,13 @@ def _clock(seconds: float, start: datetime | None) -> str:
 
 def _why(found: Overdue, start: datetime | None) -> str:
     back = found.times[-1]
+    of = {0.999: "999 of 1000", 0.99: "99 of 100", 0.95: "19 of 20"}[found.worry_share]
     words = (
-        f"By {_clock(found.worry_after, start)} after the start, 999 of 1000 missions that come back are back; half "
+        f"By {_clock(found.worry_after, start)} after the start, {of} missions that come back are back; half "
         f"are by {_clock(back.p50, None)}."
     )
+    if found.worry_share < 0.999:
+        words += " So few trials tell of no later hour; some 2300 that come back tell of 999 in 1000."
     if not found.missing:
         return f"{words} In the model every mission comes back: what keeps it away is not in the model."
     worst = max(found.missing, key=lambda step: found.missing[step])
@@ -81,6 +89,8 @@ def _times(found: Overdue, start: datetime | None) -> Table:
     rows = [_time_row(time, start, has_energy=has_energy) for time in found.times]
     columns = ["at the surface", "trials", "50 %", "95 %", "99 %", "99.9 %"]
     caption = "Hours and minutes since the start by which that share of the trials is there."
+    if any(math.isnan(time.p95 + time.p99 + time.p999) for time in found.times):
+        caption += " Blank: too few trials to tell."
     if has_energy:
         columns.append("battery left (W h)")
         caption += " Battery: all but 5 % have more; use taken as even within each phase."

@@ -29,7 +29,8 @@ def page(found: RareFailure) -> Page:
 def terminal(found: RareFailure) -> Terminal:
     """Build the terminal's view: the answer, and the ways to fail."""
     rows = [(_way(mode), _percent(mode.share)) for mode in found.modes]
-    return Terminal(answer(found), ("way to fail", "of the failures"), rows)
+    is_failure = any(mode.step for mode in found.modes)
+    return Terminal(answer(found), ("way to fail" if is_failure else "in", "of all of these"), rows)
 
 
 def answer(found: RareFailure) -> str:
@@ -70,7 +71,7 @@ def event_in_words(event: str) -> str:
 
 
 def _way(mode: FailureMode) -> str:
-    return failure_in_words(mode.step) if mode.step else "missions that succeed all the same"
+    return failure_in_words(mode.step) if mode.step else "missions that otherwise succeed"
 
 
 def _causes_in_words(mode: FailureMode) -> str:
@@ -105,10 +106,12 @@ def _how(found: RareFailure) -> Iterator[PageSection]:
     if not found.modes:
         return
     blocks: list[Block] = []
+    is_failure = any(mode.step for mode in found.modes)
+    of_these = "the failures" if is_failure else "these missions"
     for mode in found.modes:
         causes = _causes_in_words(mode)
         blocks.append(
-            f"{_percent(mode.share)} of the failures are {_way(mode)}"
+            f"{_percent(mode.share)} of {of_these} are {_way(mode)}"
             + (f", with {causes}." if causes else "; no input is far from usual in them.")
         )
     rows = [
@@ -123,13 +126,16 @@ def _how(found: RareFailure) -> Iterator[PageSection]:
         for cause in mode.causes
     ]
     if rows:
-        columns = ("way to fail", "input", "mean where it fails", "usual mean", "shift (sd)")
+        columns = ("way to fail" if is_failure else "in", "input", "mean then", "usual mean", "shift (sd)")
         caption = (
             "SI units; shift in standard deviations of all trials. Velocity errors are means over a transit's legs."
         )
         blocks.append(Table(columns, rows, caption, text_columns=2))
-    blocks.append("failures.csv has trials that fail, each as likely as any other, with all that was drawn in them.")
-    yield PageSection(f"How it fails: {_way(found.modes[0])}", blocks)
+    blocks.append(
+        "failures.csv has trials in which it comes about, each as likely as any other, with all that was drawn in them."
+    )
+    heading = "How it fails" if is_failure else "How it comes about"
+    yield PageSection(f"{heading}: {_way(found.modes[0])}", blocks)
 
 
 def _precision(found: RareFailure) -> Iterator[PageSection]:

@@ -30,9 +30,11 @@ def requirements_in_words(outcome: Outcome) -> str:
 
 def _decided_in_words(met: int, count: int) -> str:
     if met == count:
-        return "Its requirement is met" if count == 1 else f"All {count} requirements are met"
+        all_of_them = "Both" if count == 2 else f"All {count}"
+        return "Its requirement is met" if count == 1 else f"{all_of_them} requirements are met"
     if met == 0:
-        return "Its requirement is not met" if count == 1 else f"None of its {count} requirements is met"
+        none_of_them = "Neither of its" if count == 2 else f"None of its {count}"
+        return "Its requirement is not met" if count == 1 else f"{none_of_them} requirements is met"
     return f"{met} of its {count} requirements {'is' if met == 1 else 'are'} met"
 
 

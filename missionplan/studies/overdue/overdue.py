@@ -1,6 +1,7 @@
 """Expected times and search areas of a mission, from one block of its trials with all their tracks."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ FEWEST_FAILED = 20
 """Trials that failed in a way, from which its search area is taken; with fewer, others are assumed to fail so."""
 MOST_SURFACINGS = 5
 """Of a transit that the sheet names, besides its arrival."""
+CONFIDENCE = 0.9
+"""That the latest of the trials lies beyond a share, for them to tell its time: of 0.999, 2302 trials can."""
 _LEAST_SHARE = 0.05
 """Of the trials that make a surfacing for it to be named."""
 _SINKING = (AGROUND, FLOODED_EARLY)
@@ -48,12 +51,13 @@ def overdue(scenario: Scenario, trials: MissionTrials, seed: int) -> Overdue | N
     clouds = _clouds(trials, steps, moving, stream(seed, "overdue", 0))
     drift = FloatingVehicle(scenario.current, scenario.transit_effects, back.size)
     reach = max((_reach(phase) for phase in moving if phase.kind == "moor"), default=0.0)
-    return Overdue(
+    found = Overdue(
         times=times,
         missing={name: float(np.mean(failed)) for name, failed in steps.items() if np.any(failed)},
-        areas=tuple(search_areas(clouds, drift, times[-1].p999, reach)),
+        areas=(),
         beyond_record=scenario.recorded is not None,
     )
+    return replace(found, areas=tuple(search_areas(clouds, drift, found.worry_after, reach)))
 
 
 def _reach(mooring: PhaseTrials) -> float:
@@ -81,12 +85,17 @@ def _surfacings(scenario: Scenario, trials: MissionTrials) -> Iterator[ExpectedT
 
 def _time(name: str, trials: MissionTrials, scenario: Scenario, clock: Array) -> ExpectedTime:
     reached = np.isfinite(clock)
-    p50, p95, p99, p999 = (float(each) for each in np.quantile(clock[reached], (0.5, 0.95, 0.99, 0.999)))
+    p50, p95, p99, p999 = (_time_of(share, clock[reached]) for share in (0.5, 0.95, 0.99, 0.999))
     left = scenario.capacity / JOULES_PER_WATT_HOUR - _spent(trials, clock)
     known = left[reached & np.isfinite(left)]
     return ExpectedTime(
         name, float(np.mean(reached)), p50, p95, p99, p999, float(np.quantile(known, 0.05)) if known.size else np.nan
     )
+
+
+def _time_of(share: float, clock: Array) -> float:
+    """Time by which a share of the trials is there; nan where so few cannot tell it."""
+    return float(np.quantile(clock, share)) if share**clock.size <= 1.0 - CONFIDENCE else np.nan
 
 
 def _spent(trials: MissionTrials, clock: Array) -> Array:

@@ -164,7 +164,7 @@ def _notices(pilot: Pilot, batches: Sequence[FailingTrials], aim: float) -> list
         ]
     if _estimate(batches).variation <= aim:
         return []
-    return [f"The coefficient of variation asked for, {100.0 * aim:g} %, was not reached; give more --trials."]
+    return [f"The coefficient of variation asked for, {100.0 * aim:g} %, was not reached: it takes more trials."]
 
 
 def _result(
