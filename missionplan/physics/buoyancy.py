@@ -4,11 +4,18 @@ from missionplan.arrays import Scalars
 
 STANDARD_GRAVITY = 9.80665
 """g [m/s²], the conventional value."""
+LEAD_DENSITY = 11_340.0
+"""Of lead, the densest that anchors are made of [kg/m³]."""
 
 
 def wet_weight(mass: Scalars, material_density: Scalars, water_density: Scalars) -> Scalars:
     """Weight of a solid in water, m (1 - ρ/ρ_i) g [N], from its mass [kg] and the two densities [kg/m³]."""
     return mass * (1.0 - water_density / material_density) * STANDARD_GRAVITY
+
+
+def lead_mass(weight: Scalars, water_density: Scalars) -> Scalars:
+    """Mass of lead of a wet weight W [N] in water of a density ρ [kg/m³], W/g(1 - ρ/ρ_lead) [kg]."""
+    return weight / wet_weight(1.0, LEAD_DENSITY, water_density)
 
 
 def displaced_mass(mass: Scalars, net_buoyancy: Scalars) -> Scalars:

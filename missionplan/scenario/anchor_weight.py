@@ -9,7 +9,7 @@ from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
 from missionplan.physics.anchor import AnchorProblem, Construction, Part, cylinder_and_trim, dry_mass
-from missionplan.physics.buoyancy import STANDARD_GRAVITY, flooded_mass
+from missionplan.physics.buoyancy import STANDARD_GRAVITY, flooded_mass, lead_mass
 from missionplan.physics.mooring import layer_thicknesses, required_terminal_velocity
 from missionplan.physics.vehicle_drag import anchor_drag
 from missionplan.scenario.drawn_mission import DrawnMission
@@ -133,11 +133,18 @@ def anchor_length(drawn: DrawnMission, weight: Scalars) -> Scalars:
         problem = anchor_problem(drawn.means)
         return problem.radius + cylinder_and_trim(problem, weight)[0]
     radius = drawn["vehicle.anchor.diameter"] / 2.0
-    volume = (drawn["vehicle.anchor.flooded_mass"] - weight / STANDARD_GRAVITY) / drawn.water.density
+    volume = (anchor_flooded_mass(drawn, weight) - weight / STANDARD_GRAVITY) / drawn.water.density
     tube = (volume + drawn["vehicle.anchor.overlap_volume"]) / (np.pi * radius**2) - 2.0 / 3.0 * radius
     return radius + np.maximum(tube, 0.0)
 
 
-def anchor_flooded_mass(means: DrawnMission, weight: Scalars) -> Scalars:
-    """Return the mass of the anchor built for a wet weight [N], with the water inside, without added mass [kg]."""
-    return flooded_mass(dry_mass(anchor_problem(means), weight), weight)
+def anchor_flooded_mass(drawn: DrawnMission, weight: Scalars) -> Scalars:
+    """Return the mass of an anchor of a wet weight [N], with the water inside, without added mass [kg].
+
+    The vehicle file's, else that of the anchor built for the weight. Studies try weights that the mass in the file
+    could not have, whatever it is made of: then it is that of lead of this weight.
+    """
+    given = drawn.draws.get("vehicle.anchor.flooded_mass")
+    if given is None:
+        return flooded_mass(dry_mass(anchor_problem(drawn.means), weight), weight)
+    return np.maximum(given, lead_mass(weight, drawn.water.density))

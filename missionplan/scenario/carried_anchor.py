@@ -49,8 +49,7 @@ def carried_anchor(drawn: DrawnMission, phase: TransitPhase) -> CarriedAnchor | 
     try:
         weight = wet_weight_of(drawn, moor) if isinstance(moor, MoorPhase) else 0.0
         length = anchor_length(drawn, weight)
-        flooded = drawn.draws.get("vehicle.anchor.flooded_mass")
-        mass = (anchor_flooded_mass(drawn.means, weight) if flooded is None else flooded) - weight / STANDARD_GRAVITY
+        mass = anchor_flooded_mass(drawn, weight) - weight / STANDARD_GRAVITY
     except (InputError, ValueError):
         return None  # said by who sizes the anchor: a study of the transits alone needs none
     return CarriedAnchor(np.maximum(length - overlap_height(drawn.means), 0.0), np.maximum(mass, 0.0))

@@ -45,8 +45,7 @@ def dive_of(scenario: Scenario, phase: MoorPhase, weight: Scalars | None = None)
     water, drag, diameter = scenario.water, scenario.vehicle_drag, scenario["vehicle.anchor.diameter"]
     if weight is None:
         weight = wet_weight_of(scenario, phase)
-    flooded = scenario.draws.get("vehicle.anchor.flooded_mass")
-    anchor_mass = anchor_flooded_mass(scenario.means, weight) if flooded is None else flooded
+    anchor_mass = anchor_flooded_mass(scenario, weight)
     return Dive(
         wet_weight=weight,
         anchor_mass=anchor_mass,

@@ -47,6 +47,10 @@ IMPOSSIBLE = [
     ({MOOR + "release_time": "10 day"}, "is impossible"),
     ({MOOR + "anchor_wet_weight": "0.5 N"}, "0.5 N cannot sink a vehicle of 0.8896 N net buoyancy"),
     ({MOOR + "anchor_wet_weight": "500 kN"}, "is impossible"),
+    (
+        {"vehicle.anchor.flooded_mass": "1 kg"},
+        r"flooded_mass, 1 kg, weighs in water \(of lead it would weigh 8\.94 N\)",
+    ),
     ({"vehicle.net_buoyancy": "200 lbf"}, "% of the vehicle's weight; expected at most 50 %"),
     ({"vehicle.mass": "10.2 g"}, "it cannot float in this hull"),
     ({"vehicle.mass": "500 kg"}, "it cannot float in this hull"),

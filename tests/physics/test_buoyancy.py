@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from missionplan.physics.buoyancy import STANDARD_GRAVITY, displaced_mass, flooded_mass, wet_weight
+from missionplan.physics.buoyancy import STANDARD_GRAVITY, displaced_mass, flooded_mass, lead_mass, wet_weight
 
 WATER = 1026.0
 
@@ -31,3 +31,8 @@ def test_water_inside_a_flooded_anchor_replaces_the_volume_that_its_solids_do_no
     weight = sum(wet_weight(mass, density, WATER) for density, mass in solids.items())
     volume = dry / WATER - sum(mass / density for density, mass in solids.items())
     assert flooded_mass(dry, weight) == pytest.approx(dry + WATER * volume)
+
+
+def test_lead_of_a_wet_weight_is_its_mass_less_the_water_it_displaces():
+    mass = lead_mass(78.0, WATER)
+    assert mass * STANDARD_GRAVITY - mass / 11_340.0 * WATER * STANDARD_GRAVITY == pytest.approx(78.0)

@@ -15,10 +15,12 @@ from missionplan.mission.schema.phases import LegTableSection, MoorPhase, Phase,
 from missionplan.mission.schema.site import Geographic, Position, Site
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.distributions import mean_of
-from missionplan.physics.buoyancy import STANDARD_GRAVITY
+from missionplan.physics.buoyancy import LEAD_DENSITY, STANDARD_GRAVITY, wet_weight
 
 _SEA_WATER = 1025.0
 """Density to compare a hull's volume with its mass [kg/m³]."""
+_FRESH_WATER = 1000.0
+"""Density in which an anchor weighs most [kg/m³]."""
 _BUOYANT = (0.5, 0.1)
 """Net buoyancy over weight that is impossible, and that is unusual: AUVs are trimmed to 0.1 to 2 %."""
 _FILLED = ((0.1, 3.0), (0.4, 1.3))
@@ -82,6 +84,10 @@ def _mooring(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterato
     if weight <= buoyancy:
         message = f"{weight:.4g} N cannot sink a vehicle of {buoyancy:.4g} N net buoyancy"
         yield LocalProblem(("anchor_wet_weight",), message)
+    flooded = vehicle.anchor.flooded_mass if vehicle.anchor is not None else None
+    if flooded is not None and weight > (most := float(wet_weight(mean_of(flooded), LEAD_DENSITY, _FRESH_WATER))):
+        message = f"{weight:.4g} N is more than vehicle.anchor.flooded_mass, {mean_of(flooded):.4g} kg, weighs in water"
+        yield LocalProblem(("anchor_wet_weight",), message, f"of lead it would weigh {most:.3g} N")
 
 
 def _cover(phase: MoorPhase, depth: float, vehicle: Vehicle | None) -> Iterator[LocalProblem]:
