@@ -214,6 +214,11 @@ def has_shape(causes: Causes) -> bool:
     return any(parameter.is_shape for cause in causes for parameter in CATALOGUE[cause].parameters.values())
 
 
+def is_approximate(cause: str) -> bool:
+    """Whether an effect has shape parameters and no physical law gives its form but for them."""
+    return has_shape((cause,)) and not CATALOGUE[cause].follows_law
+
+
 def is_possible(found: Iterable[ParameterEstimate]) -> bool:
     """Whether every strength lies in its physical range, and every shape's 90 % interval overlaps it.
 

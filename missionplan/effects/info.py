@@ -234,6 +234,9 @@ class EffectInfo:
         Whether the phase needs the latitude of the coordinates' origin.
     is_steady_current : bool
         Whether its parameters `east` and `north` add to the mission's own uncertainty of the current.
+    follows_law : bool
+        Whether a physical law gives its form but for its parameters; other forms with shape parameters are approximate,
+        and the diagnosis of dives allows what they add a relative error.
     scatter : str
         Whether dives scatter in this effect from one to the next: in the time of release, or in drag.
     instrument : Instrument, optional
@@ -270,6 +273,7 @@ class EffectInfo:
     resolvable: Callable[[float], Collection[str]] | None = None
     needs_latitude: bool = False
     is_steady_current: bool = False
+    follows_law: bool = False
     scatter: Scatter = ""
     instrument: Instrument | None = None
     likeness: Likeness | None = None

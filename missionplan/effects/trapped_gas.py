@@ -15,13 +15,17 @@ ATMOSPHERE = 10.1
 
 @dataclass(frozen=True)
 class TrappedGas(DescentEffect):
-    """Upward force `lift_at_surface` [N], halved at about 10 m by Boyle's law (isothermal)."""
+    """Upward force `lift_at_surface` [N], halved at about 10 m by Boyle's law (isothermal).
+
+    The gas sits `height` [m] above the nose, whose depth is the vehicle's, where the hull hangs nose down.
+    """
 
     lift_at_surface: Scalars = 0.0
+    height: Scalars = 0.0
 
     def lift(self, depth: Scalars) -> Scalars:
-        """Return the upward force [N]."""
-        return self.lift_at_surface / (1.0 + np.maximum(depth, 0.0) / ATMOSPHERE)
+        """Return the upward force at a depth of the nose [N]."""
+        return self.lift_at_surface / (1.0 + np.maximum(depth - self.height, 0.0) / ATMOSPHERE)
 
 
 INFO = EffectInfo(
@@ -32,7 +36,10 @@ INFO = EffectInfo(
     parameters={
         "lift": Parameter(
             "N", "upward force of the bubble at the surface", 0.0, 20.0, scale=1.5, spike=0.02, field="lift_at_surface"
-        )
+        ),
+        "height": Parameter(
+            "m", "height of the gas above the nose, when the vehicle hangs nose down", 0.0, 10.0, median=0.4, factor=2.0
+        ),
     },
     what=(
         "Air under fairings or in the sail buoys the vehicle up and is compressed with depth: the descent accelerates."
@@ -42,6 +49,7 @@ INFO = EffectInfo(
         "gas trapped in the vehicle lifts it by {size} at the surface",
         remedy="vent it before the dive, with the nose down",
     ),
+    follows_law=True,
     sizes="0.1 to 0.4 L of air, 1 to 4 N; always upward.",
     confused_with=("stratification", "drag-bias", "slow-flooding"),
     distinguished_by=(

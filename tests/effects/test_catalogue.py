@@ -12,7 +12,7 @@ CONTRACT = {
     "drag-bias": ["fraction"],
     "line-payout": ["delay_per_length"],
     "slow-flooding": ["fraction", "time"],
-    "trapped-gas": ["lift"],
+    "trapped-gas": ["lift", "height"],
     "stratification": ["lift", "depth", "thickness"],
     "broadside-start": ["extra_drag", "time"],
     "added-mass": ["fraction"],

@@ -31,6 +31,14 @@ def test_gas_is_halved_under_one_atmosphere_of_water():
     assert gas.lift(ATMOSPHERE) == 1.0
 
 
+def test_gas_in_the_tail_is_compressed_later():
+    """Boyle's law at the gas, not at the nose."""
+    gas = TrappedGas(2.0, height=0.5)
+    assert gas.lift(0.4) == 2.0
+    assert gas.lift(ATMOSPHERE + 0.5) == pytest.approx(1.0)
+    assert gas.lift(5.0) == TrappedGas(2.0).lift(4.5)
+
+
 def test_stratification_is_a_step_of_given_thickness():
     step = Stratification(1.0, depth=8.0, thickness=2.0)
     assert step.lift(8.0) == 0.5

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.diagnosis.coordinates import is_approximate
 from missionplan.diagnosis.dives.forward import (
     DRAG_EFFECT,
     LARGEST_RELEASE_DELAY,
@@ -67,7 +68,7 @@ class DiveLinearisation:
     curvature : array, shape (N,)
         Second-order term of the release delay's scatter: large where the line goes taut with a jerk [m].
     shaped : array, shape (N,)
-        Part of the readings that is due to the causes with shape parameters [m].
+        Part of the readings that is due to the causes whose form is approximate [m].
     """
 
     at: Array
@@ -122,19 +123,18 @@ class LinearisedDescent(DescentPriors):
     def _settings(self, at: Array, varied: NDArray[np.int_]) -> Array:
         """Settings of one linearisation.
 
-        Here, heavier, lighter, later, earlier, without effects of a shape; then one a coordinate for the forward
-        differences.
+        Here, heavier, lighter, later, earlier, without effects of approximate form; then one a coordinate for the
+        forward differences.
         """
         shifted = np.repeat(at[:, None], 2, axis=1)
         shifted[self.index(RELEASE_EFFECT)] += np.array([CURVATURE_STEP, -CURVATURE_STEP])
         here = np.repeat(at[:, None], 3, axis=1)
         ahead = perturbed(at, varied, DIFFERENCE * self.slab[varied])
-        return np.concatenate([here, shifted, self._without_shapes(at)[:, None], ahead], axis=1)
+        return np.concatenate([here, shifted, self._without_approximate(at)[:, None], ahead], axis=1)
 
-    def _without_shapes(self, at: Array) -> Array:
-        """Coordinates without the effects that have shape parameters, shape (k,)."""
-        effects = {c.effect for c in self.coordinates if c.kind == "shape"}
-        return np.where([c.effect in effects for c in self.coordinates], self.centre, at)
+    def _without_approximate(self, at: Array) -> Array:
+        """Coordinates without the effects whose form is approximate, shape (k,)."""
+        return np.where([is_approximate(c.effect) for c in self.coordinates], self.centre, at)
 
     def _linearisation(
         self, causes: Causes, at: Array, varied: NDArray[np.int_], delays: Array, readings: Array

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, has_shape
+from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, is_approximate
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.given.effects import GivenEffect, held, tied
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
@@ -17,7 +17,7 @@ from missionplan.effects import effects_of
 from missionplan.results.learned.evidence import Causes
 
 MINIMUM_EVIDENCE_GAIN_SHAPED = 0.05
-"""Minimum relative evidence gain beside causes with shape parameters, whose shape error another cause may absorb."""
+"""Minimum relative evidence gain beside causes of approximate form, whose shape error another cause may absorb."""
 
 
 @dataclass(frozen=True)
@@ -46,12 +46,12 @@ class DescentPriors:
         return {}
 
     def minimum_evidence_gain(self, causes: Causes) -> float:
-        """Minimum relative evidence gain, allowing for the shape error of causes with shape parameters."""
-        return MINIMUM_EVIDENCE_GAIN_SHAPED if has_shape(causes) else MINIMUM_EVIDENCE_GAIN
+        """Minimum relative evidence gain, allowing for the shape error of causes of approximate form."""
+        return MINIMUM_EVIDENCE_GAIN_SHAPED if any(map(is_approximate, causes)) else MINIMUM_EVIDENCE_GAIN
 
     def may_be_multimodal(self, causes: Causes) -> bool:
-        """Whether a cause has a shape parameter."""
-        return has_shape(causes)
+        """Whether the form of a cause is approximate."""
+        return any(map(is_approximate, causes))
 
     @cached_property
     def y(self) -> Array:

@@ -3,14 +3,14 @@
 from collections.abc import Iterator, Sequence
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate
+from missionplan.diagnosis.coordinates import Coordinate, is_approximate
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.effects import CATALOGUE
 from missionplan.phases.hooks import DescentEffect
 from missionplan.results.learned.evidence import Causes
 
 INITIAL_STRENGTH = 0.5
-"""Strength at a fresh start of an effect with shape parameters, in prior standard deviations."""
+"""Strength at a fresh start of an effect of approximate form, in prior standard deviations."""
 SHAPE_SHIFTS = (-1.2, 0.0, 1.2)
 """Its first shape parameter there, in prior standard deviations about its prior mean."""
 LATE_STARTS = (-8.0, -4.0, 4.0, 8.0)
@@ -98,12 +98,12 @@ def _from_fits(
 
 
 def _spread_over_shapes(coordinates: Sequence[Coordinate], fresh: Sequence[str], start: Array) -> list[Array]:
-    """Points about one, several for each of the fresh effects that has shape parameters."""
+    """Points about one, several for each of the fresh effects of approximate form."""
     found = [start]
     for name in fresh:
         own = [i for i, coordinate in enumerate(coordinates) if coordinate.effect == name]
         shapes = [i for i in own if coordinates[i].kind == "shape"]
-        if shapes:
+        if is_approximate(name):
             found = [_shifted(coordinates, own, shapes[0], shift, point) for point in found for shift in SHAPE_SHIFTS]
     return found
 

@@ -68,7 +68,7 @@ def test_effect_free_dives_are_adequate(measured):
         ("drag-bias", {"fraction": 0.35}),
         pytest.param("line-payout", {"delay_per_length": 0.25}, marks=pytest.mark.slow),
         pytest.param("slow-flooding", {"fraction": 0.4, "time": 4.0}, marks=pytest.mark.slow),
-        pytest.param("trapped-gas", {"lift": 2.5}, marks=pytest.mark.slow),
+        pytest.param("trapped-gas", {"lift": 2.5, "height": 0.3}, marks=pytest.mark.slow),
         pytest.param("stratification", {"lift": 2.0, "depth": 6.0, "thickness": 1.5}, marks=pytest.mark.slow),
         pytest.param("broadside-start", {"extra_drag": 6.0, "time": 2.0}, marks=pytest.mark.slow),
         pytest.param("added-mass", {"fraction": 0.6}, marks=pytest.mark.slow),
