@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from missionplan.results.choosing.exploration import Exploration
     from missionplan.results.choosing.optimisation import Optimised
 
+_WORKERS_NEED = "missionplan.studies.exploration.cells"
+
 
 class ExplorationAim(StrEnum):
     """What the best of the cells is."""
@@ -73,19 +75,22 @@ def explore(
     """
 
     def study(loaded: "Mission", kept: "Path", progress: Progress) -> "Exploration":
-        from missionplan.studies.exploration.explore import explore
+        from missionplan.montecarlo.parallel.pool import preloaded_pool
 
-        return explore(
-            loaded,
-            vary,
-            aim=aim.value,
-            only_best=only_best,
-            quantities=quantity or (),
-            checkpoint=kept,
-            resume=resume,
-            progress=progress,
-            **run.arguments(),
-        )
+        with preloaded_pool(run.other_processes, _WORKERS_NEED):  # they import while this process does
+            from missionplan.studies.exploration.explore import explore
+
+            return explore(
+                loaded,
+                vary,
+                aim=aim.value,
+                only_best=only_best,
+                quantities=quantity or (),
+                checkpoint=kept,
+                resume=resume,
+                progress=progress,
+                **run.arguments(),
+            )
 
     found = run_resumable(mission, "explore", study, output, allow_outside=allow_outside, resume=resume)
     if not found.any_meets_all:
@@ -131,19 +136,23 @@ def optimise(
     """
 
     def study(loaded: "Mission", kept: "Path", progress: Progress) -> "Optimised":
-        from missionplan.studies.optimisation.optimise import optimise
+        from missionplan.montecarlo.parallel.pool import preloaded_pool
 
-        return optimise(
-            loaded,
-            choose=choose or (),
-            aim=aim.value if aim else None,
-            trials=trials,
-            seed=seed,
-            jobs=o.worker_count(jobs),
-            checkpoint=kept,
-            resume=resume,
-            progress=progress,
-        )
+        processes = o.worker_count(jobs)
+        with preloaded_pool(processes - 1, _WORKERS_NEED):
+            from missionplan.studies.optimisation.optimise import optimise
+
+            return optimise(
+                loaded,
+                choose=choose or (),
+                aim=aim.value if aim else None,
+                trials=trials,
+                seed=seed,
+                jobs=processes,
+                checkpoint=kept,
+                resume=resume,
+                progress=progress,
+            )
 
     found = run_resumable(mission, "optimise", study, output, allow_outside=allow_outside, resume=resume)
     if not found.feasible:

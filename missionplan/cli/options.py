@@ -91,6 +91,11 @@ class MonteCarloOptions:
             "scheduler": self.scheduler,
         }
 
+    @property
+    def other_processes(self) -> int:
+        """Processes of the pool beside this one; 0 where it is not used."""
+        return worker_count(self.jobs) - 1 if self.backend is ParallelBackend.LOKY else 0
+
 
 @dataclass(frozen=True)
 class OutputOptions:

@@ -13,7 +13,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-import pandas as pd
 import yaml
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
@@ -21,7 +20,8 @@ from missionplan.rendering import Plot, presenter, render
 from missionplan.store.folder import check_holds_no_input, new_folder, write_atomically
 from missionplan.store.paths import as_path
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # workers import this module: pandas takes half a second
+    import pandas as pd
     import xarray
     from matplotlib.axes import Axes
 
@@ -97,7 +97,7 @@ class Result(ABC):
         """Contents of `summary.json`: SI values, keys that end with the unit."""
 
     @abstractmethod
-    def to_frame(self) -> pd.DataFrame:
+    def to_frame(self) -> "pd.DataFrame":
         """The study's main table."""
 
     @abstractmethod
@@ -214,7 +214,7 @@ def to_yaml(data: Mapping[str, object]) -> str:
     return yaml.safe_dump(_plain(data), sort_keys=False, allow_unicode=True, width=120)
 
 
-def to_grid(frame: pd.DataFrame, dimensions: Sequence[str], unit: Mapping[str, str]) -> "xarray.Dataset":
+def to_grid(frame: "pd.DataFrame", dimensions: Sequence[str], unit: Mapping[str, str]) -> "xarray.Dataset":
     """Arrange a table whose rows are the cells of a grid as arrays.
 
     Parameters
@@ -243,12 +243,15 @@ def to_grid(frame: pd.DataFrame, dimensions: Sequence[str], unit: Mapping[str, s
     return grid
 
 
-def to_csv(frame: pd.DataFrame) -> str:
+def to_csv(frame: "pd.DataFrame") -> str:
     """Write a table as CSV, without an index; text that a spreadsheet would compute gets a quote in front."""
+    from pandas import Series
+    from pandas.api.types import is_numeric_dtype
+
     safe = frame.rename(columns=_no_formula)
-    for name in (each for each, cells in safe.items() if not pd.api.types.is_numeric_dtype(cells)):
+    for name in (each for each, cells in safe.items() if not is_numeric_dtype(cells)):
         cells = safe[name]
-        safe[name] = pd.Series([_no_formula(cell) for cell in cells], cells.index, cells.dtype)
+        safe[name] = Series([_no_formula(cell) for cell in cells], cells.index, cells.dtype)
     return str(safe.to_csv(index=False, lineterminator="\n"))
 
 

@@ -147,6 +147,13 @@ def test_help_defers_heavy_imports() -> None:
     assert not imported_by("--help") & (HEAVY - {"rich"} | {"numpy", "pydantic", "scipy"})
 
 
+@pytest.mark.parametrize("tasks", ["studies.exploration.cells", "studies.simulation.task"])
+def test_workers_import_what_trials_need(tasks: str) -> None:
+    code = f"import sys, missionplan.{tasks}\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not set(done.stdout.split()) & {"pandas", "matplotlib", "xarray", "jinja2", "dask"}
+
+
 def test_diagnose_imports_one_kind_of_data(tmp_path: Path) -> None:
     code = "import sys\nfrom missionplan import diagnose, load\nimport missionplan.diagnosis.diagnose\n"
     code += "from missionplan.diagnosis.kinds import bind_dataset\nfrom pathlib import Path\n"

@@ -66,6 +66,23 @@ def test_places_are_good_together_where_each_is_good_alone(seed, spread):
     assert together.tolist() == water._is_good_by_columns(places, 60.0, depth).tolist()
 
 
+@given(seed=st.integers(0, 10_000), spread=st.sampled_from([50.0, 500.0]), last=st.sampled_from([4400.0, 4700.0]))
+def test_spans_are_covered_together_where_each_is_covered_alone(seed, spread, last):
+    generator, count = np.random.default_rng(seed), 20
+    wet = generator.random((NORTH.size, EAST.size)) < 0.9
+    wet[0, 0] = True
+    current = field(NORTH, wet=wet)
+    middle = np.array([[generator.uniform(0.0, 1800.0)], [generator.uniform(-400.0, 400.0)]])
+    places = [middle + spread * generator.uniform(-0.5, 0.5, (2, count)) for _ in range(2)]
+    start, depth = generator.uniform(0.0, last - 300.0, count), generator.uniform(0.0, 5.0, count)
+    together = current.covers(Span(start, start + 300.0, depth, tuple(places)))
+    alone = [
+        current.covers(Span(start[i], start[i] + 300.0, depth[i], tuple(place[:, [i]] for place in places)))[0]
+        for i in range(count)
+    ]
+    assert np.broadcast_to(together, count).tolist() == alone
+
+
 def test_the_mean_along_a_leg_follows_the_track_that_the_current_bends():
     gain = 1e-3  # the current grows by this along the way [1/s]
     values = np.broadcast_to((gain * np.tile(EAST, NORTH.size))[None, :, None] + 0j, (TIME.size, 35, LEVELS.size))

@@ -35,7 +35,7 @@ class FieldWater:
 
     def is_good(self, place: Array, t: Scalars, depth: Scalars) -> NDArray[np.bool_]:
         """Whether places, shape (2, n), are on the grid, water at a time [s], and as deep as a depth [m]."""
-        if self._is_all_open(place, depth):
+        if self.is_all_open(place, depth):
             return np.ones(1, dtype=bool)
         easily = self._is_open(place, depth)
         if easily is None:
@@ -52,18 +52,25 @@ class FieldWater:
         share = np.sum(columns.weight * ever[columns.node], axis=0)
         return np.asarray(columns.inside & (share >= 0.5), dtype=bool)
 
-    def _is_all_open(self, place: Array, depth: Scalars) -> bool:
+    def is_all_open(self, place: Array, depth: Scalars) -> bool:
         """Whether all places are in one block of cells all of whose columns are always water and as deep: soon told."""
         cells = self._open_down_to
         if cells is None or not place.size:
             return False
         axes, deep = cells
-        low, high = place.min(axis=1), place.max(axis=1)
-        least, most = self.grid.extent
-        if not ((least <= low) & (high <= most)).all():
+        (west, south), (east, north) = place.min(axis=1).tolist(), place.max(axis=1).tolist()
+        (first_east, first_north), (last_east, last_north) = self._corners
+        if not (first_east <= west and east <= last_east and first_north <= south and north <= last_north):
             return False
-        (south, north), (west, east) = axes.cells(np.stack((low, high), axis=1)[::-1].copy())[0].astype(np.intp)
-        return bool(deep[south : north + 1, west : east + 1].min() >= np.max(depth))
+        rows = slice(axes.cell(0, south), axes.cell(0, north) + 1)
+        columns = slice(axes.cell(1, west), axes.cell(1, east) + 1)
+        return bool(deep[rows, columns].min() >= np.max(depth))
+
+    @cached_property
+    def _corners(self) -> list[list[float]]:
+        """East and north of the grid's south-west and north-east corner [m]."""
+        corners: list[list[float]] = self.grid.extent.tolist()
+        return corners
 
     def _is_open(self, place: Array, depth: Scalars) -> NDArray[np.bool_] | None:
         """Whether places are in cells all of whose columns are always water and as deep; None on other grids."""

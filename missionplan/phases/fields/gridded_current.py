@@ -1,5 +1,6 @@
 """A current on the grid of an ocean model: linear in depth in each column of water, then across, then in time."""
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -94,7 +95,8 @@ class GriddedCurrent(RecordedCurrent):
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
         lattice = self._lattice(depth)
         if lattice is not None:
-            return lattice.velocity(t, depth, np.asarray(position)) * self._known(t, depth, position)
+            velocity = lattice.velocity(t, depth, np.asarray(position))
+            return velocity if self.outside != "zero" else velocity * self._known(t, depth, position)
         columns = self.grid.columns(np.asarray(position))
         low, high, share = bracket(self.time, t, self._time_step)
         shared = bracket(self.levels, depth) if self.levels.ndim == 1 and np.size(depth) > 1 else None
@@ -111,11 +113,11 @@ class GriddedCurrent(RecordedCurrent):
         Ralston 1962, Math. Comp. 16, 431-437; parameters as in `Current.mean_velocity`.
         """
         lasting = np.asarray(duration, dtype=float)
-        steps = np.maximum(np.ceil(lasting / LONGEST_STEP), 1.0)
+        most = max(math.ceil(lasting.max(initial=0.0) / LONGEST_STEP), 1)
+        steps = np.maximum(np.ceil(lasting / LONGEST_STEP), 1.0) if most > 1 else 1.0
         step = lasting / steps
         own = through / np.where(lasting > 0.0, lasting, np.inf)
         place, moment, total = start, np.asarray(t, dtype=float), np.zeros((2, 1))
-        most = int(np.max(steps, initial=1.0))
         for number in range(most):
             first = self.velocity(moment, depth, place)
             second = self.velocity(moment + 0.5 * step, depth, place + (0.5 * step) * (first + own))
@@ -130,23 +132,40 @@ class GriddedCurrent(RecordedCurrent):
 
     def _lattice(self, depth: Scalars) -> Lattice | None:
         """Packed field at a depth, or at all levels for depths that differ; None where it cannot be packed."""
+        one = depth if isinstance(depth, float) else float(np.reshape(depth, ())) if np.size(depth) == 1 else None
+        kept = self._lattices
+        if one in kept:
+            return kept[one]
+        if len(kept) > _DEPTHS_KEPT:
+            kept.clear()
+        found = kept[one] = self._packed_at(one)
+        return found
+
+    def _packed_at(self, depth: float | None) -> Lattice | None:
         axes = self._axes
         if axes is None or not isinstance(self.grid, RegularGrid):
             return None
-        shape = self.grid.north_axis.size, self.grid.east_axis.size
-        if np.size(depth) == 1:
-            one = float(np.reshape(depth, ()))
-            if one not in self._packed:
-                if len(self._packed) > _DEPTHS_KEPT:
-                    self._packed.clear()
-                east, north = self._at_depth(one)
-                self._packed[one] = packed((east + 1j * north).reshape(self.time.size, -1), shape)
-            return Lattice(axes, self._packed[one], np.array([one]))
-        if self.levels.ndim != 1 or len(self.levels) < 2 or self.values.size > _MOST_PACKED:
+        levels = self.levels if depth is None else np.array([depth])
+        if depth is None and (levels.ndim != 1 or len(levels) < 2 or self.values.size > _MOST_PACKED):
             return None
-        if None not in self._packed:
-            self._packed[None] = packed(self.values.transpose(0, 2, 1), shape)
-        return Lattice(axes, self._packed[None], self.levels)
+        if depth not in self._packed:
+            if len(self._packed) > _DEPTHS_KEPT:
+                self._packed.clear()
+            shape = self.grid.north_axis.size, self.grid.east_axis.size
+            self._packed[depth] = packed(self._across_at(depth), shape)
+        return Lattice(axes, self._packed[depth], levels)
+
+    def _across_at(self, depth: float | None) -> Velocities:
+        """Values at a depth, shape (t, c), or at all levels, shape (t, d, c)."""
+        if depth is None:
+            return self.values.transpose(0, 2, 1)
+        east, north = self._at_depth(depth)
+        return np.asarray((east + 1j * north).reshape(self.time.size, -1))
+
+    @cached_property
+    def _lattices(self) -> dict[float | None, Lattice | None]:
+        """What `_lattice` has found, by depth."""
+        return {}
 
     @cached_property
     def _axes(self) -> EvenAxes | None:
@@ -166,8 +185,12 @@ class GriddedCurrent(RecordedCurrent):
 
     @override
     def covers(self, span: Span) -> NDArray[np.bool_]:
-        in_time = (self.time[0] <= np.asarray(span.start)) & (np.asarray(span.end) <= self.time[-1])
-        good = np.atleast_1d(in_time & (np.asarray(span.depth) >= self.depth[0]))
+        start, end, depth = (np.asarray(each) for each in (span.start, span.end, span.depth))
+        first, last = self.time[0], self.time[-1]
+        inside = start.size and start.min() >= first and end.max() <= last and depth.min() >= self.depth[0]
+        if inside and all(self._water.is_all_open(place, depth) for place in span.places):
+            return np.ones(1, dtype=bool)
+        good = np.atleast_1d((first <= start) & (end <= last) & (depth >= self.depth[0]))
         for place, t in zip(span.places, (span.start, span.end), strict=False):
             good = good & self._water.is_good(np.asarray(place), t, span.depth)
         return good

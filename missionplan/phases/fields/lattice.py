@@ -5,6 +5,7 @@ row. The four coefficients of a cell, east and north, stand together in memory, 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +45,17 @@ class EvenAxes:
         first, count = np.array([[axis[0]] for axis in axes], dtype=float), tuple(len(axis) for axis in axes)
         per_unit = 1.0 / np.array([[step] for step in steps], dtype=float)
         return cls(first, per_unit, (np.array(count, dtype=float)[:, None] - 1.0) * _SHORT, count)
+
+    def cell(self, axis: int, x: float) -> int:
+        """Number of the cell along an axis; of one beyond it, that at the edge."""
+        first, per_unit, end = self._numbers[axis]
+        return int(min(max((x - first) * per_unit, 0.0), end))
+
+    @cached_property
+    def _numbers(self) -> list[list[float]]:
+        """For each axis its first node, nodes per unit and end."""
+        numbers: list[list[float]] = np.hstack((self.first, self.per_unit, self.end)).tolist()
+        return numbers
 
     def cells(self, places: Array) -> tuple[Array, Array]:
         """Whole numbers of the cells along each axis, and shares of the way through them; those beyond are at the edge.

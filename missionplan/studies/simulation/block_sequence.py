@@ -3,6 +3,7 @@
 import contextlib
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,12 @@ from missionplan.errors import RunError
 from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.store.checkpoints import Checkpoints
-from missionplan.store.trials_table import TrialsTable
 from missionplan.studies.simulation.block_statistics import BlockStatistics, with_prefix
 from missionplan.studies.simulation.mission_trials import MapTracks
 from missionplan.studies.simulation.precision import Precision
+
+if TYPE_CHECKING:  # workers import this module: pandas takes half a second
+    from missionplan.store.trials_table import TrialsTable
 
 BlockItem = tuple[int, int]
 """A block and how many of its trials are used."""
@@ -102,7 +105,7 @@ class BlockSequence:
     items: Sequence[BlockItem]
     store: Checkpoints | None = None
     goal: Precision | None = None
-    table: TrialsTable | None = None
+    table: "TrialsTable | None" = None
 
     def run(self, run_blocks: RunBlocks, progress: Progress | None = None) -> MergedBlocks:
         """Run until all blocks are done or the result is precise enough.
