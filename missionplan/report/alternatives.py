@@ -25,8 +25,16 @@ def page(found: Alternatives) -> Page:
         figure=alternatives_figure(found),
         numbers=[(each.name, percent(each.success)) for each in found.alternatives[:3]],
         sections=[*_table_section(found), *_requirements(found)],
-        rerun="missionplan compare " + " ".join(shlex.quote(each.source) for each in found.alternatives),
+        rerun=_rerun(found),
     )
+
+
+def _rerun(found: Alternatives) -> str:
+    sources = [each.source for each in found.alternatives]
+    command = f"missionplan compare {' '.join(map(shlex.quote, sources))}"
+    if not any(source.endswith((".yaml", ".yml")) for source in sources):
+        return command
+    return f"{command} --trials {found.provenance.trials} --seed {found.provenance.seed}"
 
 
 def terminal(found: Alternatives) -> Terminal:

@@ -47,7 +47,7 @@ def answer(comparison: Comparison) -> str:
     sentences = [
         *([] if comparison.alike else [_unlike(comparison)]),
         *map(partial(_success, comparison), comparison.success),
-        *map(_requirement_change, comparison.requirement_changes),
+        *_requirement_changes(comparison.requirement_changes),
         _numbers_in_words(comparison),
     ]
     return " ".join(filter(None, sentences))
@@ -85,6 +85,16 @@ def _numbers_in_words(comparison: Comparison) -> str:
     if any(item.verdict == "within noise" for item in judged):
         return "No number changed by more than Monte-Carlo noise."
     return "The results are the same."
+
+
+def _requirement_changes(changes: Sequence[ChangedValue]) -> Iterator[str]:
+    """Write what became of the requirements; those that were met and were dropped in one sentence."""
+    dropped = [change for change in changes if not change.second and change.first == "met"]
+    together = len(dropped) > 1
+    yield from (_requirement_change(change) for change in changes if not (together and change in dropped))
+    if together:
+        *names, last = (f"the {in_words(change.path)}" for change in dropped)
+        yield f"The requirements on {', '.join(names)} and {last}, which were met, have been dropped."
 
 
 def _requirement_change(change: ChangedValue) -> str:

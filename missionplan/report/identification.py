@@ -66,7 +66,7 @@ def _numbers(result: Identification) -> list[tuple[str, str]]:
 
 
 def _name_in_words(estimate: IdentifiedParameter) -> str:
-    return estimate.name.replace("_", " ")
+    return estimate.name.replace("_", " ").replace("reynolds", "Reynolds")
 
 
 def terminal(result: Identification) -> Terminal:
@@ -141,7 +141,7 @@ def parameter_table(result: Identification) -> Table:
     groups = [(fit.name, fit.estimates) for fit in result.fits] + [("derived", result.analysis.derived)]
     rows = [
         (
-            f"{_name_in_words(e)} ({e.symbol})",
+            f"{_name_in_words(e)} ({e.symbol.partition(' ')[0]})",
             group,
             significant(e.value, e.sd),
             _standard_error(e),
@@ -157,10 +157,10 @@ def parameter_table(result: Identification) -> Table:
 
 def _fits_heading(fits: Sequence[FittedModel]) -> str:
     if len(fits) == 1 and not fits[0].does_not_fit:
-        return f"The data give {fits[0].name}"
+        return f"Model of the data: {fits[0].name}"
     if fits[0].does_not_fit:
         return f"Best, but not good: {fits[0].name}"
-    return f"The data support {fits[0].name}, not {fits[1].name}"
+    return f"Model that the data support: {fits[0].name}, not {fits[1].name}"
 
 
 def estimate_in_words(estimate: IdentifiedParameter) -> str:

@@ -19,18 +19,27 @@ _UNITS = (
     r"%|°|°C|m|km|mm|cm|ft|nmi|m²|m³|s|ms|min|h|days?|m/s|cm/s|km/h|kn|N|mN|kN|g|kg|W|kW|J|kJ|V|A|Hz|Pa|L|rad|deg|"
     r"W\u202fh|kW\u202fh|rev/s|rpm|nats?|m/s²|kg/m³|N\u202fm|N\u202fs"
 )
-_RULES: tuple[tuple[re.Pattern[str], str], ...] = (
+_SUPERSCRIPTS = str.maketrans("-−+0123456789", "⁻⁻⁺⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _raised(exponent: str) -> str:
+    """Write an exponent in superscripts: ``⁻⁶``."""
+    return exponent.removeprefix("+").translate(_SUPERSCRIPTS)
+
+
+_RULES: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...] = (
     (re.compile(r"\b(k?)W(?:h|[*·]h| h)\b"), rf"\1W{_NARROW_SPACE}h"),
     (re.compile(r"\^2\b"), "²"),
     (re.compile(r"\^3\b"), "³"),
     (re.compile(r"\bdegC\b"), "°C"),
     (re.compile(rf"\[((?:{_UNITS})(?:/(?:m|s|N|V))?)\]"), r"(\1)"),
     (re.compile(r"(?<![\w.)\]\u2013\u202f\u00a0/:=−-])-(?=\d|\.\d)"), _MINUS),
-    (re.compile(r"(?<=\de)-(?=\d)"), _MINUS),
+    (re.compile(rf"(?<=\d)[ {_NO_BREAK_SPACE}]°(?!\w)"), "°"),
     (re.compile(r"[−-](?=0(?:\.0+)?(?![\d.]))(?<![\w)−-].)"), ""),
     (re.compile(r"(?<=\d)\u00a0(?=\d{3}(?!\d))"), _NARROW_SPACE),
     (re.compile(rf"(?<=\d) (?=(?:{_UNITS})(?![\w²³]))"), _NO_BREAK_SPACE),
-    (re.compile(r"(?<=\d) (?=±)|(?<=±) (?=[\d−])"), _NO_BREAK_SPACE),
+    (re.compile(r"(?<=[\d°]) (?=±)|(?<=±) (?=[\d−])"), _NO_BREAK_SPACE),
+    (re.compile(r"(?<=\d)e([-+−])0*(\d+)(?![\w.])"), lambda found: f"·10{_raised(found[1] + found[2])}"),
 )
 _LONG_WHOLE = re.compile(r"(?<![\w.,:/=\u202f#-])[1-9]\d{4,}(?![\w:/-]|\.\d{5})")
 

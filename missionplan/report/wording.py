@@ -67,6 +67,11 @@ def keys_in_words(keys: Sequence[str]) -> str:
     return " and ".join(names)
 
 
+def parameter_in_words(effect: str, name: str) -> str:
+    """Name a parameter of an effect: ``angle of compass bias``."""
+    return f"{_spaced(name)} of {effect.replace('-', ' ')}"
+
+
 def _spaced(name: str) -> str:
     return _POINT_OR_UNDERSCORE.sub(" ", name)
 

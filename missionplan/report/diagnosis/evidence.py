@@ -8,6 +8,7 @@ from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.figures import held_out_figure, ranking_figure
 from missionplan.report.numbers import number
 from missionplan.report.page import Block, PageSection, Table
+from missionplan.report.wording import parameter_in_words
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import ParameterEstimate, RankedSet
 
@@ -53,7 +54,12 @@ def ranking_rows(ranking: Sequence[RankedSet]) -> tuple[list[str], list[list[str
 
 def _parameters(best: RankedSet) -> Table:
     rows = [
-        [f"{p.effect}: {p.name}", _shown(p, p.value), f"{_shown(p, p.low)} to {_shown(p, p.high)}", _unit(p)]
+        [
+            parameter_in_words(p.effect, p.name),
+            _shown(p, p.value),
+            f"{_shown(p, p.low)} to {_shown(p, p.high)}",
+            _unit(p),
+        ]
         for p in best.parameters
     ]
     caption = "Parameters of the set in the first row, with 90 % intervals."
@@ -68,7 +74,8 @@ def known_section(diagnosis: Diagnosis) -> list[PageSection]:
     rows = []
     for before in diagnosis.known:
         now = after.get((before.effect, before.name))
-        rows.append([f"{before.effect}: {before.name}", _with_sd(before), _with_sd(now) if now else "", _unit(before)])
+        known, learned = _with_sd(before), _with_sd(now) if now else ""
+        rows.append([parameter_in_words(before.effect, before.name), known, learned, _unit(before)])
     caption = "The mission's own effects are part of its model; the extended mission carries what is known now."
     table = Table(["Parameter", "In the mission", "After these data", "Unit"], rows, caption)
     return [PageSection("What the mission knew, and what is known now", [table])]
@@ -102,7 +109,7 @@ def _shown(parameter: ParameterEstimate, value: float) -> str:
 
 
 def _unit(parameter: ParameterEstimate) -> str:
-    return {"rad": "deg", "": "1"}.get(parameter.unit, parameter.unit)
+    return "°" if parameter.unit == "rad" else parameter.unit
 
 
 def held_out_section(diagnosis: Diagnosis) -> list[PageSection]:
@@ -140,8 +147,8 @@ def distinction_section(diagnosis: Diagnosis) -> PageSection:
     for first, second in diagnosis.indistinguishable:
         blocks.append(f"{names(first).capitalize()} and {names(second)} predict the same of data like these.")
     if diagnosis.untestable:
-        rows = [[name, why] for name, why in diagnosis.untestable.items()]
-        blocks.append(Table(["Effect that these data cannot show", "Why"], rows))
+        rows = [[name.replace("-", " "), why] for name, why in diagnosis.untestable.items()]
+        blocks.append(Table(["Effect that these data cannot show", "Why"], rows, text_columns=2))
     return PageSection(_distinction_heading(diagnosis), blocks)
 
 

@@ -3,6 +3,7 @@
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.report.diagnosis.causes import names
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import Discrepancy, DiscrepancyShape
@@ -15,7 +16,7 @@ def ranking_figure(diagnosis: Diagnosis) -> Figure:
     entries = diagnosis.ranking[:_LISTED]
     figure = MatplotlibFigure(figsize=(6.2, 0.36 * len(entries) + 0.9))
     draw_ranking(figure.subplots(), diagnosis)
-    first = f"; {' + '.join(diagnosis.ranking[0].causes)} is first" if diagnosis.causes else ""
+    first = f"; {names(diagnosis.ranking[0].causes)} first" if diagnosis.causes else ""
     alt = f"Scores of the best {len(entries)} sets of causes{first}"
     return to_figure(figure, "ranking", alt=alt, caption="Evidence for each set of causes over the mission's model.")
 
@@ -26,7 +27,7 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis) -> None:
     scores = [entry.score for entry in entries]
     colours = [BLUE if entry.causes == diagnosis.causes else GREY for entry in entries]
     axes.barh(range(len(entries)), scores, color=colours, height=0.6)
-    axes.set_yticks(range(len(entries)), [" + ".join(entry.causes) for entry in entries], fontsize=8)
+    axes.set_yticks(range(len(entries)), [names(entry.causes) for entry in entries], fontsize=8)
     axes.axvline(3.0, color=ORANGE, linewidth=1.0, linestyle="--")
     axes.annotate(
         "claimed above 3", (3.0, 1.0), (4, 2), xycoords=("data", "axes fraction"), textcoords="offset points",

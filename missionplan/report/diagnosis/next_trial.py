@@ -55,9 +55,11 @@ def next_trial_words(found: NextTrial) -> str:
         )
     best = found.best
     file = ", as in next-trial.yaml in this folder" if found.trial is not None else ""
+    perfect = f"{_loss(found.perfect, found)} that knowing everything would save"
+    share = f"of {perfect}" if best.saving < found.perfect else f"as far as chance lets it be told all of the {perfect}"
     return (
         f"{capitalised(best.name)}{file}: {_takes(best)}, and saves {_loss(best.saving, found)} a mission on average "
-        f"(± {_loss(best.saving_error, found)}), of {_loss(found.perfect, found)} that knowing everything would save. "
+        f"(± {_loss(best.saving_error, found)}), {share}. "
         f"{_choice_now(found)} The trial pays for itself {_payback(found)}."
     )
 

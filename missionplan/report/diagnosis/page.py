@@ -214,5 +214,5 @@ def _treatment(diagnosis: Diagnosis) -> list[Block]:
     blocks.append(Table(["Calibration of the base model", "Value (SI)"], rows, "Fitted beside the causes; no cause."))
     if diagnosis.failures:
         failures = [list(item) for item in diagnosis.failures.items()]
-        blocks.append(Table(["Set that could not be fitted", "Why"], failures))
+        blocks.append(Table(["Set that could not be fitted", "Why"], failures, text_columns=2))
     return blocks

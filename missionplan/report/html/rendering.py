@@ -14,6 +14,7 @@ from markupsafe import Markup
 from missionplan.rendering import Rendered
 from missionplan.report.crew.conversion import given_units
 from missionplan.report.page import BLUE, GRID, INK, Block, Figure, Page, PageSection, Table
+from missionplan.report.wording import capitalised
 from missionplan.results.base import Provenance, to_yaml
 
 _LARGEST, _LARGEST_PRINTED = 1.7, 1.2
@@ -49,7 +50,7 @@ def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenan
             first=first,
             details=details,
             provenance=provenance,
-            notices=notices,
+            notices=[_begun(notice) for notice in notices],
             summary=provenance.summary(),
             mission_yaml=to_yaml(provenance.data),
             rerun=page.rerun or rerun_command(provenance),
@@ -60,6 +61,12 @@ def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenan
     shown = [page.figure] if page.figure else []
     shown += [block for section in (*first, *details) for block in section.blocks if isinstance(block, Figure)]
     return Rendered(html, {figure.name: figure.svg for figure in shown}, dict(page.files))
+
+
+def _begun(notice: str) -> str:
+    """Begin a note with a capital, unless it begins with a name: of a phase, a key or a file."""
+    first = notice.partition(" ")[0]
+    return capitalised(notice) if first.isalpha() else notice
 
 
 def _environment() -> Environment:

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.wording import parameter_in_words
 from missionplan.results.log_book.history import History, Learned
 
 MOST_PANELS = 12
@@ -59,7 +60,7 @@ def answer(history: History) -> str:
 
 
 def _named(entry: Learned) -> str:
-    return f"{entry.name.replace('_', ' ')} of {entry.effect.replace('-', ' ')}"
+    return parameter_in_words(entry.effect, entry.name)
 
 
 def _valued(entry: Learned) -> str:

@@ -30,16 +30,17 @@ def page(score: Score) -> Page:
     sections = [PageSection("All data sets", [_overview(score)])] if len(score.datasets) > 1 else []
     for each in score.datasets:
         sections += dataset_sections(each)
-    folders = score.provenance.options["datasets"]
+    made = score.provenance
+    folders = made.options["datasets"]
     named = [shlex.quote(str(path)) for path in (folders if isinstance(folders, list) else [])]
     return Page(
-        title=f"How well {score.provenance.mission} predicts what was measured",
+        title=f"How well {made.mission} predicts what was measured",
         answer=answer(score),
         figure=prediction_figure(score.datasets[0]),
         numbers=_numbers(score.datasets[0]),
         sections=sections,
         verdict="good" if score.is_within_chance else "bad",
-        rerun=f"missionplan score mission.yaml {' '.join(named)} --seed {score.provenance.seed}",
+        rerun=f"missionplan score {shlex.quote(made.file)} {' '.join(named)} --seed {made.seed}",
     )
 
 
@@ -148,8 +149,9 @@ def _table(each: DatasetScore) -> Table:
             ]
         )
         bare = prediction.yardsticks["no_effects"]
-        label = f"{YARDSTICKS['no_effects']}, {NAMES[name]}"
-        rows.append(_row(label, bare.rmse, prediction.skill("no_effects"), bare.log_score, bare.crps))
+        if (bare.rmse, bare.log_score) != (prediction.rmse, prediction.log_score):  # the mission has effects
+            label = f"{YARDSTICKS['no_effects']}, {NAMES[name]}"
+            rows.append(_row(label, bare.rmse, prediction.skill("no_effects"), bare.log_score, bare.crps))
     for name, other in each.one_step.yardsticks.items():
         if name != "no_effects":
             label = YARDSTICKS[name].format(group=one)

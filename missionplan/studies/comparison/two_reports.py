@@ -106,7 +106,7 @@ def _options(summary: Mapping[str, object]) -> dict[str, object]:
 def _notices(runs: tuple[ComparedRun, ComparedRun]) -> tuple[str, ...]:
     if runs[0].seed != runs[1].seed:
         return ()
-    return ("both runs have the same seed and so share draws: a difference that is called noise here may be real",)
+    return ("Both runs have the same seed and so share draws: a difference that is called noise here may be real",)
 
 
 def _differences(
