@@ -72,6 +72,22 @@ def test_effects_are_named_by_their_ids(starter: Mission) -> None:
     assert biased.with_(effects=None).effects == ()
 
 
+def test_effects_of_an_explanation_are_named_as_reports_name_them(starter: Mission) -> None:
+    explanations = [
+        {"probability": 0.6, "effects": [{"speed-scale": {"fraction": 0.05}}]},
+        {"probability": 0.3, "effects": [{"fix-error": {"sd": "5 m"}}, {"compass-bias": {"angle": "3 deg"}}]},
+    ]
+    doubtful = starter.with_(effects=[{"one-of": explanations}])
+    key = "effects[0].one-of[1].compass-bias.angle"
+    changed = doubtful.with_({key: {"mean": "2 deg", "sd": "1 deg"}, "effects[0].one-of[0].probability": 0.5})
+    assert changed.quantities()[key].mean == pytest.approx(np.radians(2.0))
+    assert [each.probability for each in changed.doubts[0].explanations] == [0.5, 0.3]
+    with pytest.raises(InputError, match=r"no such effect \(did you mean compass-bias\?\)"):
+        doubtful.with_({"effects[0].one-of[1].compas-bias.angle": "2 deg"})
+    with pytest.raises(InputError, match="no such effect"):
+        doubtful.with_({"effects[0].one-of[7].compass-bias.angle": "2 deg"})
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

@@ -7,9 +7,12 @@ from pydantic import BaseModel
 
 from missionplan.errors import KeyPath, LocalProblem, did_you_mean, key_path
 from missionplan.mission.reading.fields import fields_at, keys_of, section_in
+from missionplan.mission.schema.effect_list import ONE_OF
 from missionplan.mission.schema.phases import PhaseEntry
 
 _PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")
+_OF_EXPLANATIONS = ((), ("probability",), ("effects",), ("correlations",))
+"""What may follow an explanation in a path besides an effect's id."""
 
 
 class UnclearKeyError(ValueError):
@@ -27,8 +30,9 @@ def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> li
     ----------
     key : str
         A path as messages write it (``navigation.velocity_error.sigma``, ``phases[0].transit.speed``), one that starts
-        with a phase's name (``ingress.speed``) or with ``effects.`` and an effect's id, or a key alone (``speed``):
-        that of every phase that has it, or of the one section that has it.
+        with a phase's name (``ingress.speed``) or with ``effects.`` and an effect's id, one of an explanation
+        (``effects[0].one-of[1].compass-bias.angle``), or a key alone (``speed``): that of every phase that has it, or
+        of the one section that has it.
     data : mapping
         The mission's data.
     model : type
@@ -45,7 +49,9 @@ def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> li
             return [names[name] + _parts(key[len(name) + 1 :])]
     path = _parts(key)
     if path[0] == "effects" and len(path) > 1 and isinstance(path[1], str):
-        return [_effect_path(key, path, data)]
+        return [_effect_path(key, path, data.get("effects"), 1)]
+    if path[0] == "effects" and ONE_OF in path[2:3] and path[4:5] not in _OF_EXPLANATIONS:
+        return [_effect_path(key, path, _explained(path, data), 4)]
     if path[0] in keys_of(model):
         return [path]
     if len(path) > 1:
@@ -77,16 +83,26 @@ def _parts(key: str) -> KeyPath:
     return tuple(path)
 
 
-def _effect_path(key: str, path: KeyPath, data: Mapping[str, object]) -> KeyPath:
-    """Path of an effect that the mission has, by its id."""
-    effects = data.get("effects")
-    entries = [entry for entry in effects if isinstance(entry, dict)] if isinstance(effects, list) else []
+def _effect_path(key: str, path: KeyPath, effects: object, at: int) -> KeyPath:
+    """Path of an effect of a list, by its id, which stands at a place in the path."""
+    entries = effects if isinstance(effects, list) else []
     for index, entry in enumerate(entries):
-        if path[1] in entry:
-            return ("effects", index, *path[1:])
-    known = [name for entry in entries for name in entry]
-    hint = did_you_mean(str(path[1]), known) or f"it has {', '.join(known) or 'none'}"
+        if isinstance(entry, dict) and path[at] in entry:
+            return (*path[:at], *(("effects",) if at > 1 else ()), index, *path[at:])
+    known = [name for entry in entries if isinstance(entry, dict) for name in entry]
+    hint = did_you_mean(str(path[at]), known) or f"it has {', '.join(known) or 'none'}"
     raise UnclearKeyError(key, "the mission has no such effect", hint)
+
+
+def _explained(path: KeyPath, data: Mapping[str, object]) -> object:
+    """Effects of the explanation that a path begins with; None where there is no such explanation."""
+    found: object = data
+    for part in (*path[:4], "effects"):
+        if isinstance(found, list) and isinstance(part, int) and part < len(found):
+            found = found[part]
+        else:
+            found = found.get(part) if isinstance(found, dict) and isinstance(part, str) else None
+    return found
 
 
 def _alone(key: str, data: Mapping[str, object], model: type[BaseModel]) -> list[KeyPath]:

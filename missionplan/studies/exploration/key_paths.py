@@ -45,8 +45,7 @@ def known_keys(mission: Mission) -> set[str]:
             for phase in mission.phases:
                 _collect(phase, phase.name, found)
         elif name == "effect_list":
-            plain = [entry for entry in mission.effects if entry.explanation is None]
-            found |= {f"effects.{entry.effect}.{parameter}" for entry in plain for parameter in entry.parameters}
+            found |= {path for entry in mission.effects for path in entry.quantities()}
         elif name not in ("sweep", "optimise", "requirements", "correlations"):
             _collect(value, name, found)
     return found
@@ -91,10 +90,21 @@ def _put(data: dict[str, object], key: str, value: object) -> None:
 
 
 def _below(section: Any, step: str) -> Any:
-    """Return what a key of a section holds; of the list of effects, the parameters of the one of that name."""
+    """Return what a key of a section holds; of a list of effects, the parameters of the one of that name."""
+    effects = _effects_of(section, step)
+    return section.setdefault(step, {}) if effects is None else _parameters(effects, step)
+
+
+def _effects_of(section: Any, step: str) -> list[Any] | None:
+    """Return the effects in which a step looks for one by its name: a list of them, or those of an explanation."""
     if isinstance(section, list):
-        return next((entry[step] for entry in section if isinstance(entry, dict) and step in entry), None)
-    return section.setdefault(step, {})
+        return section
+    held = section.get("effects") if "probability" in section and step not in section else None
+    return held if isinstance(held, list) else None
+
+
+def _parameters(effects: list[Any], name: str) -> Any:
+    return next((entry[name] for entry in effects if isinstance(entry, dict) and name in entry), None)
 
 
 def _within(data: dict[str, object], key: str) -> tuple[Any, list[str]]:
@@ -118,10 +128,11 @@ def _is_written(data: Mapping[str, object], key: str) -> bool:
         if isinstance(section, list) and step.startswith("["):
             index = int(step[1:-1])
             section = section[index] if index < len(section) else None
-        elif isinstance(section, list):
-            section = next((entry[step] for entry in section if isinstance(entry, dict) and step in entry), None)
+        elif isinstance(section, list | dict):
+            effects = _effects_of(section, step)
+            section = section.get(step) if effects is None else _parameters(effects, step)
         else:
-            section = section.get(step) if isinstance(section, Mapping) else None
+            section = None
         if section is None:
             return False
     return bool(steps)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.studies.exploration.key_paths import known_keys, with_values
+from missionplan.studies.exploration.key_paths import check_key, known_keys, with_values
 from missionplan.studies.exploration.variation import read_axis, steps
 
 MISSIONS = Path(__file__).parents[3] / "missions"
@@ -64,3 +64,17 @@ def test_every_known_key_can_be_set_where_its_section_is_written(estuary):
         assert changed != estuary.raw
     assert "start" in known_keys(estuary)
     assert estuary.raw["phases"][0]["transit"]["speed"] == "1.5 m/s"
+
+
+def test_a_parameter_of_an_explanation_is_varied_by_the_path_that_reports_give_it(estuary):
+    explanations = [
+        {"probability": 0.7, "effects": [{"fix-error": {"sd": "5 m"}}, {"compass-bias": {"angle": "3 deg"}}]}
+    ]
+    doubtful = estuary.with_(effects=[{"one-of": explanations}])
+    key = "effects[0].one-of[0].compass-bias.angle"
+    assert key in known_keys(doubtful)
+    check_key(doubtful, key, "--vary")
+    changed = doubtful.with_(with_values(doubtful.raw, {key: "0.1 rad"}))
+    assert changed.quantities()[key] == 0.1
+    with pytest.raises(InputError, match=r"did you mean effects\[0\]\.one-of\[0\]\.compass-bias\.angle"):
+        check_key(doubtful, "effects[0].one-of[0].compas-bias.angle", "--vary")
