@@ -84,13 +84,17 @@ def _written(found: Sequence[ParameterEstimate]) -> dict[str, object]:
 
 
 def quantity(estimate: ParameterEstimate) -> dict[str, str | float]:
-    """Write a parameter as a distribution: normal, or log-normal for one that is positive by nature."""
+    """Write a parameter as a distribution: normal, or log-normal for one that is positive by nature.
+
+    Its middle lies in the physical range, to which a mission cuts the distribution.
+    """
     parameter = CATALOGUE[estimate.effect].parameters[estimate.name]
+    value = min(max(estimate.value, parameter.low), parameter.high)
 
     def written(value: float) -> str | float:
         return f"{value:.5g} {parameter.unit}" if parameter.unit else float(f"{value:.5g}")
 
     if parameter.is_shape:
         factor = math.exp(min(estimate.sd / estimate.value, 3.0))
-        return {"median": written(estimate.value), "factor": float(f"{max(factor, 1.0001):.5g}")}
-    return {"mean": written(estimate.value), "sd": written(estimate.sd)}
+        return {"median": written(value), "factor": float(f"{max(factor, 1.0001):.5g}")}
+    return {"mean": written(value), "sd": written(estimate.sd)}

@@ -135,9 +135,12 @@ class QuantityParser:
         return Choices(tuple(numbers))
 
     def _within_range(self, distribution: Distribution) -> Distribution:
-        if not self.low <= distribution.mean <= self.high:
-            message = f"the distribution's mean is {distribution.mean:g} {self.unit}, expected {self._range_in_words()}"
-            raise QuantityError(message)
+        name, middle = "mean", distribution.mean
+        if isinstance(distribution, LogNormal):  # its tail carries the mean far out of a range that holds most of it
+            name, middle = "median", distribution.median
+        if not self.low <= middle <= self.high:
+            given = f"{middle:g} {self.unit}".strip()
+            raise QuantityError(f"the distribution's {name} is {given}, expected {self._range_in_words()}")
         if self.low == -math.inf and self.high == math.inf:
             return distribution
         return cast("Distribution", distribution.truncated(self.low, self.high))
