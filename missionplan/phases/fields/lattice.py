@@ -14,8 +14,8 @@ from missionplan.arrays import Array, Scalars
 
 Cells = NDArray[np.float32]
 """Coefficients of cells, one after the other, shape (cells, 8): c₀ east, c₀ north, c₁ east and so on [m/s]."""
-_TOGETHER = 2048
-"""Places that are looked up at once, whose arrays stay in the cache."""
+_TOGETHER = 4096
+"""Places that are looked up at once: a block of trials, whose arrays stay in the cache."""
 _SHORT = 1.0 - 1e-12
 """By which places are kept before the last node, so that they are in a cell."""
 

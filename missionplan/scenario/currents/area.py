@@ -84,7 +84,7 @@ class Area:
         InputError
             When the coordinates are of a projection that nobody names, or of none.
         """
-        if _in_degrees(files, names, x, y):
+        if in_degrees(files, names, x, y):
             # about the origin's meridian, so that neither the date line nor the convention of the file matters
             east = (np.radians(x) - self.origin.longitude + np.pi) % (2.0 * np.pi) - np.pi
             return np.stack(to_plane(np.radians(y), self.origin.longitude + east, self.origin)), np.ones(
@@ -113,7 +113,7 @@ class Area:
         return np.stack(to_plane(latitude, longitude, self.origin)), along / np.abs(along)
 
 
-def _in_degrees(files: FieldFiles, names: tuple[str, str], x: Array, y: Array) -> bool:
+def in_degrees(files: FieldFiles, names: tuple[str, str], x: Array, y: Array) -> bool:
     """Whether coordinates are longitudes and latitudes, by what the file says of them, else by their sizes."""
     for name in names:
         attributes = files.variable(name).attrs

@@ -7,7 +7,7 @@ from missionplan.mission.geodesy import to_plane
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.fields.grids import RegularGrid
 from missionplan.phases.fields.triangles import Indices
-from missionplan.scenario.currents.area import Area
+from missionplan.scenario.currents.area import Area, in_degrees
 from missionplan.scenario.currents.building import assembled
 from missionplan.scenario.currents.files import FieldFiles, velocities
 from missionplan.scenario.currents.roms import EAST, NORTH, STANDARD_EAST, STANDARD_NORTH
@@ -73,7 +73,10 @@ def _axes(
     files: FieldFiles, area: Area, names: tuple[str, str]
 ) -> tuple[Array, Array, dict[str, slice], tuple[Array, Array]]:
     """North and east coordinates of rows and columns near the mission, where they are, and in which order."""
-    latitude, longitude = (np.radians(files.fixed(name)) for name in names)
+    latitude, longitude = (files.fixed(name) for name in names)
+    if latitude.size and longitude.size and not in_degrees(files, names, longitude, latitude):
+        raise files.problem(f"{names[0]} and {names[1]} are in metres; expected rows and columns in degrees")
+    latitude, longitude = np.radians(latitude), np.radians(longitude)
     if latitude.ndim != 1 or longitude.ndim != 1:
         raise files.problem("expected one-dimensional time, depth, latitude and longitude")
     if not latitude.size or not longitude.size:

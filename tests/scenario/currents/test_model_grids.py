@@ -7,6 +7,7 @@ from model_files import HOURS, bent_grid, fvcom, mesh_nodes, roms, split, ugrid
 from pyproj import Transformer
 
 from missionplan.errors import InputError
+from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.site import Geographic
 from missionplan.phases.currents import Span
 from missionplan.scenario.currents.area import Area
@@ -279,3 +280,44 @@ def test_a_field_of_the_surface_alone_serves_nothing_below_it(tmp_path):
     here = np.zeros((2, 1))
     assert current.covers(Span(0.0, 600.0, 0.0, (here, here)))[0]
     assert not current.covers(Span(0.0, 600.0, 3.0, (here, here)))[0]
+
+
+def test_what_is_read_of_a_wide_field_ends_in_a_failure_and_not_in_its_edge(tmp_path):
+    """The current is linear in the file's coordinates, so that it tells whether the right part was read."""
+    xarray = pytest.importorskip("xarray")
+    latitude, longitude = np.arange(44.0, 46.01, 0.05), np.arange(-126.0, -121.99, 0.05)
+
+    def known(north, east):
+        return 0.1 * (east + 124.0) - 0.2 * (north - 45.0)
+
+    values = np.broadcast_to(known(latitude[:, None], longitude), (3, latitude.size, longitude.size))
+    times = START + np.arange(-1, 2) * np.timedelta64(6, "h")
+    xarray.Dataset(
+        {
+            key: (("time", "lat", "lon"), values, {"standard_name": name, "units": "m s-1"})
+            for key, name in (("u", "eastward_sea_water_velocity"), ("v", "northward_sea_water_velocity"))
+        },
+        {"time": times, "lat": latitude, "lon": longitude},
+    ).to_netcdf(tmp_path / "wide.nc")
+    current = read_field([str(tmp_path / "wide.nc")], area(), "wide.nc")
+    assert current.grid.points.shape[1] < latitude.size * longitude.size / 10
+    at = np.array([[45.0, 44.85, 45.0, 44.5], [-124.22, -123.8, -123.5, -124.0]])
+    places = np.concatenate(to_plane(*np.radians(at), ORIGIN)).reshape(2, -1)
+    held = current.covers(Span(0.0, 3600.0, 0.0, (places, places)))
+    assert held.tolist() == [True, True, False, False]
+    np.testing.assert_allclose(current.velocity(600.0, 0.0, places)[:, :2], [known(*at[:, :2])] * 2, atol=1e-4)
+
+
+def test_a_regular_grid_in_metres_is_refused(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    metres = np.arange(-5000.0, 5001.0, 1000.0)
+    values = np.zeros((1, metres.size, metres.size))
+    xarray.Dataset(
+        {
+            key: (("time", "lat", "lon"), values, {"standard_name": name, "units": "m s-1"})
+            for key, name in (("u", "eastward_sea_water_velocity"), ("v", "northward_sea_water_velocity"))
+        },
+        {"time": [START], "lat": ("lat", metres, {"units": "m"}), "lon": ("lon", metres, {"units": "m"})},
+    ).to_netcdf(tmp_path / "metres.nc")
+    with pytest.raises(InputError, match="in degrees"):
+        read_field([str(tmp_path / "metres.nc")], area(), "metres.nc")
