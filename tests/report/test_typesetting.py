@@ -150,6 +150,7 @@ def test_a_diagnosis_is_set_alike(tmp_path):
         ("mission-2, 2026-11-22, layer 2 is", "mission-2, 2026-11-22, layer 2 is"),
         ("1-2 km", "1-2\u00a0km"),
         ("1.35e-6 m^2/s, 2e+06 s", "1.35·10⁻⁶\u00a0m²/s, 2·10⁶\u00a0s"),
+        ("15 deg at 11:30 UTC", "15° at 11:30\u00a0UTC"),
         ("2.9 ° ± 0.3 °, 4 °C", "2.9°\u00a0±\u00a00.3°, 4\u00a0°C"),
         ("reports/a/simulate-20261122T190000Z", "reports/a/simulate-20261122T190000Z"),
     ],

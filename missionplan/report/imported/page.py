@@ -58,9 +58,9 @@ def _numbers(result: ImportedData) -> list[tuple[str, str]]:
     found = result.figures
     east, north = found["velocity_error_mean_east_m_s"], found["velocity_error_mean_north_m_s"]
     return [
-        ("velocity error, each axis", f"{found['velocity_error_sigma_m_s']:.3f} m/s about {east:.3f}, {north:.3f} m/s"),
-        ("leg, median", f"{found['leg_length_m']:.0f} m in {found['leg_duration_s'] / 60.0:.0f} min"),
-        ("fix, each axis", f"{found['fix_sd_m']:.1f} m"),
+        ("Velocity error, each axis", f"{found['velocity_error_sigma_m_s']:.3f} m/s about {east:.3f}, {north:.3f} m/s"),
+        ("Leg, median", f"{found['leg_length_m']:.0f} m in {found['leg_duration_s'] / 60.0:.0f} min"),
+        ("Fix, each axis", f"{found['fix_sd_m']:.1f} m"),
     ]
 
 

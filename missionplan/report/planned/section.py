@@ -55,7 +55,8 @@ def planned_sections(provenance: Provenance) -> list[PageSection]:
     )
     drawn = site_map(data)
     blocks: list[Block] = [*([drawn] if drawn else []), *([table] if rows else [])]
-    return [PageSection("What was planned", blocks, is_summary=True)] if blocks else []
+    heading = "The starter mission" if provenance.command == "import" else "What was planned"
+    return [PageSection(heading, blocks, is_summary=True)] if blocks else []
 
 
 def _mapping(value: object) -> Mapping[str, object]:

@@ -22,6 +22,8 @@ YARDSTICKS = {
 }
 SAME = 0.03
 """Skills that are as good as one another."""
+_FAR = 0.15
+"""From 50 %, beyond which the coverage of the 50 % intervals is told too."""
 SHARES = ((0.8, "four fifths"), (2 / 3, "two thirds"), (0.5, "half"), (1 / 3, "a third"), (0.25, "a quarter"))
 
 
@@ -39,16 +41,22 @@ def page(score: Score) -> Page:
         figure=prediction_figure(score.datasets[0]),
         numbers=_numbers(score.datasets[0]),
         sections=sections,
-        verdict="good" if score.is_within_chance else "bad",
+        verdict=_verdict(score),
         rerun=f"missionplan score {shlex.quote(made.file)} {' '.join(named)} --seed {made.seed}",
     )
 
 
 def terminal(score: Score) -> Terminal:
     """Build the terminal's view: one row a data set and prediction, or the yardsticks of a single data set."""
-    verdict = "good" if score.is_within_chance else "bad"
     table = _overview(score) if len(score.datasets) > 1 else _table(score.datasets[0])
-    return Terminal(answer(score), table.columns, table.rows, verdict)
+    return Terminal(answer(score), table.columns, table.rows, _verdict(score))
+
+
+def _verdict(score: Score) -> str:
+    """Bad where chance does not allow the coverage; good where, besides, the last leg or dive predicts no better."""
+    if not score.is_within_chance:
+        return "bad"
+    return "good" if all(each.one_step.skill("last_leg") > -SAME for each in score.datasets) else "undecided"
 
 
 def answer(score: Score) -> str:
@@ -59,7 +67,7 @@ def answer(score: Score) -> str:
     else:
         words = " ".join(f"{each.name}: this mission {one}" for each, one in zip(score.datasets, said, strict=False))
     if score.is_within_chance:
-        return f"{words} Nothing was fitted; chance allows these coverages."
+        return f"{words} Nothing was fitted; chance allows the coverage of the 90 % intervals."
     off = [
         f"{NAMES[name]}" for each in score.datasets for name, p in each.predictions.items() if not p.is_within_chance
     ]
@@ -71,6 +79,8 @@ def told(each: DatasetScore) -> str:
     one, many = GROUPS[each.kind]
     ahead = each.one_step
     held = f"its 90 % intervals hold {100.0 * ahead.coverage_90:.0f} % of {many}"
+    if abs(half := ahead.inside_50 / len(ahead.z) - 0.5) > _FAR:
+        held += f", its 50 % intervals {50.0 + 100.0 * half:.0f} %"
     if not each.whole.is_within_chance:
         held += f", without the past {100.0 * each.whole.coverage_90:.0f} %"
     return f"predicts the next {one} to {_metres(ahead.rmse)}, {_against(ahead.skill('last_leg'), one)}; {held}."

@@ -25,7 +25,7 @@ InputsOf = tuple[str, Sequence[Sensitivity]]
 
 def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
     """Draw and tabulate the inputs with a detectable influence, where there are any."""
-    influential = _influential(outcome.sensitivities)
+    influential = _influential(_told_once(outcome))
     if not influential:
         return
     drawn = _most_relevant(outcome, influential)
@@ -39,6 +39,17 @@ def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
             Table(("key figure", "input", "share of variance (%)", "rank correlation"), rows, text_columns=2),
         ],
     )
+
+
+def _told_once(outcome: Outcome) -> list[Sensitivity]:
+    """Leave out what a mission of one phase has as its total too."""
+    totals = {each.output.partition(".")[2] for each in outcome.sensitivities if each.output.startswith("total.")}
+    alone = outcome.phases[0].name if len(outcome.phases) == 1 else None
+    return [
+        each
+        for each in outcome.sensitivities
+        if each.output.partition(".")[0] != alone or each.output.partition(".")[2] not in totals
+    ]
 
 
 def _influential(sensitivities: Sequence[Sensitivity]) -> list[InputsOf]:

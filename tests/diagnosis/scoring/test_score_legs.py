@@ -1,6 +1,6 @@
 """Scores of legs: closed forms, chance, a wrong mission, and the generator that shares nothing with the package."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -218,3 +218,17 @@ def test_files_of_a_score(tmp_path: Path) -> None:
     assert (
         "This mission" in (folder / "report.html").read_text() or "this mission" in (folder / "report.html").read_text()
     )
+
+
+def test_the_answer_is_marked_by_what_is_better_and_tells_of_intervals_that_are_far_off(tmp_path: Path) -> None:
+    score = missionplan.score(mission(), made_legs(tmp_path / "log", Truth(), seed=3))
+    assert 'class="good"' in score.save(tmp_path / "good").joinpath("report.html").read_text(encoding="utf-8")
+    (found,) = score.datasets
+    ahead = found.one_step
+    yardsticks = {**ahead.yardsticks, "last_leg": replace(ahead.yardsticks["last_leg"], rmse=0.5 * ahead.rmse)}
+    worse = replace(ahead, yardsticks=yardsticks, inside_50=len(ahead.z) // 5)
+    changed = replace(score, datasets=(replace(found, one_step=worse),))
+    page = changed.save(tmp_path / "worse").joinpath("report.html").read_text(encoding="utf-8")
+    assert 'class="undecided' in page
+    assert "its 50\u00a0% intervals 20\u00a0%" in page
+    assert "without its effects" not in page
