@@ -60,8 +60,9 @@ def transit_misfit(model: TransitModel) -> str:
     expected = math.sqrt(count * float(np.mean(variance)))
     ratio = measured / expected
     words = f"{ratio:.1f} times" if not 0.95 < ratio < 1.05 else "about"
+    row = " in a row" if count < model.data.n else ""
     rms = math.sqrt(float(np.mean(np.sum(model.y**2, axis=0))))
     return (
-        f"Over {count} legs the errors add up to {words} what the mission expects "
+        f"Over {count} legs{row} the errors add up to {words} what the mission expects "
         f"({measured / 1000.0:.2f} km against {expected / 1000.0:.2f} km); a leg errs by {100.0 * rms:.1f} cm/s rms."
     )

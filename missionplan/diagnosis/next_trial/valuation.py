@@ -81,6 +81,7 @@ class Valuation:
             unit=self.losses.unit,
             choice=float(problem.alternatives[problem.choice]),
             loss=float(problem.expected[problem.choice]),
+            tried=(float(problem.alternatives.min()), float(problem.alternatives.max())),
             success=float(self.losses.success[problem.choice]),
             failure_loss=self.losses.failure,
             perfect=perfect.mean if perfect.changes else 0.0,

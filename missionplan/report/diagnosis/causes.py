@@ -14,13 +14,13 @@ MOST_CERTAIN = 0.999
 
 def names(causes: Causes) -> str:
     """Write a set of causes in words."""
-    return _enumerated([cause.replace("-", " ") for cause in causes])
+    return enumerated([cause.replace("-", " ") for cause in causes])
 
 
 def found_causes(causes: Causes, found: Iterable[ParameterEstimate]) -> str:
     """Write a set of causes in words, of their sizes as found: one too large to be true is said to be like it."""
     sizes = {(parameter.effect, parameter.name): abs(parameter.value) for parameter in found}
-    return _enumerated([_found(cause, sizes) for cause in causes])
+    return enumerated([_found(cause, sizes) for cause in causes])
 
 
 def _found(cause: str, sizes: Mapping[tuple[str, str], float]) -> str:
@@ -30,7 +30,8 @@ def _found(cause: str, sizes: Mapping[tuple[str, str], float]) -> str:
     return names((cause,))
 
 
-def _enumerated(words: Sequence[str]) -> str:
+def enumerated(words: Sequence[str]) -> str:
+    """Join words with commas and an "and"."""
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + f" and {words[-1]}" if words else "no cause"
 
 

@@ -1,13 +1,21 @@
 """How sure a diagnosis is, in plain words: what else could be behind it, and what it predicts that it has not seen."""
 
-from missionplan.report.diagnosis.causes import names, percent
+from missionplan.report.diagnosis.causes import enumerated, names, percent
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import Coverage
+
+_ALIKE = 5e-4
+"""Difference of probabilities that is rounding."""
 
 
 def how_sure(diagnosis: Diagnosis) -> list[str]:
     """Write the paragraphs; the sections below them have the statistics."""
-    words = [_among_the_tried(diagnosis), _held_out(diagnosis), _coverage_words(diagnosis.coverage)]
+    words = [
+        _among_the_tried(diagnosis),
+        _shared_words(diagnosis),
+        _held_out(diagnosis),
+        _coverage_words(diagnosis.coverage),
+    ]
     return [each for each in words if each]
 
 
@@ -22,6 +30,24 @@ def _among_the_tried(diagnosis: Diagnosis) -> str:
         return f"Among the explanations tried, {names(best.causes)} fits best; {other}."
     return (
         f"Among the explanations tried, {names(best.causes)} has a probability of {percent(best.posterior)}; {other}."
+    )
+
+
+def _shared_words(diagnosis: Diagnosis) -> str:
+    """Say why sets that the data cannot separate have other probabilities in the extended mission than above."""
+    best = diagnosis.best
+    own = next((each for each in diagnosis.explanations if best is not None and each.causes == best.causes), None)
+    if best is None or best.posterior is None or own is None or abs(own.probability - best.posterior) < _ALIKE:
+        return ""
+    alike = [each for each in diagnosis.explanations if abs(each.probability - own.probability) < _ALIKE]
+    if len(alike) < 2:
+        return ""
+    equal = "both" if len(alike) == 2 else "these"
+    others = enumerated([names(each.causes) for each in alike if each is not own])
+    return (
+        f"Such data cannot tell {names(best.causes)} from {others}, whichever it is: what speaks for one of them is "
+        f"mostly how large each usually is. In the extended mission, and for the next trial, {equal} are "
+        f"therefore equally probable, {percent(own.probability)} each."
     )
 
 

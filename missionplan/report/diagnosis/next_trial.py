@@ -11,6 +11,7 @@ from missionplan.report.wording import capitalised
 from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, ValuedDesign
 
 _CHOSEN = {"d_max_m": "d_max", "anchor_wet_weight_n": "the anchor's wet weight"}
+_CHOSEN_NOW = {"d_max_m": "one d_max for all transits", "anchor_wet_weight_n": "the anchor's wet weight"}
 _LISTED = 12
 """Designs in the table, at most."""
 _NOTHING = "Nothing: no more than three standard errors."
@@ -41,6 +42,15 @@ def next_trial_told(found: NextTrial | None) -> str:
     return f" {words}" if found.best is None else f" Next trial: {words[:1].lower()}{words[1:]}"
 
 
+def next_trial_pointer(found: NextTrial | None) -> list[str]:
+    """Say among what to do next that a trial is worth making, or that none is, and that more follows."""
+    if found is None or found.reason is not None:
+        return []
+    if found.best is None:
+        return ["No trial is worth it for the plan; what would tell more of the causes is for its own sake."]
+    return [f"{capitalised(found.best.name)}: the trial worth making next, and what its outcomes would mean, below."]
+
+
 def next_trial_words(found: NextTrial) -> str:
     """Say in a sentence or two what to do."""
     if found.best is None:
@@ -65,10 +75,20 @@ def next_trial_words(found: NextTrial) -> str:
 
 
 def _choice_now(found: NextTrial) -> str:
+    brings = f"success {100.0 * found.success:.3g} %, {_loss(found.loss, found)} a mission with its failures"
     return (
-        f"With what is known now, {_CHOSEN[found.decides]} is best at {_value(found, found.choice)} "
-        f"(success {100.0 * found.success:.3g} %, {_loss(found.loss, found)} a mission with its failures)."
+        f"With what is known now, {_CHOSEN_NOW[found.decides]} is best at {_value(found, found.choice)} "
+        f"({_edge(found)}{brings})."
     )
+
+
+def _edge(found: NextTrial) -> str:
+    """Say that a choice is the last of those tried: one beyond it might be better still."""
+    least, most = found.tried
+    words = ("the shortest tried; ", "the longest tried; ")
+    if found.decides == "anchor_wet_weight_n":
+        words = ("the lightest tried; ", "the heaviest tried; ")
+    return words[0] if found.choice <= least else words[1] if found.choice >= most else ""
 
 
 def _payback(found: NextTrial) -> str:

@@ -18,7 +18,7 @@ from missionplan.report.diagnosis.evidence import (
 )
 from missionplan.report.diagnosis.how_sure import how_sure
 from missionplan.report.diagnosis.last_part import last_part_sections, last_part_words
-from missionplan.report.diagnosis.next_trial import next_trial_section, next_trial_told
+from missionplan.report.diagnosis.next_trial import next_trial_pointer, next_trial_section, next_trial_told
 from missionplan.report.diagnosis.operator import finding_in_words
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
@@ -93,6 +93,7 @@ def answer(diagnosis: Diagnosis) -> str:
 def _verdict_words(diagnosis: Diagnosis) -> str:
     named = found_causes(diagnosis.causes, claimed_parameters(diagnosis))
     left = resemblance(diagnosis.discrepancy)
+    structured = diagnosis.discrepancy.axis is not None
     if diagnosis.verdict == "adequate":
         return (
             f"The mission's model is adequate for these data: nothing in them asks for a cause.{_confirmed(diagnosis)}"
@@ -102,7 +103,8 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "unexplained":
         return f"Something is left that no cause of the catalogue explains: it {left}."
     if diagnosis.verdict == "partly-explained":
-        words = f"The largest share of the misfit resembles {named}, but not all of it: what is left {left}."
+        words = f"The largest share of the misfit resembles {named}, but not all of it"
+        words += f": what is left {left}." if structured else "."
     elif diagnosis.verdict == "ambiguous":
         others = [names(causes) for causes in diagnosis.rivals[:3]]
         rest = f"; {' or '.join(others)} would do nearly as well" if others else "; so few numbers prove nothing"
@@ -173,7 +175,9 @@ def _next_words(diagnosis: Diagnosis) -> list[str]:
         words.append(told)
     if diagnosis.causes:
         words += plan_words(diagnosis)
-    words += [_measurement_words(entry) for entry in diagnosis.next_measurements]
+    words += next_trial_pointer(diagnosis.next_trial)
+    if diagnosis.next_trial is None or diagnosis.next_trial.best is None:
+        words += [_measurement_words(entry) for entry in diagnosis.next_measurements]
     if diagnosis.outlying_groups:
         listed = ", ".join(f"{group} (p = {p_value:.1g})" for group, p_value in diagnosis.outlying_groups)
         words.append(f"Check these parts of the record, which the rest does not predict: {listed}. A wrong label?")

@@ -101,6 +101,8 @@ class NextTrial:
         Of the loss.
     choice, loss : float
         Best choice with what is known now [m or N], and its expected loss [unit].
+    tried : (float, float)
+        Least and greatest choice of those tried [m or N].
     success : float
         Probability of success with it.
     failure_loss : float
@@ -127,6 +129,7 @@ class NextTrial:
     unit: LossUnit = "W h"
     choice: float = 0.0
     loss: float = 0.0
+    tried: tuple[float, float] = (0.0, 0.0)
     success: float = 0.0
     failure_loss: float = 0.0
     perfect: float = 0.0
@@ -146,6 +149,7 @@ class NextTrial:
         return {
             "decides": self.decides,
             "choice": self.choice,
+            "tried": list(self.tried),
             f"loss_{unit}": self.loss,
             "success": self.success,
             f"failure_loss_{unit}": self.failure_loss,
@@ -174,6 +178,31 @@ class NextTrial:
         return pd.DataFrame(rows)
 
     def files(self) -> dict[str, str | bytes]:
-        """``next-trials.csv``, and the best trial as ``next-trial.yaml``."""
+        """``next-trials.csv``, and the best trial as ``next-trial.yaml``, with what its outcomes would mean."""
         found: dict[str, str | bytes] = {"next-trials.csv": to_csv(self.to_frame())} if self.designs else {}
-        return found | ({"next-trial.yaml": to_yaml(self.trial)} if self.trial is not None else {})
+        return found | ({"next-trial.yaml": self._trial_file()} if self.trial is not None else {})
+
+    def _trial_file(self) -> str:
+        """The best trial's mission, headed by comments for who sails it."""
+        told = "".join(f"# {line}\n" for line in self._notes())
+        return told + to_yaml(self.trial or {})
+
+    def _notes(self) -> list[str]:
+        best, unit = self.best, "m" if self.decides == "d_max_m" else "N"
+        chosen = "d_max" if self.decides == "d_max_m" else "anchor's wet weight"
+        lines = ["The trial that diagnose --next-trial found worth making; give its data to diagnose afterwards."]
+        if best is not None:
+            takes = f"{best.minutes:.0f} min" + (f" and {best.energy_wh:.3g} W h" if best.energy_wh else "")
+            saves = f"{best.saving:.2g} {self.unit} a mission on average"
+            lines.append(f"It takes {takes}, without the way there and back, and saves {saves}.")
+        lines.append(f"Now the {chosen} is best at {self.choice:.4g} {unit}. What the outcomes would mean:")
+        for each in self.outcomes:
+            same = f"keep {self.choice:.4g} {unit}"
+            new = f"choose {each.choice:.4g} {unit}, which saves {max(each.saving, 0.0):.2g} {self.unit} a mission"
+            looks = " and ".join(cause.replace("-", " ") for cause in each.causes) or "nothing new"
+            lines.append(f"- {looks} ({100.0 * each.probability:.0f} %): {same if each.choice == self.choice else new}")
+        if self.rule is not None:
+            side = "above" if self.rule.above else "below"
+            limit = f"{self.rule.effect}.{self.rule.name} {side} {self.rule.threshold:.2g} {self.rule.unit}".strip()
+            lines.append(f"In short: choose {self.rule.choice:.4g} {unit} where the diagnosis has {limit}, else keep.")
+        return lines

@@ -1,0 +1,107 @@
+"""What a crew reads of the next trial, and of what the data cannot tell apart."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import yaml
+
+from missionplan.report.diagnosis.how_sure import how_sure
+from missionplan.report.diagnosis.next_trial import next_trial_pointer, next_trial_words
+from missionplan.report.diagnosis.page import answer
+from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, TrialOutcome, ValuedDesign
+
+LEGS = ValuedDesign("two opposite legs of 400 m", 28.0, 3.1, 1.4, 1.2, 0.1)
+FOUND = NextTrial(
+    decides="d_max_m",
+    unit="min",
+    choice=2700.0,
+    loss=132.0,
+    tried=(300.0, 3000.0),
+    success=1.0,
+    failure_loss=1600.0,
+    perfect=1.4,
+    designs=(LEGS,),
+    best=LEGS,
+    outcomes=(
+        TrialOutcome(0.44, ("mean-current",), 2700.0, 0.0),
+        TrialOutcome(0.37, ("speed-scale",), 3000.0, 3.2),
+    ),
+    rule=OutcomeRule("speed-scale", "fraction", "", -0.12, False, ("speed-scale",), 3000.0, 0.98),
+    trial={"name": "Trial", "phases": [{"transit": {"name": "leg-1"}}]},
+)
+
+
+def test_the_file_of_the_trial_tells_its_crew_what_the_outcomes_would_mean() -> None:
+    text = str(FOUND.files()["next-trial.yaml"])
+    notes = [line for line in text.splitlines() if line.startswith("#")]
+    assert "28 min and 3.1 W h" in notes[1]
+    assert "# - mean current (44 %): keep 2700 m" in notes
+    assert "# - speed scale (37 %): choose 3000 m, which saves 3.2 min a mission" in notes
+    assert notes[-1] == (
+        "# In short: choose 3000 m where the diagnosis has speed-scale.fraction below -0.12, else keep."
+    )
+    assert yaml.safe_load(text) == FOUND.trial
+
+
+def test_a_choice_at_the_end_of_those_tried_is_said_to_be() -> None:
+    assert "one d_max for all transits is best at 2.70\u00a0km (success 100 %, 132 min" in next_trial_words(FOUND)
+    assert "3.00\u00a0km (the longest tried; success" in next_trial_words(replace(FOUND, choice=3000.0))
+    anchors = replace(FOUND, decides="anchor_wet_weight_n", choice=18.0, tried=(3.5, 18.0), best=None)
+    assert "the anchor's wet weight is best at 18 N (the heaviest tried; success" in next_trial_words(anchors)
+
+
+def test_what_to_do_next_names_the_trial() -> None:
+    assert next_trial_pointer(FOUND)[0].startswith("Two opposite legs of 400 m: the trial worth making next")
+    assert "No trial is worth it" in next_trial_pointer(replace(FOUND, best=None))[0]
+    assert next_trial_pointer(NextTrial(reason="no vehicle")) == next_trial_pointer(None) == []
+
+
+def diagnosed(**given: Any) -> Any:
+    best = SimpleNamespace(causes=("speed-scale",), posterior=0.64, held_out=None, parameters=())
+    usual = {
+        "causes": ("speed-scale",),
+        "best": best,
+        "none_of_these": 0.1,
+        "coverage": None,
+        "explanations": (),
+        "verdict": "ambiguous",
+    }
+    return SimpleNamespace(**{**usual, **given})
+
+
+def held(cause: str, probability: float) -> Any:
+    return SimpleNamespace(causes=(cause,), probability=probability, prior=None)
+
+
+def test_why_the_mission_has_another_probability_than_the_table_is_told() -> None:
+    shared = (held("speed-scale", 0.4473), held("mean-current", 0.4473), held("inertial-current", 0.1054))
+    words = how_sure(diagnosed(explanations=shared))
+    assert "speed scale has a probability of 64.0 %" in words[0]
+    assert "cannot tell speed scale from mean current" in words[1]
+    assert "both are therefore equally probable, 44.7 % each" in words[1]
+
+
+@pytest.mark.parametrize("explanations", [(), (held("speed-scale", 0.64), held("mean-current", 0.36))])
+def test_nothing_is_told_where_the_probabilities_are_those_of_the_table(explanations: Any) -> None:
+    assert len(how_sure(diagnosed(explanations=explanations))) == 1
+
+
+def test_a_cause_that_changes_with_time_leaves_no_structure_along_nothing() -> None:
+    found = diagnosed(
+        verdict="partly-explained",
+        discrepancy=SimpleNamespace(axis=None, resembles=None),
+        not_constant=("speed-scale",),
+        changed=(),
+        known=(),
+        suspect_labels="",
+        ranking=(),
+        misfit="",
+        last_part=None,
+        kind="transit",
+        rivals=(),
+    )
+    told = answer(found)
+    assert "None" not in told
+    assert "but not all of it. Speed scale is not constant over the record" in told
