@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 import missionplan
+from missionplan.report.log_book.history import terminal
 
 
 def report(
@@ -18,6 +19,7 @@ def report(
     confirmed: dict[str, tuple[float, float]] | None = None,
     changed: tuple[str, ...] = (),
     start: str = "",
+    probability: float | None = None,
 ) -> None:
     """Write what `diagnose` writes of a compass and other effects of one parameter in degrees."""
 
@@ -40,6 +42,9 @@ def report(
         "changed": bool(changed),
         "changed_effects": list(changed),
     }
+    if probability is not None:
+        held = [{"causes": list(found or {}), "probability": probability}]
+        summary["explanations"] = [*held, {"causes": ["mean-current"], "probability": 1.0 - probability}]
     (folder / "summary.json").write_text(json.dumps(summary))
     (folder / "diagnosis.json").write_text("{}")
     (folder / "mission.yaml").write_text(yaml.safe_dump({"name": "made", **({"start": start} if start else {})}))
@@ -99,3 +104,12 @@ def test_a_folder_without_reports_is_refused(tmp_path: Path) -> None:
     (tmp_path / "diagnosis.json").write_text("{}")
     with pytest.raises(missionplan.InputError, match="is no JSON"):
         missionplan.history(tmp_path)
+
+
+def test_what_was_found_in_doubt_is_said_to_be(tmp_path: Path) -> None:
+    report(tmp_path, "a", "2026-05-01T00:00:00+00:00", found={"compass-bias": (0.05, 0.01)}, probability=0.45)
+    report(tmp_path, "b", "2026-05-02T00:00:00+00:00", found={"compass-bias": (0.05, 0.01)})
+    history = missionplan.history(tmp_path)
+    assert history.to_frame()["probability"].tolist() == [0.45, 1.0]
+    states = [row[-1] for row in terminal(history).rows]
+    assert states == ["found, if it is that (45 %)", "found"]

@@ -13,6 +13,8 @@ from missionplan.results.log_book.history import History, Learned
 
 MOST_PANELS = 12
 """Parameters drawn, those with most values first."""
+SURE = 0.995
+"""Probability from which no doubt is told."""
 COLUMNS = ("Parameter", "Report", "Value", "90 % interval", "State")
 
 
@@ -79,7 +81,8 @@ def _rows(history: History) -> list[list[str]]:
         for each in entries:
             scale, unit = _scale(each.unit)
             interval = f"{scale * each.low:.3g} to {scale * each.high:.3g} {unit}".strip()
-            state = "changed" if each.is_change else each.state
+            doubt = f", if it is that ({100.0 * each.probability:.0f} %)" if each.probability < SURE else ""
+            state = f"{'changed' if each.is_change else each.state}{doubt}"
             rows.append([_named(each), each.report, _valued(each), interval, state])
     return rows
 

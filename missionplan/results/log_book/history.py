@@ -28,6 +28,8 @@ class Learned:
         With its 90 % interval [unit].
     unit : str
     state : str
+    probability : float
+        That the explanation holds in which it was found; 1 where the diagnosis left no doubt.
     jump : float or None
         Difference from the diagnosis before, over the standard deviation of the difference; None for the first.
     """
@@ -44,6 +46,7 @@ class Learned:
     high: float
     unit: str
     state: State
+    probability: float = 1.0
     jump: float | None = None
 
     @property
@@ -116,6 +119,7 @@ class History(Result):
                             "low": each.low,
                             "high": each.high,
                             "state": each.state,
+                            "probability": each.probability,
                             "changed": each.is_change,
                         }
                         for each in entries
@@ -127,12 +131,12 @@ class History(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """One row for what each diagnosis says of each parameter."""
-        columns = ("report", "mission", "dataset", "time", "effect", "name", "value", "sd", "low", "high", "unit")
-        rows = [
-            {**{name: getattr(each, name) for name in columns}, "state": each.state, "changed": each.is_change}
-            for each in self.entries
+        columns = [
+            *("report", "mission", "dataset", "time", "effect", "name", "value", "sd", "low", "high", "unit"),
+            *("state", "probability"),
         ]
-        return pd.DataFrame(rows, columns=[*columns, "state", "changed"])
+        rows = [{**{name: getattr(each, name) for name in columns}, "changed": each.is_change} for each in self.entries]
+        return pd.DataFrame(rows, columns=[*columns, "changed"])
 
     def files(self) -> dict[str, str | bytes]:
         """``history.csv`` and ``history.json``."""

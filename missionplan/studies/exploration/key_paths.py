@@ -99,7 +99,9 @@ def _effects_of(section: Any, step: str) -> list[Any] | None:
     """Return the effects in which a step looks for one by its name: a list of them, or those of an explanation."""
     if isinstance(section, list):
         return section
-    held = section.get("effects") if "probability" in section and step not in section else None
+    if not isinstance(section, dict) or "probability" not in section or step in section:
+        return None
+    held = section.get("effects")
     return held if isinstance(held, list) else None
 
 
@@ -128,11 +130,10 @@ def _is_written(data: Mapping[str, object], key: str) -> bool:
         if isinstance(section, list) and step.startswith("["):
             index = int(step[1:-1])
             section = section[index] if index < len(section) else None
-        elif isinstance(section, list | dict):
-            effects = _effects_of(section, step)
-            section = section.get(step) if effects is None else _parameters(effects, step)
+        elif (effects := _effects_of(section, step)) is not None:
+            section = _parameters(effects, step)
         else:
-            section = None
+            section = section.get(step) if isinstance(section, Mapping) else None
         if section is None:
             return False
     return bool(steps)

@@ -113,11 +113,20 @@ def _learned(report: _Report, moment: str) -> Iterator[Learned]:
     """Yield what a diagnosis says of each parameter: of its causes, and of what the mission knew."""
     summary = report.summary
     best = _mappings(summary.get("ranking"))[:1] if summary.get("causes") else []
+    likely = _probability(summary)
     for parameter in [each for entry in best for each in _mappings(entry.get("parameters"))]:
         changed = bool(summary.get("changed")) and _was_known(summary, str(parameter["effect"]))
-        yield _entry(report, moment, parameter, parameter, "changed" if changed else "found")
+        entry = _entry(report, moment, parameter, parameter, "changed" if changed else "found")
+        yield replace(entry, probability=likely)
     for each in _mappings(summary.get("confirmed")):
         yield from (_entry(report, moment, each, value, "confirmed") for value in _mappings([each.get("posterior")]))
+
+
+def _probability(summary: Mapping[str, object]) -> float:
+    """Probability that the causes found hold: less than 1 where the diagnosis left a doubt."""
+    doubt = _mappings(summary.get("explanations"))
+    own = [_number(each.get("probability")) for each in doubt if each.get("causes") == summary.get("causes")]
+    return own[0] if own else 1.0
 
 
 def _was_known(summary: Mapping[str, object], effect: str) -> bool:
