@@ -36,12 +36,12 @@ def _map(axes: plt.Axes, current: Current, position: np.ndarray, phase: np.ndarr
     velocity = np.where(current.holds(place), current.velocity(900.0, 3.0, place), np.nan)
     speed = np.hypot(*velocity)
     arrows = axes.quiver(*place / 1e3, *velocity, speed, cmap="viridis", scale=22.0, width=0.0022)
-    axes.figure.colorbar(arrows, ax=axes, label="current 3 m down [m/s]")
+    axes.figure.colorbar(arrows, ax=axes, label="current 3 m down (m/s)")
     for trial in range(30):
         way = position[phase == 0, :, trial] / 1e3
         axes.plot(way[:, 0], way[:, 1], color="tab:red", linewidth=0.6, alpha=0.5)
     axes.plot([4.7, 7.0], [-0.15, 0.1], "o", color="tab:red", markersize=4)
-    axes.set(xlabel="east of the origin [km]", ylabel="north [km]", aspect="equal", xlim=(3.5, 7.6), ylim=(-0.8, 0.8))
+    axes.set(xlabel="east of the origin (km)", ylabel="north (km)", aspect="equal", xlim=(3.5, 7.6), ylim=(-0.8, 0.8))
     axes.set_title("A quarter of an hour after the start, and the way there of thirty trials", fontsize=10)
 
 
@@ -51,9 +51,9 @@ def _section(axes: plt.Axes, current: Current) -> None:
     velocity = current.velocity(900.0, depth.ravel(), place)
     along = (velocity[0] * 2300.0 + velocity[1] * 250.0) / np.hypot(2300.0, 250.0)
     drawn = axes.contourf(share * 2.313, depth, along.reshape(share.shape), levels=14, cmap="viridis")
-    axes.figure.colorbar(drawn, ax=axes, label="along the course [m/s]")
+    axes.figure.colorbar(drawn, ax=axes, label="along the course (m/s)")
     axes.axhline(3.0, color="tab:red", linewidth=1.0)
-    axes.set(xlabel="distance along the course [km]", ylabel="depth [m]", ylim=(12.0, 0.0))
+    axes.set(xlabel="distance along the course (km)", ylabel="depth (m)", ylim=(12.0, 0.0))
     axes.set_title("Section along the course; the line is the depth of the transit", fontsize=10)
 
 

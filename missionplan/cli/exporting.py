@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.streams import note
+from missionplan.cli.streams import remark
 
 
 class PlanFormat(StrEnum):
@@ -63,6 +63,6 @@ def export(
     for path in written.files:
         typer.echo(str(path))
     for words in written.notes:
-        note(f"Note: {typeset(words)}")
+        remark(f"Note: {typeset(words)}")
     for words in written.lost:
-        note(f"Not in this format: {typeset(words)}")
+        remark(f"Not in this format: {typeset(words)}")

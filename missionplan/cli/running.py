@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from missionplan.cli.options import OutputOptions
-from missionplan.cli.streams import answering, note
+from missionplan.cli.streams import answering, note, remark
 
 if TYPE_CHECKING:
     from rich.progress import Task
@@ -81,7 +81,7 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
         with using_units(output.system):
             units = units_of(result.provenance.data)
         for notice in result.provenance.notices:
-            note(f"Note: {in_units(typeset(notice), units) if units else typeset(notice)}")
+            remark(f"Note: {in_units(typeset(notice), units) if units else typeset(notice)}")
     note(f"Report: {folder / 'report.html'}")
 
 

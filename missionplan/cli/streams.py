@@ -3,6 +3,7 @@
 import codecs
 import errno
 import os
+import shutil
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -53,6 +54,13 @@ def note(text: str) -> None:
     """Write a line to standard error, if that can be written at all."""
     with suppress(OSError):
         typer.echo(text, err=True)
+
+
+def remark(text: str) -> None:
+    """Write a sentence to standard error, broken at words where that is a terminal."""
+    from missionplan.report.typesetting import wrapped
+
+    note(wrapped(text, shutil.get_terminal_size().columns) if sys.stderr.isatty() else text)
 
 
 @contextmanager

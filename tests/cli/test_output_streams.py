@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from missionplan.cli.streams import remark
+
 MISSION = Path(__file__).parents[2] / "missions" / "chesapeake.yaml"
 NEEDS_FULL = pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
 
@@ -76,3 +78,15 @@ def test_too_few_files_are_an_error_in_words(tmp_path, limit):
     done = subprocess.run(lowered, capture_output=True, check=False)
     assert (done.returncode, b"Traceback" in done.stderr) == (1, False)
     assert re.search(b"open no more files: raise the limit|Too many open files", done.stderr)
+
+
+@pytest.mark.parametrize("is_terminal", [True, False])
+def test_notes_break_at_words_on_a_terminal_alone(capsys, monkeypatch, is_terminal):
+    words = "Note: " + "the flow may be laminar and the turbulent line too high; " * 4
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: is_terminal)
+    remark(words.strip())
+    lines = capsys.readouterr().err.splitlines()
+    assert (len(lines) > 2) == is_terminal
+    assert " ".join(lines) == words.strip()
+    assert not is_terminal or max(map(len, lines)) <= 80
