@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.datasets.reading import files_outside
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed
+from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, with_found
 from missionplan.diagnosis.forecast_error import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.judgement import Judgement, judge
@@ -104,6 +104,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     found = run_pipeline(bound.model, lambda what, done, of: stage(), jobs)
     judgement = judge(bound, found)
     scale = judgement.coverage.scale if judgement.coverage is not None else 1.0
+    explanations = with_found(explanations, found, jobs)
     believed = hypotheses(explanations, found, judgement, scale)
     extended = mission_in_doubt(believed)
     stage()

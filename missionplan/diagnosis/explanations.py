@@ -8,7 +8,7 @@ data that it was made from a mission gains no cause.
 import copy
 import math
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 
@@ -63,13 +63,24 @@ class Weighed:
     base : CauseFit or None
         Its base model fitted; None where the mission has no doubt.
     probability : float
-        After the data: prior times evidence.
+        After the data: prior times evidence of the base models.
+    beyond : CauseFit or None
+        With the causes found beside the likeliest explanation, where they are better than none beside this one.
+    gain : float
+        What these causes add to the log of its weight.
     """
 
     explained: Explained
     bound: DataKind
     base: CauseFit | None
     probability: float
+    beyond: CauseFit | None = None
+    gain: float = 0.0
+
+    @property
+    def fit(self) -> CauseFit | None:
+        """With what was found, else its base model's."""
+        return self.base if self.beyond is None else self.beyond
 
 
 def explained_missions(mission: Mission) -> tuple[Explained, ...]:
@@ -142,6 +153,45 @@ def _log_weight(explained: Explained, fit: CauseFit | FailedFit) -> float:
     return -math.inf if isinstance(fit, FailedFit) else math.log(explained.prior) + fit.log_evidence
 
 
+def with_found(explanations: Sequence[Weighed], found: PipelineResult, jobs: int) -> tuple[Weighed, ...]:
+    """Fit the causes claimed beside the likeliest explanation beside each other one too.
+
+    Else what the explanations say nothing about, as legs of a doubt that dives left, would decide for the likeliest.
+
+    Parameters
+    ----------
+    explanations : sequence of Weighed
+        The likeliest first.
+    found : PipelineResult
+        With that explanation.
+    jobs : int
+    """
+    if found.claimed is None:
+        return tuple(explanations)
+    first, others = explanations[0], explanations[1:]
+    gain, own = _gain(found), found.best.log_evidence - found.selection.base.log_evidence
+    return (replace(first, gain=gain), *(_with_causes(one, found.best.causes, gain - own, jobs) for one in others))
+
+
+def _with_causes(one: Weighed, causes: Causes, odds: float, jobs: int) -> Weighed:
+    """Add causes, of which those without an explanation have log odds in prior and checks, to an explanation."""
+    model = one.bound.model
+    if one.base is None or not set(causes) <= set(model.candidates):
+        return one
+    if any(len(group & set(causes)) > 1 for group in model.alternatives):
+        return one
+    (fit,) = fitted(model, [(causes, (one.base,))], jobs)
+    if isinstance(fit, FailedFit) or not fit.possible:
+        return one
+    gain = odds + fit.log_evidence - one.base.log_evidence
+    return replace(one, beyond=fit, gain=gain) if gain > 0.0 else one
+
+
+def _gain(found: PipelineResult) -> float:
+    """Log odds that something is behind the data beside the likeliest explanation."""
+    return -math.log(max(found.posterior.get((), 0.0), 1e-300))
+
+
 def hypotheses(
     explanations: Sequence[Weighed], found: PipelineResult, judgement: Judgement, scale: float
 ) -> tuple[Hypothesis, ...]:
@@ -153,9 +203,9 @@ def hypotheses(
     Parameters
     ----------
     explanations : sequence of Weighed
-        The likeliest first.
+        As `with_found` returns them.
     found : PipelineResult
-        With that explanation.
+        With the likeliest.
     judgement : Judgement
     scale : float
         Of the random errors; see `DataKind.widened`.
@@ -163,9 +213,9 @@ def hypotheses(
     first, others = explanations[0], explanations[1:]
     fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
     shares = shares_in_doubt(found, judgement, fits)
-    masses = explanation_weights(explanations, found)
+    masses = explanation_weights(explanations)
     listed = [(first, fits[causes], masses[0] * share) for causes, share in shares.items()]
-    listed += [(one, one.base, mass) for one, mass in zip(others, masses[1:], strict=True) if one.base is not None]
+    listed += [(one, one.fit, mass) for one, mass in zip(others, masses[1:], strict=True) if one.fit is not None]
     kept = _credible(listed)
     total = sum(weight for *_, weight in kept)
     return tuple(
@@ -178,19 +228,15 @@ def hypotheses(
     )
 
 
-def explanation_weights(explanations: Sequence[Weighed], found: PipelineResult) -> Array:
-    """Weights of the mission's explanations, the greatest 1; what was found counts for the likeliest alone.
+def explanation_weights(explanations: Sequence[Weighed]) -> Array:
+    """Weights of the mission's explanations with what was found beside them, the greatest 1.
 
     Parameters
     ----------
     explanations : sequence of Weighed
-        The likeliest first.
-    found : PipelineResult
-        With that explanation.
+        As `with_found` returns them.
     """
-    gain = 0.0 if found.claimed is None else -math.log(max(found.posterior.get((), 0.0), 1e-300))
-    logs = [math.log(max(one.probability, 1e-300)) for one in explanations]
-    logs[0] += gain
+    logs = [math.log(max(one.probability, 1e-300)) + one.gain for one in explanations]
     return np.asarray(np.exp(np.array(logs) - max(logs)))
 
 
@@ -217,7 +263,8 @@ def odds(explanations: Sequence[Weighed], found: Sequence[Hypothesis]) -> tuple[
     Empty where nothing is.
     """
     if len(explanations) > 1:
-        return tuple(
-            ExplanationOdds(each.explained.causes, each.explained.prior, each.probability) for each in explanations
-        )
+        weights = explanation_weights(explanations)
+        shares = (weights / weights.sum()).tolist()
+        odds = zip(explanations, shares, strict=True)
+        return tuple(ExplanationOdds(each.explained.causes, each.explained.prior, share) for each, share in odds)
     return tuple(ExplanationOdds(each.causes, None, each.probability) for each in found) if len(found) > 1 else ()

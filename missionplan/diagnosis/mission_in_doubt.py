@@ -1,6 +1,7 @@
 """One mission of several hypotheses: what they have in common as plain effects, the rest as explanations."""
 
 import copy
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +11,8 @@ from missionplan.results.learned.evidence import Causes
 
 DIGITS = 4
 """Of a probability in a mission file."""
+ALIKE = 2e-3
+"""Relative difference of numbers of one effect that fits from different starts leave."""
 ROOT = "effects."
 
 
@@ -40,8 +43,8 @@ def mission_in_doubt(found: Sequence[Hypothesis]) -> dict[str, object]:
     """
     mission = copy.deepcopy(dict(found[0].extended))
     lists = [items(each.extended, "effects") for each in found]
-    common = [entry for entry in lists[0] if all(entry in other for other in lists[1:])]
-    own = [[entry for entry in entries if entry not in common] for entries in lists]
+    common = [entry for entry in lists[0] if all(_is_in(entry, other) for other in lists[1:])]
+    own = [[entry for entry in entries if not _is_in(entry, common)] for entries in lists]
     differ = any(each.extended.get("vehicle") != mission.get("vehicle") for each in found)
     if len(found) == 1 or differ or not any(own):
         return mission
@@ -50,6 +53,21 @@ def mission_in_doubt(found: Sequence[Hypothesis]) -> dict[str, object]:
     return (
         mission | {"effects": [*common, {ONE_OF: _explanations(found, own)}]} | ({"correlations": kept} if kept else {})
     )
+
+
+def _is_in(entry: object, entries: Sequence[object]) -> bool:
+    return any(_alike(entry, other) for other in entries)
+
+
+def _alike(first: object, second: object) -> bool:
+    """Whether effects are the same but for what fits from different starts leave."""
+    if isinstance(first, Mapping) and isinstance(second, Mapping):
+        return first.keys() == second.keys() and all(_alike(first[key], second[key]) for key in first)
+    (number, *unit), (other, *other_unit) = str(first).split() or [""], str(second).split() or [""]
+    try:
+        return unit == other_unit and math.isclose(float(number), float(other), rel_tol=ALIKE)
+    except ValueError:
+        return first == second
 
 
 def _explanations(found: Sequence[Hypothesis], own: Sequence[Sequence[Any]]) -> list[dict[str, object]]:

@@ -85,3 +85,23 @@ def test_a_data_set_given_twice_is_refused(campaign: tuple[Path, list[Path]]) ->
     path, folders = campaign
     with pytest.raises(missionplan.InputError, match="each one once"):
         missionplan.diagnose_campaign(path, [folders[0], folders[0]])
+
+
+def test_a_doubt_that_the_dives_leave_outlasts_the_legs(campaign: tuple[Path, list[Path]], tmp_path: Path) -> None:
+    """Dives of one line cannot tell a slow line from a late clock, and legs have no say in it."""
+    mission, dives = draw_case(5, "descent", "tie").write(tmp_path / "dives", tmp_path / "truth")
+    raw = yaml.safe_load(mission.read_text())
+    raw["navigation"] = {"velocity_error": {"sigma": "0.02 m/s"}, "surfacing_time": "5 min"}
+    transit = {"to": ["4 km", "0 m"], "speed": "0.75 m/s", "d_max": "1 km", "arrival_radius": "50 m"}
+    raw["phases"] = [{"transit": {"from": ["0 m", "0 m"], **transit}}, *raw["phases"]]
+    raw["site"].pop("current", None)
+    (mission.parent / "both.yaml").write_text(yaml.safe_dump(raw, sort_keys=False))
+    found = missionplan.diagnose_campaign(mission.parent / "both.yaml", [dives, campaign[1][1]], plan=False)
+    assert found.diagnoses[1].causes == ("compass-bias",)
+    (doubt,) = missionplan.Mission.from_data(found.extended).doubts
+    (before,) = missionplan.Mission.from_data(found.diagnoses[0].extended).doubts
+    assert doubt.causes == before.causes
+    assert set(doubt.causes) == {("line-payout",), ("clock-offset",)}
+    assert doubt.probabilities == pytest.approx(before.probabilities, abs=1e-3)
+    page = (found.save(tmp_path / "report") / "report.html").read_text()
+    assert "Still in doubt: " in page

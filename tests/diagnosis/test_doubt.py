@@ -70,6 +70,38 @@ def test_data_that_can_tell_end_the_doubt(ambiguous, folder, legs):
     assert abs(estimate.value + 0.06) < 3.0 * estimate.sd
 
 
+def test_what_is_found_leaves_a_doubt_of_which_the_data_say_nothing(folder, transit_mission, legs):
+    """Dives left two explanations; legs that find something else are as likely with either."""
+    dives = [
+        {"probability": 0.6, "effects": [{"drag-bias": {"fraction": {"mean": 0.3, "sd": 0.02}}}]},
+        {"probability": 0.4, "effects": [{"depth-scale": {"fraction": {"mean": 0.05, "sd": 0.01}}}]},
+    ]
+    doubtful = transit_mission.with_(effects=[{"one-of": dives}])
+    found = diagnose(doubtful, folder(KIND, legs(30, seed=5, error=slow)), plan=False)
+    assert found.causes == ("speed-scale",)
+    assert [each.probability for each in found.explanations] == pytest.approx([0.6, 0.4], abs=1e-6)
+    extended = Mission.from_data(found.extended)
+    (doubt,) = extended.doubts
+    assert doubt.probabilities == pytest.approx((0.6, 0.4), abs=1e-4)
+    assert doubt.causes == (("drag-bias",), ("depth-scale",))
+    scale = extended.quantities()["effects.speed-scale.fraction"]  # the same with either: found once
+    assert abs(scale.mean + 0.06) < 3.0 * scale.sd
+
+
+def test_an_explanation_that_fits_is_not_weighed_against_others_with_more_causes(folder, transit_mission, legs):
+    """The explanation that the data fit needs no further cause, and the other is not rescued by one."""
+    known = [
+        {"probability": 0.5, "effects": [{"speed-scale": {"fraction": {"mean": -0.06, "sd": 0.01}}}]},
+        {"probability": 0.5, "effects": [{"compass-bias": {"angle": {"mean": "10 deg", "sd": "1 deg"}}}]},
+    ]
+    found = diagnose(
+        transit_mission.with_(effects=[{"one-of": known}]), folder(KIND, legs(30, seed=5, error=slow)), plan=False
+    )
+    assert found.verdict == "adequate"
+    assert found.explanations[0].causes == ("speed-scale",)
+    assert found.explanations[0].probability > 0.999
+
+
 def test_probabilities_are_prior_odds(ambiguous):
     found, place = ambiguous
     odds = []

@@ -90,13 +90,13 @@ def possible_fits(explanations: Sequence[Weighed], found: PipelineResult, judgem
     shares = {causes: found.posterior.get(causes, 0.0) for causes in judgement.credible_set if causes in fits}
     if judgement.rivals or not any(shares.values()):
         shares = shares_in_doubt(found, judgement, fits)
-    masses = explanation_weights(explanations, found)
+    masses = explanation_weights(explanations)
     listed = [
         (explanations[0], fits[causes], float(masses[0]) * share / sum(shares.values()))
         for causes, share in shares.items()
     ]
     others = zip(explanations[1:], masses[1:].tolist(), strict=True)
-    listed += [(one, one.base, mass) for one, mass in others if one.base is not None]
+    listed += [(one, one.fit, mass) for one, mass in others if one.fit is not None]
     likely = sorted(listed, key=lambda each: -each[2])[:EXPLANATIONS]
     total = sum(weight for *_, weight in likely)
     kept = [each for each in likely if each[2] > NEGLIGIBLE * total]

@@ -1,14 +1,18 @@
 """Report of `diagnose` with several data sets: what each showed, what they share, and each one's own answer."""
 
 import shlex
+from collections.abc import Mapping
 from dataclasses import replace
 
+from missionplan.report.diagnosis.causes import names, percent
 from missionplan.report.diagnosis.operator import finding_in_words
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
 from missionplan.results.log_book.campaign import Campaign
 
+LEFT = 1e-3
+"""Probability of none of the explanations from which it is told."""
 COLUMNS = ("Data set", "Kind", "Verdict", "Causes", "Confirmed")
 
 
@@ -55,7 +59,24 @@ def answer(campaign: Campaign) -> str:
     together = (
         f"Together {len(campaign.diagnoses)} data sets tell of {named}; one extended mission carries it all.{more}"
     )
-    return " ".join([*told, together])
+    return " ".join([*told, together, *_doubts(campaign.extended)])
+
+
+def _doubts(extended: Mapping[str, object]) -> list[str]:
+    """Say what the extended mission holds possible of which one holds."""
+    effects = extended.get("effects")
+    entries = effects if isinstance(effects, list) else []
+    lists = [entry["one-of"] for entry in entries if isinstance(entry, dict) and "one-of" in entry]
+    told = []
+    for explanations in lists:
+        each = [
+            f"{names(tuple(name for effect in one['effects'] for name in effect))} {percent(one['probability'])}"
+            for one in explanations
+        ]
+        left = 1.0 - sum(one["probability"] for one in explanations)
+        each += [f"none of them {percent(left)}"] if left > LEFT else []
+        told.append(f"Still in doubt: {', '.join(each)}.")
+    return told
 
 
 def _rows(campaign: Campaign) -> list[list[str]]:
