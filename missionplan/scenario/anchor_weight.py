@@ -39,8 +39,8 @@ def design_current(means: DrawnMission, phase: MoorPhase) -> tuple[Array, Array]
     depth = float(means["site.depth"])
     if not isinstance(site.current, tuple) or not site.current:
         if given is None or isinstance(given, tuple):
-            message = "sizing the anchor needs one `design_current` where the site has no layers"
-            raise InputError([Problem(message, key=phase.name)])
+            message = "missing; sizing the anchor needs one speed here where the site's current is not given in layers"
+            raise InputError([Problem(message, means.mission.file, key=f"{phase.name}.design_current")])
         return np.array([given]), np.array([depth])
     thicknesses = layer_thicknesses(np.array([mean_of(layer.down_to) for layer in site.current]), depth)
     if given is None:

@@ -44,9 +44,10 @@ def check_cover(mission: Mission, means: Scenario) -> None:
     if not isinstance(current, RecordedCurrent):
         return
     problems = list(_outside_in_place(mission, means, current))
-    lasts = f"the record lasts from {current.time[0]:.0f} s to {current.time[-1]:.0f} s of the mission's start"
+    lasts = f"the record {_lasting(mission, current)}"
     if current.is_binding and (current.time[-1] < 0.0 or current.time[0] > 0.0):
-        problems.append(_problem(mission, f"{lasts}: it does not hold the start"))
+        start = f", {_moment(mission, 0.0)}" if mission.start else ""
+        problems.append(_problem(mission, f"{lasts}: it does not hold the mission's start{start}"))
     elif current.time[-1] < 0.0:  # nor may it be held: a mistaken start is likelier than a forecast that long ago
         message = f"{lasts}: it ends before the mission starts"
         problems.append(Problem(message, mission.file, key="site.current", hint="see start and site.current.start"))
@@ -68,7 +69,7 @@ def check_trials(mission: Mission, current: object, left: "Probability | None") 
         return
     if left.value > TOLERATED:
         share = f"{100.0 * left.value:.3g} % of the trials leave the record of the current"
-        message = f"{share}, which {_extent(current)}; at most {100.0 * TOLERATED:g} % may"
+        message = f"{share}, which {_extent(mission, current)}; at most {100.0 * TOLERATED:g} % may"
         raise InputError([_problem(mission, message)])
 
 
@@ -76,8 +77,7 @@ def cover_in_words(mission: Mission, current: Current | None) -> str:
     """Sentence on what a record of the current covers in time, place and depth; none where there is no record."""
     if not isinstance(current, RecordedCurrent) or not np.isfinite(current.time).all():
         return ""
-    words = f" Current: {_moment(mission, current.time[0])} to {_moment(mission, current.time[-1])}"
-    words += " UTC" if mission.start else " of the mission's start"
+    words = f" Current: {_lasting(mission, current)}"
     if isinstance(current, Ensemble):
         words += f", {len(current.members)} members"
     if isinstance(current, GriddedCurrent):
@@ -85,7 +85,17 @@ def cover_in_words(mission: Mission, current: Current | None) -> str:
         words += f", from {low[0]:.1f} to {high[0]:.1f} km east and from {low[1]:.1f} to {high[1]:.1f} km north"
         land = 1.0 - float(np.mean(np.any(current.wet, axis=0)))
         words += f" ({100.0 * land:.0f} % of it land)" if land else ""
-    return f"{words}, down to {current.depths_covered[1]:.4g} m.".replace("Current: ", "Current: from ", 1)
+    return f"{words}, down to {current.depths_covered[1]:.4g} m.".replace("Current: lasts ", "Current: ", 1)
+
+
+def _lasting(mission: Mission, current: RecordedCurrent) -> str:
+    """When a record begins and ends, as the predicate of a sentence."""
+    if not np.isfinite(current.time).all():
+        return "has no end"
+    first, last = (_moment(mission, moment) for moment in current.time[[0, -1]])
+    clock = "UTC" if mission.start else "after the mission's start"
+    # of a field the times before the mission's are not read: where one is left, it is the last
+    return f"lasts from {first} to {last} {clock}" if first != last else f"ends at {last} {clock}"
 
 
 def _moment(mission: Mission, seconds: float) -> str:
@@ -110,9 +120,10 @@ def _nominal(mission: Mission, means: Scenario, current: RecordedCurrent, lasts:
         return []
     ends = [float(phase.end[0]) for phase in phases if np.isfinite(phase.end[0])]
     if ends and ends[-1] > current.time[-1]:
-        message = f"{lasts}; the nominal mission takes {ends[-1]:.0f} s"
+        until = f"ends at {_moment(mission, ends[-1])}" if mission.start else f"takes {ends[-1]:.0f} s"
+        message = f"{lasts}; the nominal mission {until}"
     else:
-        message = f"the nominal {_names(outside)} leaves the record, which {_extent(current)}"
+        message = f"the nominal {_names(outside)} leaves the record, which {_extent(mission, current)}"
     return [_problem(mission, message)]
 
 
@@ -127,9 +138,9 @@ def _is_complete(mission: Mission) -> bool:
     return bool(mission.phases) and not missing
 
 
-def _extent(current: RecordedCurrent) -> str:
+def _extent(mission: Mission, current: RecordedCurrent) -> str:
     low, high = current.depths_covered
-    lasts = "" if np.isinf(current.time[-1]) else f"lasts from {current.time[0]:.0f} s to {current.time[-1]:.0f} s and "
+    lasts = "" if np.isinf(current.time[-1]) else f"{_lasting(mission, current)} and "
     words = f"{lasts}is good down to {high:.4g} m"
     return words if low <= 0.0 else f"{words}, from {low:.4g} m"
 

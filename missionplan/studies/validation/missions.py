@@ -5,6 +5,7 @@ from pathlib import Path
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.views import MooringMission, TransitionMission, TransitMission
+from missionplan.scenario.anchor_weight import design_current
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
@@ -47,7 +48,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
         Readiness("export", needs(lambda: TransitMission.of(mission)), _origin(mission)),
         Readiness("sweep-dmax", legs),
         Readiness("plan-legs", legs),
-        Readiness("size-anchor", needs(lambda: MooringMission.of(mission)), _construction(mission)),
+        Readiness("size-anchor", needs(lambda: _sizable(means)), _construction(mission)),
         Readiness("sweep-transition", needs(lambda: TransitionMission.of(mission))),
         Readiness("optimise", simulation or _requirements(mission), _choices(mission)),
     )
@@ -59,6 +60,12 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
 def _origin(mission: Mission) -> str:
     placed = mission.site is not None and mission.site.origin is not None
     return "" if placed else "site.origin for formats with positions on Earth"
+
+
+def _sizable(means: Scenario) -> None:
+    """Refuse a mission whose anchors cannot be sized."""
+    for phase in MooringMission.of(means.mission).moors:
+        design_current(means, phase)
 
 
 def _construction(mission: Mission) -> str:

@@ -111,8 +111,12 @@ def test_a_later_start_changes_the_mission(tmp_path):
 @pytest.mark.parametrize(
     ("start", "outside", "message"),
     [
-        ("2026-05-01T10:00:00Z", "error", "from 3600 s to 25200 s of the mission's start: it does not hold the start"),
-        ("2026-05-02T11:00:00Z", "error", "it does not hold the start"),
+        (
+            "2026-05-01T10:00:00Z",
+            "error",
+            "2026-05-01 17:00 UTC: it does not hold the mission's start, 2026-05-01 10:00",
+        ),
+        ("2026-05-02T11:00:00Z", "error", "it does not hold the mission's start"),
         ("2026-05-02T11:00:00Z", "hold", "it ends before the mission starts"),
         (None, "hold", "the record has a start: the mission needs its `start`"),
     ],
@@ -252,8 +256,16 @@ def test_a_field_that_does_not_reach_the_mission_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"ingress\.to.*the field reaches"):
         simulate(away, trials=10)
     late = chesapeake(tmp_path, STEADY | netcdf(tmp_path, steady) | {"start": "2026-05-03T00:00:00Z"})
-    with pytest.raises(InputError, match="does not hold the start"):
+    with pytest.raises(InputError, match="does not hold the mission's start"):
         simulate(late, trials=10)
+
+
+def test_a_record_that_ends_as_the_mission_starts_is_said_to_end_then(tmp_path):
+    spent = chesapeake(tmp_path, STEADY | netcdf(tmp_path, steady) | {"start": "2026-05-01T17:00:00Z"})
+    with pytest.raises(
+        InputError, match=r"the record ends at 2026-05-01 17:00 UTC; the nominal mission ends at 2026-05-01 \d\d:"
+    ):
+        simulate(spent, trials=10)
 
 
 def test_a_record_that_ends_before_the_nominal_mission_is_refused_with_the_remedy(tmp_path):

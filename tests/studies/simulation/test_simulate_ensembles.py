@@ -13,7 +13,10 @@ from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.report.simulation.page import answer
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
+from missionplan.studies.anchor.size_anchor import size_anchor
+from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 from missionplan.studies.simulation.simulate import simulate, simulate_block
+from missionplan.studies.validation.missions import validated_mission
 
 SPEEDS = (0.0, 0.1, 1.2)
 WEIGHTS = (5.0, 3.0, 2.0)
@@ -59,7 +62,7 @@ def test_an_ensemble_of_one_and_the_same_is_that_current(tmp_path):
 
 
 def test_the_member_that_spoils_the_mission_is_named(tmp_path):
-    alone = {"navigation.drift_compensation": "none"}  # the mean of the members would carry the others astray
+    alone = {"navigation.drift_compensation": "last-leg"}  # the mean of the members would carry the others astray
     found = simulate(ensemble_mission(tmp_path, changes=alone), trials=600)
     successes = {each.causes[0]: each.success.value for each in found.members}
     assert successes["run-0.csv"] == successes["run-1.csv"] == 1.0
@@ -119,3 +122,34 @@ def test_impossible_ensembles_are_refused(tmp_path, current, message):
     data = yaml.safe_load((tmp_path / "mission.yaml").read_text())
     with pytest.raises(InputError, match=message):
         chesapeake(tmp_path, STEADY | {"site.current": data["site"]["current"] | current})
+
+
+def test_legs_are_judged_over_all_members_by_their_weights(tmp_path):
+    """The cost of each length of legs is the members' weighted mean."""
+    speeds = (0.0, 0.1, 0.3)
+    lengths = {
+        "sweep": {"d_max": ["400 m", "900 m"], "sigma": ["0.05 m/s"]},
+        "navigation.drift_compensation": "last-leg",
+    }
+    together = ensemble_mission(tmp_path, speeds, changes=lengths)
+    swept = sweep_dmax(together, trials=1500).summary()["sweep"][0]["curve"]
+    alone = []
+    for number in range(len(speeds)):
+        current = {"file": f"run-{number}.csv", "outside": "hold"}
+        mission = chesapeake(tmp_path, STEADY | lengths | {"site.current": current}, name=f"only-{number}.yaml")
+        alone.append(sweep_dmax(mission, trials=1500).summary()["sweep"][0]["curve"])
+    for index, point in enumerate(swept):
+        costs = [curve[index]["cost"] for curve in alone]
+        assert max(costs) - min(costs) > 10.0 * point["standard_error"]
+        mean = np.average(costs, weights=WEIGHTS)
+        assert point["cost"] == pytest.approx(mean, abs=5.0 * point["standard_error"])
+
+
+def test_an_anchor_in_a_record_of_the_current_is_sized_for_a_speed_that_the_mission_names(tmp_path):
+    mission = ensemble_mission(tmp_path)
+    with pytest.raises(InputError, match=r"moor\.design_current: missing; sizing the anchor needs one speed"):
+        size_anchor(mission)
+    ready = {entry.command: entry.needs for entry in validated_mission(tmp_path / "mission.yaml", mission).table}
+    assert ready["size-anchor"] == ("moor.design_current",)
+    named = ensemble_mission(tmp_path, changes={"phases.1.moor.design_current": "0.5 m/s"})
+    assert size_anchor(named).summary()["anchor"]["wet_weight_n"] > 0.0
