@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
@@ -74,3 +75,27 @@ def test_an_exploration_that_never_succeeds_is_drawn():
 )
 def test_a_rare_event_is_written_in_words(event, words):
     assert event_in_words(event) == words
+
+
+def test_a_record_without_a_tide_is_drawn(tmp_path):
+    left = np.random.default_rng(1).normal(0.0, 0.05, (2, 180))
+    rows = "".join(f"{600 * k},4,{0.2 + left[0, k]:.4f},{left[1, k]:.4f}\n" for k in range(180))
+    (tmp_path / "record.csv").write_text(f"t_s,depth_m,east_m_s,north_m_s\n{rows}")
+    found = missionplan.tide(tmp_path / "record.csv", latitude=0.65, start=datetime(2026, 4, 1, tzinfo=UTC))
+    rendered = render(found)
+    assert rendered.figures
+    assert not re.search(r"\bnan\b", rendered.html)
+
+
+def test_a_report_compared_with_itself_is_drawn(tmp_path):
+    report = missionplan.simulate(MISSIONS / "chesapeake.yaml", trials=8).save(tmp_path / "report")
+    rendered = render(missionplan.compare(report, report))
+    assert "The results are the same." in rendered.html
+    assert not re.search(r"\bnan\b", rendered.html)
+
+
+def test_a_transition_that_holds_its_depth_at_every_speed_is_drawn():
+    found = missionplan.sweep_transition(MISSIONS / "autosub-transition.yaml")
+    rendered = render(replace(found, saturation_speed=np.nan))
+    assert rendered.figures
+    assert not re.search(r"\bnan\b", rendered.html)

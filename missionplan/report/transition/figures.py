@@ -27,19 +27,30 @@ def unassisted_figure(result: TransitionSweep) -> Figure:
     depth.plot(track.time[shown], -track.depth[shown], color=BLUE)
     depth.set_ylabel("rise above target (m)")
     depth.set_xlabel("time since the deceleration began (s)")
-    crossing = track.time[np.argmax(track.speed < result.saturation_speed)]
-    for axes in (angles, depth):
-        axes.axvline(crossing, color=GREY, linewidth=1.0, linestyle=":")
-    label = f"A: {result.saturation_speed:.2f} m/s"
-    depth.annotate(
-        label, (crossing, depth.get_ylim()[1]), xytext=(-4, -4), textcoords="offset points", ha="right", va="top"
-    )
+    if np.isfinite(result.saturation_speed):
+        _mark_saturation(angles, depth, result)
     angles.legend(loc="upper left")
     alt = (
         "Pitch, sternplane and rise against time without thrusters: once the sternplane is at its limit depth is lost."
     )
     return to_figure(
         figure, "fig-3-no-thrusters", alt, "Without thrusters (the paper's Fig. 3); speed falls with time."
+    )
+
+
+def _mark_saturation(angles: Axes, depth: Axes, result: TransitionSweep) -> None:
+    """Draw where the sternplane comes to its limit."""
+    track = result.unassisted
+    crossing = track.time[np.argmax(track.speed < result.saturation_speed)]
+    for axes in (angles, depth):
+        axes.axvline(crossing, color=GREY, linewidth=1.0, linestyle=":")
+    depth.annotate(
+        f"A: {result.saturation_speed:.2f} m/s",
+        (crossing, depth.get_ylim()[1]),
+        xytext=(-4, -4),
+        textcoords="offset points",
+        ha="right",
+        va="top",
     )
 
 

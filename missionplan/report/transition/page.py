@@ -53,9 +53,11 @@ def terminal(result: TransitionSweep) -> Terminal:
 def answer(result: TransitionSweep) -> str:
     """Write below which speed the vehicle needs thrusters, and the speed at which they take least energy."""
     best = result.best
+    slowest = result.saturation_speed
+    alone = f"cannot hold depth below {slowest:.2f} m/s" if np.isfinite(slowest) else "holds depth at all speeds tried"
     return (
-        f"Without thrusters the vehicle cannot hold depth below {result.saturation_speed:.2f} m/s. One tunnel thruster "
-        f"takes it to hover with least energy, {best['energy_common_wh']:.1f} W h, at a mid-transition speed of "
+        f"Without thrusters the vehicle {alone}. One tunnel thruster takes it to hover with least energy, "
+        f"{best['energy_common_wh']:.1f} W h, at a mid-transition speed of "
         f"{best['mid_speed_m_s']:g} m/s, the best of those tried; it then strays from its depth by up to "
         f"{best['depth_excursion_m']:.2f} m."
     )
