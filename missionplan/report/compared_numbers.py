@@ -12,6 +12,20 @@ _PERCENT = Unit("%", 0.01)
 _GROUPS = {"sweep": "", "anchor": "", "odds": "dives"}
 """How sections of `summary.json` are named, where not by their keys."""
 
+_OF_SWEEP = {
+    ("curve", "cost"): "mean cost",
+    ("best", "cost"): "least mean cost",
+    ("best", "d_max_m"): "d_max of least cost",
+    ("recommended", "cost"): "mean cost at the recommended d_max",
+    ("recommended", "d_max_m"): "recommended d_max",
+    ("recommended", "saving_s"): "time saved against one leg at the recommended d_max",
+    ("recommended", "required_arrival"): "required probability of arrival",
+    ("one_leg", "cost"): "mean cost in one leg",
+    ("one_leg", "d_max_m"): "length of one leg",
+    ("", "saving_s"): "time saved against one leg",
+}
+"""Numbers of a sweep, by where they are in `summary.json`."""
+
 
 def importance(difference: ComparedNumber) -> float:
     """Size of the change against its noise, or, without noise, against the number."""
@@ -33,8 +47,21 @@ def name_of(comparison: Comparison, difference: ComparedNumber) -> str:
     """Name a number."""
     if difference.group == "requirement":
         return f"{_requirement(comparison, difference)} (requirement)"
+    if difference.group.startswith("sweep, "):
+        return _of_sweep(comparison, difference)
     group = _GROUPS.get(difference.group, difference.group)
     return in_words(f"{group}.{difference.key}".lstrip(".")) if group != difference.key else in_words(difference.key)
+
+
+def _of_sweep(comparison: Comparison, difference: ComparedNumber) -> str:
+    """Name a number of a sweep over maximum leg lengths, whose group is ``sweep, 0.035, curve, 48``."""
+    _, sigma, *rest = difference.group.split(", ")
+    which, d_max = (*rest, "", "")[:2]
+    words = _OF_SWEEP.get((which, difference.key), "") or in_words(difference.key)
+    if which == "curve":
+        words += f" at d_max = {number(float(d_max))}\u00a0m"
+    spreads = {each.group.split(", ")[1] for each in comparison.differences if each.group.startswith("sweep, ")}
+    return f"{words} (σ_v = {sigma}\u00a0m/s)" if len(spreads) > 1 else words
 
 
 def _requirement(comparison: Comparison, difference: ComparedNumber) -> str:
@@ -75,7 +102,7 @@ def _limit(requirement: Mapping[str, object]) -> str:
 
 
 def _unit(comparison: Comparison, difference: ComparedNumber) -> Unit:
-    if difference.kind == "probability":
+    if difference.kind == "probability" or difference.key == "cost":
         return _PERCENT
     typical = difference.first if difference.first is not None else difference.second
     return unit_for(difference.group, difference.key, _mission(comparison, difference), typical=abs(typical or 0.0))

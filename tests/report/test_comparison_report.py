@@ -84,3 +84,15 @@ def test_requirements_of_one_run_are_named_as_that_run_has_them(comparison):
     assert "offset of the anchor (moor) at most 75 ft (requirement)" in rows(comparison)
     assert "The requirement on the success of the mission, which was met, has been dropped." in answer(comparison)
     assert "The new requirement on the arrival (egress) is not met." in answer(comparison)
+
+
+def test_numbers_of_a_sweep_are_named_in_words(comparison):
+    def cost(place, sigma="0.035"):
+        return ComparedNumber(f"sweep, {sigma}, {place}", "cost", "mean", 0.2, 0.3, 0.001, 0.0, "changed")
+
+    swept = replace(comparison, compared="sweep-dmax", differences=(cost("curve, 48"), cost("recommended")))
+    assert rows(swept)["mean cost at d_max = 48\u00a0m"][-1] == "+10.00\u00a0±\u00a00.10\u00a0%"
+    assert "the mean cost at d_max = 48\u00a0m (+10.00\u00a0±\u00a00.10\u00a0%)" in answer(swept)
+    assert "mean cost at the recommended d_max" in rows(swept)
+    two = replace(swept, differences=(cost("one_leg"), cost("one_leg", "0.07")))
+    assert "mean cost in one leg (σ_v = 0.07\u00a0m/s)" in rows(two)
