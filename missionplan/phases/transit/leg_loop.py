@@ -22,6 +22,8 @@ from missionplan.phases.transit.plan import (
     column,
 )
 
+FARTHEST = 2e7
+"""Half the Earth's circumference: a vehicle that a model carries farther from its goal is left there [m]."""
 _MIN_TRIALS_TO_DROP = 256  # with fewer, dropping the arrived ones costs more than it saves
 
 
@@ -199,12 +201,20 @@ class LegLoop:
         np.multiply(self._fix, self._fix, out=self._error)
         np.add(self._error[0], self._error[1], out=self._left)
         np.sqrt(self._left, out=self._left)
+        if self._left.max(initial=0.0) > FARTHEST:
+            self._hold_back(self._left > FARTHEST)
         far = self._left >= self._plan.arrival_radius
         if self._moving is not None:
             far &= self._moving > 0.0
         self._set_moving(far)
         if not self._keeps_all and 2 * self._count <= far.size and far.size > _MIN_TRIALS_TO_DROP:
             self._drop_all_but(np.flatnonzero(far))
+
+    def _hold_back(self, lost: NDArray[np.bool_]) -> None:
+        """Put trials back to the farthest place: a current that grows with the distance carries them without end."""
+        self._fix[:, lost] *= FARTHEST / self._left[lost]
+        self._x[:, lost] = self._fix[:, lost]
+        self._left[lost] = FARTHEST
 
     def _set_moving(self, moving: NDArray[np.bool_]) -> None:
         self._far = moving

@@ -6,11 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from transit_examples import GOAL, FixedNormals, normals, plan, run, start
 
+from missionplan.effects.current_shear import CurrentShear
 from missionplan.montecarlo.streams import LegNormals
 from missionplan.phases.currents import LayeredCurrent
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.analytic.expectation import expected_transit
+from missionplan.phases.transit.leg_loop import FARTHEST
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.phases.transit.plan import Environment, TransitNormals, VelocityError
 from missionplan.phases.transit.transit import transit
@@ -282,3 +284,13 @@ def test_an_effect_may_worsen_the_fixes():
 
     state, _ = run({"fix_error": 4.0, "max_legs": 1}, state=start(4096), effects=(Worse(),))
     assert (state.fix - state.position).std() == pytest.approx(5.0, rel=0.04)
+
+
+@pytest.mark.parametrize("has_fix_error", [False, True])
+def test_a_current_that_grows_with_the_distance_loses_the_vehicle_and_not_the_run(has_fix_error):
+    """A gradient that holds everywhere doubles the distance every half an hour: 10¹⁵⁴ m after some hundred legs."""
+    changes = {"d_max": 300.0, "max_legs": 2000, "fix_error": 3.0 if has_fix_error else 0.0}
+    with np.errstate(over="raise", invalid="raise"):
+        state, record = run(changes, start(at=(-5000.0, 0.0)), effects=(CurrentShear(east_by_east=4e-4),))
+    assert not record.arrived.any()
+    np.testing.assert_allclose(np.hypot(*(state.position - GOAL[:, None])), FARTHEST)
