@@ -67,6 +67,12 @@ def _obstacle_words(found: Optimised) -> str:
 
 def _binding_words(found: Optimised) -> str:
     buying = sorted((each for each in found.relaxations if each.saved > 0.0), key=lambda each: -each.saved)
+    if not buying and found.ruled_out is not None:
+        quantity, gain, _ = found.ruled_out
+        shown = _unit(found)
+        about = f"{number(shown(gain), shown(0.1 * gain))}{shown.suffix}"
+        words = f"without that on the {in_words(quantity)}, about {about} less would do"
+        return f"Relaxing any requirement by 1 % saves nothing at these steps; {words}."
     if not buying:
         return "No requirement binds: relaxing any by 1 % saves nothing."
     first = buying[0]
@@ -169,7 +175,8 @@ def _relaxed(found: Optimised) -> Iterator[PageSection]:
     caption = "Found from what was tried, and a few choices more, on the same random numbers, not by a new wide search."
     binding = [each for each in found.relaxations if each.saved > 0.0]
     heading = f"{len(binding)} requirement{'' if len(binding) == 1 else 's'} bind{'s' if len(binding) == 1 else ''}"
-    yield PageSection(heading if binding else "No requirement binds", [Table(columns, rows, caption, text_columns=2)])
+    heading = heading if binding else "Relaxing any requirement by 1 % saves nothing"
+    yield PageSection(heading, [Table(columns, rows, caption, text_columns=2)])
 
 
 def _obstacles(found: Optimised) -> Iterator[PageSection]:

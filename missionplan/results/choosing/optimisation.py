@@ -1,5 +1,6 @@
 """Result of `optimise`: the choice, its check on fresh numbers, the front, what binds, or what the obstacle is."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -10,6 +11,9 @@ from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 from missionplan.results.choosing.axis import Axis
 from missionplan.results.simulation import Outcome
+
+_SURELY = 3.0
+"""Standard errors by which a choice misses a requirement for certain."""
 
 
 @dataclass(frozen=True)
@@ -131,8 +135,32 @@ class Optimised(Result):
         """Key of the mean that is least."""
         return "energy_wh" if self.aim == "energy" else "duration_s"
 
+    @property
+    def ruled_out(self) -> tuple[str, float, Mapping[str, str]] | None:
+        """The requirement that alone rules out the least costly choice tried, what that saves, and the choice.
+
+        None where every choice tried that costs less misses several requirements, or one by no more than chance.
+        """
+        own = next((each for each in self.tried if each.values == self.chosen), None)
+        if own is None or self.checked is None:
+            return None
+        least, found = self._cost(own), None
+        for each in self.tried:
+            missed = [name for name, slack in each.slack.items() if slack < 0.0]
+            if len(missed) != 1 or self._cost(each) >= least:
+                continue
+            quantity, _, place = missed[0].rpartition(" ")
+            required = self.checked.requirements[int(place) - 1].required
+            if each.slack[missed[0]] < -_SURELY * math.sqrt(required * (1.0 - required) / each.trials):
+                least, found = self._cost(each), (quantity, self._cost(own) - self._cost(each), each.values)
+        return found
+
+    def _cost(self, each: Tried) -> float:
+        return each.energy if self.aim == "energy" else each.duration
+
     def summary(self) -> dict[str, object]:
         """Return the contents of `summary.json`."""
+        ruled_out = self.ruled_out
         return {
             **self.provenance.summary(),
             "aim": self.aim,
@@ -155,6 +183,7 @@ class Optimised(Result):
             },
             "front": [self._row(each) for each in self.tried if each.on_front],
             "relaxing": [vars(each) | {"values": dict(each.values)} for each in self.relaxations],
+            "ruled_out": ruled_out and {"quantity": ruled_out[0], "saves": ruled_out[1], "values": dict(ruled_out[2])},
             "obstacles": [
                 {
                     "quantity": each.quantity,

@@ -1,6 +1,7 @@
 """The choice meets all requirements, is that of a full grid, and says what binds or what the obstacle is."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.report.optimisation import answer
+from missionplan.studies.exploration.key_paths import with_values
 from missionplan.studies.optimisation.choosable import read_lattice
 
 MISSIONS = Path(__file__).parents[3] / "missions"
@@ -76,6 +78,17 @@ def test_a_deadline_that_binds_says_what_a_later_one_would_buy(found):
     free = missionplan.optimise(transit(minutes=60.0), choose=CHOOSE, trials=500)
     assert free.checked.total.quantities["energy_wh"].mean < found.checked.total.quantities["energy_wh"].mean
     assert not any(each.saved for each in free.relaxations if each.quantity == "total.duration")
+
+
+def test_a_requirement_that_rules_out_what_costs_less_is_named_where_one_percent_saves_nothing(found):
+    quantity, saved, values = found.ruled_out
+    assert quantity == "total.duration", "slower would cost less"
+    slower = Mission.from_data(with_values(transit().raw, values))
+    energy = missionplan.simulate(slower).total.quantities["energy_wh"].mean
+    assert saved == pytest.approx(found.checked.total.quantities["energy_wh"].mean - energy, rel=0.1)
+    assert found.summary()["ruled_out"]["saves"] == saved
+    words = answer(replace(found, relaxations=()))
+    assert "saves nothing at these steps; without that on the total duration, about" in words
 
 
 def test_the_obstacle_is_named_with_how_much_is_reached(tmp_path):
