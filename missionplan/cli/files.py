@@ -27,13 +27,19 @@ def init(
     data: Annotated[
         str | None, typer.Option(metavar="KIND", help="Write a data set of this kind instead.", show_default=False)
     ] = None,
+    loop: Annotated[
+        bool,
+        typer.Option("--loop", help="Write the files of the second round of docs/loop.md instead.", show_default=False),
+    ] = False,
     quiet: o.Quiet = False,
 ) -> None:
     """Write a commented starter mission, vehicle and data set; no file is overwritten."""
     from missionplan.studies.init import init
     from missionplan.studies.starter_data import init_data
 
-    written = init(folder) if data is None else init_data(data, folder)
+    if data is not None and loop:
+        raise InputError([Problem("given with --data, expected one of them", key="--loop")])
+    written = init(folder, loop=loop) if data is None else init_data(data, folder)
     if not quiet:
         for path in written:
             typer.echo(str(path))

@@ -28,17 +28,27 @@ SIDE = 400.0
 
 _TEXTS = {"mission.yaml": "mission.yaml", "vehicle.yaml": "vehicle.yaml", "dataset.yaml": "sea-trial/dataset.yaml"}
 _LOG = "sea-trial/legs.csv"
+_LOGS = ("first-log", "both-logs", "third-log")
+_LOOP = (
+    "mission.yaml",
+    "next-trial.yaml",
+    *(f"{log}/{name}" for log in _LOGS for name in ("dataset.yaml", "legs.csv")),
+)
+"""Files of the second round of docs/loop.md."""
 _SCHEMAS: dict[str, Kind] = {f"schema/{kind}.json": kind for kind in KINDS}
 """For completion and checks in editors, named by the first line of each file."""
 
 
-def init(folder: str | Path = ".") -> tuple[Path, ...]:
+def init(folder: str | Path = ".", *, loop: bool = False) -> tuple[Path, ...]:
     """Write the starter files.
 
     Parameters
     ----------
     folder : str or Path
         Created if absent. Other files in it are left alone.
+    loop : bool
+        Write those of the second round of docs/loop.md instead: a mission, what it met at a made-up sea, and the trial
+        in between.
 
     Returns
     -------
@@ -53,12 +63,21 @@ def init(folder: str | Path = ".") -> tuple[Path, ...]:
         When the folder cannot be written.
     """
     folder = as_path(folder, "folder")
+    if loop:
+        return _second_round(folder)
     paths = vacant(folder, (*_TEXTS.values(), _LOG, *_SCHEMAS))
     for source, name in _TEXTS.items():
         write_atomically(folder / name, (files("missionplan") / "starter" / source).read_text(encoding="utf-8"))
     write_atomically(folder / _LOG, to_csv(sea_trial(load(folder / "mission.yaml"))))
     for name, kind in _SCHEMAS.items():
         write_atomically(folder / name, to_json(schema(kind)))
+    return tuple(paths)
+
+
+def _second_round(folder: Path) -> tuple[Path, ...]:
+    paths = vacant(folder, _LOOP)
+    for name, path in zip(_LOOP, paths, strict=True):
+        write_atomically(path, (files("missionplan") / "starter" / "loop" / name).read_text(encoding="utf-8"))
     return tuple(paths)
 
 

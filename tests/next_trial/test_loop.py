@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+import missionplan
 from missionplan import score, simulate
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.mission import Mission, load
@@ -12,7 +13,7 @@ from missionplan.results.learned.diagnosis import Diagnosis
 
 from .loop import write_first, write_second, write_third
 
-FILES = Path(__file__).parents[2] / "missions" / "loop"
+FILES = Path(missionplan.__file__).parent / "starter" / "loop"
 
 
 @pytest.fixture(scope="module")

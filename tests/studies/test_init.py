@@ -87,3 +87,12 @@ def test_without_a_bias_and_noise_the_log_is_the_current_alone(starter):
     speed = 0.8 * 1852.0 / 3600.0
     assert np.allclose(east, speed * math.sin(math.radians(60.0)), atol=1e-3)
     assert np.allclose(north, speed * math.cos(math.radians(60.0)), atol=1e-3)
+
+
+def test_the_second_round_of_the_loop_is_there_too(tmp_path):
+    written = init(tmp_path, loop=True)
+    assert {path.parent.name for path in written} == {tmp_path.name, "first-log", "both-logs", "third-log"}
+    for path in (tmp_path / "mission.yaml", tmp_path / "next-trial.yaml"):
+        assert load(path).transits
+    with pytest.raises(InputError, match="is there already"):
+        init(tmp_path, loop=True)
