@@ -33,6 +33,7 @@ _RULES: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...]
     (re.compile(r"\^3\b"), "³"),
     (re.compile(r"\bdegC\b"), "°C"),
     (re.compile(rf"\[((?:{_UNITS})(?:/(?:m|s|N|V))?)\]"), r"(\1)"),
+    (re.compile(r"\(deg\)"), "(°)"),
     (re.compile(r"(?<![\w.)\]\u2013\u202f\u00a0/:=−-])-(?=\d|\.\d)"), _MINUS),
     (re.compile(rf"(?<=\d)[ {_NO_BREAK_SPACE}](?:°(?!\w)|deg\b)"), "°"),
     (re.compile(r"(?<=\d\d) (?=UTC\b)"), _NO_BREAK_SPACE),

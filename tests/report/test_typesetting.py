@@ -141,7 +141,7 @@ def test_a_diagnosis_is_set_alike(tmp_path):
     [
         ("ln BF -2.4", "ln BF −2.4"),
         ("13.4 Wh of 45 W*h", "13.4\u00a0W\u202fh of 45\u00a0W\u202fh"),
-        ("angle [deg], depth [m]", "angle (deg), depth (m)"),
+        ("angle [deg], depth [m]", "angle (°), depth (m)"),
         ("drag of −0.00 N", "drag of 0.00\u00a0N"),
         ("−0.005 and -0.05", "−0.005 and −0.05"),
         ("of 10000 trials", "of 10\u202f000 trials"),

@@ -27,11 +27,11 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis) -> None:
     scores = [entry.score for entry in entries]
     colours = [BLUE if entry.causes == diagnosis.causes else GREY for entry in entries]
     axes.barh(range(len(entries)), scores, color=colours, height=0.6)
-    axes.set_yticks(range(len(entries)), [names(entry.causes) for entry in entries], fontsize=8)
+    axes.set_yticks(range(len(entries)), [names(entry.causes) for entry in entries], fontsize=9)
     axes.axvline(3.0, color=ORANGE, linewidth=1.0, linestyle="--")
     axes.annotate(
         "claimed above 3", (3.0, 1.0), (4, 2), xycoords=("data", "axes fraction"), textcoords="offset points",
-        fontsize=7.5, color=ORANGE, annotation_clip=False,
+        fontsize=9, color=ORANGE, annotation_clip=False,
     )  # fmt: skip
     axes.set_xlabel("Score (nats)")
 
@@ -75,7 +75,7 @@ def draw_held_out(axes: Axes, diagnosis: Diagnosis) -> None:
     """Draw a bar for each part of the data."""
     gains = _gains(diagnosis)
     axes.barh(range(len(gains)), gains, color=[BLUE if gain > 0.0 else ORANGE for gain in gains], height=0.6)
-    axes.set_yticks(range(len(gains)), [score.group for score in diagnosis.scores], fontsize=8)
+    axes.set_yticks(range(len(gains)), [score.group for score in diagnosis.scores], fontsize=9)
     axes.invert_yaxis()
     axes.axvline(0.0, color=GREY, linewidth=0.8)
     axes.set_xlabel("Gain in ln probability of the part, predicted from the others")

@@ -148,7 +148,7 @@ def inline(figure: Figure) -> Markup:
     width = re.search(r'viewBox="0 0 ([\d.]+)', svg)
     limits = [f"{scale * float(width[1]):.0f}px" for scale in (_LARGEST, _LARGEST_PRINTED)] if width else []
     limit = f' style="--widest: {limits[0]}; --widest-printed: {limits[1]}"' if limits else ""
-    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"{limit}', 1))
+    return Markup(svg.replace("<svg", f'<svg preserveAspectRatio="xMinYMid" role="img" aria-label="{label}"{limit}', 1))
 
 
 def is_tall(figure: Figure) -> bool:

@@ -21,7 +21,7 @@ def prediction_figure(each: DatasetScore) -> Figure:
     for axes, part in zip(panels, (0, 1), strict=True):
         _panel(axes, each, part)
     panels[0].set_xlabel("")
-    panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=8, frameon=False, ncols=3)
+    panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=9, frameon=False, ncols=3)
     what = "Position errors of the legs" if legs else "Departures of the depths from what was expected"
     return to_figure(
         figure,

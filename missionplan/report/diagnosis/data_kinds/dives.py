@@ -27,12 +27,12 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
     for axes in panels[len(runs) :]:
         axes.set_visible(False)
     panels[0].invert_yaxis()
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", fontsize=8, ncols=3)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", fontsize=9, ncols=3)
     for axes in panels[: len(runs)][-columns:]:
-        axes.set_xlabel("Time since separation (s)", fontsize=8.5)
+        axes.set_xlabel("Time since separation (s)", fontsize=9)
         axes.tick_params(labelbottom=True)
     for axes in panels[::columns]:
-        axes.set_ylabel("Depth (m)", fontsize=8.5)
+        axes.set_ylabel("Depth (m)", fontsize=9)
     return to_figure(
         figure,
         "data",

@@ -31,7 +31,7 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
             predicted = error - 100.0 * table[f"residual_extended_{component}_m_s"].to_numpy()
             axes.plot(hours, predicted, "-", color=BLUE, linewidth=1.1, label="extended, a leg ahead")
         axes.set(ylabel=f"{component.capitalize()} (cm/s)")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", fontsize=8, ncols=3)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", fontsize=9, ncols=3)
     panels[1].set_xlabel("Time (h)")
     return to_figure(
         figure,

@@ -38,7 +38,7 @@ def against_axes(places: Sequence[tuple[str, Array]], left: ResidualSeries) -> F
     for column, (label, place) in enumerate(places):
         _scatter(panels[0, column], place, left.before, ORANGE)
         _scatter(panels[1, column], place, left.after, BLUE)
-        panels[1, column].set_xlabel(label, fontsize=8.5)
+        panels[1, column].set_xlabel(label, fontsize=9)
     panels[0, 0].set_ylabel(f"Before ({left.unit})")
     panels[1, 0].set_ylabel(f"After ({left.unit})")
     before, after = (float(np.sqrt(np.mean(np.concatenate(values) ** 2))) for values in (left.before, left.after))
@@ -81,7 +81,7 @@ def autocorrelation(left: ResidualSeries, what: str) -> Figure:
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.set(xlabel=f"{what} apart", ylabel="Autocorrelation")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.legend(fontsize=8, frameon=False)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=9, frameon=False, ncols=2)
     return to_figure(
         figure,
         "autocorrelation",

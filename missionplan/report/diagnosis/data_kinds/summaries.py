@@ -26,7 +26,7 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
         axes.margins(y=0.25)
     panels[0].invert_yaxis()
     shown = panels[0].get_legend_handles_labels()
-    figure.legend(*shown, loc="outside upper center", ncols=3, fontsize=8, frameon=False)
+    figure.legend(*shown, loc="outside upper center", ncols=3, fontsize=9, frameon=False)
     return to_figure(
         figure,
         "data",

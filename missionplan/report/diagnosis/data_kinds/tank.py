@@ -31,7 +31,7 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
             shown[place], shown["extended"], line + "D", color=BLUE, fillstyle="none", markersize=3.0, label="extended"
         )
     axes.set(xlabel=_AXES[place], ylabel=_LABELS[quantity])
-    axes.legend(fontsize=8, frameon=False)
+    axes.legend(fontsize=9, frameon=False)
     label = _LABELS[quantity].split(" (")[0]
     return to_figure(
         figure,
