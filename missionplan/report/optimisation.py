@@ -71,7 +71,7 @@ def _binding_words(found: Optimised) -> str:
         quantity, gain, _ = found.ruled_out
         shown = _unit(found)
         about = f"{number(shown(gain), shown(0.1 * gain))}{shown.suffix}"
-        words = f"without that on the {in_words(quantity)}, about {about} less would do"
+        words = f"without that on the {in_words(quantity)}, at least about {about} less would do"
         return f"Relaxing any requirement by 1 % saves nothing at these steps; {words}."
     if not buying:
         return "No requirement binds: relaxing any by 1 % saves nothing."
