@@ -20,6 +20,7 @@ def test_it_is_valid(kind, tmp_path):
     (found,) = validate([tmp_path / "data"])
     assert not found.problems
     assert kind in found.summary
+    assert ("score" in {each.command for each in found.table}) == (kind in ("transit", "descent"))
 
 
 @pytest.mark.parametrize("kind", TANK)

@@ -14,6 +14,8 @@ from missionplan.studies.validation.readiness import Readiness, Validated
 
 _Read = Callable[[Path, Mission], TransitData | DescentData | SummaryData]
 DIAGNOSED: dict[str, _Read] = {"transit": read_transit, "descent": read_descent, "summary": read_summary}
+SCORED = ("transit", "descent")
+"""Kinds of data that `score` takes."""
 _STAND_IN = {
     "site": {"depth": "11 km"},
     "phases": [{"moor": {"radius": "1 m", "line_length": "1 m", "anchor_wet_weight": "1 N"}}],
@@ -57,5 +59,10 @@ def validated_dataset(path: Path, missions: Sequence[Mission]) -> Validated:
         except InputError as error:
             lacking = tuple(f"{problem.key}: {problem.message} ({mission.file})" for problem in error.problems)
         else:
-            return Validated(path, summary, (Readiness("diagnose"),), notices)
-    return Validated(path, summary, (Readiness("diagnose", lacking),), alone)
+            return Validated(path, summary, _readiness(kind, ()), notices)
+    return Validated(path, summary, _readiness(kind, lacking), alone)
+
+
+def _readiness(kind: str, lacking: tuple[str, ...]) -> tuple[Readiness, ...]:
+    """Say which commands take a data set that lacks some things."""
+    return tuple(Readiness(command, lacking) for command in ("diagnose", *(("score",) if kind in SCORED else ())))
