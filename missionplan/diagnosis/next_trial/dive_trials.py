@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import cast
@@ -21,6 +22,7 @@ from missionplan.diagnosis.next_trial.losses import Alternatives
 from missionplan.diagnosis.plan_gain import with_first_mooring
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import MoorPhase
+from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.studies.anchor.size_anchor import worst_case_anchor
 
@@ -29,9 +31,9 @@ COUNTS = (2, 4)
 STOCK = 4
 """Anchors and lines of the dives so far that are tried again, at most."""
 LIGHT, LONG, DEEP = 0.4, 3.0, 2.0
-"""Factors on anchor, line and depth of trials with what may not be in stock."""
+"""Factors on anchor, line and depth of trials with what may not be in stock, where the mission does not say what is."""
 FACTORS = np.array([0.5, 0.65, 0.8, 1.0, 1.25, 1.5, 1.8, 2.2, 2.6])
-"""Anchors that may be chosen, over the mission's."""
+"""Anchors that may be chosen, over the mission's, where it does not say what is in stock."""
 
 
 @dataclass(frozen=True)
@@ -77,20 +79,38 @@ class DiveTrials(TrialKind):
         used = dict.fromkeys(_Dive(log.wet_weight, log.line_length, log.site_depth) for log in self._logs)
         stock = list(used)[:STOCK]
         first = stock[0]
-        longer = LONG * first.line_length
+        weights = self._in_stock("anchor_wet_weight", "N") or (LIGHT * first.wet_weight,)
+        lines = self._in_stock("line_length", "m") or (LONG * first.line_length,)
         others = {
-            f"an anchor of {LIGHT * first.wet_weight:.3g} N": replace(first, wet_weight=LIGHT * first.wet_weight),
-            f"a line of {longer:.3g} m": replace(
-                first, line_length=longer, site_depth=first.site_depth + longer - first.line_length
-            ),
-            f"{DEEP * first.site_depth:.3g} m of water": replace(first, site_depth=DEEP * first.site_depth),
+            f"an anchor of {weight:.3g} N": replace(first, wet_weight=weight)
+            for weight in weights
+            if weight not in {each.wet_weight for each in stock}
         }
+        others |= {
+            f"a line of {line:.3g} m": replace(
+                first, line_length=line, site_depth=first.site_depth + line - first.line_length
+            )
+            for line in lines
+            if line not in {each.line_length for each in stock}
+        }
+        deep = DEEP * first.site_depth
+        others[f"{deep:.3g} m of water"] = replace(first, site_depth=deep)
         own = {f"{each.wet_weight:.3g} N on {each.line_length:.3g} m of line": each for each in stock}
         found = [
             _Dives(f"{_counted(count)} with {what}", (dive,) * count)
             for count in COUNTS
             for what, dive in (own | others).items()
         ]
+        return tuple(found)
+
+    def _in_stock(self, key: str, unit: str) -> tuple[float, ...]:
+        """Values of a key of the mooring that the mission's section `optimise` lists; none where it lists none."""
+        name = f"{self._moor.name}.{key}"
+        sections = [each for each in self.bound.mission.optimise.choose if name in each.all_keys]
+        found = []
+        for value in (value for each in sections for value in each.choices):
+            with suppress(QuantityError):  # `sized` is in no stock; `optimise` tells of what is wrong
+                found.append(parse_number_with_unit(value, unit))
         return tuple(found)
 
     @property
@@ -173,7 +193,10 @@ class DiveTrials(TrialKind):
         return kept | {"name": f"Trial: {plan.name}", "site": site, "phases": phases}
 
     def alternatives(self) -> Alternatives:
-        """Return wet weights of the anchor about that of the mission."""
+        """Return the anchors in stock, or else wet weights about that of the mission."""
+        stock = self._in_stock("anchor_wet_weight", "N")
+        if len(stock) > 1:
+            return Alternatives("anchor_wet_weight_n", np.unique(stock), _with_anchor)
         given = self._moor.anchor_wet_weight
         usual = worst_case_anchor(self.bound.mission) if given == "sized" else mean_of(given)
         return Alternatives("anchor_wet_weight_n", usual * FACTORS, _with_anchor)
