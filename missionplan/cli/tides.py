@@ -1,6 +1,5 @@
 """The command `tide`: constituents of a record of a current."""
 
-from datetime import datetime
 from pathlib import Path
 from typing import Annotated
 
@@ -8,7 +7,6 @@ import typer
 
 from missionplan.cli import options as o
 from missionplan.cli.running import checked_folder, deliver, progress_bar
-from missionplan.errors import InputError, Problem, shown
 
 
 def register(app: typer.Typer) -> None:
@@ -36,30 +34,7 @@ def tide(record: _Record, latitude: _Latitude = None, start: _Start = None, *, o
     """
     from missionplan.studies.tide.find_tide import tide as find_tide
 
-    north, since = _angle(latitude), _moment(start)
     folder = checked_folder(output, record.stem, "tide", [record])
     with progress_bar("tide", shown=not output.quiet) as progress:
-        result = find_tide(record, latitude=north, start=since, progress=progress)
+        result = find_tide(record, latitude=latitude, start=start, progress=progress)
     deliver(result, folder, output)
-
-
-def _angle(text: str | None) -> float | None:
-    if text is None:
-        return None
-    from missionplan.mission.units import QuantityError, parse_number_with_unit
-
-    try:
-        return parse_number_with_unit(text, "rad")
-    except QuantityError as error:
-        hint = "a latitude such as '37.2 deg'; south is negative"
-        raise InputError([Problem(each.message, key="latitude", hint=hint) for each in error.problems]) from None
-
-
-def _moment(text: str | None) -> datetime | None:
-    if text is None:
-        return None
-    try:
-        return datetime.fromisoformat(text)
-    except ValueError:
-        message = f"given {shown(text)}, expected a time such as 2026-05-01T06:00:00Z"
-        raise InputError([Problem(message, key="start")]) from None

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, Problem, shown
+from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.physics.tides import DAY
 from missionplan.results.base import Provenance
 from missionplan.results.tide import DepthTide, HeldOut, TideResult
@@ -33,8 +34,8 @@ _SHOWN = 4000
 def tide(
     record: str | Path,
     *,
-    latitude: float | None = None,
-    start: datetime | None = None,
+    latitude: float | str | None = None,
+    start: datetime | str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> TideResult:
     """Find the tide in a record of a current meter or an acoustic profiler.
@@ -43,10 +44,10 @@ def tide(
     ----------
     record : str or Path
         CSV with the columns ``t_s, depth_m, east_m_s, north_m_s``, or NetCDF of time and depth.
-    latitude : float, optional
-        North [rad]; by default the file's own.
-    start : datetime, optional
-        From which the seconds of a CSV file count, UTC where it has no zone.
+    latitude : float or str, optional
+        North [rad], or text with a unit such as ``37.2 deg``; by default the file's own.
+    start : datetime or str, optional
+        From which the seconds of a CSV file count, UTC where it has no zone; text in ISO 8601.
     progress : callable, optional
         Called with (done, total) depths.
 
@@ -57,12 +58,13 @@ def tide(
     Raises
     ------
     InputError
-        When the record cannot be read, has no latitude, or is too short.
+        When the record cannot be read, has no latitude, or is too short, or an argument cannot be read.
     """
     began = time.perf_counter()
     path = as_path(record, "record")
-    measured = read_current_record(path, start)
-    north = _latitude(latitude, measured, path)
+    given, since = _angle(latitude), _moment(start)
+    measured = read_current_record(path, since)
+    north = _latitude(given, measured, path)
     series = [_samples(measured, column, north) for column in range(measured.depth.size)]
     enough = [each.time.size >= LEAST_SAMPLES and each.lasting >= SHORTEST for each in series]
     if not any(enough):
@@ -73,8 +75,8 @@ def tide(
         depths.append(_tide(float(measured.depth[index]), series[index]))
         if progress:
             progress(len(depths), int(np.sum(enough)))
-    shown = int(np.argmax([each.samples for each in depths]))
-    column = int(np.flatnonzero(enough)[shown])
+    most = int(np.argmax([each.samples for each in depths]))
+    column = int(np.flatnonzero(enough)[most])
     lasting = float(measured.time[-1] - measured.time[0])
     return TideResult(
         provenance=Provenance(
@@ -83,7 +85,7 @@ def tide(
             file=str(path),
             seed=0,
             trials=0,
-            options={"latitude_deg": round(math.degrees(north), 6), "start": start.isoformat() if start else None},
+            options={"latitude_deg": round(math.degrees(north), 6), "start": since.isoformat() if since else None},
             elapsed_s=time.perf_counter() - began,
             data={},
             notices=_notices(measured, enough),
@@ -94,10 +96,30 @@ def tide(
         days=lasting / DAY,
         time=measured.time[:_SHOWN],
         measured=np.stack((measured.east[:_SHOWN, column], measured.north[:_SHOWN, column])),
-        fitted=_fitted(depths[shown], measured.time[:_SHOWN], north),
-        shown_depth=depths[shown].depth,
+        fitted=_fitted(depths[most], measured.time[:_SHOWN], north),
+        shown_depth=depths[most].depth,
         unresolved=_unresolved(lasting),
     )
+
+
+def _angle(given: float | str | None) -> float | None:
+    if not isinstance(given, str):
+        return given
+    try:
+        return parse_number_with_unit(given, "rad")
+    except QuantityError as error:
+        hint = "a latitude such as '37.2 deg'; south is negative"
+        raise InputError([Problem(each.message, key="latitude", hint=hint) for each in error.problems]) from None
+
+
+def _moment(given: datetime | str | None) -> datetime | None:
+    if not isinstance(given, str):
+        return given
+    try:
+        return datetime.fromisoformat(given)
+    except ValueError:
+        message = f"given {shown(given)}, expected a time such as 2026-05-01T06:00:00Z"
+        raise InputError([Problem(message, key="start")]) from None
 
 
 def _latitude(given: float | None, record: CurrentRecord, path: Path) -> float:

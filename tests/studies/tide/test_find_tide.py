@@ -226,6 +226,15 @@ def test_the_report_has_a_fragment_and_constituents(tmp_path):
     assert "the 14.8\u00a0days that tell M2" in page
 
 
+def test_latitude_and_start_may_be_text_as_on_the_command_line(tmp_path):
+    frame = write_record(tmp_path / "mooring.csv")
+    seconds = frame.assign(t_s=np.arange(len(frame)) * 1800.0)
+    seconds.to_csv(tmp_path / "since.csv", index=False)
+    dated = missionplan.tide(tmp_path / "mooring.csv", latitude="0.65 rad")
+    since = missionplan.tide(tmp_path / "since.csv", latitude=0.65, start="2026-04-01T00:00:00Z")
+    assert since.depths[0].constituents == dated.depths[0].constituents
+
+
 @pytest.mark.parametrize(
     ("cells", "options", "message"),
     [
@@ -237,6 +246,8 @@ def test_the_report_has_a_fragment_and_constituents(tmp_path):
         ({}, {"latitude": 37.2}, "between −90° and 90°"),
         ({"depth_m": 8e6}, {"latitude": 0.6}, "impossible"),
         ({"east_m_s": math.nan}, {"latitude": 0.6}, "too short for a tide"),
+        ({}, {"latitude": "37.2 furlong"}, "furlong"),
+        ({}, {"latitude": 0.6, "start": "yesterday"}, "expected a time such as"),
     ],
 )
 def test_what_is_wrong_is_told(tmp_path, cells, options, message):
