@@ -105,4 +105,7 @@ def _length(metres: float) -> str:
 
 def _delay(cost: float) -> str:
     """Write a mean cost as a share of the straight way's time."""
-    return "no end" if math.isinf(cost) else f"{100.0 * cost:.2g} %".replace("-", "−")
+    if math.isinf(cost):
+        return "no end"
+    share = 100.0 * cost
+    return (f"{share:.0f} %" if abs(share) >= 10.0 else f"{share:.2g} %").replace("-", "−")

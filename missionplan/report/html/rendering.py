@@ -1,8 +1,9 @@
 """A page as one self-contained HTML file: first what is printed on two pages, then the details."""
 
 import re
+import shlex
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from hashlib import sha256
 from importlib.resources import files
@@ -159,9 +160,20 @@ def is_tall(figure: Figure) -> bool:
 
 def rerun_command(provenance: Provenance) -> str:
     """Write the command that reproduces the result from the folder's own `mission.yaml`."""
-    options = [f"--{name.replace('_', '-')} {value}" for name, value in provenance.options.items() if _is_given(value)]
+    given = {"trials": _trials(provenance), **provenance.options}
+    options = [
+        f"--{name.replace('_', '-')} {shlex.quote(str(value))}" for name, value in given.items() if _is_given(value)
+    ]
     units = [f"--units {given_units()}"] if given_units() else []
     return " ".join(["missionplan", provenance.command, "mission.yaml", f"--seed {provenance.seed}", *options, *units])
+
+
+def _trials(provenance: Provenance) -> int | None:
+    """Number of trials, where it was not the mission's, and was chosen and not reached on the way to a precision."""
+    section = provenance.data.get("monte_carlo")
+    own = section.get("trials") if isinstance(section, Mapping) else None
+    chosen = provenance.trials > 0 and not provenance.options.get("precision")
+    return provenance.trials if chosen and provenance.trials != own else None
 
 
 def _is_given(value: object) -> bool:
