@@ -17,6 +17,7 @@ from missionplan.results.base import Result
 
 ROOT = Path(__file__).parents[2]
 MISSIONS = ROOT / "missions"
+LOOP = Path(missionplan.__file__).parent / "starter" / "loop"
 
 
 @cache
@@ -30,7 +31,7 @@ def result(name: str, folder: Path) -> Result:
         "diagnosis": lambda: _diagnosis(folder),
         "comparison": lambda: _comparison(folder),
         "exploration": lambda: _exploration(),
-        "score": lambda: missionplan.score(MISSIONS / "loop" / "mission.yaml", MISSIONS / "loop" / "third-log"),
+        "score": lambda: missionplan.score(LOOP / "mission.yaml", LOOP / "third-log"),
         "history": lambda: _history(folder),
         "optimisation": lambda: _optimisation(),
         "campaign": lambda: _campaign(folder),
@@ -71,7 +72,7 @@ def _optimisation() -> Result:
 def _campaign(folder: Path) -> Result:
     result("diagnosis", folder)
     return missionplan.diagnose_campaign(
-        folder / "mission.yaml", [folder / "sea-trial", MISSIONS / "loop" / "third-log"]
+        folder / "mission.yaml", [folder / "sea-trial", LOOP / "third-log"]
     )
 
 
