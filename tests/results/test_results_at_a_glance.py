@@ -71,9 +71,7 @@ def _optimisation() -> Result:
 
 def _campaign(folder: Path) -> Result:
     result("diagnosis", folder)
-    return missionplan.diagnose_campaign(
-        folder / "mission.yaml", [folder / "sea-trial", LOOP / "third-log"]
-    )
+    return missionplan.diagnose_campaign(folder / "mission.yaml", [folder / "sea-trial", LOOP / "third-log"])
 
 
 def _history(folder: Path) -> Result:
