@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from missionplan.montecarlo.statistics import wilson
+from missionplan.montecarlo.statistics import Statistic, wilson
 from missionplan.report.display_units import Unit, si_per_unit, unit_for
 from missionplan.report.numbers import number, share, span
 from missionplan.report.wording import in_words
@@ -26,6 +26,15 @@ _FAILURES = {
     "line and vehicle longer than the water is deep": "lines too long for the depth of the water",
     "anchor too light to sink the vehicle": "anchors too light to sink the vehicle",
 }
+
+
+LEAST_SPREAD = 1e-3
+"""Standard deviation over mean below which a quantity is one value to anybody who reads it."""
+
+
+def relative_spread(statistic: Statistic) -> float:
+    """Standard deviation of a quantity over its mean."""
+    return statistic.sd / max(abs(statistic.mean), 1e-300)
 
 
 def unit_of(outcome: Outcome, phase: PhaseOutcome, key: str) -> Unit:

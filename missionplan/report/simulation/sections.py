@@ -12,9 +12,11 @@ from missionplan.report.simulation.figures import timeline_figure
 from missionplan.report.simulation.histograms import histogram_figure
 from missionplan.report.simulation.maps import track_map
 from missionplan.report.simulation.quantities import (
+    LEAST_SPREAD,
     failure_in_words,
     of_those_that_end,
     range_in_words,
+    relative_spread,
     requirement_on,
     unit_of,
     worst_step,
@@ -24,8 +26,6 @@ from missionplan.results.simulation import Outcome, PhaseOutcome
 
 _ALWAYS_DRAWN = {"moor": ("offset_m", "lowest_altitude_m", "nose_altitude_m"), "total": ("duration_s", "energy_wh")}
 """Quantities whose distribution is drawn even without a requirement on them, by kind of phase."""
-_LEAST_DRAWN = 1e-3
-"""Spread over the mean below which a distribution is one value to anybody who reads it."""
 
 
 def failed_blocks(outcome: Outcome) -> Iterator[PageSection]:
@@ -80,7 +80,7 @@ def _is_drawn(outcome: Outcome, phase: PhaseOutcome, key: str) -> bool:
 
 def _distribution(outcome: Outcome, phase: PhaseOutcome, key: str) -> Block:
     statistic = phase.quantities[key]
-    if statistic.sd > _LEAST_DRAWN * abs(statistic.mean):
+    if relative_spread(statistic) > LEAST_SPREAD:
         return histogram_figure(outcome, phase, key)
     value = with_error(statistic.mean, 0.0, unit_of(outcome, phase, key))
     return f"The {in_words(f'{phase.name}.{key}')} is {value} in every trial that reached it."

@@ -1,5 +1,6 @@
 """What to measure better: which uncertain inputs make the key figures of a simulated mission vary."""
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import chain, groupby
 
@@ -10,6 +11,7 @@ from missionplan.report.display_units import Unit
 from missionplan.report.numbers import number, with_error
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, Figure, PageSection, Table, to_figure
 from missionplan.report.simulation.figures import WIDTH
+from missionplan.report.simulation.quantities import LEAST_SPREAD, relative_spread
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.simulation import Outcome, Sensitivity
 
@@ -17,7 +19,7 @@ _MOST_INPUTS = 5
 _MOST_FIGURES = 4
 _LEAST_SHOWN = 0.01
 _STEADY = 0.01
-"""Standard deviation over mean below which a quantity counts as the same in all trials."""
+"""Standard deviation over mean to which a quantity must vary to be worth a heading."""
 
 InputsOf = tuple[str, Sequence[Sensitivity]]
 """A key figure and the inputs that matter for it, the most important first."""
@@ -25,7 +27,7 @@ InputsOf = tuple[str, Sequence[Sensitivity]]
 
 def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
     """Draw and tabulate the inputs with a detectable influence, where there are any."""
-    influential = _influential(_told_once(outcome))
+    influential = [group for group in _influential(_told_once(outcome)) if _spread(outcome, group[0]) > LEAST_SPREAD]
     if not influential:
         return
     drawn = _most_relevant(outcome, influential)
@@ -34,7 +36,7 @@ def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
         _heading(outcome, drawn),
         [
             "What to measure better: the share of a key figure's variance that would go if an input were known. "
-            "Inputs without a detectable influence are not listed.",
+            "Inputs without a detectable influence are not listed, nor quantities that do not vary.",
             sensitivity_figure(drawn),
             Table(("key figure", "input", "share of variance (%)", "rank correlation"), rows, text_columns=2),
         ],
@@ -78,19 +80,19 @@ def _worth_drawing(found: Sequence[Sensitivity]) -> Sequence[Sensitivity]:
 
 def _heading(outcome: Outcome, groups: Sequence[InputsOf]) -> str:
     """Name the input that accounts for most of a figure, of those that vary enough to be worth a thought."""
-    varying = [group for group in groups if not _is_steady(outcome, group[0])] or groups
+    varying = [group for group in groups if _spread(outcome, group[0]) > _STEADY] or groups
     output, (first, *_) = max(varying, key=lambda group: group[1][0].first_order)
     share = f"{100.0 * first.first_order:.0f}\u00a0%"
     source = capitalised(in_words(first.source))
     return f"{source} matters most: it accounts for {share} of the variance of the {in_words(output)}"
 
 
-def _is_steady(outcome: Outcome, output: str) -> bool:
-    """Whether a quantity is the same in all trials to a hundredth: there is nothing to gain from knowing why not."""
+def _spread(outcome: Outcome, output: str) -> float:
+    """Standard deviation of a quantity over its mean; infinite where that is not known."""
     parts = {phase.name: phase for phase in (*outcome.phases, outcome.total)}
     name, _, key = output.partition(".")
     statistic = parts[name].quantities.get(key) if name in parts else None
-    return statistic is not None and statistic.sd < _STEADY * abs(statistic.mean)
+    return relative_spread(statistic) if statistic is not None else math.inf
 
 
 def _has_order(influence: Sensitivity) -> bool:
