@@ -64,7 +64,7 @@ class Weighed:
         Its base model fitted; None where the mission has no doubt.
     probability : float
         After the data: prior times evidence of the base models.
-    beyond : CauseFit or None
+    extended : CauseFit or None
         With the causes found beside the likeliest explanation, where they are better than none beside this one.
     gain : float
         What these causes add to the log of its weight.
@@ -74,13 +74,13 @@ class Weighed:
     bound: DataKind
     base: CauseFit | None
     probability: float
-    beyond: CauseFit | None = None
+    extended: CauseFit | None = None
     gain: float = 0.0
 
     @property
     def fit(self) -> CauseFit | None:
         """With what was found, else its base model's."""
-        return self.base if self.beyond is None else self.beyond
+        return self.base if self.extended is None else self.extended
 
 
 def explained_missions(mission: Mission) -> tuple[Explained, ...]:
@@ -184,7 +184,7 @@ def _with_causes(one: Weighed, causes: Causes, odds: float, jobs: int) -> Weighe
     if isinstance(fit, FailedFit) or not fit.possible:
         return one
     gain = odds + fit.log_evidence - one.base.log_evidence
-    return replace(one, beyond=fit, gain=gain) if gain > 0.0 else one
+    return replace(one, extended=fit, gain=gain) if gain > 0.0 else one
 
 
 def _gain(found: PipelineResult) -> float:
