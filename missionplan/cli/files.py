@@ -76,7 +76,7 @@ def compare(
     """Compare two reports of one command, what changed and is it more than noise; or missions: which is better.
 
     Missions are run on the same random numbers, so that small differences show. More than two reports must be of
-    simulate. Example: missionplan compare slow.yaml fast.yaml faster.yaml --trials 2000
+    simulate, of explore, or of optimise. Example: missionplan compare slow.yaml fast.yaml faster.yaml --trials 2000
     """
     read = [each / "summary.json" if each.is_dir() else each for each in compared]
     folder = checked_folder(output, compared[-1].resolve().stem, "compare", read)

@@ -1,12 +1,13 @@
 """Result of `compare`: what changed between two runs, in the mission and in its results."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import pandas as pd
 
 from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.task import parts_of_task, phase_names
 
 MOST_CHANGES = 40
 """Values in which two missions that are alike may differ."""
@@ -110,7 +111,7 @@ class Comparison(Result):
         Requirements that one run meets and the other does not, or does not have.
     """
 
-    report: ClassVar[str] = "comparison"
+    report: ClassVar[str] = "compared.two_runs"
 
     provenance: Provenance
     compared: str
@@ -140,7 +141,13 @@ class Comparison(Result):
     @property
     def phases(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Names of the phases of both missions."""
-        return _phase_names(self.provenance.data.get("first")), _phase_names(self.provenance.data.get("second"))
+        return phase_names(self.provenance.data.get("first")), phase_names(self.provenance.data.get("second"))
+
+    @property
+    def task_differs(self) -> Mapping[str, Sequence[str]]:
+        """Key paths in which the tasks of the missions differ, by their parts; empty where they have one task."""
+        first, second = self.phases
+        return parts_of_task([*(["phases"] if first != second else []), *(each.path for each in self.mission_changes)])
 
     @property
     def alike(self) -> bool:
@@ -155,6 +162,7 @@ class Comparison(Result):
             "compared": self.compared,
             "runs": [vars(run) for run in self.runs],
             "mission_changes": [vars(change) for change in self.mission_changes],
+            "task_differs": list(self.task_differs),
             "option_changes": [vars(change) for change in self.option_changes],
             "differences": [difference.row() for difference in self.differences],
             "requirement_changes": [vars(change) for change in self.requirement_changes],
@@ -167,14 +175,3 @@ class Comparison(Result):
     def files(self) -> dict[str, str | bytes]:
         """Return `differences.csv`."""
         return {"differences.csv": to_csv(self.to_frame())}
-
-
-def _phase_names(mission: object) -> tuple[str, ...]:
-    """Names of a mission's phases: given, or else their kinds."""
-    phases = mission.get("phases") if isinstance(mission, Mapping) else None
-    entries = [entry for entry in phases if isinstance(entry, Mapping)] if isinstance(phases, list | tuple) else []
-    return tuple(
-        str(section.get("name", kind)) if isinstance(section, Mapping) else str(kind)
-        for entry in entries
-        for kind, section in entry.items()
-    )

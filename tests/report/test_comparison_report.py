@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from missionplan.report.comparison import answer, page, terminal
+from missionplan.report.compared.two_runs import answer, page, terminal
 from missionplan.report.page import Table
 from missionplan.results.base import Provenance
 from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison

@@ -7,7 +7,7 @@ import pytest
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.report.alternatives import answer
+from missionplan.report.compared.alternatives import answer
 from missionplan.results.base import to_yaml
 from missionplan.studies.exploration.key_paths import with_values
 

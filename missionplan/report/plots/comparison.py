@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from missionplan.report.alternatives import draw_alternatives
-from missionplan.report.comparison import draw_changes
+from missionplan.report.compared.alternatives import draw_alternatives
+from missionplan.report.compared.two_runs import draw_changes
 from missionplan.report.plots.catalogue import Drawing
 
 DRAWINGS: Mapping[str, Mapping[str, Drawing]] = {

@@ -6,9 +6,10 @@ from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.results.choosing.alternatives import Alternatives
 from missionplan.results.comparison import Comparison
-from missionplan.store.paths import is_folder
+from missionplan.store.paths import as_path, is_folder
 from missionplan.studies.comparison.compare_missions import compare_missions
-from missionplan.studies.comparison.two_reports import compare_reports
+from missionplan.studies.comparison.reported_choices import CHOOSING
+from missionplan.studies.comparison.two_reports import compare_reports, read_summary
 
 
 def compare(
@@ -19,13 +20,13 @@ def compare(
     allow_outside: bool = False,
     progress: Progress | None = None,
 ) -> Comparison | Alternatives:
-    """Compare two reports of one command, or two and more missions or reports of `simulate`.
+    """Compare two reports of one command, or two and more missions or reports.
 
     Parameters
     ----------
     *compared : Mission, str or Path
-        Two report folders: what changed, and is it more than noise? Missions, their files, or more than two: which is
-        better? Missions are run on the same random numbers.
+        Two report folders: what changed, and is it more than noise? Missions, their files, more than two, or reports of
+        what was chosen (`explore`, `optimise`): which is better? Missions are run on the same random numbers.
     trials, seed : int, optional
         Of the missions; default: the first mission's.
     jobs : int
@@ -41,8 +42,9 @@ def compare(
         When something is neither a mission nor a report, or the reports cannot be compared.
     """
     if len(compared) == 2 and not any(_is_mission(each) for each in compared):
-        first, second = compared
-        return compare_reports(first, second)  # type: ignore[arg-type]  # neither is a mission
+        first, second = (as_path(each, "compared") for each in compared if not isinstance(each, Mission))
+        if {read_summary(folder)["command"] for folder in (first, second)}.isdisjoint(CHOOSING):
+            return compare_reports(first, second)
     return compare_missions(
         *compared, trials=trials, seed=seed, jobs=jobs, allow_outside=allow_outside, progress=progress
     )

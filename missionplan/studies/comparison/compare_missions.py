@@ -1,4 +1,4 @@
-"""`compare` of missions, run on common random numbers, and of reports of `simulate`: which is better, by how much."""
+"""`compare` of missions, run on common random numbers, and of reports: which is better, by how much."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -16,11 +16,13 @@ from missionplan.montecarlo.paired import LEVEL, paired_difference
 from missionplan.montecarlo.parallel.blocks import Progress
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.base import Provenance
-from missionplan.results.choosing.alternatives import Alternative, Alternatives, Contrast, Estimate
+from missionplan.results.choosing.alternatives import DECIDES, Alternative, Alternatives, Contrast, Estimate
+from missionplan.results.choosing.axis import Aim
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.paths import as_path, is_folder
 from missionplan.studies.arguments import check_arguments
-from missionplan.studies.comparison.reported_runs import reported
+from missionplan.studies.comparison.mission_changes import differing_values
+from missionplan.studies.comparison.reported_choices import aim_of, check_kinds, reported_alternative
 from missionplan.studies.comparison.significance import standard_error_and_p_value
 from missionplan.studies.comparison.summary_numbers import SummaryNumber
 from missionplan.studies.comparison.two_reports import read_summary
@@ -60,12 +62,13 @@ def compare_missions(
     allow_outside: bool = False,
     progress: Progress | None = None,
 ) -> Alternatives:
-    """Compare missions, which are run on common random numbers, and reports of `simulate`.
+    """Compare missions, which are run on common random numbers, and reports of `simulate`; or reports of choices.
 
     Parameters
     ----------
     *alternatives : Mission, str or Path
-        Two or more missions, mission files or report folders.
+        Two or more missions, mission files or report folders; or report folders of `explore` alone, all of the same
+        keys, or of `optimise` alone.
     trials, seed : int, optional
         Of the missions; default: the first mission's.
     jobs : int
@@ -77,24 +80,14 @@ def compare_missions(
     Raises
     ------
     InputError
-        When something is neither, or a mission cannot be run.
+        When something is neither, a mission cannot be run, or reports are of unlike kinds.
     """
     began = time.perf_counter()
     sources = _sources(alternatives, allow_outside=allow_outside)
-    missions = [each.mission for each in sources if each.mission is not None]
-    if missions:
-        check_arguments(missions[0], trials=trials, seed=seed, jobs=jobs)
-        trials = missions[0].monte_carlo.trials if trials is None else trials
-        seed = missions[0].monte_carlo.seed if seed is None else seed
-    runs = iter(_run(missions, trials or 0, seed or 0, jobs, progress))
-    found = [next(runs) if each.mission is not None else None for each in sources]
-    entries = [
-        _of_mission(each.name, each.path, each.mission, run, seed or 0)
-        if each.mission is not None and run is not None
-        else reported(each.name, each.path, each.summary)
-        for each, run in zip(sources, found, strict=True)
-    ]
-    best = min(range(len(entries)), key=lambda index: _rank(entries[index]))
+    compared = check_kinds([(each.path, each.summary) for each in sources])
+    entries, found = _entries(sources, trials, seed, jobs, progress)
+    aim = aim_of([each.summary for each in sources])
+    best = min(range(len(entries)), key=lambda index: _rank(entries[index], aim))
     columns = [run.columns if run is not None else {} for run in found]
     return Alternatives(
         provenance=Provenance(
@@ -112,7 +105,30 @@ def compare_missions(
             for index, entry in enumerate(entries)
         ),
         best=best,
+        compared=compared,
+        aim=aim,
+        differing=differing_values([each.data for each in sources]),
     )
+
+
+def _entries(
+    sources: Sequence["_Source"], trials: int | None, seed: int | None, jobs: int, progress: Progress | None
+) -> tuple[list[Alternative], list[CellTrials | None]]:
+    """Run the missions and read the reports; returns the trials of the missions besides."""
+    missions = [each.mission for each in sources if each.mission is not None]
+    if missions:
+        check_arguments(missions[0], trials=trials, seed=seed, jobs=jobs)
+        trials = missions[0].monte_carlo.trials if trials is None else trials
+        seed = missions[0].monte_carlo.seed if seed is None else seed
+    runs = iter(_run(missions, trials or 0, seed or 0, jobs, progress))
+    found = [next(runs) if each.mission is not None else None for each in sources]
+    entries = [
+        _of_mission(each.name, each.path, each.mission, run, seed or 0)
+        if each.mission is not None and run is not None
+        else reported_alternative(each.name, each.path, each.summary)
+        for each, run in zip(sources, found, strict=True)
+    ]
+    return entries, found
 
 
 @dataclass(frozen=True)
@@ -193,9 +209,12 @@ def _of_mission(name: str, path: Path, mission: Mission, found: CellTrials, seed
     return Alternative(name, str(path), cell.success, quantities, cell.requirements, cell.trials, seed, {})
 
 
-def _rank(each: Alternative) -> tuple[int, float, float]:
-    energy = each.quantities.get("energy_wh", (np.inf, 0.0))[0]
-    return len(each.missed), -each.success.value, energy if np.isfinite(energy) else np.inf
+def _rank(each: Alternative, aim: Aim) -> tuple[bool, int, float, float]:
+    """Order alternatives, the best first; last those of which nothing is known."""
+    energy, first = (each.quantities.get(key, (np.inf, 0.0))[0] for key in ("energy_wh", DECIDES[aim]))
+    known = np.isfinite(each.success.value)
+    first = -each.success.value if aim == "success" and known else first
+    return not known, len(each.missed), first, energy if np.isfinite(energy) else np.inf
 
 
 def _contrasts(
@@ -222,5 +241,6 @@ def _contrasts(
 
 def _number(each: Alternative, key: str) -> SummaryNumber | None:
     if key == "success":
-        return SummaryNumber("probability", each.success.value, float("nan"))
+        known = np.isfinite(each.success.value)
+        return SummaryNumber("probability", each.success.value, float("nan")) if known else None
     return SummaryNumber("mean", *each.quantities[key]) if key in each.quantities else None

@@ -2,10 +2,11 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.results.comparison import ChangedValue
+from missionplan.results.task import DifferingValue
 
 _TRAILING_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)\s*")
 
@@ -17,6 +18,16 @@ def changed_values(first: object, second: object) -> tuple[ChangedValue, ...]:
         ChangedValue(path, _shown(one.get(path)), _shown(two.get(path)))
         for path in dict.fromkeys((*one, *two))
         if not _same(one.get(path), two.get(path))
+    )
+
+
+def differing_values(missions: Sequence[object]) -> tuple[DifferingValue, ...]:
+    """List the values in which any of some missions differs from the first, by key path with phases by name."""
+    leaves = [dict(_leaves(mission, "")) for mission in missions]
+    return tuple(
+        DifferingValue(path, tuple(_shown(each.get(path)) for each in leaves))
+        for path in dict.fromkeys(path for each in leaves for path in each)
+        if not all(_same(leaves[0].get(path), each.get(path)) for each in leaves[1:])
     )
 
 

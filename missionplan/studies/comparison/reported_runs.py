@@ -22,34 +22,38 @@ def reported(name: str, folder: Path, summary: Mapping[str, object]) -> Alternat
     events = total.get("events") if isinstance(total, Mapping) else None
     if summary.get("command") != "simulate" or not isinstance(events, Mapping) or not isinstance(total, Mapping):
         message = (
-            f"was made by {summary.get('command')}; of more than two, missions and reports of simulate are compared"
+            f"was made by {summary.get('command')}; of more than two, missions and reports of simulate are compared, "
+            "or reports of explore, or of optimise"
         )
         raise InputError([Problem(message, str(folder))])
-    requirements = summary.get("requirements")
     count = trials if isinstance(trials, int) else 0
     return Alternative(
         name=name,
         source=str(folder),
-        success=_probability(events.get("success")),
-        quantities=_estimates(total.get("quantities")),
-        requirements=tuple(
-            _requirement(item, count)
-            for item in (requirements if isinstance(requirements, list) else [])
-            if isinstance(item, Mapping)
-        ),
+        success=probability_of(events.get("success")),
+        quantities=estimates_of(total.get("quantities")),
+        requirements=requirements_of(summary.get("requirements"), count),
         trials=count,
         seed=seed if isinstance(seed, int) else 0,
         contrasts={},
     )
 
 
-def _probability(entry: object) -> Probability:
+def requirements_of(entries: object, trials: int) -> tuple[RequirementOutcome, ...]:
+    """Read the requirements of a summary."""
+    found = entries if isinstance(entries, list) else []
+    return tuple(_requirement(item, trials) for item in found if isinstance(item, Mapping))
+
+
+def probability_of(entry: object) -> Probability:
+    """Read a probability of a summary; nan where it has none."""
     if not isinstance(entry, Mapping):
         return Probability(float("nan"), float("nan"), float("nan"))
     return Probability(*(_float(entry.get(key)) for key in ("value", "low", "high")))
 
 
-def _estimates(entries: object) -> dict[str, Estimate]:
+def estimates_of(entries: object) -> dict[str, Estimate]:
+    """Read energy and duration of a summary, where it has them."""
     found = {}
     for name, entry in entries.items() if isinstance(entries, Mapping) else ():
         mean = _float(entry.get("mean")) if isinstance(entry, Mapping) else float("nan")
@@ -70,7 +74,7 @@ def _requirement(item: Mapping[str, object], trials: int) -> RequirementOutcome:
         limit=_float(item[bound[0]]) if bound else None,
         unit="",
         required=_float(item.get("required")),
-        probability=_probability(item.get("probability")),
+        probability=probability_of(item.get("probability")),
         met=bool(item.get("met")),
         undecided=bool(item.get("undecided")),
         trials=trials,

@@ -12,6 +12,7 @@ from missionplan.results.base import Provenance
 from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
 from missionplan.store.paths import as_path
 from missionplan.studies.comparison.mission_changes import changed_values
+from missionplan.studies.comparison.reported_choices import CHOOSING
 from missionplan.studies.comparison.significance import holm, standard_error_and_p_value
 from missionplan.studies.comparison.summary_numbers import SECTIONS, SummaryNumber, summary_numbers
 
@@ -84,7 +85,8 @@ def _one_command(folders: Sequence[Path], summaries: Sequence[Mapping[str, objec
         made = " and ".join(f"{folder} by {command}" for folder, command in zip(folders, commands, strict=True))
         raise InputError([Problem(f"two reports of one command were expected, but they were made {made}")])
     if commands[0] not in SECTIONS:
-        raise InputError([Problem(f"reports of {commands[0]} cannot be compared; those of {', '.join(SECTIONS)} can")])
+        known = ", ".join((*SECTIONS, *CHOOSING))
+        raise InputError([Problem(f"reports of {commands[0]} cannot be compared; those of {known} can")])
     return str(commands[0])
 
 

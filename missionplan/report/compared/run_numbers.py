@@ -67,9 +67,9 @@ def _of_sweep(comparison: Comparison, difference: ComparedNumber) -> str:
 def _requirement(comparison: Comparison, difference: ComparedNumber) -> str:
     """Write a requirement with its limit as the mission does, or in SI where that is not certain."""
     quantity, _, limit = difference.key.partition(", ")
-    alike = [item for item in _requirements(_mission(comparison, difference)) if item.get("quantity") == quantity]
+    alike = [item for item in requirements_of(_mission(comparison, difference)) if item.get("quantity") == quantity]
     if limit:
-        limit = (_limit(alike[0]) if len(alike) == 1 else "") or _in_si(quantity, limit)
+        limit = (limit_in_words(alike[0]) if len(alike) == 1 else "") or _in_si(quantity, limit)
     return f"{in_words(quantity)} {limit}".strip()
 
 
@@ -83,7 +83,8 @@ def _in_si(quantity: str, limit: str) -> str:
     return f"{words} {number(float(value))}\u00a0{unit}".strip()
 
 
-def _requirements(mission: Mapping[str, object]) -> list[Mapping[str, object]]:
+def requirements_of(mission: Mapping[str, object]) -> list[Mapping[str, object]]:
+    """Requirements of a mission's document."""
     written = mission.get("requirements")
     return [item for item in written if isinstance(item, Mapping)] if isinstance(written, list | tuple) else []
 
@@ -94,7 +95,8 @@ def _mission(comparison: Comparison, difference: ComparedNumber) -> Mapping[str,
     return data if isinstance(data, Mapping) else {}
 
 
-def _limit(requirement: Mapping[str, object]) -> str:
+def limit_in_words(requirement: Mapping[str, object]) -> str:
+    """Write the limit of a mission's requirement as its file does: ``at most 75 ft``; empty for an event."""
     for bound in ("at_most", "at_least"):
         if bound in requirement:
             return f"{bound.replace('_', ' ')} {str(requirement[bound]).replace('*', NARROW_SPACE)}"

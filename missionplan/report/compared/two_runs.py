@@ -7,7 +7,8 @@ from functools import partial
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.report.compared_numbers import importance, name_of, noise_of, row_of, shown_change
+from missionplan.report.compared.run_numbers import importance, name_of, noise_of, row_of, shown_change
+from missionplan.report.compared.tasks import task_in_words
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, INK, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
 from missionplan.report.wording import in_words
@@ -45,7 +46,7 @@ def terminal(comparison: Comparison) -> Terminal:
 def answer(comparison: Comparison) -> str:
     """Write what decides first: success and requirements; then how many numbers changed, and which most clearly."""
     sentences = [
-        *([] if comparison.alike else [_unlike(comparison)]),
+        _unlike(comparison),
         *map(partial(_success, comparison), comparison.success),
         *_requirement_changes(comparison.requirement_changes),
         _numbers_in_words(comparison),
@@ -54,12 +55,16 @@ def answer(comparison: Comparison) -> str:
 
 
 def _unlike(comparison: Comparison) -> str:
-    """Write in one line that the missions have little in common."""
+    """Write in one line that the missions have unlike tasks, or little in common; nothing where they are alike."""
     first, second = (", ".join(names) or "no phases" for names in comparison.phases)
     if first != second:
         what = f"the first has {first}, the second {second}"
-    else:
-        what = f"{len(comparison.mission_changes)} values of their files differ"
+        return f"The two missions are not alike: {what}; only what both have is compared."
+    if comparison.task_differs:
+        return f"The missions have unlike tasks: they differ {task_in_words(comparison.task_differs)}."
+    if comparison.alike:
+        return ""
+    what = f"{len(comparison.mission_changes)} values of their files differ"
     return f"The two missions are not alike: {what}; only what both have is compared."
 
 

@@ -1,0 +1,1 @@
+"""Reports of `compare`: two runs of one command, and alternatives side by side."""

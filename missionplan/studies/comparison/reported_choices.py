@@ -1,0 +1,147 @@
+"""Reports of `explore` and `optimise` as alternatives: the best of each, and what it was chosen from."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import get_args
+
+from missionplan.errors import InputError, Problem
+from missionplan.results.choosing.alternatives import Alternative, Chosen, TriedCell
+from missionplan.results.choosing.axis import Aim
+from missionplan.results.simulation import RequirementOutcome
+from missionplan.studies.comparison.reported_runs import estimates_of, probability_of, reported, requirements_of
+
+CHOOSING = ("explore", "optimise")
+Summary = Mapping[str, object]
+
+
+def reported_alternative(name: str, folder: Path, summary: Summary) -> Alternative:
+    """Read a report of `simulate`, or the best of one of `explore` or `optimise`."""
+    command = summary.get("command")
+    if command == "explore":
+        return _of_exploration(name, folder, summary)
+    return _of_optimisation(name, folder, summary) if command == "optimise" else reported(name, folder, summary)
+
+
+def check_kinds(sources: Sequence[tuple[Path, Summary]]) -> str:
+    """Return the command whose results are compared; raises InputError where they are of unlike kinds.
+
+    Parameters
+    ----------
+    sources : sequence of (path, summary)
+        The summary of a mission is empty.
+    """
+    made = [str(summary.get("command", "simulate")) for _, summary in sources]
+    kinds = set(made)
+    if not kinds & set(CHOOSING):
+        return "simulate"
+    if len(kinds) > 1:
+        listed = [
+            f"{path} {f'was made by {command}' if summary else 'is a mission'}"
+            for (path, summary), command in zip(sources, made, strict=True)
+        ]
+        message = (
+            f"unlike things cannot be compared: {', '.join(listed)}; expected reports of explore alone, reports of "
+            "optimise alone, or missions and reports of simulate"
+        )
+        chosen = [path for (path, _), command in zip(sources, made, strict=True) if command == "optimise"]
+        hint = f"what optimise chose is a mission too: {chosen[0] / 'mission-optimised.yaml'}" if chosen else ""
+        raise InputError([Problem(message, hint=hint)])
+    if kinds == {"explore"}:
+        _check_keys(sources)
+    return made[0]
+
+
+def aim_of(summaries: Sequence[Summary]) -> Aim:
+    """What all reports aim at; success where they differ, or have none."""
+    found = {each.get("aim") for each in summaries}
+    (aim,) = found if len(found) == 1 else ("success",)
+    return next((each for each in get_args(Aim) if each == aim), "success")
+
+
+def _check_keys(sources: Sequence[tuple[Path, Summary]]) -> None:
+    """Refuse explorations of unlike keys: their cells have nothing in common."""
+    varied = ["+".join(_axes(summary)) for _, summary in sources]
+    if len(set(varied)) > 1:
+        listed = ", ".join(f"{path} varies {keys}" for (path, _), keys in zip(sources, varied, strict=True))
+        raise InputError([Problem(f"explorations of the same keys were expected, in the same order, but {listed}")])
+
+
+def _axes(summary: Summary) -> list[str]:
+    return ["+".join(map(str, _items(axis.get("keys")))) for axis in _mappings(summary.get("vary"))]
+
+
+def _of_exploration(name: str, folder: Path, summary: Summary) -> Alternative:
+    cells = _mappings(summary.get("cells"))
+    best = summary.get("best")
+    entry: Summary = best if isinstance(best, Mapping) else {}
+    quantities = entry.get("quantities")
+    of_total = {
+        str(key).removeprefix("total."): value
+        for key, value in (quantities.items() if isinstance(quantities, Mapping) else ())
+        if str(key).startswith("total.")
+    }
+    trials = _whole(entry.get("trials"))
+    return Alternative(
+        name=name,
+        source=str(folder),
+        success=probability_of(entry.get("success")),
+        quantities=estimates_of(of_total),
+        requirements=requirements_of(entry.get("requirements"), trials),
+        trials=trials,
+        seed=_whole(summary.get("seed")),
+        contrasts={},
+        chosen=Chosen(
+            _texts(entry.get("values")),
+            len(cells),
+            tuple((str(each.get("from")), str(each.get("to"))) for each in _mappings(summary.get("windows"))),
+            tuple(map(_cell, cells)),
+        ),
+    )
+
+
+def _cell(entry: Summary) -> TriedCell:
+    required = _mappings(entry.get("requirements"))
+    met = bool(required) and all(item.get("met") for item in required)
+    return TriedCell(tuple(_texts(entry.get("values")).values()), met, probability_of(entry.get("success")))
+
+
+def _of_optimisation(name: str, folder: Path, summary: Summary) -> Alternative:
+    total = summary.get("total")
+    checked: Summary = total if isinstance(total, Mapping) else {}
+    events = checked.get("events")
+    trials = _whole(summary.get("trials"))
+    return Alternative(
+        name=name,
+        source=str(folder),
+        success=probability_of(events.get("success") if isinstance(events, Mapping) else None),
+        quantities=estimates_of(checked.get("quantities")),
+        requirements=requirements_of(summary.get("requirements"), trials)
+        or tuple(_obstacle(each, trials) for each in _mappings(summary.get("obstacles"))),
+        trials=trials,
+        seed=_whole(summary.get("seed")),
+        contrasts={},
+        chosen=Chosen(_texts(summary.get("chosen")), _whole(summary.get("combinations"))),
+    )
+
+
+def _obstacle(entry: Summary, trials: int) -> RequirementOutcome:
+    """Return the requirement that no choice meets, with the most that is reached of it."""
+    (found,) = requirements_of([{**entry, "probability": entry.get("reached"), "met": False}], trials)
+    return replace(found, undecided=False)
+
+
+def _items(value: object) -> list[object]:
+    return value if isinstance(value, list) else []
+
+
+def _mappings(value: object) -> list[Mapping[str, object]]:
+    return [each for each in _items(value) if isinstance(each, Mapping)]
+
+
+def _texts(value: object) -> dict[str, str]:
+    return {str(key): str(each) for key, each in value.items()} if isinstance(value, Mapping) else {}
+
+
+def _whole(value: object) -> int:
+    return value if isinstance(value, int) else 0
