@@ -16,7 +16,7 @@ from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.linearised import DiveLinearisation, LinearisedDescent
 from missionplan.diagnosis.dives.preparation import DiveLog
-from missionplan.diagnosis.inference.adequacy.axes import Axis, AxisScale, pointwise, scaled
+from missionplan.diagnosis.inference.adequacy.axes import Axis, AxisScale, differing, pointwise, scaled
 from missionplan.phases.hooks import DescentEffect
 
 AXIS_LABELS = {"time": "Time since separation (s)", "speed": "Speed (m/s)", "depth": "Depth (m)"}
@@ -43,7 +43,7 @@ def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Ax
     extents = {"time": np.concatenate([log.t for log in logs]), "depth": readings, "speed": speed}
     shared = [_reading_error(name, values) for name, values in extents.items()]
     forces = force_axes(model.forward.coarse, model.coordinates, linear.at, linear.release_delays, extents)
-    return [*shared, *forces, *_dive_by_dive(logs, extents["time"], linear.sensitivity("drag"))]
+    return [*shared, *forces, *_dive_by_dive(logs, extents["time"], linear)]
 
 
 def _reading_error(name: str, values: Array) -> Axis:
@@ -53,21 +53,25 @@ def _reading_error(name: str, values: Array) -> Axis:
     return replace(axis, scale=scale)
 
 
-def _dive_by_dive(logs: Sequence[DiveLog], t: Array, drag: Array) -> list[Axis]:
-    """Each dive's own error of the depth against time; drag with a trend over the dives, or with the line's length.
+def _dive_by_dive(logs: Sequence[DiveLog], t: Array, linear: DiveLinearisation) -> list[Axis]:
+    """Each dive's own error of the depth against time, and delay; drag with a trend over dives or the line's length.
 
     Parameters
     ----------
     logs : sequence of DiveLog
         The dives.
-    t, drag : array, shape (N,)
-        Times of all readings [s] and their sensitivity to drag [m].
+    t : array, shape (N,)
+        Times of all readings [s].
+    linear : DiveLinearisation
+        Where the model is fitted.
     """
-    dive = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs])
+    dive, drag = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs]), linear.sensitivity("drag")
     axes = []
     if len(logs) > 1:
         own = (dive[:, None] == np.arange(len(logs))[None, :]).astype(float)
         axes.append(pointwise("run", "an error of the depth read that changes with time, dive by dive", scaled(t), own))
+        delays = own * linear.sensitivity("release")[:, None]
+        axes.append(differing("a delay that differs from dive to dive", delays))
     if len(logs) > 2:
         axes.append(_trend("drag that grows or falls from dive to dive", drag, dive.astype(float)))
     lines = np.array([log.line_length for log in logs])[dive]

@@ -10,7 +10,8 @@ import pandas as pd
 from missionplan.datasets.dives import read_descent
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.dives.labels import exchanged_labels
+from missionplan.diagnosis.dives.consistency.constancy import not_constant
+from missionplan.diagnosis.dives.consistency.labels import exchanged_labels
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.model_factory import check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
@@ -20,7 +21,7 @@ from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import PlanGain
-from missionplan.results.learned.evidence import ParameterEstimate
+from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,10 @@ class DescentKind(DataKind):
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
         """Return the share of the squared depth residuals that goes with each fit."""
         return descent_shares(self.model, base, fits)
+
+    def not_constant(self, best: CauseFit) -> Causes:
+        """Return the causes whose strengths differ from dive to dive."""
+        return not_constant(self.model, best)
 
     def suspect_labels(self, base: CauseFit, best: CauseFit) -> str:
         """Say between which dives the labels of the weights look exchanged."""

@@ -61,12 +61,16 @@ class DescentModel(DescentFitting):
 
     def residuals(self, fit: CauseFit) -> Residuals:
         """Readings less the linearised model at the prior means, and their covariance."""
+        return self.residuals_along(fit, self.axes(fit.state.linear))
+
+    def residuals_along(self, fit: CauseFit, axes: Sequence[Axis]) -> Residuals:
+        """Return the residuals with other axes to look along."""
         linear, logs, prior_sd = fit.state.linear, self.forward.logs, fit.state.prior_sd
         return Residuals(
             linear.y,
             self._covariance(fit),
             np.concatenate([np.full(len(log.t), k) for k, log in enumerate(logs)]),
-            self.axes(linear),
+            axes,
             np.concatenate([np.full(len(log.t), log.name) for log in logs]),
             quantised=True,
             products_by_noise=partial(self.products, linear, prior_sd),

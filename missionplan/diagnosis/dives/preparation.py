@@ -107,7 +107,8 @@ def prepare_dives(data: DescentData) -> PreparedDives:
     prepared = [_prepare(dive, data.depth_noise, notices) for dive in data.dives]
     dives = tuple(dive for dive in prepared if dive is not None)
     if len(dives) < MIN_DIVES:
-        raise InputError([Problem(f"has {counted(len(dives), 'usable dive')}, too few: {NEEDED}", data.file)])
+        why = "; ".join([f"too few: {NEEDED}", *notices[len(data.notices) :]])
+        raise InputError([Problem(f"has {counted(len(dives), 'usable dive')}, {why}", data.file)])
     return PreparedDives(data.name, data.source, dives, (*notices, *_doubts_of_metres(data.dives, dives)))
 
 

@@ -113,10 +113,16 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
         words = f"The misfit is explained by {named}."
     words += _changed(diagnosis)
     if diagnosis.not_constant:
-        words += f" {_sentence(names(diagnosis.not_constant))} is not constant over the record: its halves disagree."
+        words += _not_constant(diagnosis)
     if any(CATALOGUE[cause].tier == "statistical" for cause in diagnosis.causes):
         words += " Part of this describes the errors statistically; its physical cause is not identified."
     return words
+
+
+def _not_constant(diagnosis: Diagnosis) -> str:
+    """Say which causes do not hold still."""
+    verb = "is" if len(diagnosis.not_constant) == 1 else "are"
+    return f" {_sentence(names(diagnosis.not_constant))} {verb} {REPORTS[diagnosis.kind].not_constant}."
 
 
 def _confirmed(diagnosis: Diagnosis) -> str:

@@ -60,6 +60,14 @@ def test_too_few_dives_says_how_many_are_needed_for_what(folder, descent_mission
         prepare_dives(read_descent(folder(KIND, table[table["run"] == "dive-1"]), descent_mission))
 
 
+def test_dives_that_cannot_be_used_are_refused_with_the_reason(folder, descent_mission):
+    """Readings of a sensor that stands still but for its noise."""
+    table = dives()
+    table["depth_m"] = 7.0 + 0.03 * np.random.default_rng(1).normal(size=len(table))
+    with pytest.raises(InputError, match=r"has 0 usable dives, .*; dive-1 is left out: \d samples between"):
+        prepare_dives(read_descent(folder(KIND, table), descent_mission))
+
+
 @pytest.mark.parametrize("factor", [1.0, 1.0 / 0.3048])
 def test_feet_are_suspected_aloud_and_never_converted(folder, descent_mission, factor):
     table = dives()

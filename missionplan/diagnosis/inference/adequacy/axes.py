@@ -97,6 +97,19 @@ def pointwise(name: str, description: str, inputs: Array, directions: Array | No
     return Axis(name, description, places, np.concatenate([weights * one[:, None] for one in directions.T], axis=1))
 
 
+def differing(description: str, directions: Array) -> Axis:
+    """Return the axis of one number for each run, independent of those of the others.
+
+    Parameters
+    ----------
+    description : str
+        Of the axis.
+    directions : array, shape (N, p)
+        Response of each value to the number of each of p runs.
+    """
+    return Axis("run", description, np.zeros((1, 1)), directions)
+
+
 def _between_nodes(inputs: Array) -> tuple[Array, Array]:
     """Nodes along the inputs, shape (m, 1), and the weights of linear interpolation, shape (N, m)."""
     nodes = np.unique(inputs)

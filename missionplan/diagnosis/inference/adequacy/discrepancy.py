@@ -43,7 +43,7 @@ def discrepancy(residuals: Residuals) -> Discrepancy:
     residuals : Residuals
         What it leaves, with their covariance and the axes to look along.
     """
-    found = _by_axis(residuals)
+    found = along_each_axis(residuals)
     together = float(logsumexp([value for _, value in found]) - np.log(len(found))) if found else 0.0
     tests = residual_tests(residuals, residuals.innovations())
     likeliest = found[0][0] if together > THRESHOLD else None
@@ -54,8 +54,8 @@ def discrepancy(residuals: Residuals) -> Discrepancy:
     return Discrepancy(together, "time" if rejects(tests) else None, by_axis, tests)
 
 
-def _by_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
-    """Ln Bayes factor of a smooth function along each axis over none, greatest first."""
+def along_each_axis(residuals: Residuals) -> list[tuple[Axis, float]]:
+    """Return the ln Bayes factor of a smooth function along each axis over none, greatest first."""
     axes = residuals.axes
     if not axes:
         return []

@@ -82,6 +82,7 @@ REPORT = KindReport(
     gained=_gained,
     data_figure=_data_figure,
     residual_figures=_residual_figures,
+    not_constant="not the same in all dives",
     calibration={
         "dive_scatter": "Scatter from dive to dive, of the usual",
         "depth_walk_m2_s": "Turbulence: rate at which the depth wanders (m²/s)",

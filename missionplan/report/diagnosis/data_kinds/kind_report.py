@@ -36,6 +36,8 @@ class KindReport:
     gained : callable
         Writes what the causes gain on data held out, from the rms errors before and after [`unit`]: the end of a
         sentence, or nothing.
+    not_constant : str
+        What is said of causes that do not hold still, after their names.
     calibration : mapping
         Keys of `Diagnosis.calibration` in words.
     """
@@ -45,4 +47,5 @@ class KindReport:
     residual_figures: Callable[[Diagnosis], list[Figure]] = _no_figures
     numbers: Callable[[Diagnosis], list[tuple[str, str]]] = _no_numbers
     gained: Callable[[Diagnosis, float, float], str] = _no_gain
+    not_constant: str = ""
     calibration: Mapping[str, str] = field(default_factory=dict)

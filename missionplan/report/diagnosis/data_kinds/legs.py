@@ -132,6 +132,7 @@ REPORT = KindReport(
     data_figure=_data_figure,
     residual_figures=_residual_figures,
     numbers=_numbers,
+    not_constant="not constant over the record: the halves of the record disagree",
     calibration={
         "sigma_v_m_s": "Velocity error of a leg, σ_v (m/s)",
         "fix_sd_m": "Error of a fix (m)",
