@@ -5,7 +5,7 @@ from pathlib import Path
 from missionplan import diagnose, load
 from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.figures import ranking_figure
-from missionplan.report.page import style
+from missionplan.report.drawn import style
 
 HERE = Path(__file__).parent
 PROJECT = HERE.parent.parent

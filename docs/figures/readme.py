@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 
 import missionplan
+from missionplan.report.drawn import style
 from missionplan.report.leg_length.sweep_figures import cost_figure
-from missionplan.report.page import style
 
 ROOT = Path(__file__).parents[2]
 

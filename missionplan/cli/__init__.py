@@ -19,6 +19,8 @@ from missionplan.cli.streams import answering, note, prepare_streams
 from missionplan.errors import OUT_OF_FILES, MissionplanError, out_of_files
 
 INTERRUPTED = 130
+GARBAGE = 50_000
+"""Objects made since the last garbage collection from which another is due: each passes through all that is new."""
 
 app = typer.Typer(
     name="missionplan",
@@ -40,6 +42,7 @@ def _root(show_version: Annotated[bool, typer.Option("--version", help="Print th
 
 def main() -> None:
     """Run the command line; every expected error becomes a message and an exit status."""
+    gc.set_threshold(GARBAGE)  # imports make many objects, all of which stay
     atexit.register(gc.freeze)  # saves half a second of garbage collection when the process ends
     _interrupt_on_termination()
     prepare_streams()

@@ -73,26 +73,25 @@ def explore(
 
     Example: missionplan explore missions/estuary.yaml --vary "start=04:00:14:00:10 min" --trials 2000
     """
+    from missionplan.montecarlo.parallel.pool import preloaded_pool
 
     def study(loaded: "Mission", kept: "Path", progress: Progress) -> "Exploration":
-        from missionplan.montecarlo.parallel.pool import preloaded_pool
+        from missionplan.studies.exploration.explore import explore
 
-        with preloaded_pool(run.other_processes, _WORKERS_NEED):  # they import while this process does
-            from missionplan.studies.exploration.explore import explore
+        return explore(
+            loaded,
+            vary,
+            aim=aim.value,
+            only_best=only_best,
+            quantities=quantity or (),
+            checkpoint=kept,
+            resume=resume,
+            progress=progress,
+            **run.arguments(),
+        )
 
-            return explore(
-                loaded,
-                vary,
-                aim=aim.value,
-                only_best=only_best,
-                quantities=quantity or (),
-                checkpoint=kept,
-                resume=resume,
-                progress=progress,
-                **run.arguments(),
-            )
-
-    found = run_resumable(mission, "explore", study, output, allow_outside=allow_outside, resume=resume)
+    with preloaded_pool(run.other_processes, _WORKERS_NEED):  # they import while this process does
+        found = run_resumable(mission, "explore", study, output, allow_outside=allow_outside, resume=resume)
     if not found.any_meets_all:
         raise typer.Exit(REQUIREMENT_NOT_MET)
 
@@ -134,26 +133,26 @@ def optimise(
 
     Example: missionplan optimise missions/estuary.yaml
     """
+    from missionplan.montecarlo.parallel.pool import preloaded_pool
+
+    processes = o.worker_count(jobs)
 
     def study(loaded: "Mission", kept: "Path", progress: Progress) -> "Optimised":
-        from missionplan.montecarlo.parallel.pool import preloaded_pool
+        from missionplan.studies.optimisation.optimise import optimise
 
-        processes = o.worker_count(jobs)
-        with preloaded_pool(processes - 1, _WORKERS_NEED):
-            from missionplan.studies.optimisation.optimise import optimise
+        return optimise(
+            loaded,
+            choose=choose or (),
+            aim=aim.value if aim else None,
+            trials=trials,
+            seed=seed,
+            jobs=processes,
+            checkpoint=kept,
+            resume=resume,
+            progress=progress,
+        )
 
-            return optimise(
-                loaded,
-                choose=choose or (),
-                aim=aim.value if aim else None,
-                trials=trials,
-                seed=seed,
-                jobs=processes,
-                checkpoint=kept,
-                resume=resume,
-                progress=progress,
-            )
-
-    found = run_resumable(mission, "optimise", study, output, allow_outside=allow_outside, resume=resume)
+    with preloaded_pool(processes - 1, _WORKERS_NEED):
+        found = run_resumable(mission, "optimise", study, output, allow_outside=allow_outside, resume=resume)
     if not found.feasible:
         raise typer.Exit(REQUIREMENT_NOT_MET)

@@ -61,39 +61,39 @@ def diagnose(
     if len(datasets) > 1 and (next_trial or holdout is not None):
         raise InputError("--next-trial and --holdout are for a single data set")
 
+    from missionplan.montecarlo.parallel.mapping import MAX_PROCESSES
+    from missionplan.montecarlo.parallel.pool import preloaded_pool
+
+    processes = o.worker_count(jobs)
+
     def study(loaded: "Mission", progress: Progress) -> "Result":
-        from missionplan.montecarlo.parallel.mapping import MAX_PROCESSES
-        from missionplan.montecarlo.parallel.pool import preloaded_pool
+        from missionplan.studies.validation.datasets import check_dataset
 
-        processes = o.worker_count(jobs)
-        others = min(processes, MAX_PROCESSES) - 1
-        with preloaded_pool(others, "missionplan.diagnosis.diagnose"):  # they import while this process reads
-            from missionplan.studies.validation.datasets import check_dataset
+        for dataset in datasets:
+            check_dataset(dataset, loaded, allow_outside=allow_outside)
+        from missionplan.diagnosis.diagnose import diagnose
+        from missionplan.diagnosis.together.campaign import diagnose_campaign
 
-            for dataset in datasets:
-                check_dataset(dataset, loaded, allow_outside=allow_outside)
-            from missionplan.diagnosis.diagnose import diagnose
-            from missionplan.diagnosis.together.campaign import diagnose_campaign
-
-            if len(datasets) > 1:
-                return diagnose_campaign(
-                    loaded, datasets, seed=seed, jobs=processes, allow_outside=allow_outside, progress=progress
-                )
-            return diagnose(
-                loaded,
-                datasets[0],
-                seed=seed,
-                jobs=processes,
-                next_trial=next_trial,
-                holdout=holdout,
-                allow_outside=allow_outside,
-                progress=progress,
+        if len(datasets) > 1:
+            return diagnose_campaign(
+                loaded, datasets, seed=seed, jobs=processes, allow_outside=allow_outside, progress=progress
             )
+        return diagnose(
+            loaded,
+            datasets[0],
+            seed=seed,
+            jobs=processes,
+            next_trial=next_trial,
+            holdout=holdout,
+            allow_outside=allow_outside,
+            progress=progress,
+        )
 
-    from missionplan.datasets.reading import dataset_files
+    with preloaded_pool(min(processes, MAX_PROCESSES) - 1, "missionplan.diagnosis.diagnose"):  # while this one imports
+        from missionplan.datasets.reading import dataset_files
 
-    inputs = [file for dataset in datasets for file in dataset_files(dataset)]
-    run_study(mission, "diagnose", study, output, allow_outside=allow_outside, inputs=inputs)
+        inputs = [file for dataset in datasets for file in dataset_files(dataset)]
+        run_study(mission, "diagnose", study, output, allow_outside=allow_outside, inputs=inputs)
 
 
 def identify(dataset: o.DatasetFolder, *, output: o.OutputOptions, allow_outside: o.AllowOutside = False) -> None:

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -64,10 +64,12 @@ def new_folder_name(stem: str, command: str) -> Path:
 
 def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
+    drawing = _drawing_in_parallel()
     from missionplan.report.crew.conversion import in_units, units_of, using_units
 
     with using_units(output.system):
-        result.save(folder, force=output.force)
+        with drawing:
+            result.save(folder, force=output.force)
         with answering(f"; the report is saved in {folder}"):
             if output.as_json:
                 _print_summary(result)
@@ -83,6 +85,17 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
         for notice in result.provenance.notices:
             remark(f"Note: {in_units(typeset(notice), units) if units else typeset(notice)}")
     note(f"Report: {folder / 'report.html'}")
+
+
+def _drawing_in_parallel() -> AbstractContextManager[None]:
+    """Let the processes that took part in the study, if any did, draw some of the report's figures."""
+    pool = sys.modules.get("missionplan.montecarlo.parallel.pool")
+    if pool is None:
+        return nullcontext()
+    pool.preload("missionplan.report.drawn")  # while this process imports it too
+    from missionplan.report.parallel_drawing import drawing_in_parallel
+
+    return drawing_in_parallel()
 
 
 def _print_summary(result: "Result") -> None:

@@ -1,14 +1,11 @@
 """The parts of a report; `html` renders them as one self-contained page."""
 
-import io
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.resources import files
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from missionplan.report.html.readings import Slider, name_series, readings
+from missionplan.report.drawn import Drawing, drawing_of
+from missionplan.report.html.readings import Slider
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as MatplotlibFigure
@@ -27,22 +24,25 @@ BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = (
 )
 """Okabe–Ito colours, in the order of the figure style's cycle."""
 
-SVG_DPI = 72
-"""Dots per inch at which SVG is drawn."""
-
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure: file name without suffix, SVG text, alternative text for readers who cannot see it, and a caption.
-
-    `plot` is what the page's script reads off it, as JSON (`html.readings`).
-    """
+    """A figure: file name without suffix, drawing, alternative text for readers who cannot see it, and a caption."""
 
     name: str
-    svg: str
+    drawing: Drawing
     alt: str
     caption: str = ""
-    plot: str = ""
+
+    @property
+    def svg(self) -> str:
+        """SVG text."""
+        return self.drawing.svg
+
+    @property
+    def plot(self) -> str:
+        """What the page's script reads off it, as JSON (`html.readings`)."""
+        return self.drawing.plot
 
 
 @dataclass(frozen=True)
@@ -130,33 +130,8 @@ class Terminal:
     verdict: str = ""
 
 
-@contextmanager
-def style() -> Iterator[None]:
-    """Apply the project's figure style, leaving the caller's matplotlib settings alone."""
-    import matplotlib as mpl
-
-    path = files("missionplan.report") / "style.mplstyle"
-    with mpl.rc_context(fname=Path(str(path))):
-        yield
-
-
 def to_figure(
     figure: "MatplotlibFigure", name: str, alt: str, caption: str = "", *, slider: Slider | None = None
 ) -> Figure:
-    """Convert a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot) to SVG text."""
-    import matplotlib as mpl
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-
-    from missionplan.report.crew.drawing import draw_in_units
-
-    FigureCanvasSVG(figure)
-    draw_in_units(figure.axes)
-    figure.set_dpi(SVG_DPI)
-    if (layout := figure.get_layout_engine()) is not None:  # saving would draw the whole figure twice for its sake
-        layout.execute(figure)
-        with mpl.rc_context({"figure.constrained_layout.use": False}):
-            figure.set_layout_engine(None)
-    series = name_series(figure)
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return Figure(name, buffer.getvalue(), alt, caption, readings(figure, series, slider))
+    """Draw a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot)."""
+    return Figure(name, drawing_of(figure, slider), alt, caption)

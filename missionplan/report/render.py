@@ -6,8 +6,9 @@ from typing import Protocol, cast
 from missionplan.rendering import Rendered
 from missionplan.report.crew.conversion import drawing_in, in_units, units_of
 from missionplan.report.crew.pages import page_in_units, section_in_units, terminal_in_units
+from missionplan.report.drawn import style
 from missionplan.report.html.rendering import render_page
-from missionplan.report.page import Page, Terminal, style
+from missionplan.report.page import Page, Terminal
 from missionplan.report.planned.section import planned_sections
 from missionplan.report.typesetting import typeset, typeset_page, typeset_section, typeset_terminal
 from missionplan.results.base import Result
@@ -28,8 +29,8 @@ def render_report(result: Result) -> Rendered:
     made = result.provenance
     units = units_of(made.data)
     with style(), drawing_in(units):
-        page = typeset_page(_module(result).page(result))
-        planned = [typeset_section(section) for section in planned_sections(made)]
+        page, planned = _module(result).page(result), planned_sections(made)
+        page, planned = typeset_page(page), [typeset_section(section) for section in planned]
     notices = [typeset(notice) for notice in made.notices]
     if units:
         page = page_in_units(page, units)

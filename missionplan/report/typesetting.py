@@ -9,6 +9,7 @@ import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from missionplan.report.drawn import Drawn
 from missionplan.report.page import Block, Figure, Listing, Page, PageSection, Table, Terminal
 
 Words = Callable[[str], str]
@@ -96,9 +97,8 @@ def _block(block: Block, words: Words) -> Block:
 
 def _figure(figure: Figure, words: Words) -> Figure:
     svg = re.sub(r"(?<=>)([^<>]*\S[^<>]*)(?=</t(?:ext|span)>)", lambda found: words(found[1]), figure.svg)
-    return replace(
-        figure, svg=svg, alt=words(figure.alt), caption=words(figure.caption), plot=_plot(figure.plot, words)
-    )
+    drawing = Drawn(svg, _plot(figure.plot, words))
+    return replace(figure, drawing=drawing, alt=words(figure.alt), caption=words(figure.caption))
 
 
 def _plot(plot: str, words: Words) -> str:

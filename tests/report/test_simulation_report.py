@@ -10,8 +10,9 @@ import pytest
 from outcome_example import MAPPED, example
 
 from missionplan.montecarlo.statistics import wilson
+from missionplan.report.drawn import style
 from missionplan.report.numbers import percent
-from missionplan.report.page import Figure, style
+from missionplan.report.page import Figure
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
 from missionplan.report.simulation.requirements import judged

@@ -50,6 +50,12 @@ def process_pool(count: int) -> ProcessPoolExecutor:
         return next(iter(_kept.values()))
 
 
+def running_pool() -> ProcessPoolExecutor | None:
+    """Return the pool that is running, if one is."""
+    with _lock:
+        return next(iter(_kept.values()), None)
+
+
 def _started(count: int) -> ProcessPoolExecutor:
     executor = ProcessPoolExecutor(max_workers=count, env=_ONE_THREAD, initializer=_end_with, initargs=(os.getpid(),))
     try:
@@ -149,12 +155,21 @@ def shut_down_pool() -> None:
     _kept.clear()
 
 
+def preload(module: str, count: int = 1) -> None:
+    """Let the pool that is running, if one is, import a module as soon as it has nothing else to do."""
+    if (executor := running_pool()) is not None:
+        with interrupts_deferred():
+            for _ in range(count):
+                executor.submit(import_module, module)
+
+
 @contextmanager
 def preloaded_pool(count: int, module: str) -> Iterator[None]:
     """Pool of processes that import a module in the background; shut down at the end of the context."""
-    with interrupts_deferred():
-        for _ in range(count):
-            process_pool(count).submit(import_module, module)
+    if count:
+        with interrupts_deferred():
+            process_pool(count)
+        preload(module, count)
     try:
         yield
     finally:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 from missionplan.rendering import Plot
 from missionplan.report.crew.conversion import drawing_in, units_of
 from missionplan.report.crew.drawing import draw_in_units
-from missionplan.report.page import style
+from missionplan.report.drawn import style
 from missionplan.results.base import Result
 
 if TYPE_CHECKING:

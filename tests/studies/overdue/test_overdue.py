@@ -13,7 +13,8 @@ import missionplan
 from missionplan.mission import Mission
 from missionplan.phases.currents import layers
 from missionplan.rendering import render
-from missionplan.report.page import Figure, style
+from missionplan.report.drawn import style
+from missionplan.report.page import Figure
 from missionplan.report.simulation.overdue import overdue_section
 from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
