@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 OUTSIDE_CHANCE = 3
 """Exit status of a score whose intervals hold more or less than chance allows."""
+_WORKERS_NEED = ("missionplan.diagnosis.diagnose", "scipy.optimize")
 _Holdout = Annotated[
     float | None,
     typer.Option(
@@ -89,7 +90,7 @@ def diagnose(
             progress=progress,
         )
 
-    with preloaded_pool(min(processes, MAX_PROCESSES) - 1, "missionplan.diagnosis.diagnose"):  # while this one imports
+    with preloaded_pool(min(processes, MAX_PROCESSES) - 1, *_WORKERS_NEED):  # they import while this process does
         from missionplan.datasets.reading import dataset_files
 
         inputs = [file for dataset in datasets for file in dataset_files(dataset)]

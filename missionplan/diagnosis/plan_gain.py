@@ -42,7 +42,7 @@ def plan_gain(choice: Choice, base: Mission, extended: Mapping[str, object], *, 
 
 def leg_length_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> PlanGain:
     """Choose the maximum leg length that `sweep_dmax` recommends."""
-    before, after = parallel_map(partial(_sweeps, seed), (base, extended), jobs=jobs)
+    before, after = parallel_map(partial(_sweeps, seed), (base, extended), jobs=jobs, separately=True)
     kept = after.points[before.recommended_index]
     return PlanGain(_leg_plan(before.recommended), _leg_plan(after.recommended), _leg_plan(kept))
 
@@ -69,7 +69,7 @@ def anchor_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> Pla
     cases = [(missions[0], chosen[0]), (missions[1], chosen[1])]
     if chosen[0] != chosen[1]:
         cases.append((missions[1], chosen[0]))
-    results = parallel_map(partial(_anchor_plans, seed), cases, jobs=jobs)
+    results = parallel_map(partial(_anchor_plans, seed), cases, jobs=jobs, separately=True)
     return PlanGain(results[0], results[1], results[-1])
 
 

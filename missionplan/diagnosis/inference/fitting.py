@@ -11,7 +11,7 @@ RETRIES = 2
 
 
 def fitted(model: Model, requests: Sequence[FitRequest], jobs: int = 1) -> list[CauseFit | FailedFit]:
-    """Fit several sets, pairs that ended badly once more from a fresh start, and relinearise the best of them.
+    """Fit several sets, pairs that ended badly once more from a fresh start; the best are relinearised if need be.
 
     A local search finds a local optimum: a fresh start is multistart with two starts (Rinnooy Kan & Timmer
     1987, *Math. Program.* 39).
@@ -30,10 +30,12 @@ def fitted(model: Model, requests: Sequence[FitRequest], jobs: int = 1) -> list[
     list
         A fit, or why there is none, for each set in their order.
     """
-    fits = parallel_map(model.fit_all, requests, jobs=jobs)
+    fits = parallel_map(model.fit_all, requests, jobs=jobs, separately=not model.fits_together)
     for index, other in _retried(model, requests, fits, jobs):
         if isinstance(other, CauseFit) and other.possible:
             fits[index] = other
+    if not model.fits_together:
+        return fits
     best = max((fit.log_evidence for fit in fits if isinstance(fit, CauseFit)), default=0.0)
     return parallel_map(partial(model.relinearised, best=best), fits, jobs=jobs)
 
@@ -52,4 +54,5 @@ def _retried(
     ]
     again = [index for _, index in sorted(impossible, reverse=True)[:RETRIES]]
     afresh: list[FitRequest] = [(requests[index][0], ()) for index in again]
-    return list(zip(again, parallel_map(model.fit_all, afresh, jobs=jobs), strict=True))
+    found = parallel_map(model.fit_all, afresh, jobs=jobs, separately=not model.fits_together)
+    return list(zip(again, found, strict=True))

@@ -113,6 +113,11 @@ class Model(Protocol):
         ...
 
     @property
+    def fits_together(self) -> bool:
+        """Whether sets are fitted faster together than one by one, and relinearised afterwards."""
+        ...
+
+    @property
     def untestable(self) -> Mapping[str, str]:
         """Effects of the catalogue that these data could not show, and why."""
         ...
@@ -127,7 +132,7 @@ class Model(Protocol):
         Parameters
         ----------
         fits : sequence
-            To improve; a model that is linear enough returns them.
+            To improve; a model that does not fit sets together returns them.
         best : float
             Greatest log evidence of those fitted together: fits far below it need no improvement.
         """

@@ -61,6 +61,11 @@ class TransitModel(TransitFitting):
         without = self.marginal(state.hyperparameters, state.posterior.mode, plain)
         return with_causes.log_density - without.log_density
 
+    @property
+    def fits_together(self) -> bool:
+        """Legs take a few operations: sets are fitted one by one."""
+        return False
+
     def may_be_multimodal(self, causes: Causes) -> bool:
         """Whether a cause has a shape of its own."""
         return has_shape(causes)

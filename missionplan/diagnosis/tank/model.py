@@ -42,6 +42,11 @@ class TankModel(TankFitting):
         """The default: the catalogue's effects are nearly linear in their strengths, and of known shape."""
         return MINIMUM_EVIDENCE_GAIN
 
+    @property
+    def fits_together(self) -> bool:
+        """Each set is searched for by itself."""
+        return False
+
     def may_be_multimodal(self, causes: Causes) -> bool:
         """Whether a cause has a shape parameter."""
         return has_shape(causes)

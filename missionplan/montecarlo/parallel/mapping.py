@@ -3,10 +3,12 @@
 import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Generic, TypeVar
 
 from loky.backend.reduction import dumps
 
+from missionplan.montecarlo.parallel.blocks import run_blocks
 from missionplan.montecarlo.parallel.pool import borrowed_pool, interrupts_deferred, result_of
 
 Item = TypeVar("Item")
@@ -18,7 +20,9 @@ MAX_PROCESSES = 4
 """Processes beyond which parts become too small to gain time."""
 
 
-def parallel_map(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int) -> list[Result]:
+def parallel_map(
+    task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int, separately: bool = False
+) -> list[Result]:
     """Run a task on items, in this process and in others in parallel.
 
     Parameters
@@ -28,6 +32,9 @@ def parallel_map(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int
     items : sequence
     jobs : int
         Processes, this one included; 1 runs everything here.
+    separately : bool
+        Whether each item is a part of its own, done by whichever process is free: for items that gain nothing from
+        being done together and take unequal times. Otherwise each process does an equal share.
 
     Returns
     -------
@@ -41,6 +48,8 @@ def parallel_map(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int
     """
     if jobs < 2 or len(items) < 2:
         return task(items)
+    if separately:
+        return list(run_blocks(partial(_alone, task), items, jobs=min(jobs, MAX_PROCESSES)))
     parts = min(jobs, MAX_PROCESSES, len(items))
     with borrowed_pool(min(jobs, MAX_PROCESSES) - 1) as executor:
         # pickled here, not by the executor's thread: this process may change the task's caches while it runs its part
@@ -49,6 +58,10 @@ def parallel_map(task: "Part[Item, Result]", items: Sequence[Item], *, jobs: int
             futures = [executor.submit(part.run) for part in pickled]
         results = [task(items[::parts]), *(result_of(future) for future in futures)]
     return [results[index % parts][index // parts] for index in range(len(items))]
+
+
+def _alone(task: "Part[Item, Result]", item: Item) -> Result:
+    return task([item])[0]
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, wait
 from contextlib import contextmanager
 from importlib import import_module
@@ -155,21 +155,26 @@ def shut_down_pool() -> None:
     _kept.clear()
 
 
-def preload(module: str, count: int = 1) -> None:
-    """Let the pool that is running, if one is, import a module as soon as it has nothing else to do."""
+def preload(*modules: str, times: int = 1) -> None:
+    """Let the pool that is running, if one is, import modules as soon as it has nothing else to do."""
     if (executor := running_pool()) is not None:
         with interrupts_deferred():
-            for _ in range(count):
-                executor.submit(import_module, module)
+            for _ in range(times):
+                executor.submit(_import, modules)
+
+
+def _import(modules: Sequence[str]) -> None:
+    for module in modules:
+        import_module(module)
 
 
 @contextmanager
-def preloaded_pool(count: int, module: str) -> Iterator[None]:
-    """Pool of processes that import a module in the background; shut down at the end of the context."""
+def preloaded_pool(count: int, *modules: str) -> Iterator[None]:
+    """Pool of processes that import modules in the background; shut down at the end of the context."""
     if count:
         with interrupts_deferred():
             process_pool(count)
-        preload(module, count)
+        preload(*modules, times=count)
     try:
         yield
     finally:

@@ -34,6 +34,10 @@ class Written:
     def minimum_evidence_gain(self, causes: Causes) -> float:
         return self.share
 
+    @property
+    def fits_together(self) -> bool:
+        return False
+
     def may_be_multimodal(self, causes: Causes) -> bool:
         return bool({FLOODING, LIFT} & set(causes))
 
