@@ -15,7 +15,12 @@ if TYPE_CHECKING:
 
 OUTSIDE_CHANCE = 3
 """Exit status of a score whose intervals hold more or less than chance allows."""
-_WORKERS_NEED = ("missionplan.diagnosis.diagnose", "scipy.optimize")
+_WORKERS_NEED = (
+    "missionplan.diagnosis.diagnose",
+    "missionplan.diagnosis.legs.model",
+    "missionplan.diagnosis.dives.model",
+    "scipy.optimize",
+)
 _Holdout = Annotated[
     float | None,
     typer.Option(

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,7 +133,7 @@ class TransitCovariance(TransitMean):
         white = values["", "sigma_v"] ** 2 * self._anisotropy
         effects = _covariance_effects(values)
         extra = sum(float(effect.fix_variance()) for effect in effects)
-        process = next((effect for effect in effects if isinstance(effect, MarkovProcess)), None)
+        process = next(filter(_is_process, effects), None)
         dof = min((float(effect.tail_dof()) for effect in effects), default=math.inf)
         walk = sum(float(effect.position_variance_rate()) for effect in effects)
         return NoiseComponents(white, walk, math.hypot(values["", "fix_sd"], math.sqrt(extra)), process, dof)
@@ -223,3 +224,14 @@ def _covariance_effects(values: HyperparameterValues) -> list[TransitEffect]:
             parameters.setdefault(effect, {})[name] = value
     made = (CATALOGUE[effect].make(own) for effect, own in parameters.items())
     return [effect for effect in made if isinstance(effect, TransitEffect)]
+
+
+def _is_process(effect: TransitEffect) -> TypeGuard[MarkovProcess]:
+    """Tell by its class, once for each: to check a protocol's members takes as long as a small likelihood."""
+    kind = type(effect)
+    if kind not in _is_of_process:
+        _is_of_process[kind] = isinstance(effect, MarkovProcess)
+    return _is_of_process[kind]
+
+
+_is_of_process: dict[type[TransitEffect], bool] = {}
