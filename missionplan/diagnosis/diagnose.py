@@ -102,7 +102,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     bound = explanations[0].bound
     stage()
     found = run_pipeline(bound.model, lambda what, done, of: stage(), jobs)
-    judgement = judge(bound, found)
+    judgement = judge(bound, found, jobs)
     scale = judgement.coverage.scale if judgement.coverage is not None else 1.0
     explanations = with_found(explanations, found, jobs)
     believed = hypotheses(explanations, found, judgement, scale)

@@ -44,13 +44,13 @@ class Judgement:
     coverage: Coverage | None
 
 
-def judge(bound: DataKind, found: PipelineResult) -> Judgement:
-    """Judge what the pipeline found on a data set."""
+def judge(bound: DataKind, found: PipelineResult, jobs: int = 1) -> Judgement:
+    """Judge what the pipeline found on a data set, by so many processes."""
     causes = found.best.causes
     inseparable = bound.inseparable(causes) if causes else ()
     not_constant = bound.not_constant(found.best) if causes else ()
     rivals = tuple(rival.causes for rival in found.claimed.rivals) if found.claimed else ()
-    suspect = bound.suspect_labels(found.selection.base, found.best)
+    suspect = bound.suspect_labels(found.selection.base, found.best, jobs)
     verdict = limited(found.verdict, is_constant=not not_constant and not suspect, is_separable=not inseparable)
     if suspect and not causes:
         verdict = "unexplained"

@@ -69,9 +69,9 @@ class DescentKind(DataKind):
         """Return the causes whose strengths differ from dive to dive."""
         return not_constant(self.model, best)
 
-    def suspect_labels(self, base: CauseFit, best: CauseFit) -> str:
+    def suspect_labels(self, base: CauseFit, best: CauseFit, jobs: int) -> str:
         """Say between which dives the labels of the weights look exchanged."""
-        found = exchanged_labels(self.model, base, best)
+        found = exchanged_labels(self.model, base, best, jobs)
         return "" if found is None else str(found)
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:

@@ -9,6 +9,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.special import logsumexp
@@ -17,6 +18,7 @@ from missionplan.diagnosis.dives.fitting import log_joint_with_noise
 from missionplan.diagnosis.dives.likelihood import NoiseGridLikelihood
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.montecarlo.parallel.mapping import parallel_map
 
 STRONG = 3.0
 """Nats by which an exchange must beat the best set of causes, and each further exchange the one before."""
@@ -52,7 +54,7 @@ class ExchangedLabels:
         )
 
 
-def exchanged_labels(model: DescentModel, base: CauseFit, best: CauseFit) -> ExchangedLabels | None:
+def exchanged_labels(model: DescentModel, base: CauseFit, best: CauseFit, jobs: int = 1) -> ExchangedLabels | None:
     """Find exchanged labels that explain the dives clearly better than the best set of causes.
 
     Only weights of the log book are exchanged: a weight that was never written down is not found.
@@ -63,13 +65,15 @@ def exchanged_labels(model: DescentModel, base: CauseFit, best: CauseFit) -> Exc
         Of the dives.
     base, best : CauseFit
         The base model, and the best set of causes or the base model again.
+    jobs : int
+        Processes.
     """
     logs = model.forward.logs
     weights = sorted({log.wet_weight for log in logs})
     own: Labels = tuple(weights.index(log.wet_weight) for log in logs)
     if len(weights) < 2:
         return None
-    likelihoods = [_labelled(model, base, weight) for weight in weights]
+    likelihoods = parallel_map(partial(_labelled, model, base), weights, jobs=jobs)
     found, reached, tried = own, base.log_evidence, 0
     while True:
         others = sorted(set(_exchanges(found)))
@@ -96,12 +100,15 @@ def _exchanges(labels: Labels) -> Iterator[Labels]:
         yield tuple({a: b, b: a}.get(label, label) for label in labels)
 
 
-def _labelled(model: DescentModel, base: CauseFit, weight: float) -> NoiseGridLikelihood:
-    """Likelihood of the base model with one weight in all dives."""
-    logs = tuple(replace(log, wet_weight=weight) for log in model.forward.logs)
-    relabelled = replace(model, forward=replace(model.forward, logs=logs))
-    (linear,) = relabelled.linearise([((), base.state.linear.at)])
-    return relabelled.likelihood(linear)
+def _labelled(model: DescentModel, base: CauseFit, weights: Sequence[float]) -> list[NoiseGridLikelihood]:
+    """Likelihoods of the base model with each weight in all dives."""
+    found = []
+    for weight in weights:
+        logs = tuple(replace(log, wet_weight=weight) for log in model.forward.logs)
+        relabelled = replace(model, forward=replace(model.forward, logs=logs))
+        (linear,) = relabelled.linearise([((), base.state.linear.at)])
+        found.append(relabelled.likelihood(linear))
+    return found
 
 
 def _log_evidence(likelihoods: Sequence[NoiseGridLikelihood], labels: Labels, base: CauseFit) -> float:
