@@ -2,6 +2,7 @@ import functools
 import os
 import signal
 import threading
+import time
 
 import pytest
 
@@ -15,6 +16,12 @@ def squares(items):
 
 
 def processes(items):
+    return [os.getpid()] * len(items)
+
+
+def processes_but_slow_here(items):
+    if os.getpid() == items[0]:
+        time.sleep(0.3)
     return [os.getpid()] * len(items)
 
 
@@ -36,10 +43,18 @@ def die_elsewhere(here, items):
     return list(items)
 
 
+@pytest.mark.parametrize("separately", [False, True])
 @pytest.mark.parametrize("jobs", [1, 2, 3])
 @pytest.mark.parametrize("count", [0, 1, 2, 7])
-def test_results_come_in_the_items_order(jobs, count):
-    assert parallel_map(squares, range(count), jobs=jobs) == [item**2 for item in range(count)]
+def test_results_come_in_the_items_order(jobs, count, separately):
+    assert parallel_map(squares, range(count), jobs=jobs, separately=separately) == [item**2 for item in range(count)]
+
+
+def test_a_process_that_is_slow_does_fewer_of_the_items():
+    with preloaded_pool(1, "json"):
+        parallel_map(squares, range(2), jobs=2)  # its process has started
+        found = parallel_map(processes_but_slow_here, [os.getpid()] * 9, jobs=2, separately=True)
+    assert 1 <= found.count(os.getpid()) < 5
 
 
 def test_a_part_is_done_here():
@@ -49,9 +64,10 @@ def test_a_part_is_done_here():
     assert found[1] == found[3] != os.getpid()
 
 
-def test_an_error_in_a_part_is_raised():
+@pytest.mark.parametrize("separately", [False, True])
+def test_an_error_in_a_part_is_raised(separately):
     with pytest.raises(TypeError):
-        parallel_map(squares, [1, "a"], jobs=2)
+        parallel_map(squares, [1, "a"], jobs=2, separately=separately)
 
 
 def test_a_dead_worker_is_reported():
