@@ -2,9 +2,11 @@
 
 from types import SimpleNamespace
 
+import pandas as pd
 import pytest
 
 from missionplan.effects import CATALOGUE
+from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.operator import finding_in_words
 from missionplan.results.learned.evidence import ParameterEstimate
 
@@ -44,6 +46,13 @@ def test_what_is_too_large_to_be_its_cause_is_left_to_the_verdict():
     for info in limited:
         words = told(*(estimate(info.id, name, 2.0 * info.likeness.size, 1e-3, "") for name in info.parameters))
         assert words == ""
+
+
+@pytest.mark.parametrize("kind", ["transit", "descent"])
+@pytest.mark.parametrize(("after", "is_told"), [(0.05, True), (0.0999, False)])
+def test_a_gain_that_rounds_to_nothing_is_not_told(kind, after, is_told):
+    legs = SimpleNamespace(residuals=pd.DataFrame({"duration_s": [840.0]}))
+    assert bool(REPORTS[kind].gained(legs, 0.1, after)) == is_told
 
 
 def test_every_finding_can_be_written():

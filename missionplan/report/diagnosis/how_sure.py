@@ -62,13 +62,21 @@ def _held_out(diagnosis: Diagnosis) -> str:
     )
 
 
-def _coverage_words(coverage: Coverage | None) -> str:
-    """Say that 90 % intervals do not hold 90 %, where chance does not explain it."""
+def intervals_that_miss(coverage: Coverage | None) -> str:
+    """Say in a sentence that 90 % intervals do not hold 90 %, where chance does not explain it; else nothing."""
     if coverage is None or not coverage.is_off:
         return ""
     wide = "narrow" if coverage.scale > 1.0 else "wide"
+    held = f"{100.0 * coverage.inside / coverage.count:.0f} %"
+    return f"Its 90 % intervals are too {wide}: they hold {held} of what was held out."
+
+
+def _coverage_words(coverage: Coverage | None) -> str:
+    """Say by how much the extended mission's random errors are scaled for its intervals to hold."""
+    if coverage is None or not coverage.is_off:
+        return ""
+    share, scaled = (100.0 * inside / coverage.count for inside in (coverage.inside, coverage.inside_scaled))
     return (
-        f"The mission's 90 % intervals are too {wide}: they hold {100.0 * coverage.inside / coverage.count:.0f} % of "
-        f"what was held out. With random errors {coverage.scale:.2f} times as large, as in the extended mission, they "
-        f"hold {100.0 * coverage.inside_scaled / coverage.count:.0f} %."
+        f"90 % intervals hold {share:.0f} % of what was held out. With random errors {coverage.scale:.2f} times as large, "
+        f"as in the extended mission, they hold {scaled:.0f} %: the factor is assessed on other legs than it is fitted to."
     )

@@ -16,7 +16,7 @@ from missionplan.report.diagnosis.evidence import (
     ranking_section,
     sized,
 )
-from missionplan.report.diagnosis.how_sure import how_sure
+from missionplan.report.diagnosis.how_sure import how_sure, intervals_that_miss
 from missionplan.report.diagnosis.last_part import last_part_sections, last_part_words
 from missionplan.report.diagnosis.next_trial import next_trial_pointer, next_trial_section, next_trial_told
 from missionplan.report.diagnosis.operator import finding_in_words
@@ -86,7 +86,9 @@ def terminal(diagnosis: Diagnosis) -> Terminal:
 def answer(diagnosis: Diagnosis) -> str:
     """Tell what was found and what to do about it, then the verdict, with the size of the misfit."""
     found = f"{diagnosis.suspect_labels} {finding_in_words(diagnosis)}".strip()
-    verdict = f"{_verdict_words(diagnosis)} {diagnosis.misfit}"
+    verdict = " ".join(
+        filter(None, (_verdict_words(diagnosis), intervals_that_miss(diagnosis.coverage), diagnosis.misfit))
+    )
     return f"{found} {verdict}{last_part_words(diagnosis)}".strip()
 
 

@@ -13,6 +13,7 @@ from missionplan.diagnosis.judgement import none_of_these
 from missionplan.diagnosis.legs.extended_mission import widened
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.effects import CATALOGUE
+from missionplan.report.diagnosis.page import answer
 from missionplan.report.render import render_report
 from missionplan.results.learned.evidence import Coverage, Discrepancy, ResidualTest
 
@@ -117,7 +118,8 @@ def test_intervals_that_are_too_narrow_are_said(folder, transit_mission, legs):
     assert found.diagnosis()["coverage_scale"] == 1.0
     assert "intervals are too" not in words_of(found)
     narrow = replace(found, coverage=Coverage(85, 120, 1.6, 107))
-    assert "90 % intervals are too narrow: they hold 71 %" in words_of(narrow)
+    assert "Its 90 % intervals are too narrow: they hold 71 % of what was held out." in answer(narrow)
+    assert "With random errors 1.60 times as large, as in the extended mission, they hold 89 %" in words_of(narrow)
     assert narrow.diagnosis()["coverage_scale"] == 1.6
 
 

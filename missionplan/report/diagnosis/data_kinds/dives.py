@@ -74,7 +74,8 @@ def _column(runs: list[pd.DataFrame], name: str) -> list[Array]:
 
 
 def _gained(diagnosis: Diagnosis, before: float, after: float) -> str:
-    return f"; the depth is then predicted to {number(after, 0.2 * after)} m, not {number(before, 0.2 * before)} m"
+    was, now = (number(each, 0.2 * each) for each in (before, after))
+    return "" if was == now else f"; the depth is then predicted to {now} m, not {was} m"
 
 
 REPORT = KindReport(

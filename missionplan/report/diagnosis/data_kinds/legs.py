@@ -120,10 +120,10 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
 def _gained(diagnosis: Diagnosis, before: float, after: float) -> str:
     """Write how far a usual leg ends from where it is expected, before and after; both errors are of one axis [m/s]."""
     duration = float(diagnosis.residuals["duration_s"].median())
-    was, now = (math.sqrt(2.0) * error * duration for error in (before, after))
-    return f"; a leg of {time_in_words(duration)} then ends {number(now, 0.2 * now)} m from where it is expected, " + (
-        f"not {number(was, 0.2 * was)} m"
-    )
+    was, now = (number(each, 0.2 * each) for each in (math.sqrt(2.0) * error * duration for error in (before, after)))
+    if was == now:
+        return ""
+    return f"; a leg of {time_in_words(duration)} then ends {now} m from where it is expected, not {was} m"
 
 
 REPORT = KindReport(
