@@ -77,6 +77,7 @@ def _coverage_words(coverage: Coverage | None) -> str:
         return ""
     share, scaled = (100.0 * inside / coverage.count for inside in (coverage.inside, coverage.inside_scaled))
     return (
-        f"90 % intervals hold {share:.0f} % of what was held out. With random errors {coverage.scale:.2f} times as large, "
-        f"as in the extended mission, they hold {scaled:.0f} %: the factor is assessed on other legs than it is fitted to."
+        f"90 % intervals hold {share:.0f} % of what was held out. With random errors {coverage.scale:.2f} times as "
+        f"large, as in the extended mission, they hold {scaled:.0f} %: the factor is assessed on other legs than it is "
+        "fitted to."
     )
