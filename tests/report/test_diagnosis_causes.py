@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from missionplan.effects import CATALOGUE
-from missionplan.report.diagnosis.causes import causes_section, found_causes, names
+from missionplan.report.diagnosis.causes import causes_section, found_causes, names, part
 from missionplan.results.learned.evidence import ParameterEstimate
 
 
@@ -44,3 +44,8 @@ def test_nothing_is_described_where_nothing_is_claimed() -> None:
 def test_a_deviation_beyond_ten_degrees_is_not_called_that_of_a_compass(amplitude: float, words: str) -> None:
     found = ParameterEstimate("compass-deviation", "amplitude", amplitude, 0.02, amplitude - 0.03, amplitude, "rad")
     assert found_causes(("compass-deviation", "mean-current"), (found,)) == words
+
+
+@pytest.mark.parametrize(("share", "told"), [(1.0, "over 99 %"), (0.9951, "over 99 %"), (0.994, "99 %"), (0.0, "0 %")])
+def test_a_part_is_never_told_to_be_all(share: float, told: str) -> None:
+    assert part(share) == told

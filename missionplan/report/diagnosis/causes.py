@@ -12,6 +12,10 @@ MOST_CERTAIN = 0.999
 """Probability beyond which it is not told more exactly: the models are approximate."""
 
 
+ALMOST_ALL = 0.995
+"""Part of a whole beyond which it is told no more exactly."""
+
+
 def names(causes: Causes) -> str:
     """Write a set of causes in words."""
     return enumerated([cause.replace("-", " ") for cause in causes])
@@ -56,6 +60,11 @@ def percent(probability: float) -> str:
     if probability < 1.0 - MOST_CERTAIN:
         return f"< {100.0 * (1.0 - MOST_CERTAIN):.1f} %"
     return f"{100.0 * probability:.1f} %"
+
+
+def part(share: float) -> str:
+    """Write a part of a whole, which is never said to be all of it: the models are approximate."""
+    return "over 99 %" if share > ALMOST_ALL else f"{100.0 * share:.0f} %"
 
 
 def causes_section(diagnosis: Diagnosis) -> list[PageSection]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from missionplan.report.diagnosis.causes import names, percent
+from missionplan.report.diagnosis.causes import names, part, percent
 from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.figures import held_out_figure, ranking_figure
 from missionplan.report.numbers import number
@@ -45,7 +45,7 @@ def ranking_rows(ranking: Sequence[RankedSet]) -> tuple[list[str], list[list[str
             f"{entry.score:.1f}",
             "" if entry.posterior is None else percent(entry.posterior),
             "" if entry.held_out is None else str(entry.held_out),
-            f"{100.0 * entry.share_explained:.0f} %",
+            part(entry.share_explained),
         ]
         for entry in ranking
     ]
@@ -134,8 +134,8 @@ def held_out_section(diagnosis: Diagnosis) -> list[PageSection]:
     if best is not None and best.held_out is not None:
         gain = best.held_out
         blocks.append(
-            f"90 % prediction intervals hold {100 * gain.coverage_90_base:.0f} % of the values with the mission's "
-            f"model and {100 * gain.coverage_90_extended:.0f} % with the extended one."
+            f"90 % prediction intervals hold {part(gain.coverage_90_base)} of the values with the mission's "
+            f"model and {part(gain.coverage_90_extended)} with the extended one."
         )
     return [PageSection(heading, blocks)]
 

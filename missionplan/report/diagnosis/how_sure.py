@@ -1,6 +1,6 @@
 """How sure a diagnosis is, in plain words: what else could be behind it, and what it predicts that it has not seen."""
 
-from missionplan.report.diagnosis.causes import enumerated, names, percent
+from missionplan.report.diagnosis.causes import enumerated, names, part, percent
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import Coverage
 
@@ -67,17 +67,18 @@ def intervals_that_miss(coverage: Coverage | None) -> str:
     if coverage is None or not coverage.is_off:
         return ""
     wide = "narrow" if coverage.scale > 1.0 else "wide"
-    held = f"{100.0 * coverage.inside / coverage.count:.0f} %"
-    return f"Its 90 % intervals are too {wide}: they hold {held} of what was held out."
+    return (
+        f"Its 90 % intervals are too {wide}: they hold {part(coverage.inside / coverage.count)} of what was held out."
+    )
 
 
 def _coverage_words(coverage: Coverage | None) -> str:
     """Say by how much the extended mission's random errors are scaled for its intervals to hold."""
     if coverage is None or not coverage.is_off:
         return ""
-    share, scaled = (100.0 * inside / coverage.count for inside in (coverage.inside, coverage.inside_scaled))
+    share, scaled = (part(inside / coverage.count) for inside in (coverage.inside, coverage.inside_scaled))
     return (
-        f"90 % intervals hold {share:.0f} % of what was held out. With random errors {coverage.scale:.2f} times as "
-        f"large, as in the extended mission, they hold {scaled:.0f} %: the factor is assessed on other legs than it is "
+        f"90 % intervals hold {share} of what was held out. With random errors {coverage.scale:.2f} times as "
+        f"large, as in the extended mission, they hold {scaled}: the factor is assessed on other legs than it is "
         "fitted to."
     )

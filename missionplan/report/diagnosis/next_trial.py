@@ -4,7 +4,7 @@ import math
 
 from missionplan.datasets.leg_checks import MIN_LEGS
 from missionplan.effects import CATALOGUE
-from missionplan.report.diagnosis.causes import names
+from missionplan.report.diagnosis.causes import names, part, percent
 from missionplan.report.numbers import length_in_words, number
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.wording import capitalised
@@ -75,7 +75,7 @@ def next_trial_words(found: NextTrial) -> str:
 
 
 def _choice_now(found: NextTrial) -> str:
-    brings = f"success {100.0 * found.success:.3g} %, {_loss(found.loss, found)} a mission with its failures"
+    brings = f"success {percent(found.success)}, {_loss(found.loss, found)} a mission with its failures"
     return (
         f"With what is known now, {_CHOSEN_NOW[found.decides]} is best at {_value(found, found.choice)} "
         f"({_edge(found)}{brings})."
@@ -113,7 +113,7 @@ def _value(found: NextTrial, value: float) -> str:
 
 
 def _assumptions(found: NextTrial) -> str:
-    shares = "; ".join(f"{names(causes)} {100.0 * p:.0f} %" for causes, p in found.explanations)
+    shares = "; ".join(f"{names(causes)} {part(p)}" for causes, p in found.explanations)
     return (
         f"Assumed: one of these explanations holds ({shares}), with parameters as known now; a mission that fails "
         f"counts as {_loss(found.failure_loss, found)} lost, ten missions that work; only {_CHOSEN[found.decides]} is "
@@ -134,7 +134,7 @@ def _outcomes(found: NextTrial) -> Table:
     rows = [
         [
             names(each.causes),
-            f"{100.0 * each.probability:.0f} %",
+            part(each.probability),
             _value(found, each.choice),
             "nothing" if each.choice == found.choice else _loss(max(each.saving, 0.0), found),
         ]
@@ -154,7 +154,7 @@ def _rule_words(found: NextTrial) -> list[str]:
     return [
         f"If the {_parameter(rule)} comes out {side} {_threshold(rule)}, take it for {names(rule.causes)} and choose "
         f"{_value(found, rule.choice)}; else keep {_value(found, found.choice)}. That rule agrees with the full "
-        f"calculation in {100.0 * rule.agreement:.0f} % of the simulated outcomes."
+        f"calculation in {part(rule.agreement)} of the simulated outcomes."
     ]
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+from missionplan.report.diagnosis.causes import part
 from missionplan.report.numbers import number
 from missionplan.report.page import PageSection, Table
 from missionplan.report.wording import capitalised
@@ -60,14 +61,14 @@ def plan_words(diagnosis: Diagnosis) -> list[str]:
     words = (_anchor if "anchor_wet_weight_n" in after else _legs)(before, after, kept)
     struck = after.get("struck_seafloor") or 0.0
     if struck > _SAME_SHARE:
-        words += f" With that anchor the vehicle strikes the seafloor in {100.0 * struck:.0f} %: lengthen the line."
+        words += f" With that anchor the vehicle strikes the seafloor in {part(struck)}: lengthen the line."
     return [capitalised(words) if diagnosis.verdict == "explained" else f"If that is what it was: {words}"]
 
 
 def _anchor(before: Plan, after: Plan, kept: Plan) -> str:
     own, other = (f"{_number(plan, 'anchor_wet_weight_n'):.3g} N" for plan in (before, after))
     shares = [_number(plan, "within_radius") for plan in (before, kept, after)]
-    expected, found, best = (f"{100.0 * share:.0f} %" for share in shares)
+    expected, found, best = map(part, shares)
     if abs(shares[1] - shares[0]) < _SAME_SHARE:
         return f"the anchor that the mission's model asks for, {own} wet, still serves: {found} within the radius."
     fares = f"the anchor that the mission's model asks for, {own} wet, stays within the radius in {found} of the dives"

@@ -200,7 +200,8 @@ class NextTrial:
             same = f"keep {self.choice:.4g} {unit}"
             new = f"choose {each.choice:.4g} {unit}, which saves {max(each.saving, 0.0):.2g} {self.unit} a mission"
             looks = " and ".join(cause.replace("-", " ") for cause in each.causes) or "nothing new"
-            lines.append(f"- {looks} ({100.0 * each.probability:.0f} %): {same if each.choice == self.choice else new}")
+            percent = min(100.0 * each.probability, 99.0)  # the models are approximate: nothing is certain
+            lines.append(f"- {looks} ({percent:.0f} %): {same if each.choice == self.choice else new}")
         if self.rule is not None:
             side = "above" if self.rule.above else "below"
             limit = f"{self.rule.effect}.{self.rule.name} {side} {self.rule.threshold:.2g} {self.rule.unit}".strip()
