@@ -5,8 +5,8 @@ from types import MappingProxyType
 
 from missionplan.diagnosis.inference.cross_validation import HeldOutComparison
 from missionplan.diagnosis.inference.posterior import LogBayesFactors, rivals
-from missionplan.diagnosis.inference.selection import COMPLEXITY_PENALTY, Candidate, Selection
-from missionplan.results.learned.evidence import Discrepancy, Verdict
+from missionplan.diagnosis.inference.selection import Candidate, Selection
+from missionplan.results.learned.evidence import CLAIM, Discrepancy, Verdict
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Claim:
 def claim(
     selection: Selection, held_out: HeldOutComparison | None, checked: LogBayesFactors = MappingProxyType({})
 ) -> Claim | None:
-    """Claim the best non-empty set if its score exceeds 3 nats and its held-out gain is positive.
+    """Claim the best non-empty set if its score exceeds 4 nats and its held-out gain is positive.
 
     Signs and sizes were judged before: impossible sets are not in the ranking.
 
@@ -36,7 +36,7 @@ def claim(
     if not selection.ranking or held_out is None:
         return None
     best = selection.ranking[0]
-    if best.score <= COMPLEXITY_PENALTY or held_out.gain.log_score_gain <= 0.0:
+    if best.score <= CLAIM or held_out.gain.log_score_gain <= 0.0:
         return None
     return Claim(best, tuple(rivals(selection, best, checked)))
 

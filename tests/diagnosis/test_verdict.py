@@ -39,8 +39,9 @@ def test_score_charges_each_further_cause():
 @pytest.mark.parametrize(
     ("entries", "gain", "significant", "expected"),
     [
-        ([(("a",), 2.9)], GOOD, False, "adequate"),
-        ([(("a",), 2.9)], GOOD, True, "unexplained"),
+        ([(("a",), 3.9)], GOOD, False, "adequate"),
+        ([(("a",), 3.9)], GOOD, True, "unexplained"),
+        ([(("a",), 4.1)], GOOD, False, "explained"),
         ([(("a",), 8.0)], BAD, False, "adequate"),
         ([(("a",), 8.0), (("b",), 4.0)], GOOD, False, "explained"),
         ([(("a",), 8.0), (("b",), 5.5)], GOOD, False, "ambiguous"),

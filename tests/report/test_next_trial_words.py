@@ -105,3 +105,17 @@ def test_a_cause_that_changes_with_time_leaves_no_structure_along_nothing() -> N
     told = answer(found)
     assert "None" not in told
     assert "but not all of it. Speed scale is not constant over the record" in told
+
+
+@pytest.mark.parametrize(
+    ("verdict", "score", "expected"),
+    [
+        ("adequate", 0.3, "none is needed: the data look as the mission expects"),
+        ("adequate", 3.4, "none is claimed: the likeliest, heavy tails, makes the data 30 times more probable"),
+        ("unexplained", 3.4, "none fits what the data show"),
+    ],
+)
+def test_what_is_not_claimed_is_told_with_its_weight(verdict: str, score: float, expected: str) -> None:
+    best = SimpleNamespace(causes=("heavy-tails",), score=score, posterior=0.7, held_out=None)
+    words = how_sure(diagnosed(verdict=verdict, causes=(), best=best))
+    assert expected in words[0]

@@ -19,8 +19,8 @@ from missionplan.errors import RunError
 from missionplan.results.learned.evidence import Causes
 
 COMPLEXITY_PENALTY = 3.0
-"""Nats that each cause beyond the first must add, and that a claim must exceed: "strong" evidence, 20 to 1, on the
-scale of Kass & Raftery (1995, section 3.2)."""
+"""Nats that each cause beyond the first must add: "strong" evidence, 20 to 1, on the scale of Kass & Raftery (1995,
+section 3.2)."""
 PRUNE_BELOW = -4.0
 """Nats of estimated gain below which a further cause is not fitted."""
 BEAM = 3

@@ -1,9 +1,13 @@
 """How sure a diagnosis is, in plain words: what else could be behind it, and what it predicts that it has not seen."""
 
+import math
+
 from missionplan.report.diagnosis.causes import enumerated, names, part, percent
 from missionplan.results.learned.diagnosis import Diagnosis
-from missionplan.results.learned.evidence import Coverage
+from missionplan.results.learned.evidence import CLAIM, Coverage
 
+_WORTH_TELLING = 1.0
+"""Score of a cause that is not claimed from which it is told [nat]."""
 _ALIKE = 5e-4
 """Difference of probabilities that is rounding."""
 
@@ -25,6 +29,14 @@ def _among_the_tried(diagnosis: Diagnosis) -> str:
         return "Nothing of the catalogue could be fitted to these data."
     other = f"that none of these is behind it has a probability of {percent(diagnosis.none_of_these)}"
     if not diagnosis.causes:
+        if diagnosis.verdict == "unexplained":
+            return f"Of the explanations tried none fits what the data show; {other}."
+        if best.score > _WORTH_TELLING:
+            return (
+                f"Of the explanations tried none is claimed: the likeliest, {names(best.causes)}, makes the data "
+                f"{math.exp(best.score):.0f} times more probable, and a claim needs {math.exp(CLAIM):.0f} times and "
+                f"better predictions of what it has not seen. In doubt, {other}."
+            )
         return f"Of the explanations tried none is needed: the data look as the mission expects. In doubt, {other}."
     if best.posterior is None:
         return f"Among the explanations tried, {names(best.causes)} fits best; {other}."

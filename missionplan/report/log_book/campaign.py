@@ -97,7 +97,7 @@ def _shared(campaign: Campaign) -> list[Block]:
         "share theirs with other legs. Legs and dives have no effect of the catalogue in common, so that neither "
         "changes what the other shows. σ_v is that of the last record of legs. The order is that of the kinds (tank, "
         "dives, legs), then of the names, however they are given. Another order could change what is claimed where an "
-        "effect is weak in each record: one record alone must show it clearly (20 to 1) for it to be claimed."
+        "effect is weak in each record: one record alone must show it clearly (55 to 1) for it to be claimed."
     )
     if not rows:
         return [words]
