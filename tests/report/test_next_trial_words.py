@@ -112,6 +112,7 @@ def test_a_cause_that_changes_with_time_leaves_no_structure_along_nothing() -> N
     [
         ("adequate", 0.3, "none is needed: the data look as the mission expects"),
         ("adequate", 3.4, "none is claimed: the likeliest, heavy tails, makes the data 30 times more probable"),
+        ("adequate", 900.0, "over a million times more probable, and a claim needs 55 times and better predictions"),
         ("unexplained", 3.4, "none fits what the data show"),
     ],
 )

@@ -8,6 +8,7 @@ from missionplan.results.learned.evidence import CLAIM, Coverage
 
 _WORTH_TELLING = 1.0
 """Score of a cause that is not claimed from which it is told [nat]."""
+_MILLION = math.log(1e6)
 _ALIKE = 5e-4
 """Difference of probabilities that is rounding."""
 
@@ -32,9 +33,10 @@ def _among_the_tried(diagnosis: Diagnosis) -> str:
         if diagnosis.verdict == "unexplained":
             return f"Of the explanations tried none fits what the data show; {other}."
         if best.score > _WORTH_TELLING:
+            times = f"{math.exp(best.score):.0f}" if best.score < _MILLION else "over a million"
             return (
                 f"Of the explanations tried none is claimed: the likeliest, {names(best.causes)}, makes the data "
-                f"{math.exp(best.score):.0f} times more probable, and a claim needs {math.exp(CLAIM):.0f} times and "
+                f"{times} times more probable, and a claim needs {math.exp(CLAIM):.0f} times and "
                 f"better predictions of what it has not seen. In doubt, {other}."
             )
         return f"Of the explanations tried none is needed: the data look as the mission expects. In doubt, {other}."
