@@ -17,8 +17,8 @@ OUTSIDE_CHANCE = 3
 """Exit status of a score whose intervals hold more or less than chance allows."""
 _WORKERS_NEED = (
     "missionplan.diagnosis.diagnose",
-    "missionplan.diagnosis.legs.model",
-    "missionplan.diagnosis.dives.model",
+    "missionplan.diagnosis.legs.kind",
+    "missionplan.diagnosis.dives.kind",
     "scipy.optimize",
 )
 _Holdout = Annotated[
