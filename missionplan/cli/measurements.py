@@ -16,11 +16,12 @@ if TYPE_CHECKING:
 OUTSIDE_CHANCE = 3
 """Exit status of a score whose intervals hold more or less than chance allows."""
 _WORKERS_NEED = (
-    "missionplan.diagnosis.diagnose",
-    "missionplan.diagnosis.legs.kind",
-    "missionplan.diagnosis.dives.kind",
+    "missionplan.diagnosis.legs.model",
+    "missionplan.diagnosis.dives.model",
     "scipy.optimize",
+    "missionplan.scenario.mooring",
 )
+"""Modules that fits need; none that reads files or tables."""
 _Holdout = Annotated[
     float | None,
     typer.Option(

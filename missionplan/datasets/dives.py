@@ -1,6 +1,6 @@
 """Dive logs: depth against time."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC
 from functools import partial
 from pathlib import Path
@@ -10,6 +10,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.datasets.reading import DatasetFormat, RawDataset, read_dataset
+from missionplan.datasets.records import DescentData, MeasuredDive
 from missionplan.datasets.runs import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs
 from missionplan.datasets.table import Columns, problems_at
 from missionplan.datasets.times import EPOCH_SCALE
@@ -37,68 +38,12 @@ BELOW_SEAFLOOR = 4.0
 """Readings deeper than this many depths of the site are not of this dive, even in feet (3.28)."""
 AWASH = -0.5
 """Readings down to it may be those of a vehicle at the surface [m]; such a log is refused when it meets the mission."""
-TOUCHDOWN_MARGIN = 0.12
-"""Share of the vehicle's depth at touchdown that is cut off above it."""
 IGNORED = ("pitch_deg", "density_kg_m3")
 DESCENT = DatasetFormat(
     "descent",
     DescentSettings,
     Columns((("run", "t_s", "depth_m"),), optional=IGNORED, text=("run",), times=("t_s",)),
 )
-
-
-@dataclass(frozen=True)
-class MeasuredDive:
-    """One dive as it was logged.
-
-    Attributes
-    ----------
-    name : str
-        Of the run.
-    line : int
-        Of its first reading in the file.
-    t, depth : array, shape (m,)
-        Time since the separation by the log's clock [s], and reading [m].
-    wet_weight, line_length, site_depth : float
-        Of this dive [N, m, m].
-    """
-
-    name: str
-    line: int
-    t: Array
-    depth: Array
-    wet_weight: float
-    line_length: float
-    site_depth: float
-
-    @property
-    def deepest_fitted(self) -> float:
-        """Depth above which readings are taken to be of the descent, free of the touchdown [m]."""
-        return (1.0 - TOUCHDOWN_MARGIN) * (self.site_depth - self.line_length)
-
-
-@dataclass(frozen=True)
-class DescentData:
-    """Dives of a data set.
-
-    Attributes
-    ----------
-    name, source, file : str
-        Of the data set; its CSV as messages name it.
-    dives : tuple of MeasuredDive
-        In the order of the file.
-    depth_noise : float or None
-        Stated standard deviation of a reading [m].
-    notices : tuple of str
-        Treatments the reader should know of.
-    """
-
-    name: str
-    source: str
-    file: str
-    dives: tuple[MeasuredDive, ...]
-    depth_noise: float | None
-    notices: tuple[str, ...]
 
 
 def read_descent(folder: Path, mission: Mission) -> DescentData:

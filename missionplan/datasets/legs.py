@@ -1,16 +1,16 @@
 """Navigation logs: legs between fixes, in metres east and north and seconds."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.datasets.leg_checks import MIN_LEGS, NEEDED, check_legs
 from missionplan.datasets.reading import DatasetFormat, DatasetSettings, read_dataset
+from missionplan.datasets.records import TransitData
 from missionplan.datasets.table import Columns
 from missionplan.datasets.times import EPOCH_SCALE
 from missionplan.errors import InputError, Problem
@@ -55,103 +55,6 @@ IMPOSSIBLE_SPEED = 3.0
 """Velocity error that neither water nor vehicle explains [m/s]."""
 OUTLIER = 15.0
 """Size of a wrong fix's velocity error, over the median of all."""
-
-
-@dataclass(frozen=True)
-class TransitData:
-    """Legs of a navigation log in the order of time.
-
-    Attributes
-    ----------
-    name, source : str
-        Of the data set.
-    labels : array of str, shape (n,)
-        Legs' names.
-    run : array of int, shape (n,)
-        Number of the run each leg belongs to.
-    t_start : array, shape (n,)
-        Since the mission's start, or since the first fix [s].
-    under_way, surface : array, shape (n,)
-        Time under way, and at the surface until the fix [s].
-    start, dead_reckoned, end : array, shape (2, n)
-        Fix on diving, dead-reckoned position on surfacing, fix on surfacing: east, north of the origin [m].
-    origin : tuple or None
-        Latitude and longitude of the origin, where known [rad].
-    fix_sd : float or None
-        Stated standard deviation of a fix, each axis [m].
-    has_surface_time : bool
-        Whether the log says how long the vehicle lay at the surface before the fix.
-    notices : tuple of str
-        Treatments the reader should know of.
-    epoch : float or None
-        Seconds since 1970 of the times' zero, where the log says.
-    leg_fix_sd : array, shape (n,), or None
-        Standard deviation of the fix after each leg, each axis, where the log states it [m].
-    """
-
-    name: str
-    source: str
-    labels: NDArray[np.str_]
-    run: NDArray[np.int_]
-    t_start: Array
-    under_way: Array
-    surface: Array
-    start: Array
-    dead_reckoned: Array
-    end: Array
-    origin: tuple[float, float] | None
-    fix_sd: float | None
-    has_surface_time: bool
-    notices: tuple[str, ...]
-    epoch: float | None = None
-    leg_fix_sd: Array | None = None
-
-    @property
-    def n(self) -> int:
-        """Number of legs."""
-        return len(self.t_start)
-
-    @property
-    def middle(self) -> Array:
-        """Middle of each leg's time under way, shape (n,) [s]."""
-        return self.t_start + 0.5 * self.under_way
-
-    @property
-    def latitude(self) -> float:
-        """Latitude of the origin [rad]; nan where unknown."""
-        return self.origin[0] if self.origin else float("nan")
-
-    @property
-    def velocity_error(self) -> Array:
-        """Position error on surfacing over the time under way, shape (2, n) [m/s]."""
-        return (self.end - self.dead_reckoned) / self.under_way
-
-    @property
-    def typical_fix_sd(self) -> float | None:
-        """Standard deviation of a fix, each axis: the median of those stated leg by leg, else that of all [m]."""
-        return self.fix_sd if self.leg_fix_sd is None else float(np.median(self.leg_fix_sd))
-
-    @property
-    def fix_scale(self) -> Array:
-        """Standard deviation of the fix after each leg over the typical one, shape (n,); 1 where it is not stated."""
-        if self.leg_fix_sd is None:
-            return np.ones(self.n)
-        return np.asarray(self.leg_fix_sd / np.median(self.leg_fix_sd))
-
-    def subset(self, keep: NDArray[np.bool_] | NDArray[np.int_]) -> "TransitData":
-        """Keep some of the legs."""
-        return replace(
-            self,
-            labels=self.labels[keep],
-            run=self.run[keep],
-            t_start=self.t_start[keep],
-            under_way=self.under_way[keep],
-            surface=self.surface[keep],
-            start=self.start[:, keep],
-            dead_reckoned=self.dead_reckoned[:, keep],
-            end=self.end[:, keep],
-            leg_fix_sd=None if self.leg_fix_sd is None else self.leg_fix_sd[keep],
-        )
 
 
 def read_transit(folder: Path, mission: Mission) -> TransitData:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.datasets.dives import TOUCHDOWN_MARGIN
+from missionplan.datasets.records import TOUCHDOWN_MARGIN
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.preparation import MAX_SAMPLES, MIN_NOISE, MOVING_DEPTH, DiveLog
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from missionplan.arrays import Array
-from missionplan.datasets.dives import DescentData, MeasuredDive
+from missionplan.datasets.records import DescentData, MeasuredDive
 from missionplan.diagnosis.dives.forward import DescentForward
 from missionplan.diagnosis.dives.model import DescentModel
 from missionplan.diagnosis.dives.preparation import PreparedDives

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.datasets.dives import TOUCHDOWN_MARGIN, DescentData, MeasuredDive
+from missionplan.datasets.records import TOUCHDOWN_MARGIN, DescentData, MeasuredDive
 from missionplan.errors import InputError, Problem, counted
 
 MAX_SAMPLES = 70

@@ -3,7 +3,7 @@
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.datasets.legs import TransitData
+from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.inference.adequacy.axes import Axis, pointwise, scaled
 from missionplan.phases.hooks import Leg
 

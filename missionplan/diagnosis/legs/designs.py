@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.datasets.legs import TransitData
+from missionplan.datasets.records import TransitData
 
 FURTHER_LEGS = 20
 PAUSE = 60.0

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 
-from missionplan.datasets.legs import TransitData
+from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.forecast_error import as_forecast_error
 from missionplan.diagnosis.inference.model import CauseFit

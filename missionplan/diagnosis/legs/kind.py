@@ -7,7 +7,8 @@ from typing import Self
 
 import pandas as pd
 
-from missionplan.datasets.legs import TransitData, read_transit
+from missionplan.datasets.legs import read_transit
+from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.datasets.legs import TransitData
+from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.given.priors import check_together, given_effects, given_priors
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.effects import effects_of

@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 
 from missionplan.arrays import Array
 from missionplan.datasets.leg_checks import MIN_LEGS
-from missionplan.datasets.legs import TransitData
+from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.given.effects import held
 from missionplan.diagnosis.inference.model import CauseFit

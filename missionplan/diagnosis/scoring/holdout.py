@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.datasets.leg_checks import MIN_LEGS
-from missionplan.datasets.legs import TransitData
+from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.kind import DescentKind
 from missionplan.diagnosis.dives.model_factory import descent_model

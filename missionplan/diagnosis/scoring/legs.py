@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from missionplan.arrays import Array
-from missionplan.datasets.legs import TransitData
+from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.legs.model_factory import check_cover
 from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
 from missionplan.diagnosis.scoring.explanations import explained

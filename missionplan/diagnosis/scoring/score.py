@@ -10,8 +10,9 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.arrays import Array
 from missionplan.datasets.dives import read_descent
-from missionplan.datasets.legs import TransitData, read_transit
+from missionplan.datasets.legs import read_transit
 from missionplan.datasets.reading import dataset_kind, files_outside
+from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.dives.model_factory import check_leaves_surface
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
 from missionplan.diagnosis.scoring.chance import intervals, one_step_coverages, whole_coverages

@@ -3,7 +3,7 @@
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.datasets.legs import TransitData
+from missionplan.datasets.records import TransitData
 from missionplan.mission import Mission
 from missionplan.mission.views import TransitMission
 from missionplan.phases.transit.compensation import CompletedLeg, PlannedLeg

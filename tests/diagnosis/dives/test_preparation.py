@@ -4,7 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from missionplan.datasets.dives import TOUCHDOWN_MARGIN, read_descent
+from missionplan.datasets.dives import read_descent
+from missionplan.datasets.records import TOUCHDOWN_MARGIN
 from missionplan.diagnosis.dives.preparation import (
     MAX_SAMPLES,
     binned,

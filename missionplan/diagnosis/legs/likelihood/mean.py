@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.datasets.legs import TransitData
+from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
 from missionplan.diagnosis.given.effects import GivenEffect, held, tied
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN

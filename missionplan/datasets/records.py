@@ -1,0 +1,162 @@
+"""What was measured, as arrays: legs of a navigation log, and dives; no file and no table."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+
+TOUCHDOWN_MARGIN = 0.12
+"""Share of the vehicle's depth at touchdown that is cut off above it."""
+
+
+@dataclass(frozen=True)
+class TransitData:
+    """Legs of a navigation log in the order of time.
+
+    Attributes
+    ----------
+    name, source : str
+        Of the data set.
+    labels : array of str, shape (n,)
+        Legs' names.
+    run : array of int, shape (n,)
+        Number of the run each leg belongs to.
+    t_start : array, shape (n,)
+        Since the mission's start, or since the first fix [s].
+    under_way, surface : array, shape (n,)
+        Time under way, and at the surface until the fix [s].
+    start, dead_reckoned, end : array, shape (2, n)
+        Fix on diving, dead-reckoned position on surfacing, fix on surfacing: east, north of the origin [m].
+    origin : tuple or None
+        Latitude and longitude of the origin, where known [rad].
+    fix_sd : float or None
+        Stated standard deviation of a fix, each axis [m].
+    has_surface_time : bool
+        Whether the log says how long the vehicle lay at the surface before the fix.
+    notices : tuple of str
+        Treatments the reader should know of.
+    epoch : float or None
+        Seconds since 1970 of the times' zero, where the log says.
+    leg_fix_sd : array, shape (n,), or None
+        Standard deviation of the fix after each leg, each axis, where the log states it [m].
+    """
+
+    name: str
+    source: str
+    labels: NDArray[np.str_]
+    run: NDArray[np.int_]
+    t_start: Array
+    under_way: Array
+    surface: Array
+    start: Array
+    dead_reckoned: Array
+    end: Array
+    origin: tuple[float, float] | None
+    fix_sd: float | None
+    has_surface_time: bool
+    notices: tuple[str, ...]
+    epoch: float | None = None
+    leg_fix_sd: Array | None = None
+
+    @property
+    def n(self) -> int:
+        """Number of legs."""
+        return len(self.t_start)
+
+    @property
+    def middle(self) -> Array:
+        """Middle of each leg's time under way, shape (n,) [s]."""
+        return self.t_start + 0.5 * self.under_way
+
+    @property
+    def latitude(self) -> float:
+        """Latitude of the origin [rad]; nan where unknown."""
+        return self.origin[0] if self.origin else float("nan")
+
+    @property
+    def velocity_error(self) -> Array:
+        """Position error on surfacing over the time under way, shape (2, n) [m/s]."""
+        return (self.end - self.dead_reckoned) / self.under_way
+
+    @property
+    def typical_fix_sd(self) -> float | None:
+        """Standard deviation of a fix, each axis: the median of those stated leg by leg, else that of all [m]."""
+        return self.fix_sd if self.leg_fix_sd is None else float(np.median(self.leg_fix_sd))
+
+    @property
+    def fix_scale(self) -> Array:
+        """Standard deviation of the fix after each leg over the typical one, shape (n,); 1 where it is not stated."""
+        if self.leg_fix_sd is None:
+            return np.ones(self.n)
+        return np.asarray(self.leg_fix_sd / np.median(self.leg_fix_sd))
+
+    def subset(self, keep: NDArray[np.bool_] | NDArray[np.int_]) -> "TransitData":
+        """Keep some of the legs."""
+        return replace(
+            self,
+            labels=self.labels[keep],
+            run=self.run[keep],
+            t_start=self.t_start[keep],
+            under_way=self.under_way[keep],
+            surface=self.surface[keep],
+            start=self.start[:, keep],
+            dead_reckoned=self.dead_reckoned[:, keep],
+            end=self.end[:, keep],
+            leg_fix_sd=None if self.leg_fix_sd is None else self.leg_fix_sd[keep],
+        )
+
+
+@dataclass(frozen=True)
+class MeasuredDive:
+    """One dive as it was logged.
+
+    Attributes
+    ----------
+    name : str
+        Of the run.
+    line : int
+        Of its first reading in the file.
+    t, depth : array, shape (m,)
+        Time since the separation by the log's clock [s], and reading [m].
+    wet_weight, line_length, site_depth : float
+        Of this dive [N, m, m].
+    """
+
+    name: str
+    line: int
+    t: Array
+    depth: Array
+    wet_weight: float
+    line_length: float
+    site_depth: float
+
+    @property
+    def deepest_fitted(self) -> float:
+        """Depth above which readings are taken to be of the descent, free of the touchdown [m]."""
+        return (1.0 - TOUCHDOWN_MARGIN) * (self.site_depth - self.line_length)
+
+
+@dataclass(frozen=True)
+class DescentData:
+    """Dives of a data set.
+
+    Attributes
+    ----------
+    name, source, file : str
+        Of the data set; its CSV as messages name it.
+    dives : tuple of MeasuredDive
+        In the order of the file.
+    depth_noise : float or None
+        Stated standard deviation of a reading [m].
+    notices : tuple of str
+        Treatments the reader should know of.
+    """
+
+    name: str
+    source: str
+    file: str
+    dives: tuple[MeasuredDive, ...]
+    depth_noise: float | None
+    notices: tuple[str, ...]
