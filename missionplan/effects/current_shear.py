@@ -12,7 +12,7 @@ from missionplan.phases.hooks import Leg, TransitEffect
 
 @dataclass(frozen=True)
 class CurrentShear(TransitEffect):
-    """Current linear in position, zero at the coordinates' origin, at the middle of each leg.
+    """Current linear in position, zero at the origin, at the middle of each leg as the current displaces it.
 
     ``east_by_north`` is the growth of the east component for each metre to the north [1/s], and so on: the rows of
     the 2 × 2 gradient are (east_by_east, east_by_north) and (north_by_east, north_by_north).
@@ -24,8 +24,16 @@ class CurrentShear(TransitEffect):
     north_by_north: Scalars = 0.0
 
     def velocity(self, leg: Leg) -> Array:
-        """Return the velocity error of each leg, shape (2, n) [m/s]."""
-        x, y = leg.start + 0.5 * leg.duration * leg.speed * leg.along
+        """Return the velocity error of each leg, shape (2, n) [m/s].
+
+        The mean over the leg of the solution of ẋ = w + G x, to second order in G and the leg's duration.
+        """
+        middle = leg.start + 0.5 * leg.duration * leg.speed * leg.along
+        return self._at(middle + 0.5 * leg.duration * self._at(middle))
+
+    def _at(self, place: Array) -> Array:
+        """Return the current at places, shape (2, n) [m/s]."""
+        x, y = place
         return np.stack(
             [self.east_by_east * x + self.east_by_north * y, self.north_by_east * x + self.north_by_north * y]
         )
@@ -58,5 +66,6 @@ INFO = EffectInfo(
     ),
     sizes="0.1 m/s over 1 to 10 km: 1e-5 to 1e-4 1/s.",
     confused_with=("mean-current", "tidal-current", "persistent-error"),
+    linear=False,
     distinguished_by="Legs that visit the same place at different times.",
 )

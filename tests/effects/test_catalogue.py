@@ -102,7 +102,7 @@ def test_transit_effect_is_neutral_at_zero_strength(info):
     assert np.all(np.asarray(later) == 0.0)
 
 
-@pytest.mark.parametrize("name", ["tidal-current", "inertial-current", "mean-current", "current-shear", "speed-scale"])
+@pytest.mark.parametrize("name", ["tidal-current", "inertial-current", "mean-current", "speed-scale"])
 def test_velocity_is_linear_in_strength(name):
     info = CATALOGUE[name]
     strengths = {key: 0.01 * p.scale for key, p in info.parameters.items() if p.scale}
