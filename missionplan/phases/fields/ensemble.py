@@ -27,12 +27,15 @@ class Ensemble(RecordedCurrent):
         Their probabilities.
     chosen : array of int, shape (n,), or None
         The member of each trial; None for the weighted mean.
+    given : int or None
+        The member of all trials, where it is not drawn. What is expected remains the weighted mean.
     """
 
     members: tuple[RecordedCurrent, ...]
     names: tuple[str, ...]
     weights: Array
     chosen: NDArray[np.intp] | None = None
+    given: int | None = None
 
     @classmethod
     def of(cls, members: Sequence[RecordedCurrent], names: Sequence[str], weights: Sequence[float]) -> "Ensemble":
@@ -48,6 +51,8 @@ class Ensemble(RecordedCurrent):
 
     def drawn(self, normals: Array) -> "Ensemble":
         """Return it with a member for each trial, from standard normals of shape (n,)."""
+        if self.given is not None:
+            return replace(self, chosen=np.full(normals.size, self.given, dtype=np.intp))
         return replace(
             self, chosen=np.searchsorted(np.cumsum(self.weights)[:-1], scipy.special.ndtr(normals), side="right")
         )

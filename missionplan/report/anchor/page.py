@@ -8,10 +8,13 @@ from missionplan.report.anchor.explained import explanation_in_words, explanatio
 from missionplan.report.anchor.figures import descent_profile
 from missionplan.report.anchor.numbers_table import numbers_table
 from missionplan.report.held_vehicle import hold_section
+from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import percent
 from missionplan.report.page import Figure, Page, Terminal
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing
+
+_SAILED = "With the anchor to build, and all trials in one member."
 
 
 def page(sizing: AnchorSizing) -> Page:
@@ -33,6 +36,7 @@ def page(sizing: AnchorSizing) -> Page:
             *sections.problems(anchor),
             *sections.probable(sizing),
             *explanation_section(sizing),
+            *members_section(sizing.members, "dives", "dives that succeed (95 % interval)", _SAILED),
             sections.probabilities(sizing),
             *sections.dive(sizing),
             *([hold_section(sizing.held)] if sizing.held is not None else []),
@@ -58,7 +62,8 @@ def _verdict(sizing: AnchorSizing) -> str:
 
 def answer(sizing: AnchorSizing) -> str:
     """Write which anchor to build and what it achieves, what that of the worst case would, and whether it drags."""
-    return f"{_which(sizing)}{explanation_in_words(sizing)}{_drags_in_words(sizing)}"
+    sailed = members_in_words(sizing.members, "succeeds")
+    return f"{_which(sizing)}{explanation_in_words(sizing)}{sailed and f' {sailed}'}{_drags_in_words(sizing)}"
 
 
 def _which(sizing: AnchorSizing) -> str:

@@ -13,6 +13,7 @@ from missionplan.report.exploration.words import (
     ranges_in_words,
     tried,
 )
+from missionplan.report.members import members_section
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Figure, Page, PageSection, Table, Terminal
 from missionplan.report.wording import capitalised, in_words
@@ -45,7 +46,7 @@ def page(found: Exploration) -> Page:
         answer=answer(found),
         figure=curves_figure(found) if len(found.axes) == 1 else maps_figure(found, "success"),
         numbers=_numbers(found),
-        sections=[section for part in (_maps, _good, _front, _all, _invalid) for section in part(found)],
+        sections=[section for part in (_maps, _good, _sailed, _front, _all, _invalid) for section in part(found)],
         verdict=_verdict(found),
         rerun=_rerun(found),
     )
@@ -158,6 +159,11 @@ def _value(probability: object) -> float:
 def _good_in_words(found: Exploration, good: Sequence[Cell]) -> str:
     best = place_in_words(found, good[0]) if found.best_cell is None else place_in_words(found, found.best_cell)
     return f"{best} is the best" if len(good) == 1 else f"{best} is the best; {len(good) - 1} more are as good"
+
+
+def _sailed(found: Exploration) -> Iterator[PageSection]:
+    note = "The best, in the trials that sail in each member."
+    yield from members_section(found.members, "mission", "success (95 % interval)", note)
 
 
 def _front(found: Exploration) -> Iterator[PageSection]:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 from missionplan.report.display_units import unit_for
+from missionplan.report.members import members_in_words
 from missionplan.report.numbers import number, percent, with_error
 from missionplan.report.wording import in_words, keys_in_words
 from missionplan.results.choosing.axis import Aim, Axis
@@ -30,6 +31,7 @@ def answer(found: Exploration) -> str:
     sentences = [
         *_unmet(found, best),
         f"{_best_in_words(found, best)}: {_what_it_gives(found, best)}.",
+        members_in_words(found.members, "succeeds"),
         _as_good(found),
         _windows(found),
         _invalid(found),

@@ -12,6 +12,7 @@ from missionplan.report.leg_length.leg_tables import (
     trials_table,
 )
 from missionplan.report.leg_length.plan_figures import cases_figure, policy_figure, tracks_figure
+from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Listing, Page, PageSection, Terminal
 from missionplan.results.leg_length.legs import LegPlan
@@ -20,6 +21,7 @@ _PERCENT = Unit("%", 0.01)
 _SECONDS = Unit("s", 1.0)
 _MINUTES = Unit("min", 60.0)
 _WATT_HOURS = Unit("W\u202fh", JOULES_PER_WATT_HOUR)
+_SAILED = "The plan that is recommended, with all trials in one member; what it expects is the ensemble's mean."
 _APPROXIMATE = (
     "The legs were planned with an approximation. Their cost is taken from the mission's own trials, other ones than "
     "those on which the legs were chosen."
@@ -36,6 +38,7 @@ def page(plan: LegPlan) -> Page:
         sections=[
             *_approximation_section(plan),
             *_candidates_section(plan),
+            *members_section(plan.arrivals, "plan", "arrive (95 % interval)", _SAILED),
             _mission_file_section(plan),
             PageSection(_surfacings_heading(plan), [tracks_figure(plan)]),
             _cases_section(plan),
@@ -66,7 +69,8 @@ def _verdict(plan: LegPlan) -> str:
 
 def answer(plan: LegPlan) -> str:
     """Write whether to let the legs adapt, what it saves, and whether what is in doubt changes that."""
-    return f"{_choice(plan)}{_doubt_in_words(plan)}"
+    sailed = members_in_words(plan.arrivals, "arrives")
+    return f"{_choice(plan)}{_doubt_in_words(plan)}{sailed and f' {sailed}'}"
 
 
 def _doubt_in_words(plan: LegPlan) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 
 from missionplan.report.display_units import Unit
 from missionplan.report.leg_length.sweep_figures import close_up_figure, cost_figure, surfacings_figure
+from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Page, PageSection, Table, Terminal
 from missionplan.results.explained import label
@@ -20,7 +21,7 @@ _WHY_TEETH = (
     "a short last leg with a small error takes the vehicle in. So the cost is low just below each critical point, and "
     "high at it and just above. Where a whole leg errs by less than the arrival radius, teeth are small or reversed."
 )
-
+_SAILED = "With the recommended d_max of the middle curve, and all trials in one member."
 _FEWEST_FOR_TEETH = 12
 """Points of a curve below which no tooth can be told."""
 
@@ -35,6 +36,7 @@ def page(sweep: Sweep) -> Page:
         sections=[
             PageSection(_choice_heading(sweep), [choice_table(sweep), _as_good_in_words(sweep)]),
             *_explanation_section(sweep),
+            *members_section(sweep.members, "plan", "arrive (95 % interval)", _SAILED),
             *_table_section(sweep),
             *_arrival_section(sweep),
             _close_up_section(sweep),
@@ -62,14 +64,20 @@ def answer(sweep: Sweep) -> str:
         return (
             f"With {sigma} no d_max of this sweep arrives as often as {100.0 * curve.required_arrival:g}\u00a0%: the "
             f"likeliest to arrive, {d_max}, does so in {share(chosen.arrived)} of the trials. The mean time of the "
-            f"{share(chosen.arrived)} that arrive is {time}."
+            f"{share(chosen.arrived)} that arrive is {time}.{_members_in_words(sweep)}"
         )
     if chosen.arrived.value < 1.0:
         took = f"{share(chosen.arrived)} of the trials arrive, and the mean time of the {share(chosen.arrived)} that "
         took += f"arrive is {time}"
     else:
         took = f"the transit then takes {time} on average"
-    return f"Choose d_max = {d_max} for {sigma}: {took}{_against_one_leg(sweep, curve)}.{_doubt_in_words(sweep)}"
+    words = f"Choose d_max = {d_max} for {sigma}: {took}{_against_one_leg(sweep, curve)}.{_doubt_in_words(sweep)}"
+    return f"{words}{_members_in_words(sweep)}"
+
+
+def _members_in_words(sweep: Sweep) -> str:
+    words = members_in_words(sweep.members, "arrives")
+    return words and f" {words}"
 
 
 def _doubt_in_words(sweep: Sweep) -> str:

@@ -34,7 +34,7 @@ _MODULES = {
     "scoring.page": "scoring",
     "log_book.history": "log_book",
     "log_book.campaign": "log_book",
-    "optimisation": "exploration",
+    "optimisation.page": "exploration",
 }
 """Module with the drawings, by that of the report."""
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from missionplan.report.exploration.figures import draw_exploration
-from missionplan.report.optimisation import draw_front
+from missionplan.report.optimisation.front import draw_front
 from missionplan.report.plots.catalogue import Drawing
 
 DRAWINGS: Mapping[str, Mapping[str, Drawing]] = {

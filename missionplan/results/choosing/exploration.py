@@ -9,6 +9,7 @@ import pandas as pd
 from missionplan.montecarlo.statistics import Probability, Statistic
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
 from missionplan.results.choosing.axis import Aim, Axis
+from missionplan.results.members import MemberOutcome
 from missionplan.results.simulation import RequirementOutcome
 
 if TYPE_CHECKING:
@@ -103,6 +104,8 @@ class Exploration(Result):
         Number of the best cell; None where no cell can be compared.
     constrained : bool
         Whether the best is among the cells that meet all requirements.
+    members : tuple of MemberOutcome
+        How often the best succeeds in each member of the current's ensemble; empty without one.
     """
 
     report: ClassVar[str] = "exploration.page"
@@ -113,6 +116,7 @@ class Exploration(Result):
     aim: Aim
     best: int | None
     constrained: bool
+    members: tuple[MemberOutcome, ...] = ()
 
     @property
     def valid(self) -> tuple[Cell, ...]:
@@ -167,6 +171,7 @@ class Exploration(Result):
                 for axis in self.axes
             ],
             "best": None if best is None else self._entry(best),
+            **({"members": [each.summary() for each in self.members]} if self.members else {}),
             "as_good": [self.values_of(cell) for cell in self.cells if cell.as_good],
             "windows": [
                 {"from": self.axes[0].exact(window.first), "to": self.axes[0].exact(window.last)}

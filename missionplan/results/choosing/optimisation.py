@@ -10,6 +10,7 @@ import pandas as pd
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 from missionplan.results.choosing.axis import Axis
+from missionplan.results.members import MemberOutcome
 from missionplan.results.simulation import Outcome
 
 _SURELY = 3.0
@@ -70,19 +71,35 @@ class Relaxation:
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A requirement that no choice meets while it meets the others.
+    """A requirement that no choice meets while it meets the others, and how near one comes to it.
 
     Attributes
     ----------
     quantity : str
     required : float
-    reached : Probability or None
-        The most that a choice which meets all others reaches; None where no choice meets all others.
+    reached : Probability
+        Of the choice that comes nearest to it among those that meet all others; where there are none, of the choice
+        that comes nearest to meeting all.
+    column : str
+        Of the trials, such as ``total.energy_wh``.
+    limit, would_do : float
+        The bound, and that with which this choice would meet the requirement, in the column's unit; nan for an event,
+        and where too few trials have the quantity.
+    alone : bool
+        Whether a choice would do without this requirement.
     """
 
     quantity: str
     required: float
-    reached: Probability | None
+    reached: Probability
+    column: str
+    limit: float
+    would_do: float
+    alone: bool
+
+    def summary(self) -> dict[str, object]:
+        """Return the entry of `summary.json`."""
+        return vars(self) | {"reached": self.reached.summary()}
 
 
 @dataclass(frozen=True)
@@ -112,7 +129,7 @@ class Optimised(Result):
         Trials that the search took, its checks, and the relaxed problems.
     """
 
-    report: ClassVar[str] = "optimisation"
+    report: ClassVar[str] = "optimisation.page"
 
     provenance: Provenance
     aim: Literal["energy", "duration"]
@@ -134,6 +151,12 @@ class Optimised(Result):
     def key(self) -> str:
         """Key of the mean that is least."""
         return "energy_wh" if self.aim == "energy" else "duration_s"
+
+    @property
+    def members(self) -> tuple[MemberOutcome, ...]:
+        """How often the choice succeeds in each member of the current's ensemble; empty without one."""
+        found = self.checked.members if self.checked is not None else ()
+        return tuple(MemberOutcome(each.causes[0], each.probability, each.success) for each in found if each.trials)
 
     @property
     def ruled_out(self) -> tuple[str, float, Mapping[str, str]] | None:
@@ -181,17 +204,11 @@ class Optimised(Result):
                 "total": self.fresh.total.quantities_and_events(),
                 "requirements": [item.summary() for item in self.fresh.requirements],
             },
+            **({"members": [each.summary() for each in self.members]} if self.members else {}),
             "front": [self._row(each) for each in self.tried if each.on_front],
             "relaxing": [vars(each) | {"values": dict(each.values)} for each in self.relaxations],
             "ruled_out": ruled_out and {"quantity": ruled_out[0], "saves": ruled_out[1], "values": dict(ruled_out[2])},
-            "obstacles": [
-                {
-                    "quantity": each.quantity,
-                    "required": each.required,
-                    "reached": each.reached.summary() if each.reached else None,
-                }
-                for each in self.obstacles
-            ],
+            "obstacles": [each.summary() for each in self.obstacles],
         }
 
     def _row(self, each: Tried) -> dict[str, object]:

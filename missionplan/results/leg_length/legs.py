@@ -9,6 +9,7 @@ import pandas as pd
 from missionplan.arrays import Array
 from missionplan.results.base import Provenance, Result, to_csv, to_yaml
 from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase, SampledCost
+from missionplan.results.members import MemberOutcome
 
 LEAST_SHARE = 0.01
 """Share of what the fixed d_max takes that a table must save to be worth its complication."""
@@ -62,6 +63,8 @@ class LegPlan(Result):
         The best fixed d_max, the best legs for the mean time, and the table; empty for the aim ``mean``.
     fixed_tracks, adaptive_tracks : array, shape (2, m, j)
         The same few trials by both plans: the start, then where they surfaced and dived; nan after arrival [m].
+    members : tuple of LegCase
+        Both plans in each member of the current's ensemble; empty without one.
     """
 
     report: ClassVar[str] = "leg_length.plan"
@@ -94,6 +97,7 @@ class LegPlan(Result):
     candidates: tuple[CandidatePlan, ...]
     fixed_tracks: Array
     adaptive_tracks: Array
+    members: tuple[LegCase, ...] = ()
 
     @property
     def nominal_time(self) -> float:
@@ -148,6 +152,16 @@ class LegPlan(Result):
     def chosen(self) -> SampledCost:
         """Trials of the plan that is recommended."""
         return self.cases[0].adaptive if self.recommended else self.cases[0].fixed
+
+    @property
+    def arrivals(self) -> tuple[MemberOutcome, ...]:
+        """How often the plan that is recommended arrives in each member of the current's ensemble."""
+        return tuple(
+            MemberOutcome(
+                case.name, case.probability or 0.0, (case.adaptive if self.recommended else case.fixed).arrived
+            )
+            for case in self.members
+        )
 
     @property
     def reaches(self) -> bool:
@@ -223,6 +237,7 @@ class LegPlan(Result):
             "required_arrival": self.required_arrival,
             "reaches_required_arrival": self.reaches,
             "cases": [case.summary() for case in self.cases],
+            "members": [each.summary() for each in self.arrivals],
             "contenders": [candidate.summary() for candidate in self.candidates],
         }
 

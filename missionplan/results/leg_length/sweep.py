@@ -10,6 +10,7 @@ import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.base import Provenance, Result, to_csv, to_grid
+from missionplan.results.members import MemberOutcome
 
 if TYPE_CHECKING:
     import xarray
@@ -202,6 +203,8 @@ class Sweep(Result):
     distance, speed, surfacing_time, arrival_radius : float
         Of the transit, distributions at their means [m, m/s, s, m].
     curves : tuple of SweepCurve
+    members : tuple of MemberOutcome
+        Arrival with the recommended d_max in each member of the current's ensemble; empty without one.
     explanations : tuple of ExplainedSweep
         The middle curve under each explanation of the mission; empty for a mission without doubts.
     """
@@ -217,6 +220,7 @@ class Sweep(Result):
     arrival_radius: float
     curves: tuple[SweepCurve, ...]
     explanations: tuple[ExplainedSweep, ...] = ()
+    members: tuple[MemberOutcome, ...] = ()
 
     @property
     def nominal_time(self) -> float:
@@ -262,6 +266,7 @@ class Sweep(Result):
             "distance_m": self.distance,
             "nominal_time_s": self.nominal_time,
             "sweep": [self._curve_summary(curve) for curve in self.curves],
+            **({"members": [each.summary() for each in self.members]} if self.members else {}),
             **({"explanations": [each.summary() for each in self.explanations]} if self.explanations else {}),
         }
 

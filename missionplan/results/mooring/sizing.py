@@ -10,6 +10,7 @@ from missionplan.montecarlo.statistics import Probability
 from missionplan.phases.mooring.profile import DescentProfile
 from missionplan.physics.trim import TrimState
 from missionplan.results.base import Provenance, Result, to_csv
+from missionplan.results.members import MemberOutcome
 from missionplan.results.mooring.held_vehicle import HeldVehicle
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 
@@ -129,6 +130,8 @@ class AnchorSizing(Result):
         How the vehicle stands on its line above the anchor to build.
     trim : tuple of TrimState
         How the vehicle lies with that anchor, with it flooded, and without it.
+    members : tuple of MemberOutcome
+        Dives that succeed with the anchor to build in each member of the current's ensemble; empty without one.
     explanations : tuple of ExplainedAnchor
         The anchor to build under each explanation of the mission; empty for a mission without doubts.
     """
@@ -150,6 +153,7 @@ class AnchorSizing(Result):
     held: HeldVehicle | None = None
     trim: tuple[TrimState, ...] = ()
     explanations: tuple[ExplainedAnchor, ...] = ()
+    members: tuple[MemberOutcome, ...] = ()
 
     @property
     def to_build(self) -> SizedAnchor:
@@ -188,6 +192,7 @@ class AnchorSizing(Result):
             "hold": self.held.summary() if self.held else None,
             "trim": [state.summary() for state in self.trim],
             "notes": list(self.notes),
+            **({"members": [each.summary() for each in self.members]} if self.members else {}),
             **({"explanations": [each.summary() for each in self.explanations]} if self.explanations else {}),
         }
 

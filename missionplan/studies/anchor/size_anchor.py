@@ -10,9 +10,11 @@ from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission, under_each_explanation
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.results.base import Provenance
+from missionplan.results.members import MemberOutcome
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing, ExplainedAnchor, ProbableAnchor
 from missionplan.scenario.anchor_weight import worst_case_weight
+from missionplan.scenario.currents.members import members_of, trials_of_each, under_each_member
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.dive_trials import AnchorTrials, ParallelOptions
@@ -88,7 +90,8 @@ def size_anchor(
         notices=mission.notices(),
     )
     sizing = _anchor_sizing(provenance, sizer, anchor, probable, required)
-    return replace(sizing, explanations=tuple(_explained(sizing, dives, wanted, weight)))
+    explained = tuple(_explained(sizing, dives, wanted, weight))
+    return replace(sizing, explanations=explained, members=tuple(_members(sizing, dives)))
 
 
 def _explained(
@@ -100,6 +103,14 @@ def _explained(
         known = replace(dives, mission=each.mission)
         needed = lightest_anchor(known.probabilities, wanted, worst_case, line).weight if wanted is not None else None
         yield ExplainedAnchor(each.causes, each.probability, known.probabilities(weight).good, needed)
+
+
+def _members(sizing: AnchorSizing, dives: AnchorTrials) -> Iterator[MemberOutcome]:
+    """Dive with the anchor to build in each member of the current's ensemble."""
+    count = len(members_of(dives.recorded))
+    for name, probability, sailed in under_each_member(dives.recorded):
+        given = replace(dives, recorded=sailed, trials=trials_of_each(dives.trials, count))
+        yield MemberOutcome(name, probability, given.probabilities(sizing.to_build.wet_weight).good)
 
 
 def _check_probability(probability: float | None) -> None:

@@ -12,16 +12,19 @@ from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.checks.requirements import quantity_unit
 from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
+from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.base import Provenance
 from missionplan.results.choosing.axis import Aim, Axis
 from missionplan.results.choosing.exploration import Cell, Exploration
+from missionplan.results.members import MemberOutcome
+from missionplan.scenario.currents.members import members_drawn, members_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.exploration.cell_run import CellRun, CellTrials
-from missionplan.studies.exploration.cells import CellItem, CellTask
+from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask
 from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of, find_best
 from missionplan.studies.exploration.racing import Race, race
 from missionplan.studies.exploration.shared_current import SharedCurrent
@@ -100,8 +103,8 @@ def explore(
     store = Checkpoints(folder, plan.task.identity(mission, axes), resume=resume) if folder else None
 
     def run(items: Sequence[CellItem]) -> list[CellTrials]:
-        parallel = CellRun(plan.task, items, store)
-        return parallel.run(plan.cells, progress, jobs=jobs, backend=backend, scheduler=scheduler)
+        blocks = CellRun(plan.task, items, store)
+        return blocks.run(plan.cells, progress, jobs=jobs, backend=backend, scheduler=scheduler)
 
     raced = _run(plan, mission, trials, aim, run, only_best=only_best)
     found, cells = raced.trials, plan.summed_up(mission, raced)
@@ -116,11 +119,9 @@ def explore(
             trials=trials,
             options={
                 "vary": list(vary) if not isinstance(vary, str) else [vary],
-                "aim": aim,
-                "jobs": jobs,
-                "only_best": only_best,
-            }
-            | {"quantity": list(quantities), "trials_run": raced.spent},
+                **{"aim": aim, "jobs": jobs, "only_best": only_best},
+                **{"quantity": list(quantities), "trials_run": raced.spent},
+            },
             elapsed_s=time.perf_counter() - started,
             data=mission.raw,
             notices=_notices(mission, plan),
@@ -130,7 +131,21 @@ def explore(
         aim=aim,
         best=best.best,
         constrained=best.constrained,
+        members=_members(plan, found, best.best, trials),
     )
+
+
+def _members(plan: "CellPlan", found: Sequence[CellTrials], best: int | None, trials: int) -> tuple[MemberOutcome, ...]:
+    """Return how the best cell does in each member of the current's ensemble, of the trials that sail in it."""
+    recorded = plan.task.current.current
+    varied = any(key.startswith("site.") for axis in plan.axes for key in axis.keys)  # then each cell reads its own
+    chosen = None if best is None or varied else members_drawn(recorded, plan.task.seed, trials)
+    if best is None or chosen is None or chosen.size != found[best].columns[SUCCESS].size:
+        return ()
+    success = found[best].columns[SUCCESS]
+    counts = [Count.of(success[chosen == number].astype(bool)) for number in range(len(members_of(recorded)))]
+    pairs = zip(members_of(recorded), counts, strict=True)
+    return tuple(MemberOutcome(name, weight, each.probability()) for (name, weight), each in pairs if each.trials)
 
 
 @dataclass(frozen=True)

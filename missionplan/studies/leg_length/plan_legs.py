@@ -16,6 +16,7 @@ from missionplan.results.base import Provenance
 from missionplan.results.explained import label
 from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase
 from missionplan.results.leg_length.legs import LegPlan
+from missionplan.scenario.currents.members import members_of, trials_of_each, under_each_member
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.leg_length.integral_equation import analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs
@@ -70,6 +71,7 @@ def plan_legs(
         cases=tuple(case for each, share in tasks for case in _judged(_cases(each, share, run), each, wanted, best)),
         candidates=compare_plans(scenario, wanted, best, trials, seed) if aim != "mean" else (),
         tracks=task.tracks(),
+        members=tuple(case for each, share in _members(task) for case in _cases(each, share, run)),
     )
     provenance = Provenance(
         command="plan-legs",
@@ -87,11 +89,12 @@ def plan_legs(
 
 @dataclass(frozen=True)
 class _Evaluation:
-    """What trials show of the legs: cases, candidates, and tracks by the fixed d_max and by the table."""
+    """What trials show of the legs: cases, candidates, tracks by the fixed d_max and by the table, and members."""
 
     cases: tuple[LegCase, ...]
     candidates: tuple[CandidatePlan, ...]
     tracks: tuple[Array, Array]
+    members: tuple[LegCase, ...]
 
 
 def _explained(task: PairedPlansTask) -> Iterator[tuple[PairedPlansTask, float]]:
@@ -100,6 +103,16 @@ def _explained(task: PairedPlansTask) -> Iterator[tuple[PairedPlansTask, float]]
         known = replace(SweepScenario.of(each.mission), sigmas=(None,))
         case = replace(AS_PLANNED, name=label(each.causes))
         yield replace(task, scenario=known, cases=(case,)), each.probability
+
+
+def _members(task: PairedPlansTask) -> Iterator[tuple[PairedPlansTask, float]]:
+    """Yield the same plans in each member of the current's ensemble, with its probability."""
+    means = task.scenario.means
+    count = len(members_of(means.recorded))
+    for name, probability, sailed in under_each_member(means.recorded):
+        given = replace(task.scenario, means=replace(means, recorded=sailed))
+        case = replace(AS_PLANNED, name=name)
+        yield replace(task, scenario=given, cases=(case,), trials=trials_of_each(task.trials, count)), probability
 
 
 def _cases(task: PairedPlansTask, share: float | None, run: Callable[..., Iterable[Moments]]) -> tuple[LegCase, ...]:
@@ -156,6 +169,7 @@ def _leg_plan(
         candidates=evaluation.candidates,
         fixed_tracks=evaluation.tracks[0],
         adaptive_tracks=evaluation.tracks[1],
+        members=evaluation.members,
     )
 
 

@@ -18,6 +18,8 @@ from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
 from missionplan.results.base import Provenance
 from missionplan.results.leg_length.sweep import ExplainedSweep, Sweep, SweepCurve, SweepPoint
+from missionplan.results.members import MemberOutcome
+from missionplan.scenario.currents.members import members_of, trials_of_each, under_each_member
 from missionplan.studies.arguments import check_arguments
 from missionplan.studies.leg_length.cells import CellTotals, run_cells
 from missionplan.studies.leg_length.integral_equation import analytic_curve, analytic_obstacle
@@ -88,7 +90,9 @@ def sweep_dmax(
         arrival_radius=scenario.arrival_radius,
         curves=tuple(_curve(scenario, index, sampled.get(index), analytic.get(index, ())) for index in curves),
     )
-    return replace(sweep, explanations=tuple(_explained(sweep, scenario, SweepTask(scenario, trials, seed), how)))
+    task = SweepTask(scenario, trials, seed)
+    explained, members = _explained(sweep, scenario, task, how), _members(sweep, scenario, task, how)
+    return replace(sweep, explanations=tuple(explained), members=tuple(members))
 
 
 @dataclass(frozen=True)
@@ -122,6 +126,22 @@ def _explained(sweep: Sweep, scenario: SweepScenario, task: "SweepTask", how: _R
         totals = replace(how, progress=None).sampled(replace(task, scenario=known))
         curve = _curve(known, 0, totals[0], ())
         yield ExplainedSweep(each.causes, each.probability, curve, curve.points[sweep.middle.recommended_index])
+
+
+def _members(sweep: Sweep, scenario: SweepScenario, task: "SweepTask", how: _Run) -> Iterator[MemberOutcome]:
+    """Run what is recommended for the middle curve in each member of the current's ensemble."""
+    index, means = sweep.curves.index(sweep.middle), scenario.means
+    count = len(members_of(means.recorded))
+    for name, probability, sailed in under_each_member(means.recorded):
+        given = replace(
+            scenario,
+            means=replace(means, recorded=sailed),
+            sigmas=(scenario.sigmas[index],),
+            d_max=np.array([sweep.middle.recommended.d_max, scenario.distance]),
+        )
+        alone = replace(task, scenario=given, trials=trials_of_each(task.trials, count))
+        point = _curve(given, 0, replace(how, progress=None).sampled(alone)[0], ()).points[0]
+        yield MemberOutcome(name, probability, point.arrived)
 
 
 def _method(scenario: SweepScenario, requested: Method | None) -> Method:

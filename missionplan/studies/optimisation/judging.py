@@ -98,6 +98,14 @@ class Demand:
         reached = np.sort(np.where(np.isfinite(values), sign * values, np.inf))
         return float(reached[max(math.ceil(self.required * reached.size) - 1, 0)]) - sign * self.limit
 
+    def would_do(self, evaluation: Evaluation) -> float:
+        """Return the limit with which a choice would meet the demand; nan for an event, or where too few reach it."""
+        if self.side is None or evaluation.reason:
+            return math.nan
+        sign = 1.0 if self.side == "at_most" else -1.0
+        limit = self.limit + sign * self._beyond(evaluation.columns[self.column].astype(float))
+        return limit if math.isfinite(limit) else math.nan
+
     def violation(self, evaluation: Evaluation) -> float:
         """Return how far a choice is from the demand: the probability that lacks, and the quantile beyond the bound.
 

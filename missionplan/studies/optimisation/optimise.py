@@ -222,18 +222,22 @@ class _Run:
         return min(good, key=lambda each: each.cost(self.aim), default=None)
 
     def _obstacles(self) -> tuple[Obstacle, ...]:
-        """Find the requirements without which a choice would do, and the most that can be reached of each."""
+        """Find the requirements without which a choice would do, and how near one comes to each.
+
+        Where dropping one requirement alone would not do: those that the choice that comes nearest misses.
+        """
         known = [each for each in self.evaluations.best_known() if not each.reason]
         found = []
         for number, demand in enumerate(self.demands):
             others = (*self.demands[:number], *self.demands[number + 1 :])
             rest = [each for each in known if is_feasible(others, each) and each.trials >= FINE]
             rest = rest or [each for each in known if is_feasible(others, each)]
-            reached = max((demand.probability(each) for each in rest), key=lambda p: p.value, default=None)
-            if reached is None or reached.value < demand.required:
-                found.append(Obstacle(demand.quantity, demand.required, reached))
-        single = tuple(each for each in found if each.reached is not None)
-        return single or tuple(found)
+            best = min(rest, key=demand.violation, default=None)
+            if best is not None and demand.slack(best) < 0.0:
+                found.append(_obstacle(demand, best, alone=True))
+        nearest = self._nearest()
+        missed = [demand for demand in self.demands if demand.slack(nearest) < 0.0]
+        return tuple(found) or tuple(_obstacle(demand, nearest, alone=False) for demand in missed)
 
     def _tried(self) -> tuple[Tried, ...]:
         known = [each for each in self.evaluations.best_known() if not each.reason]
@@ -255,6 +259,18 @@ class _Run:
             )
             for each, on in zip(known, front, strict=True)
         )
+
+
+def _obstacle(demand: Demand, nearest: Evaluation, *, alone: bool) -> Obstacle:
+    return Obstacle(
+        demand.quantity,
+        demand.required,
+        demand.probability(nearest),
+        column=demand.column,
+        limit=demand.limit,
+        would_do=demand.would_do(nearest),
+        alone=alone,
+    )
 
 
 def _is_good(outcome: Outcome) -> bool:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from missionplan.errors import MissionplanError
 from missionplan.montecarlo.streams import BLOCK
-from missionplan.phases.fields.ensemble import Ensemble
+from missionplan.scenario.currents.members import members_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.simulation.block_sequence import BlockItem, BlockOutcome, BlockResult, FailedBlock
 from missionplan.studies.simulation.block_statistics import SAMPLED_BLOCKS, statistics_of_block
@@ -35,10 +35,7 @@ class BlockTask:
     @property
     def members(self) -> tuple[tuple[str, float], ...]:
         """Names and probabilities of the members of the current's ensemble; none where it is none."""
-        ensemble = self.means.recorded
-        if not isinstance(ensemble, Ensemble):
-            return ()
-        return tuple(zip(ensemble.names, ensemble.weights.tolist(), strict=True))
+        return members_of(self.means.recorded)
 
     def trials(self, block: int, size: int, *, tracked: int = 0, inputs: bool = True) -> MissionTrials:
         """Run one block."""

@@ -9,7 +9,7 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.report.optimisation import answer
+from missionplan.report.optimisation.page import answer
 from missionplan.studies.exploration.key_paths import with_values
 from missionplan.studies.optimisation.choosable import read_lattice
 
@@ -97,8 +97,24 @@ def test_the_obstacle_is_named_with_how_much_is_reached(tmp_path):
     assert [each.quantity for each in hopeless.obstacles] == ["total.duration"]
     assert hopeless.obstacles[0].reached.value < 0.9
     assert answer(hopeless).startswith("No choice tried meets all requirements. The obstacle is the total duration")
+    would_do = hopeless.obstacles[0].would_do
+    assert would_do > 12.0 * 60.0
+    values = {key: value for name, value in hopeless.chosen.items() for key in name.split("+")}
+    nearest = missionplan.simulate(Mission.from_data(with_values(transit().raw, values)), trials=2000)
+    assert would_do == pytest.approx(nearest.total.quantities["duration_s"].p95, rel=0.1)
+    assert "instead of 12\N{NO-BREAK SPACE}min would do" in answer(hopeless)
     hopeless.save(tmp_path / "report")
     assert not (tmp_path / "report" / "mission-optimised.yaml").exists()
+
+
+def test_where_no_requirement_is_alone_each_that_is_missed_says_by_how_much():
+    hard = transit(minutes=12.0)
+    both = [*hard.raw["requirements"], {"quantity": "total.energy", "at_most": "0.1 W*h", "probability": 0.9}]
+    found = missionplan.optimise(Mission.from_data({**hard.raw, "requirements": both}), choose=CHOOSE[:1], trials=200)
+    assert {each.quantity for each in found.obstacles} == {"total.duration", "total.energy"}
+    assert not any(each.alone for each in found.obstacles)
+    assert all(each.would_do > each.limit for each in found.obstacles)
+    assert "Dropping one requirement alone would not do." in answer(found)
 
 
 def test_the_choice_does_not_depend_on_the_number_of_processes(mission):

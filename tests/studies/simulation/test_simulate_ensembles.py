@@ -7,14 +7,23 @@ from simulate_missions import chesapeake
 from test_simulate_currents import STEADY, csv
 
 from missionplan.errors import InputError
+from missionplan.mission import Mission
 from missionplan.phases.currents import layers
 from missionplan.phases.fields.ensemble import Ensemble
 from missionplan.phases.recorded_currents import SeriesCurrent
+from missionplan.report.leg_length.plan import page as plan_page
+from missionplan.report.render import terminal_view
 from missionplan.report.simulation.page import answer
+from missionplan.scenario.currents.members import under_each_member
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.anchor.size_anchor import size_anchor
+from missionplan.studies.exploration.explore import explore
+from missionplan.studies.exploration.key_paths import with_values
+from missionplan.studies.leg_length import paired_trials
+from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+from missionplan.studies.optimisation.optimise import optimise
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.validation.missions import validated_mission
 
@@ -153,3 +162,81 @@ def test_an_anchor_in_a_record_of_the_current_is_sized_for_a_speed_that_the_miss
     assert ready["size-anchor"] == ("moor.design_current",)
     named = ensemble_mission(tmp_path, changes={"phases.1.moor.design_current": "0.5 m/s"})
     assert size_anchor(named).summary()["anchor"]["wet_weight_n"] > 0.0
+
+
+@pytest.fixture
+def spoiled(tmp_path):
+    """A mission of which one of three members carries the vehicle away."""
+    changes = {
+        "navigation.drift_compensation": "last-leg",
+        "navigation.max_legs": 20,  # those that are carried away would take all legs allowed
+        "sweep": {"d_max": ["400 m", "900 m"]},
+    }
+    mission = ensemble_mission(tmp_path, changes=changes)
+    return Mission.from_data(with_values(mission.raw, {"moor.design_current": "0.3 m/s"}), file=mission.file)
+
+
+def words(found):
+    return terminal_view(found).sentence.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def test_plans_of_legs_say_which_member_spoils_them(spoiled, monkeypatch):
+    monkeypatch.setattr(paired_trials, "HALVING_RUNGS", ((16, 1),))  # which legs are planned does not matter here
+    plan = plan_legs(spoiled, trials=300)
+    arrived = {each.name: each.good.value for each in plan.arrivals}
+    assert arrived == {"run-0.csv": 1.0, "run-1.csv": 1.0, "run-2.csv": 0.0}
+    assert [each.probability for each in plan.arrivals] == pytest.approx([0.5, 0.3, 0.2])
+    assert "It depends on the forecast: it arrives 0 % of the time in run-2.csv" in words(plan)
+    assert plan.summary()["members"][2]["good"]["value"] == 0.0
+    assert "Which member of the current's ensemble spoils the plan" in [
+        part.heading for part in plan_page(plan).sections
+    ]
+
+
+def test_sweeps_say_which_member_spoils_them(spoiled):
+    swept = sweep_dmax(spoiled, trials=400)
+    assert {each.name: each.good.value for each in swept.members}["run-2.csv"] == 0.0
+    assert "it arrives 0 % of the time in run-2.csv" in words(swept)
+    over_all = swept.middle.recommended.arrived.value
+    assert over_all == pytest.approx(sum(each.probability * each.good.value for each in swept.members), abs=0.07)
+
+
+def test_anchors_say_which_member_spoils_them(tmp_path):
+    fast = ensemble_mission(
+        tmp_path, (0.0, 0.1, 2.5), (50.0, 45.0, 5.0)
+    )  # 25 m in the 10 s from the fix to the anchor's release
+    without = {"moor.design_current": "1 m/s", "requirements": []}  # a search of the lightest would take long
+    mission = Mission.from_data(with_values(fast.raw, without), file=fast.file)
+    sized = size_anchor(mission, trials=40)
+    assert [each.good.value for each in sized.members] == [1.0, 1.0, 0.0]
+    assert "it succeeds 0 % of the time in run-2.csv" in words(sized)
+    assert sized.summary()["members"][2]["probability"] == pytest.approx(0.05)
+
+
+def test_explorations_and_optimisations_say_which_member_spoils_the_best(spoiled):
+    found = explore(spoiled, "ingress.speed=1:1.5:0.5 m/s", trials=300)
+    best = simulate(
+        Mission.from_data(with_values(spoiled.raw, {"ingress.speed": "1 m/s"}), file=spoiled.file), trials=300
+    )
+    assert found.values_of(found.best_cell) == {"ingress.speed": "1 m/s"}
+    assert [each.good for each in found.members] == [each.success for each in best.members]
+    assert "It depends on the forecast: it succeeds 0 % of the time in run-2.csv" in words(found)
+    lenient = with_values(spoiled.raw, {"requirements": [{"quantity": "ingress.arrived", "probability": 0.5}]})
+    chosen = optimise(Mission.from_data(lenient, file=spoiled.file), choose=["ingress.speed=1:1.5:0.5 m/s"], trials=200)
+    assert {each.name: each.good.value for each in chosen.members}["run-2.csv"] == 0.0
+    assert "in run-2.csv" in words(chosen)
+
+
+def test_a_mission_without_an_ensemble_names_no_member(tmp_path):
+    alone = chesapeake(tmp_path, STEADY | {"sweep": {"d_max": ["400 m"]}})
+    assert sweep_dmax(alone, trials=50).members == ()
+    assert "members" not in explore(alone, "ingress.speed=1,1.5 m/s", trials=20).summary()
+
+
+def test_a_given_member_leaves_what_is_expected():
+    whole = Ensemble.of([series(speed) for speed in SPEEDS], "abc", WEIGHTS)
+    (_, _, last) = under_each_member(whole)
+    assert last[:2] == ("c", pytest.approx(0.2))
+    place = np.zeros((2, 3))
+    assert last[2].velocity(50.0, 0.0, place[:, :1])[0] == pytest.approx(whole.velocity(50.0, 0.0, place[:, :1])[0])
+    assert last[2].drawn(np.zeros(3)).velocity(50.0, 0.0, place)[0] == pytest.approx(1.2)

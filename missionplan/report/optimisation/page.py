@@ -1,19 +1,18 @@
 """Report of `optimise`: the choice, its check, what binds, the front, or what the obstacle is."""
 
+import math
 import shlex
-from collections.abc import Iterator, Sequence
-
-import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as MatplotlibFigure
+from collections.abc import Iterator
 
 from missionplan.montecarlo.statistics import Statistic
 from missionplan.report.display_units import Unit, unit_for
+from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import number, percent, share, with_error
-from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Listing, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.optimisation.front import front_figure
+from missionplan.report.page import Listing, Page, PageSection, Table, Terminal
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.report.wording import in_words, keys_in_words
-from missionplan.results.choosing.optimisation import Optimised, Tried
+from missionplan.results.choosing.optimisation import Obstacle, Optimised, Tried
 
 _MOST_ROWS = 25
 
@@ -49,20 +48,41 @@ def answer(found: Optimised) -> str:
     if found.checked is not None and found.fresh is not None:
         trials, fresh = number(found.fresh.provenance.trials), percent(found.fresh.total.events["success"])
         sentences.append(f"All requirements are met, on {trials} fresh trials too, of which {fresh} succeed.")
-    return " ".join([*sentences, _binding_words(found)])
+    sailed = members_in_words(found.members, "succeeds")
+    return " ".join(filter(None, [*sentences, sailed, _binding_words(found)]))
+
+
+def _sailed(found: Optimised) -> Iterator[PageSection]:
+    note = "Each trial sails in one member of the ensemble; a row has the trials that sail in it."
+    yield from members_section(found.members, "mission", "success (95 % interval)", note)
 
 
 def _obstacle_words(found: Optimised) -> str:
-    known = [each for each in found.obstacles if each.reached is not None]
-    if not known:
-        return "More than one requirement stands in the way: none can be dropped alone."
+    if not found.obstacles:
+        return "All that fall short do so by no more than chance: more trials would tell."
+    alone = all(each.alone for each in found.obstacles)
     parts = [
-        f"the {in_words(each.quantity)}, which is met with {percent(each.reached)} at most where all others are, "
-        f"{100.0 * each.required:g}\u00a0% required"
-        for each in known
-        if each.reached is not None
+        f"the {in_words(each.quantity)}, which is met with {percent(each.reached)}{' where all others are' * alone}, "
+        f"{100.0 * each.required:g}\u00a0% required{_would_do(found, each)}"
+        for each in found.obstacles
     ]
-    return f"The obstacle is {'; or '.join(parts)}."
+    if alone:
+        return f"The obstacle is {'; or '.join(parts)}."
+    return f"Dropping one requirement alone would not do. The choice that comes nearest misses {'; and '.join(parts)}."
+
+
+def _would_do(found: Optimised, each: Obstacle) -> str:
+    """Write with which bound it would be met: `` (21.1 W h instead of 15 W h would do)``."""
+    if not math.isfinite(each.would_do):
+        return ""
+    would, limit = (_in_unit(found, each, value) for value in (each.would_do, each.limit))
+    return f" ({would} instead of {limit} would do)"
+
+
+def _in_unit(found: Optimised, each: Obstacle, value: float) -> str:
+    phase, _, key = each.column.rpartition(".")
+    unit = unit_for(phase, key, found.provenance.data, typical=value)
+    return f"{number(unit(value))}{unit.suffix}" if math.isfinite(value) else "–"
 
 
 def _binding_words(found: Optimised) -> str:
@@ -185,12 +205,19 @@ def _obstacles(found: Optimised) -> Iterator[PageSection]:
             (
                 in_words(each.quantity),
                 _required(each.required),
-                percent(each.reached) if each.reached else "–",
+                percent(each.reached),
+                _in_unit(found, each, each.limit),
+                _in_unit(found, each, each.would_do),
             )
             for each in found.obstacles
         ]
-        columns = ("requirement", "required", "most that meets all others")
-        yield PageSection("What stands in the way", [Table(columns, rows)])
+        columns = ("requirement", "required", "reached", "bound", "bound that would do")
+        caption = (
+            "Of the choice that comes nearest to each requirement among those that meet all others."
+            if all(each.alone for each in found.obstacles)
+            else "Of the choice that comes nearest to meeting all requirements."
+        )
+        yield PageSection("What stands in the way", [Table(columns, rows, caption)])
 
 
 def _front(found: Optimised) -> Iterator[PageSection]:
@@ -213,58 +240,6 @@ def _costs(each: Tried) -> tuple[tuple[str, float], tuple[str, float]]:
     return ("energy_wh", each.energy), ("duration_s", each.duration)
 
 
-def front_figure(found: Optimised) -> Figure | None:
-    """Draw P(success) against the cost of all that was tried and reached the mission's end."""
-    tried = _reached(found)
-    if not tried:
-        return None
-    figure = MatplotlibFigure(figsize=(6.0, 3.4))
-    draw_front(figure.subplots(), found)
-    figure.legend(loc="outside upper center", ncols=3)
-    return to_figure(
-        figure,
-        "optimise",
-        f"Probability of success against mean {found.aim} of the choices tried",
-        f"All choices tried, with {min(each.trials for each in tried)} trials or more.",
-    )
-
-
-def draw_front(axes: Axes, found: Optimised) -> None:
-    """Draw P(success) against the cost of all that was tried and reached the mission's end."""
-    tried = _reached(found)
-    if not tried:
-        return
-    unit = _unit_of_cost(found, tried)
-    chosen = [each for each in tried if each.values == found.chosen and found.feasible]
-    for label, marker, size, colour, members in (
-        ("misses a requirement", "o", 4, GREY, [each for each in tried if not each.feasible]),
-        ("meets all requirements", "o", 4, BLUE, [each for each in tried if each.feasible]),
-        ("chosen", "*", 14, ORANGE, chosen),
-    ):
-        if members:
-            x = [unit(_least(found, each)) for each in members]
-            y = [100.0 * each.success.value for each in members]
-            axes.plot(x, y, marker, color=colour, markersize=size, alpha=0.6 if marker == "o" else 1.0, label=label)
-    low = min(90.0, 100.0 * min(each.success.value for each in tried))
-    axes.set(xlabel=f"Mean {found.aim}{unit.axis}", ylabel="P(success) (%)")
-    axes.set_ylim(low - 0.05 * (100.0 - low), 100.0 + 0.05 * (100.0 - low))
-
-
-def _reached(found: Optimised) -> list[Tried]:
-    """Choices tried of which some trial reached the mission's end."""
-    return [each for each in found.tried if np.isfinite(_least(found, each))]
-
-
-def _unit_of_cost(found: Optimised, tried: Sequence[Tried]) -> Unit:
-    typical = float(np.median([_least(found, each) for each in tried]))
-    return unit_for("total", found.key, found.provenance.data, typical=typical)
-
-
-def _least(found: Optimised, each: Tried) -> float:
-    """Return the mean of what is to be least."""
-    return each.energy if found.aim == "energy" else each.duration
-
-
 def _effort(found: Optimised) -> Iterator[PageSection]:
     text = (
         f"{number(found.search_trials)} trials searched the {number(found.combinations)} combinations, "
@@ -284,4 +259,4 @@ def _rerun(found: Optimised) -> str:
     return " ".join(["missionplan optimise mission.yaml", *words, f"--aim {found.aim}", trials])
 
 
-_PARTS = (_choice, _checks, _relaxed, _obstacles, _front, _effort)
+_PARTS = (_choice, _checks, _sailed, _relaxed, _obstacles, _front, _effort)
