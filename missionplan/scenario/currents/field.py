@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from missionplan.errors import InputError, Problem
@@ -84,7 +85,19 @@ def _opened(name: str) -> "Dataset":
         if name.startswith(REMOTE):
             hint = "an OPeNDAP address needs the network; a copy of the part you need serves without one"
             raise InputError([Problem(f"cannot be opened: {words}", name, hint=hint)]) from None
+        if not _begins_as_netcdf(name):
+            raise InputError([Problem("is no NetCDF file; expected NetCDF 3 or 4", name)]) from None
         raise InputError([Problem(f"cannot be read as NetCDF: {words}", name)]) from None
+
+
+def _begins_as_netcdf(name: str) -> bool:
+    """Whether the first bytes are those of NetCDF 3, or of HDF5, which NetCDF 4 is."""
+    try:
+        with Path(name).open("rb") as file:
+            first = file.read(4)
+    except OSError:
+        return True  # whatever is wrong, the library has said it
+    return first[:3] == b"CDF" or first == b"\x89HDF"
 
 
 def _read(files: FieldFiles, area: Area) -> GriddedCurrent:

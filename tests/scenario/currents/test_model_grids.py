@@ -14,6 +14,7 @@ from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.field import read_field
 
 netcdf = pytest.importorskip("netCDF4")
+xarray = pytest.importorskip("xarray")
 ORIGIN = Geographic.model_construct(latitude=np.radians(45.0), longitude=np.radians(-124.0))
 START = np.datetime64("2026-05-01T12:00:00", "ns")
 
@@ -156,10 +157,10 @@ def test_a_ugrid_mesh_is_linear_in_triangles_and_in_depth(tmp_path, layers):
     current = read_field([str(tmp_path / "mesh.nc")], area(projection="local"), "mesh.nc")
     rng = np.random.default_rng(9)
     nodes, triangles = np.stack((made["x"], made["y"]), axis=1), split(made["faces"])
-    place, t = rng.uniform(-1900.0, 1900.0, (2, 300)), rng.uniform(0.0, 10_800.0, 300)
-    depth = rng.uniform(0.0, 14.0, 300) if layers is not None else np.zeros(300)
+    place, t = rng.uniform(-1900.0, 1900.0, (2, 1000)), rng.uniform(0.0, 10_800.0, 1000)
+    depth = rng.uniform(0.0, 14.0, 1000) if layers is not None else np.zeros(1000)
     found = current.velocity(t, depth, place)
-    for k in range(300):
+    for k in range(1000):
         number, shares = slow.triangle_about(nodes, np.array(triangles), place[:, k])
         for part, name in enumerate(("ucx", "ucy")):
 
@@ -237,17 +238,17 @@ def test_fvcom_has_a_gradient_in_each_cell(tmp_path, gradients):
     middles = current.grid.points.T
     rng = np.random.default_rng(7)
     place, t, depth = (
-        rng.uniform(-1900.0, 1900.0, (2, 300)),
-        rng.uniform(0.0, 10_800.0, 300),
-        rng.uniform(0.0, 12.0, 300),
+        rng.uniform(-1900.0, 1900.0, (2, 1100)),
+        rng.uniform(0.0, 10_800.0, 1100),
+        rng.uniform(0.0, 12.0, 1100),
     )
     found = current.velocity(t, depth, place)
     x, y = mesh_nodes()
     corners = np.stack((x, y), axis=1) + np.array(
         [middles[:, 0].mean() - x[made["faces"]].mean(), middles[:, 1].mean() - y[made["faces"]].mean()]
     )
-    edges = 0
-    for k in range(300):
+    edges = compared = 0
+    for k in range(1100):
         cell, shares = slow.triangle_about(corners, made["faces"], place[:, k])
         if shares.min() < 0.01:
             continue  # the plane of the package is not quite the one that the nodes were made in
@@ -271,7 +272,9 @@ def test_fvcom_has_a_gradient_in_each_cell(tmp_path, gradients):
 
             assert found[part, k] == pytest.approx(slow.in_time(HOURS * 3600.0, t[k], at), abs=1e-5)
         edges += others.min() < 0
-    assert 0 < edges < 150
+        compared += 1
+    assert 0 < edges < compared // 2
+    assert compared > 1000
 
 
 def test_a_field_of_the_surface_alone_serves_nothing_below_it(tmp_path):
@@ -284,7 +287,6 @@ def test_a_field_of_the_surface_alone_serves_nothing_below_it(tmp_path):
 
 def test_what_is_read_of_a_wide_field_ends_in_a_failure_and_not_in_its_edge(tmp_path):
     """The current is linear in the file's coordinates, so that it tells whether the right part was read."""
-    xarray = pytest.importorskip("xarray")
     latitude, longitude = np.arange(44.0, 46.01, 0.05), np.arange(-126.0, -121.99, 0.05)
 
     def known(north, east):
@@ -308,8 +310,80 @@ def test_what_is_read_of_a_wide_field_ends_in_a_failure_and_not_in_its_edge(tmp_
     np.testing.assert_allclose(current.velocity(600.0, 0.0, places)[:, :2], [known(*at[:, :2])] * 2, atol=1e-4)
 
 
+def regular(path, rng, *, descending):
+    """Write random currents on a regular grid with depth; returns its axes [h, m, degrees] and u, v."""
+    latitude, longitude = np.linspace(44.9, 45.1, 9), np.linspace(-124.15, -123.85, 8)
+    latitude = latitude[::-1] if descending else latitude
+    hours, depth = np.array([-1.0, 0.0, 1.0, 2.0, 3.0]), np.array([0.0, 3.0, 8.0, 20.0])
+    values = rng.uniform(-0.15, 0.15, (2, hours.size, depth.size, latitude.size, longitude.size))
+    with netcdf.Dataset(path, "w") as file:
+        axes = {"time": hours, "depth": depth, "lat": latitude, "lon": longitude}
+        for name, numbers in axes.items():
+            file.createDimension(name, numbers.size)
+            file.createVariable(name, "f8", (name,))[:] = numbers
+        file["time"].units, file["depth"].units = f"hours since {START}", "m"
+        for name, part, toward in (("uo", values[0], "eastward"), ("vo", values[1], "northward")):
+            variable = file.createVariable(name, "f8", tuple(axes))
+            variable.units, variable.standard_name = "m s-1", f"{toward}_sea_water_velocity"
+            variable[:] = part
+    return axes, values
+
+
+@pytest.mark.parametrize("descending", [False, True])
+def test_a_regular_grid_with_depth_is_linear_in_all_four(tmp_path, descending):
+    """1000 random places, times and depths; the cells are those between the file's nodes on the mission's plane.
+
+    The package keeps rows and columns straight, which moves places by up to 16 m here: 1 mm/s where the current differs
+    by 0.3 m/s from one node to the next, 2 km away.
+    """
+    rng = np.random.default_rng(17)
+    axes, values = regular(tmp_path / "regular.nc", rng, descending=descending)
+    current = read_field([str(tmp_path / "regular.nc")], area(), "regular.nc")
+    x, y = to_plane(*np.radians(np.meshgrid(axes["lat"], axes["lon"], indexing="ij")), ORIGIN)
+    nodes = np.stack((x.ravel(), y.ravel()))
+    place, t, depth = inner_points(nodes, 1000, rng), rng.uniform(0.0, 10_800.0, 1000), rng.uniform(0.0, 25.0, 1000)
+    found = current.velocity(t, depth, place)
+    for k in range(1000):
+        j, i, (a, b) = slow.quad_about(x, y, place[:, k])
+
+        def at(step, j=j, i=i, a=a, b=b, k=k):
+            corners = ((0, 0, (1 - a) * (1 - b)), (0, 1, a * (1 - b)), (1, 0, (1 - a) * b), (1, 1, a * b))
+            columns = [(weight, values[:, step, :, j + dj, i + di]) for dj, di, weight in corners]
+            return sum(w * np.array([slow.in_column(axes["depth"], each, depth[k]) for each in c]) for w, c in columns)
+
+        theory = slow.in_time(3600.0 * axes["time"], t[k], at)
+        assert found[:, k] == pytest.approx(theory, abs=1e-3)
+
+
+def test_an_address_is_passed_to_xarray_which_alone_knows_how_to_read_it(tmp_path, monkeypatch):
+    """As with a network: what xarray returns for the address is read like a file."""
+    regular(tmp_path / "regular.nc", np.random.default_rng(3), descending=False)
+    address, asked = "https://thredds.example.org/dodsC/forecast", []
+    whole = xarray.open_dataset
+
+    def opened(name, **options):
+        asked.append(name)
+        return whole(tmp_path / "regular.nc" if name == address else name, **options)
+
+    monkeypatch.setattr(xarray, "open_dataset", opened)
+    far, near = (read_field([name], area(), name) for name in (address, str(tmp_path / "regular.nc")))
+    assert asked[0] == address
+    place, t = np.zeros((2, 5)), np.linspace(0.0, 9000.0, 5)
+    assert far.velocity(t, 4.0, place).tolist() == near.velocity(t, 4.0, place).tolist()
+
+
+def test_a_file_that_is_no_field_is_refused_in_plain_words(tmp_path):
+    (tmp_path / "notes.nc").write_text("not a field")
+    with pytest.raises(InputError, match=r"notes\.nc: is no NetCDF file; expected NetCDF 3 or 4$"):
+        read_field([str(tmp_path / "notes.nc")], area(), "notes.nc")
+    whole = tmp_path / "regular.nc"
+    regular(whole, np.random.default_rng(3), descending=False)
+    whole.write_bytes(whole.read_bytes()[:300])
+    with pytest.raises(InputError, match="cannot be read as NetCDF"):
+        read_field([str(whole)], area(), "regular.nc")
+
+
 def test_a_regular_grid_in_metres_is_refused(tmp_path):
-    xarray = pytest.importorskip("xarray")
     metres = np.arange(-5000.0, 5001.0, 1000.0)
     values = np.zeros((1, metres.size, metres.size))
     xarray.Dataset(
