@@ -52,6 +52,8 @@ def test_few_legs_are_not_described_statistically(count, folder, transit_mission
     found = diagnose(transit_mission, folder(KIND, legs(count, error=drifting(0.2, 9000.0))), plan=False)
     assert all(CATALOGUE[cause].tier == "physical" for entry in found.ranking for cause in entry.causes)
     assert found.untestable["persistent-error"] == f"a statistical description needs 20 legs; these are {count}"
+    told = f"merely persist or scatter was not considered: a statistical description needs 20 legs; these are {count}."
+    assert (told in words_of(found)) == bool(found.causes)
 
 
 def test_eight_legs_of_a_compass_swing_are_enough(folder, transit_mission, legs):
