@@ -59,7 +59,7 @@ def _sailed(found: Optimised) -> Iterator[PageSection]:
 
 def _obstacle_words(found: Optimised) -> str:
     if not found.obstacles:
-        return "All that fall short do so by no more than chance: more trials would tell."
+        return "Some meet them in the trials of the search, but none in both checks; more trials may tell."
     alone = all(each.alone for each in found.obstacles)
     parts = [
         f"the {in_words(each.quantity)}, which is met with {percent(each.reached)}{' where all others are' * alone}, "
