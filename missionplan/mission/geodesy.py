@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from pyproj import Proj
 
 
+_EQUATORIAL_RADIUS, _ECCENTRICITY_SQUARED = 6_378_137.0, 0.006_694_379_990_14
+"""Of WGS 84 [m, 1]."""
+
+
 @lru_cache(maxsize=16)
 def _plane(latitude: float, longitude: float) -> "Proj":
     from pyproj import Proj
@@ -25,6 +29,11 @@ def to_plane(latitude: Array, longitude: Array, origin: Geographic) -> tuple[Arr
     """East and north of `origin` [m], from latitude and longitude [rad]."""
     east, north = _plane(origin.latitude, origin.longitude)(np.degrees(longitude), np.degrees(latitude))
     return np.asarray(east, dtype=float), np.asarray(north, dtype=float)
+
+
+def curvature_of_parallel(latitude: float) -> float:
+    """Geodesic curvature of a parallel, tan(latitude [rad]) over the ellipsoid's normal radius, toward north [1/m]."""
+    return math.tan(latitude) * math.sqrt(1.0 - _ECCENTRICITY_SQUARED * math.sin(latitude) ** 2) / _EQUATORIAL_RADIUS
 
 
 def to_geographic(east: Array, north: Array, origin: Geographic) -> tuple[Array, Array]:

@@ -93,11 +93,11 @@ class GriddedCurrent(RecordedCurrent):
 
     @override
     def velocity(self, t: Scalars, depth: Scalars, position: Array) -> Array:
-        lattice = self._lattice(depth)
+        place, lattice = self.grid.on_grid(np.asarray(position)), self._lattice(depth)
         if lattice is not None:
-            velocity = lattice.velocity(t, depth, np.asarray(position))
+            velocity = lattice.velocity(t, depth, place)
             return velocity if self.outside != "zero" else velocity * self._known(t, depth, position)
-        columns = self.grid.columns(np.asarray(position))
+        columns = self.grid.columns(place)
         low, high, share = bracket(self.time, t, self._time_step)
         shared = bracket(self.levels, depth) if self.levels.ndim == 1 and np.size(depth) > 1 else None
         velocity = np.zeros((2, 1))
@@ -187,17 +187,18 @@ class GriddedCurrent(RecordedCurrent):
     def covers(self, span: Span) -> NDArray[np.bool_]:
         start, end, depth = (np.asarray(each) for each in (span.start, span.end, span.depth))
         first, last = self.time[0], self.time[-1]
+        places = [self.grid.on_grid(np.asarray(place)) for place in span.places]
         inside = start.size and start.min() >= first and end.max() <= last and depth.min() >= self.depth[0]
-        if inside and all(self._water.is_all_open(place, depth) for place in span.places):
+        if inside and all(self._water.is_all_open(place, depth) for place in places):
             return np.ones(1, dtype=bool)
         good = np.atleast_1d((first <= start) & (end <= last) & (depth >= self.depth[0]))
-        for place, t in zip(span.places, (span.start, span.end), strict=False):
-            good = good & self._water.is_good(np.asarray(place), t, span.depth)
+        for place, t in zip(places, (span.start, span.end), strict=False):
+            good = good & self._water.is_good(place, t, span.depth)
         return good
 
     def holds(self, place: Array) -> NDArray[np.bool_]:
         """Whether places, shape (2, n), are on the grid and at some time water."""
-        return self._water.holds(place)
+        return self._water.holds(self.grid.on_grid(place))
 
     @cached_property
     def _water(self) -> FieldWater:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.mission.geodesy import to_plane
+from missionplan.mission.geodesy import curvature_of_parallel, to_plane
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.fields.grids import RegularGrid
 from missionplan.phases.fields.triangles import Indices
@@ -24,9 +24,8 @@ REACH = np.radians(8.0)
 def read_regular(files: FieldFiles, area: Area) -> GriddedCurrent:
     """Read a field whose latitudes and longitudes are one axis each.
 
-    Each row of the grid keeps the north coordinate of its point on the origin's meridian, each column the east
-    coordinate of its point on the origin's parallel. At a distance D to the north and east the error is
-    D² tan(latitude)/R: 12 m at 10 km and 37°, little beside the spacing of the grid.
+    Rows have the north coordinates of their points on the origin's meridian, columns the east coordinates of theirs on
+    the origin's parallel; elsewhere parallels and meridians bend (`RegularGrid`).
 
     Raises
     ------
@@ -51,7 +50,8 @@ def read_regular(files: FieldFiles, area: Area) -> GriddedCurrent:
     alone = depth is None or (depth.size == 1 and float(depth[0]) <= SKIN)
     bottom = np.full(velocity.shape[2], SKIN if alone else np.nan)
     levels = np.zeros(1) if depth is None else depth
-    return assembled(files, area.seconds(moments), RegularGrid(north, east), levels, velocity, bottom)
+    grid = RegularGrid(north, east, curvature_of_parallel(area.origin.latitude))
+    return assembled(files, area.seconds(moments), grid, levels, velocity, bottom)
 
 
 def _depths(files: FieldFiles, across: list[str]) -> Array | None:

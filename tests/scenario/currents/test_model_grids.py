@@ -3,13 +3,15 @@
 import brute_force as slow
 import numpy as np
 import pytest
+import scipy
 from model_files import HOURS, bent_grid, fvcom, mesh_nodes, roms, split, ugrid
 from pyproj import Transformer
 
 from missionplan.errors import InputError
-from missionplan.mission.geodesy import to_plane
+from missionplan.mission.geodesy import curvature_of_parallel, to_geographic, to_plane
 from missionplan.mission.schema.site import Geographic
 from missionplan.phases.currents import Span
+from missionplan.phases.fields.grids import RegularGrid
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.field import read_field
 
@@ -315,7 +317,7 @@ def regular(path, rng, *, descending):
     latitude, longitude = np.linspace(44.9, 45.1, 9), np.linspace(-124.15, -123.85, 8)
     latitude = latitude[::-1] if descending else latitude
     hours, depth = np.array([-1.0, 0.0, 1.0, 2.0, 3.0]), np.array([0.0, 3.0, 8.0, 20.0])
-    values = rng.uniform(-0.15, 0.15, (2, hours.size, depth.size, latitude.size, longitude.size))
+    values = rng.uniform(-0.6, 0.6, (2, hours.size, depth.size, latitude.size, longitude.size))
     with netcdf.Dataset(path, "w") as file:
         axes = {"time": hours, "depth": depth, "lat": latitude, "lon": longitude}
         for name, numbers in axes.items():
@@ -331,28 +333,32 @@ def regular(path, rng, *, descending):
 
 @pytest.mark.parametrize("descending", [False, True])
 def test_a_regular_grid_with_depth_is_linear_in_all_four(tmp_path, descending):
-    """1000 random places, times and depths; the cells are those between the file's nodes on the mission's plane.
-
-    The package keeps rows and columns straight, which moves places by up to 16 m here: 1 mm/s where the current differs
-    by 0.3 m/s from one node to the next, 2 km away.
-    """
+    """1000 random places, times and depths, against scipy's interpolation in the file's own coordinates."""
     rng = np.random.default_rng(17)
     axes, values = regular(tmp_path / "regular.nc", rng, descending=descending)
     current = read_field([str(tmp_path / "regular.nc")], area(), "regular.nc")
     x, y = to_plane(*np.radians(np.meshgrid(axes["lat"], axes["lon"], indexing="ij")), ORIGIN)
     nodes = np.stack((x.ravel(), y.ravel()))
     place, t, depth = inner_points(nodes, 1000, rng), rng.uniform(0.0, 10_800.0, 1000), rng.uniform(0.0, 25.0, 1000)
+    latitude, longitude = np.degrees(to_geographic(*place, ORIGIN))
+    at = np.stack((t / 3600.0, np.minimum(depth, axes["depth"][-1]), latitude, longitude), axis=1)
     found = current.velocity(t, depth, place)
-    for k in range(1000):
-        j, i, (a, b) = slow.quad_about(x, y, place[:, k])
+    for part, component in zip(values, found, strict=True):
+        numbers = (axes["time"], axes["depth"], axes["lat"], axes["lon"])
+        theory = scipy.interpolate.interpn(numbers, part, at)
+        assert component == pytest.approx(theory, abs=1e-4)
 
-        def at(step, j=j, i=i, a=a, b=b, k=k):
-            corners = ((0, 0, (1 - a) * (1 - b)), (0, 1, a * (1 - b)), (1, 0, (1 - a) * b), (1, 1, a * b))
-            columns = [(weight, values[:, step, :, j + dj, i + di]) for dj, di, weight in corners]
-            return sum(w * np.array([slow.in_column(axes["depth"], each, depth[k]) for each in c]) for w, c in columns)
 
-        theory = slow.in_time(3600.0 * axes["time"], t[k], at)
-        assert found[:, k] == pytest.approx(theory, abs=1e-3)
+@pytest.mark.parametrize("latitude", [-60.0, -33.0, 0.0, 45.0, 60.0])
+@pytest.mark.parametrize(("distance", "within"), [(10_000.0, 0.05), (50_000.0, 6.0)])
+def test_parallels_and_meridians_bend_as_on_the_ellipsoid(latitude, distance, within):
+    origin = Geographic.model_construct(latitude=np.radians(latitude), longitude=np.radians(170.0))
+    grid = RegularGrid(np.zeros(2), np.zeros(2), curvature_of_parallel(origin.latitude))
+    place = np.random.default_rng(5).uniform(-distance, distance, (2, 500))
+    at = to_geographic(*place, origin)
+    column, _ = to_plane(np.full(500, origin.latitude), at[1], origin)
+    _, row = to_plane(at[0], np.full(500, origin.longitude), origin)
+    assert np.abs(grid.on_grid(place) - (column, row)).max() < within
 
 
 def test_an_address_is_passed_to_xarray_which_alone_knows_how_to_read_it(tmp_path, monkeypatch):
