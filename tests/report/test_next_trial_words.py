@@ -67,6 +67,7 @@ def diagnosed(**given: Any) -> Any:
         "coverage": None,
         "explanations": (),
         "verdict": "ambiguous",
+        "untestable": {},
     }
     return SimpleNamespace(**{**usual, **given})
 
@@ -120,3 +121,24 @@ def test_what_is_not_claimed_is_told_with_its_weight(verdict: str, score: float,
     best = SimpleNamespace(causes=("heavy-tails",), score=score, posterior=0.7, held_out=None)
     words = how_sure(diagnosed(verdict=verdict, causes=(), best=best))
     assert expected in words[0]
+
+
+@pytest.mark.parametrize(
+    ("score", "expected"),
+    [(0.3, "nothing in them asks for a cause."), (3.4, "what speaks for a cause (heavy tails) is too weak to claim it.")],
+)
+def test_an_adequate_model_is_not_said_to_be_beyond_doubt(score: float, expected: str) -> None:
+    best = SimpleNamespace(causes=("heavy-tails",), score=score, parameters=(), held_out=None)
+    found = diagnosed(
+        verdict="adequate",
+        causes=(),
+        best=best,
+        suspect_labels="",
+        misfit="",
+        known=(),
+        confirmed=(),
+        last_part=None,
+        discrepancy=SimpleNamespace(axis=None, resembles=None),
+        kind="transit",
+    )
+    assert answer(found) == f"The mission's model is adequate for these data: {expected}"

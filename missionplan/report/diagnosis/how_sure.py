@@ -7,7 +7,7 @@ from missionplan.report.diagnosis.causes import enumerated, names, part, percent
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import CLAIM, Coverage
 
-_WORTH_TELLING = 1.0
+WORTH_TELLING = 1.0
 """Score of a cause that is not claimed from which it is told [nat]."""
 _MILLION = math.log(1e6)
 _ALIKE = 5e-4
@@ -34,7 +34,7 @@ def _among_the_tried(diagnosis: Diagnosis) -> str:
     if not diagnosis.causes:
         if diagnosis.verdict == "unexplained":
             return f"Of the explanations tried none fits what the data show; {other}."
-        if best.score > _WORTH_TELLING:
+        if best.score > WORTH_TELLING:
             times = f"{math.exp(best.score):.0f}" if best.score < _MILLION else "over a million"
             return (
                 f"Of the explanations tried none is claimed: the likeliest, {names(best.causes)}, makes the data "

@@ -16,7 +16,7 @@ from missionplan.report.diagnosis.evidence import (
     ranking_section,
     sized,
 )
-from missionplan.report.diagnosis.how_sure import how_sure, intervals_that_miss
+from missionplan.report.diagnosis.how_sure import WORTH_TELLING, how_sure, intervals_that_miss
 from missionplan.report.diagnosis.last_part import last_part_sections, last_part_words
 from missionplan.report.diagnosis.next_trial import next_trial_pointer, next_trial_section, next_trial_told
 from missionplan.report.diagnosis.operator import finding_in_words
@@ -97,9 +97,10 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
     left = resemblance(diagnosis.discrepancy)
     structured = diagnosis.discrepancy.axis is not None
     if diagnosis.verdict == "adequate":
-        return (
-            f"The mission's model is adequate for these data: nothing in them asks for a cause.{_confirmed(diagnosis)}"
-        )
+        best, asks = diagnosis.best, "nothing in them asks for a cause"
+        if best is not None and best.score > WORTH_TELLING:
+            asks = f"what speaks for a cause ({names(best.causes)}) is too weak to claim it"
+        return f"The mission's model is adequate for these data: {asks}.{_confirmed(diagnosis)}"
     if diagnosis.verdict == "unexplained" and diagnosis.suspect_labels:
         return "No cause of the catalogue explains the dives as they are labelled."
     if diagnosis.verdict == "unexplained":
