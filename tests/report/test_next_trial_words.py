@@ -125,7 +125,10 @@ def test_what_is_not_claimed_is_told_with_its_weight(verdict: str, score: float,
 
 @pytest.mark.parametrize(
     ("score", "expected"),
-    [(0.3, "nothing in them asks for a cause."), (3.4, "what speaks for a cause (heavy tails) is too weak to claim it.")],
+    [
+        (0.3, "nothing in them asks for a cause."),
+        (3.4, "what speaks for a cause (heavy tails) is too weak to claim it."),
+    ],
 )
 def test_an_adequate_model_is_not_said_to_be_beyond_doubt(score: float, expected: str) -> None:
     best = SimpleNamespace(causes=("heavy-tails",), score=score, parameters=(), held_out=None)
