@@ -8,7 +8,7 @@ diving minus where the leg was sent, has mean square 2((σ T)² + s₀²) over l
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import nnls
+from scipy.optimize import lsq_linear, nnls
 from typing_extensions import override
 
 from missionplan.arrays import Array
@@ -95,5 +95,13 @@ def fit_leg_spread(scenario: SweepScenario, seed: int) -> LegSpread:
     variance = np.array([np.median(squared[part]) for part in classes]) / (2.0 * np.log(2.0))
     weight = 1.0 / np.maximum(variance, 1e-12)
     terms = np.stack([seconds**2, np.ones_like(seconds)], axis=1)
-    (rate, base), _ = nnls(terms * weight[:, None], variance * weight)
+    rate, base = _non_negative(terms * weight[:, None], variance * weight)
     return LegSpread(min(float(np.sqrt(rate)), 0.9 * MAX_RATIO * scenario.speed), float(np.sqrt(base)))
+
+
+def _non_negative(terms: Array, values: Array) -> Array:
+    """Least squares with coefficients that are not negative."""
+    try:
+        return np.asarray(nnls(terms, values)[0])
+    except ValueError:  # early versions of nnls in Python stop so where nothing is left to free
+        return np.asarray(lsq_linear(terms, values, bounds=(0.0, np.inf)).x)
