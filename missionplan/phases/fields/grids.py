@@ -101,8 +101,12 @@ class RegularGrid(Grid):
         if not self.bend:
             return place
         east, north = place
-        bent = self.bend * east
-        return np.stack((east + bent * north, north - 0.5 * bent * east))
+        bent, found = self.bend * east, np.empty_like(place, dtype=float)
+        np.multiply(bent, north, out=found[0])
+        found[0] += east
+        bent *= 0.5 * east
+        np.subtract(north, bent, out=found[1])
+        return found
 
     @override
     def columns(self, place: Array) -> Columns:
