@@ -122,6 +122,10 @@ class DataKind(ABC):
         """Return the base model's nuisance parameters as fitted, and what else the reader may set beside them."""
         return dict(best.calibration)
 
+    def as_reported(self, fit: CauseFit) -> CauseFit:
+        """Return a fit with its estimates as they are reported, where these take longer than those of a search."""
+        return fit
+
     def widened(self, best: CauseFit, scale: float) -> CauseFit:
         """Return a fit with its random errors scaled, where the mission carries them; else as it is."""
         return best

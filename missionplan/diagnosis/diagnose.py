@@ -16,7 +16,7 @@ from missionplan.diagnosis.inference.experiment_design import Discrimination, di
 from missionplan.diagnosis.judgement import Judgement, judge
 from missionplan.diagnosis.mission_in_doubt import mission_in_doubt
 from missionplan.diagnosis.pipeline import PipelineResult, run_pipeline
-from missionplan.diagnosis.result_builder import group_scores, ranked_sets
+from missionplan.diagnosis.result_builder import as_reported, group_scores, ranked_sets
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.base import Provenance
 from missionplan.results.learned.diagnosis import Diagnosis, PlanGain
@@ -101,7 +101,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     explanations = weighed(mission, dataset, seed, jobs, part)
     bound = explanations[0].bound
     stage()
-    found = run_pipeline(bound.model, lambda what, done, of: stage(), jobs)
+    found = as_reported(bound, run_pipeline(bound.model, lambda what, done, of: stage(), jobs), jobs)
     judgement = judge(bound, found, jobs)
     scale = judgement.coverage.scale if judgement.coverage is not None else 1.0
     explanations = with_found(explanations, found, jobs)

@@ -1,15 +1,43 @@
 """From what the pipeline found to the tables and entries of the result."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 import pandas as pd
 
 from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Candidate
 from missionplan.diagnosis.pipeline import PipelineResult
+from missionplan.montecarlo.parallel.mapping import parallel_map
 from missionplan.results.learned.evidence import GroupScore, RankedSet
 
 LISTED = 12
 """Sets of the ranking that are reported."""
+
+
+def as_reported(bound: DataKind, found: PipelineResult, jobs: int = 1) -> PipelineResult:
+    """Return what was found with the estimates of the base model and of the sets listed as they are reported."""
+    ranking = found.selection.ranking
+    base, *fits = parallel_map(
+        partial(_reported_fits, bound), [found.selection.base, *(each.fit for each in ranking[:LISTED])], jobs=jobs
+    )
+    listed = tuple(replace(each, fit=fit) for each, fit in zip(ranking, fits, strict=False))
+    claimed = found.claimed and replace(
+        found.claimed, candidate=next(each for each in listed if each.causes == found.claimed.candidate.causes)
+    )
+    return replace(
+        found,
+        selection=replace(found.selection, base=base, ranking=listed + ranking[LISTED:]),
+        claimed=claimed,
+        best=base if claimed is None else claimed.candidate.fit,
+    )
+
+
+def _reported_fits(bound: DataKind, fits: Sequence[CauseFit]) -> list[CauseFit]:
+    return [bound.as_reported(fit) for fit in fits]
 
 
 def ranked_sets(bound: DataKind, found: PipelineResult, residuals: pd.DataFrame) -> tuple[RankedSet, ...]:

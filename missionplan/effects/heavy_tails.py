@@ -44,7 +44,14 @@ INFO = EffectInfo(
     effect=HeavyTails,
     parameters={
         "dof": Parameter(
-            "", "degrees of freedom; normal errors at infinity", 2.05, 1e6, median=4.0, factor=1.6, default=np.inf
+            "",
+            "degrees of freedom; normal errors at infinity",
+            2.05,
+            1e6,
+            median=4.0,
+            factor=1.6,
+            reciprocal_is_uniform=True,
+            default=np.inf,
         )
     },
     what="Most legs are as accurate as expected and a few are bad: fronts, a bad fix, a propeller fouled for one leg.",

@@ -139,7 +139,8 @@ class Parameter:
 
     A *strength* is zero when the effect is absent; its plausible sizes are a normal distribution about zero with
     standard deviation `scale`. A *shape* (a time constant, a depth) is positive and has no neutral value; its
-    plausible sizes are log-normal about `median`, 68 % within × or ÷ `factor`. A *phase* goes with an amplitude.
+    plausible sizes are log-normal about `median`, 68 % within × or ÷ `factor`, unless `reciprocal_is_uniform`. A
+    *phase* goes with an amplitude.
 
     Attributes
     ----------
@@ -155,6 +156,9 @@ class Parameter:
         Standard deviation of a strength in the base model, its uncertainty before any misfit [unit].
     median, factor : float
         Plausible sizes of a shape [unit, 1].
+    reciprocal_is_uniform : bool
+        Whether a shape's reciprocal is as likely anywhere from nil, where the effect vanishes, to 2/`median`; `factor`
+        is then a scale of its logarithm for searches alone.
     default : float
         Value when the mission file leaves it out [unit].
     field : str
@@ -175,6 +179,7 @@ class Parameter:
     spike: float = 0.0
     median: float = 0.0
     factor: float = 1.0
+    reciprocal_is_uniform: bool = False
     default: float = 0.0
     field: str = ""
     is_random_size: bool = False

@@ -79,6 +79,8 @@ def _relations(info: EffectInfo) -> Iterator[str]:
 
 def _described(parameter: Parameter) -> str:
     unit = f" [{parameter.unit}]" if parameter.unit else ""
+    if parameter.reciprocal_is_uniform:
+        return f"{parameter.doc}{unit}; median {parameter.median:g}, its reciprocal is uniform up to twice that"
     if parameter.is_shape:
         return f"{parameter.doc}{unit}; median {parameter.median:g}, 68 % within a factor of {parameter.factor:g}"
     return f"{parameter.doc}{unit}" + (f"; usually within ±{parameter.scale:g}" if parameter.scale else "")

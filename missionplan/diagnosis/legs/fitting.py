@@ -1,16 +1,17 @@
 """Fits of sets of causes to a navigation log: hyperparameters by Laplace's method, coefficients exactly."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.diagnosis.coordinates import Coordinate, estimates, is_possible
+from missionplan.diagnosis.coordinates import LOWER, UPPER, Coordinate, estimates, is_possible
 from missionplan.diagnosis.given.effects import GivenEffect, RecordPosterior, held, tied
-from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
+from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence, weighted_draws
 from missionplan.diagnosis.inference.laplace import Laplace, laplace
+from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS, TransitCovariance
 from missionplan.diagnosis.legs.likelihood.hyperparameters import (
@@ -34,6 +35,8 @@ PAIR = 2
 """Coordinates of an oscillation of one amplitude and phase."""
 LARGEST_RATIO = 1.9
 """Largest size of an oscillation that wanders, over its mean amplitude in the record, that the effect can carry."""
+EFFECTIVE_DRAWS = 30.0
+"""Effective draws below which quantiles by importance sampling are worse than those of the normal approximation."""
 CONVERGED = 0.005
 """Move of the coordinates, in slabs, below which it is not."""
 
@@ -149,22 +152,44 @@ class TransitFitting(TransitCovariance):
 
         Oscillations are steady or modulated as in the fit; what the other case adds is as in the fit.
         """
-        state, selected = fit.state, self.selected(fit.state.linear)
+        state = fit.state
+        found = sampled_evidence(self._log_joint(state), state.posterior.mode, state.posterior.covariance)
+        others = fit.log_evidence - state.posterior.log_evidence
+        return replace(found, log_evidence=found.log_evidence + others)
+
+    def _log_joint(self, state: TransitState) -> Callable[[Array], Array]:
+        """Log joint density of the log and the logarithms of the hyperparameters, shape (s, h) → (s,)."""
+        selected = self.selected(state.linear)
         prior = HyperparameterPrior.of(state.hyperparameters, self.given_in_covariance)
 
-        def log_joint(logarithms: Array) -> float:
+        def of_one(logarithms: Array) -> float:
             try:
                 likelihood = self.log_density(state.hyperparameters, logarithms, selected)
             except np.linalg.LinAlgError:
                 return -math.inf
             return prior.log_density(logarithms) + likelihood
 
-        def log_joint_of_all(draws: Array) -> Array:
-            return np.array([log_joint(logarithms) for logarithms in draws])
+        return lambda draws: np.array([of_one(logarithms) for logarithms in draws])
 
-        found = sampled_evidence(log_joint_of_all, state.posterior.mode, state.posterior.covariance)
-        others = fit.log_evidence - state.posterior.log_evidence
-        return replace(found, log_evidence=found.log_evidence + others)
+    def with_sampled_sizes(self, fit: CauseFit) -> CauseFit:
+        """Give a fit the sizes and times of its random effects by quantiles of their posterior, which may be skew.
+
+        A size of which a record shows no more than that it is small has a posterior far from log-normal. The value is
+        the median; the standard deviation is that of the log-normal distribution with an interval as wide.
+        """
+        state, known = fit.state, {(each.effect, each.name) for each in (*fit.estimates, *fit.given)}
+        own = [(h.key, place) for place, h in enumerate(state.hyperparameters) if h.key in known]
+        if not own:
+            return fit
+        draws = weighted_draws(self._log_joint(state), state.posterior.mode, state.posterior.covariance)
+        if draws.effective < EFFECTIVE_DRAWS:
+            return fit
+        found = {key: np.exp(draws.quantiles(place, (LOWER, 0.5, UPPER))) for key, place in own}
+        estimates, given = (
+            tuple(_by_quantiles(each, found.get((each.effect, each.name))) for each in several)
+            for several in (fit.estimates, fit.given)
+        )
+        return replace(fit, estimates=estimates, given=given)
 
     def _fit_of(self, causes: Causes, state: TransitState, evidence: float) -> CauseFit:
         chosen = [i for i, coordinate in enumerate(self.coordinates) if coordinate.effect in causes]
@@ -229,6 +254,15 @@ class TransitFitting(TransitCovariance):
         return tuple(found)
 
 
+def _by_quantiles(estimate: ParameterEstimate, quantiles: Array | None) -> ParameterEstimate:
+    """Give an estimate the 5, 50 and 95 % quantiles of its posterior, if it has any."""
+    if quantiles is None:
+        return estimate
+    low, median, high = quantiles.tolist()
+    sd = median * math.log(high / low) / (2.0 * QUANTILE_95)
+    return replace(estimate, value=median, sd=sd, low=low, high=high)
+
+
 def _modulates(given: GivenEffect) -> bool:
     return CATALOGUE[given.effect].is_modulated
 
@@ -248,7 +282,7 @@ def _starts(hyperparameters: tuple[Hyperparameter, ...], near: Sequence[TransitS
     first = np.array([guess[0] for guess in guesses])
     starts = [first]
     for index, hyperparameter in enumerate(hyperparameters):
-        if hyperparameter.law == "student" and hyperparameter.key not in known:
+        if hyperparameter.law in ("student", "reciprocal") and hyperparameter.key not in known:
             for shift in (-1.0, 1.0):
                 moved = first.copy()
                 moved[index] += shift * hyperparameter.spread

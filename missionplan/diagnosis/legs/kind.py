@@ -39,8 +39,8 @@ class TransitKind(DataKind):
     @classmethod
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the legs and bind the mission's first transit to them."""
-        data = read_transit(folder, mission)
-        return cls(kind, mission, data, transit_model(data, mission, seed))
+        model = transit_model(read_transit(folder, mission), mission, seed)
+        return cls(kind, mission, model.data, model)
 
     @property
     def model_coordinates(self) -> Sequence[Coordinate]:
@@ -71,6 +71,10 @@ class TransitKind(DataKind):
     def plan_gain(self, base: Mission, extended: Mapping[str, object], *, seed: int, jobs: int) -> PlanGain:
         """Compare the maximum leg lengths chosen."""
         return plan_gain(leg_length_choice, base, extended, seed=seed, jobs=jobs)
+
+    def as_reported(self, fit: CauseFit) -> CauseFit:
+        """Return a fit with the sizes of random effects by quantiles of their posterior."""
+        return self.model.with_sampled_sizes(fit)
 
     def widened(self, best: CauseFit, scale: float) -> CauseFit:
         """Return a fit with the velocity error and the random causes scaled."""

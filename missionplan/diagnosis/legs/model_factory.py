@@ -1,5 +1,6 @@
 """From a mission and a navigation log to a model: the mission's first transit at its means, bound to the legs."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +8,8 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.given.priors import check_together, given_effects, given_priors
+from missionplan.diagnosis.legs.likelihood.covariance import FIX_UNSTATED
+from missionplan.diagnosis.legs.likelihood.fix_gaps import share_of_fix_errors
 from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.effects import effects_of
 from missionplan.errors import InputError, Problem
@@ -53,7 +56,22 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     check_together(given, mission, "transit")
     current_sd = (float(spread[0]), float(spread[1]))
     model = TransitModel(data, base, error.covariance, fix_error, current_sd, given)
-    return replace(model, base=_with_given_effects(model, mission))
+    return with_fix_share(replace(model, base=_with_given_effects(model, mission)))
+
+
+def with_fix_share(model: TransitModel) -> TransitModel:
+    """Return a model with the part of the gaps between fixes that is an error of either, estimated from its log."""
+    sigma = math.sqrt(max(0.5 * float(np.trace(model.covariance)), 1e-6))
+    fix_sd = model.data.typical_fix_sd or model.fix_error or FIX_UNSTATED[0]
+    data, error = model.data, model.data.velocity_error - model.base
+    share = share_of_fix_errors(model.gaps, error, data.under_way, sigma, fix_sd)
+    if not share:
+        return model
+    notice = (
+        "The errors of fixes show in the gaps between the fix after a leg and the one before the next: "
+        f"{100.0 * share:.0f} % of a gap is taken as the error of either fix."
+    )
+    return replace(model, data=replace(data, notices=(*data.notices, notice)), fix_share=share)
 
 
 def check_cover(data: TransitData, current: Current, depth: float, mission: Mission) -> None:

@@ -105,18 +105,29 @@ class TransitCovariance(TransitMean):
         since = data.middle[legs] - begins[np.searchsorted(np.unique(data.run), data.run[legs])]
         same_run = data.run[legs[1:]] == data.run[legs[:-1]]
         elapsed = np.append(np.nan, np.where(same_run, np.diff(data.middle[legs]), np.nan))
-        shares_fix = self._shares_fix[legs] & np.append(False, np.diff(legs) == 1)
+        in_common = np.where(np.append(False, np.diff(legs) == 1), self._fix_correlation[legs], 0.0)
         start, end = self._fix_scales
-        return MarkovCovariance(data.under_way[legs], since, elapsed, shares_fix, start[legs], end[legs])
+        return MarkovCovariance(data.under_way[legs], since, elapsed, in_common, start[legs], end[legs])
+
+    @cached_property
+    def _fix_correlation(self) -> Array:
+        """Correlation of the error of the fix before each leg with that after the previous one, gaps known, (n,)."""
+        of_gaps = self.fix_share / (1.0 - self.fix_share) if self.fix_share else 0.0
+        return np.where(self._shares_fix, 1.0, of_gaps * self.gaps.is_gap if self.fix_share else 0.0)
 
     @cached_property
     def _fix_scales(self) -> tuple[Array, Array]:
         """Standard deviation of the fix before and after each leg over the typical one, shape (n,) each.
 
         The log states that of the fix after; the one before is the same fix where they share it, else a typical one.
+        Less what a gap between them tells.
         """
         end = self.data.fix_scale
-        return np.where(self._shares_fix, np.append(1.0, end[:-1]), 1.0), end
+        start = np.where(self._shares_fix, np.append(1.0, end[:-1]), 1.0)
+        if not self.fix_share:
+            return start, end
+        left = math.sqrt(1.0 - self.fix_share)
+        return np.where(self.gaps.is_gap, left * start, start), np.where(self.gaps.after, left * end, end)
 
     @cached_property
     def _all_legs(self) -> MarkovCovariance:
@@ -148,10 +159,11 @@ class TransitCovariance(TransitMean):
             for run in np.unique(self.data.run):  # the process begins anew with each run
                 own = np.flatnonzero(self.data.run == run)
                 total[np.ix_(own, own)] = process.covariance(self.data.middle[own])
-        here, after = np.arange(n), np.flatnonzero(legs.shares_fix)
+        here, after = np.arange(n), np.flatnonzero(legs.in_common)
         total[here, here] += fix**2 * legs.fix_variance()
-        start, _ = self._fix_scales
-        shared = (fix * start[after]) ** 2 / (legs.under_way[after - 1] * legs.under_way[after])
+        start, end = self._fix_scales
+        times = legs.under_way[after - 1] * legs.under_way[after]
+        shared = fix**2 * legs.in_common[after] * start[after] * end[after - 1] / times
         total[after - 1, after] -= shared
         total[after, after - 1] -= shared
         return np.asarray(total + parts.independent(legs.under_way)[:, :, None] * np.eye(n))
@@ -211,9 +223,18 @@ class TransitCovariance(TransitMean):
 
 
 def _of_shapes(info: EffectInfo, names: Iterable[str]) -> list[Hyperparameter]:
-    """Parameters of a cause that are sizes or times, under the catalogue's priors with heavy tails."""
+    """Parameters of a cause that are sizes or times, under the catalogue's priors."""
     parameters = ((name, info.parameters[name]) for name in names)
-    return [Hyperparameter(info.id, name, math.log(p.median), math.log(p.factor), "student") for name, p in parameters]
+    return [
+        Hyperparameter(
+            info.id,
+            name,
+            math.log(p.median),
+            math.log(p.factor),
+            "reciprocal" if p.reciprocal_is_uniform else "student",
+        )
+        for name, p in parameters
+    ]
 
 
 def _covariance_effects(values: HyperparameterValues) -> list[TransitEffect]:

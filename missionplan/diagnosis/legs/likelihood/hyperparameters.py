@@ -14,7 +14,7 @@ from missionplan.diagnosis.inference.prior import DOF
 
 HyperparameterValues = Mapping[tuple[str, str], float]
 """Hyperparameters by effect and name, not their logarithms."""
-Law = Literal["normal", "student", "slab scale"]
+Law = Literal["normal", "student", "reciprocal", "slab scale"]
 
 SLAB_SCALE = "slab scale"
 """Name of the factor on the slabs of a cause in the mean, which is no parameter of the effect."""
@@ -34,8 +34,9 @@ class Hyperparameter:
     centre, spread : float
         Of the prior.
     law : str
-        ``normal``; ``student``, a Student-t distribution with `inference.prior.DOF` degrees of freedom; or ``slab
-        scale``, that of √λ in `inference.prior`: a slab of √λ standard deviations is then such a distribution.
+        ``normal``; ``student``, a Student-t distribution with `inference.prior.DOF` degrees of freedom; ``reciprocal``,
+        the value's reciprocal uniform from nil to twice that at the centre, where `spread` is a scale for searches; or
+        ``slab scale``, that of √λ in `inference.prior`: a slab of √λ standard deviations is then such a distribution.
     """
 
     effect: str
@@ -60,6 +61,9 @@ class Hyperparameter:
                 - DOF * logarithm
                 - half * math.exp(-2.0 * logarithm)
             )
+        if self.law == "reciprocal":
+            above = logarithm - (self.centre - math.log(2.0))
+            return -above if above > 0.0 else -math.inf
         away = (logarithm - self.centre) / self.spread
         if self.law == "normal":
             return -0.5 * away**2 - math.log(self.spread) - 0.5 * LOG_2PI

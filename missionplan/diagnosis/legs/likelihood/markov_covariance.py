@@ -33,8 +33,9 @@ class MarkovCovariance:
         Time since the middle of the first leg of the leg's run [s].
     elapsed : array, shape (n,)
         Time since the middle of the previous selected leg; nan where a run begins [s].
-    shares_fix : array of bool, shape (n,)
-        Whether a leg starts from the same fix with which the previous selected leg ended.
+    in_common : array, shape (n,)
+        Correlation of the error of the fix before a leg with that of the fix after the previous selected one: 1 where
+        it is the same fix.
     start_scale, end_scale : array, shape (n,), or float
         Standard deviation of the fix before and after each leg, over the typical one.
     """
@@ -42,7 +43,7 @@ class MarkovCovariance:
     under_way: Array
     since: Array
     elapsed: Array
-    shares_fix: NDArray[np.bool_]
+    in_common: Array
     start_scale: Scalars = 1.0
     end_scale: Scalars = 1.0
 
@@ -97,19 +98,20 @@ class MarkovCovariance:
     @cached_property
     def _unshared_fix_variance(self) -> Array:
         """Variance of a leg's velocity error from fixes of 1 m that no other leg shares, shape (n,) [1/s²]."""
-        ends = np.append(self.shares_fix[1:], False)
-        starts, ends = self.start_scale**2 * (1.0 - self.shares_fix), self.end_scale**2 * (1.0 - ends)
+        starts = self.start_scale**2 * (1.0 - self.in_common)
+        ends = self.end_scale**2 * (1.0 - np.append(self.in_common[1:], 0.0))
         return np.asarray((starts + ends) / self.under_way**2)
 
     @cached_property
     def _shared_fix_loads(self) -> tuple[Array, Array]:
         """Velocity error of a leg for a fix error of 1 m before it and after it that another leg shares [1/s]."""
-        start = -self.start_scale * self.shares_fix / self.under_way
-        return start, self.end_scale * np.append(self.shares_fix[1:], False) / self.under_way
+        loads = np.sqrt(self.in_common)
+        start = -self.start_scale * loads / self.under_way
+        return start, self.end_scale * np.append(loads[1:], 0.0) / self.under_way
 
     @cached_property
     def _shares_any_fix(self) -> bool:
-        return bool(self.shares_fix.any())
+        return bool(self.in_common.any())
 
     def _states(
         self, weighted: Array, variance: Array, fix_sd: float, process: MarkovProcess | None

@@ -13,6 +13,7 @@ from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate, coordinates_of, parameters_from
 from missionplan.diagnosis.given.effects import GivenEffect, held, tied
 from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN
+from missionplan.diagnosis.legs.likelihood.fix_gaps import FixGaps, fix_gaps
 from missionplan.diagnosis.legs.likelihood.linearised import CoordinatePrior, LinearisedLegs
 from missionplan.diagnosis.legs.likelihood.modulation import (
     STEADY,
@@ -53,6 +54,8 @@ class TransitMean:
         The mission's own effects on a transit, whose means `base` includes.
     only : tuple of Coordinate, optional
         Coordinates to use; default those that the record can resolve.
+    fix_share : float
+        κ of `fix_gaps`: part of the gap between two fixes that is an error of either.
     """
 
     data: TransitData
@@ -62,6 +65,7 @@ class TransitMean:
     current_sd: tuple[float, float] = (0.0, 0.0)
     given: tuple[GivenEffect, ...] = ()
     only: tuple[Coordinate, ...] | None = None
+    fix_share: float = 0.0
 
     def minimum_evidence_gain(self, causes: Causes) -> float:
         """Return the default: effects are nearly linear in their strengths, and of known shape."""
@@ -152,8 +156,17 @@ class TransitMean:
 
     @cached_property
     def y(self) -> Array:
-        """Velocity errors minus those that the mission expects, on the principal axes, shape (2, n) [m/s]."""
-        return self.axes.T @ (self.data.velocity_error - self.base)
+        """Velocity errors less those that the mission expects and those that gaps between fixes tell, shape (2, n).
+
+        On the principal axes [m/s].
+        """
+        told = self.fix_share * self.gaps.velocity_error(self.data.under_way) if self.fix_share else 0.0
+        return self.axes.T @ (self.data.velocity_error - self.base - told)
+
+    @cached_property
+    def gaps(self) -> FixGaps:
+        """Gaps between the fix after a leg and the one before the next."""
+        return fix_gaps(self.data)
 
     @cached_property
     def leg(self) -> Leg:
