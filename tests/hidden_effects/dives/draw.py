@@ -6,8 +6,8 @@ from ..case import Case
 from .catalogue import CATALOGUE
 from .files import measure, mission_files
 from .outside import OUTSIDE, STUDIED
-from .strength import LARGEST, draw_hidden, draw_strong
-from .trials import Plan, draw_nuisances, draw_plan
+from .strength import LARGEST, HiddenEffects, draw_hidden, draw_strong
+from .trials import Nuisances, Plan, conditions_of, draw_nuisances, draw_plan
 
 BLIND_SHARE = 0.75
 """Share of the cases outside the catalogue whose effects were not used in development."""
@@ -38,6 +38,31 @@ def draw(seed: int, scenario: str, effect: str | None = None, repeat: int = 0) -
         noise_rng = np.random.default_rng(
             [*base, attempt, repeat, 71]
         )  # a last word of 0 to 2 is a stream spawned above
+    return _case(seed, scenario, names, plan, noise, hidden, (shape, noise_rng), attempt)
+
+
+def draw_sized(seed: int, effect: str, size: float) -> Case:
+    """Draw a case with one effect of a size, whether it can be seen or not."""
+    shape, hiding, noise_rng = np.random.default_rng([seed, 1, 77]).spawn(3)
+    plan = draw_plan(shape, "single", (effect,))
+    noise = draw_nuisances(shape, "single")
+    built, found = CATALOGUE[effect].build(size, hiding, conditions_of(plan))
+    parameters = {f"{effect}.{key}": float(value) for key, value in found.items()}
+    hidden = HiddenEffects((built,), parameters, {effect: size}, np.nan)
+    return _case(seed, "single", (effect,), plan, noise, hidden, (shape, noise_rng), 0)
+
+
+def _case(
+    seed: int,
+    scenario: str,
+    names: tuple[str, ...],
+    plan: Plan,
+    noise: Nuisances,
+    hidden: HiddenEffects,
+    streams: tuple[np.random.Generator, np.random.Generator],
+    attempt: int,
+) -> Case:
+    shape, noise_rng = streams
     header, rows, stated = measure(plan, noise, hidden.effects, noise_rng)
     inside = scenario != "outside"
     mission, vehicle = mission_files(plan, shape)

@@ -1,13 +1,15 @@
 """Draw a transit case: effects, survey, log and mission file."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..case import Case
 from .catalogue import CATALOGUE
 from .files import columns, mission_file
 from .outside import OUTSIDE
-from .strength import draw_hidden
-from .survey import RANDOM, draw_survey, with_scaled_nuisances
+from .strength import HiddenEffects, draw_hidden
+from .survey import RANDOM, Survey, draw_survey, with_scaled_nuisances
 
 TIES = {"compass-bias": ("compass-deviation", "mean-current"), "speed-scale": ("mean-current",)}
 """Effects that on a single heading cannot be distinguished from an effect."""
@@ -49,6 +51,29 @@ def draw(seed: int, scenario: str, effect: str | None = None) -> Case:
             break
     else:
         raise RuntimeError(f"no survey shows {names} (seed {seed})")
+    return _case(seed, scenario, names, survey, hidden, shape, attempt)
+
+
+def draw_sized(seed: int, effect: str, size: Callable[[Survey], float]) -> Case:
+    """Draw a case with one effect of a size, as its builder takes it on a survey, whether it can be seen or not."""
+    for attempt in range(30):
+        shape, hiding = np.random.default_rng([seed, 2, 77, attempt]).spawn(2)
+        survey = draw_survey(shape, "single", (effect,))
+        hidden = draw_hidden(survey, (effect,), hiding, [seed, 2, 77, attempt, 7], 1.0, size(survey))
+        if hidden is not None and hidden.parameters:  # a mixture has no degrees of freedom
+            return _case(seed, "single", (effect,), survey, hidden, shape, attempt)
+    raise RuntimeError(f"no survey has {effect} (seed {seed})")
+
+
+def _case(
+    seed: int,
+    scenario: str,
+    names: tuple[str, ...],
+    survey: Survey,
+    hidden: HiddenEffects,
+    shape: np.random.Generator,
+    attempt: int,
+) -> Case:
     inside = scenario != "outside"
     header, rows, dataset = columns(survey, hidden.log, shape, "surface-drift" in names)
     return Case(
