@@ -108,7 +108,7 @@ def _covariance_problems(info: EffectInfo) -> list[str]:
     if not refined and not _is_process(info):
         problems.append(
             'part="covariance": refine fix_variance, position_variance_rate or tail_dof, or give transition, '
-            "first_variance and covariance of a Markov process"
+            "first_variance and mean_over of a Markov process"
         )
     problems += [
         f'parameter {name}: part="covariance" needs a median and a factor'

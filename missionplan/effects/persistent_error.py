@@ -7,29 +7,19 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
+from missionplan.effects.markov_velocity import MarkovVelocity
+from missionplan.phases.hooks import DriftParts
+
+SHORT = 1e-3
+"""Time over the correlation time below which the first term of a series replaces a difference, to 1e-7 of it."""
 
 
 @dataclass(frozen=True)
-class PersistentError(TransitEffect):
+class PersistentError(MarkovVelocity):
     """Ornstein–Uhlenbeck velocity of standard deviation `sigma` [m/s] on each axis and correlation time `time` [s]."""
 
     sigma: Scalars = 0.0
     time: Scalars = 7200.0
-
-    @property
-    def is_random(self) -> bool:
-        """It needs standard normals for each leg."""
-        return True
-
-    def step(self, memory: Array | None, elapsed: Array, normals: Array, leg: Leg) -> tuple[Array, Array]:
-        """Advance the velocity over `elapsed` by the exact transition of the process; stationary on the first leg."""
-        if memory is None:
-            velocity = self.sigma * normals
-        else:
-            factor, variance = self.transition(elapsed)
-            velocity = factor * memory + np.sqrt(variance) * normals
-        return velocity, velocity
 
     def transition(self, elapsed: Array) -> tuple[Array, Array]:
         """Return the transition factor exp(−Δt/time) and the added variance sigma²·(1 − exp(−2Δt/time)) [m²/s²]."""
@@ -42,12 +32,18 @@ class PersistentError(TransitEffect):
 
     @property
     def first_variance(self) -> Scalars:
-        """Variance on the first leg: the process is stationary [m²/s²]."""
+        """Variance where a run begins: the process is stationary [m²/s²]."""
         return np.square(self.sigma)
 
-    def covariance(self, t: Array) -> Array:
-        """Covariance of one component between the middles of legs, ``sigma²·exp(−|Δt|/time)``, shape (n, n) [m²/s²]."""
-        return np.asarray(self.sigma**2 * np.exp(-np.abs(t[:, None] - t[None, :]) / self.time))
+    def mean_over(self, duration: Array) -> tuple[Array, Array]:
+        """Return the mean given both ends: the share tanh(½a)/a of their sum, a = Δt/time, and its variance [m²/s²].
+
+        The variance is sigma²·(2/a²)·(a − 2 tanh ½a), the process being a bridge between both values.
+        """
+        a = duration / self.time
+        known, half = np.maximum(a, SHORT), np.tanh(0.5 * np.maximum(a, SHORT))
+        rest = np.where(a < SHORT, a / 6.0, 2.0 * (known - 2.0 * half) / np.square(known))
+        return np.where(a < SHORT, 0.5, half / known), np.asarray(np.square(self.sigma) * rest)
 
 
 INFO = EffectInfo(

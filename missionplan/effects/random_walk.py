@@ -7,24 +7,15 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.finding import Finding
 from missionplan.effects.info import EffectInfo, Parameter
-from missionplan.phases.hooks import DriftParts, Leg, TransitEffect
+from missionplan.effects.markov_velocity import MarkovVelocity
+from missionplan.phases.hooks import DriftParts
 
 
 @dataclass(frozen=True)
-class RandomWalk(TransitEffect):
-    """Velocity that is zero on the first leg and whose variance grows by ``rate²`` per second on each axis."""
+class RandomWalk(MarkovVelocity):
+    """Velocity that is zero when the first leg begins and whose variance grows by ``rate²`` per second on each axis."""
 
     rate: Scalars = 0.0
-
-    @property
-    def is_random(self) -> bool:
-        """It needs standard normals for each leg."""
-        return True
-
-    def step(self, memory: Array | None, elapsed: Array, normals: Array, leg: Leg) -> tuple[Array, Array]:
-        """Advance the velocity over the time between the middles of the legs."""
-        velocity = 0.0 * normals if memory is None else memory + np.sqrt(self.transition(elapsed)[1]) * normals
-        return velocity, velocity
 
     def transition(self, elapsed: Array) -> tuple[Array, Array]:
         """Return the transition factor 1 and the added variance rate²·Δt [m²/s²]."""
@@ -36,13 +27,12 @@ class RandomWalk(TransitEffect):
 
     @property
     def first_variance(self) -> Scalars:
-        """Variance on the first leg: zero [m²/s²]."""
+        """Variance where a run begins: zero [m²/s²]."""
         return 0.0
 
-    def covariance(self, t: Array) -> Array:
-        """Covariance of one component between the middles of legs, ``rate²·min(t, t′)``, shape (n, n) [m²/s²]."""
-        since = t - np.min(t)
-        return np.asarray(self.rate**2 * np.minimum(since[:, None], since[None, :]))
+    def mean_over(self, duration: Array) -> tuple[Array, Array]:
+        """Return the mean given both ends: half their sum, of variance rate²·Δt/12 (a Brownian bridge's) [m²/s²]."""
+        return np.full_like(duration, 0.5), np.asarray(np.square(self.rate) * duration / 12.0)
 
 
 INFO = EffectInfo(

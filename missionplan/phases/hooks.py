@@ -90,11 +90,11 @@ class MarkovProcess(Protocol):
 
     @property
     def first_variance(self) -> Scalars:
-        """Variance on the first leg of a run [m²/s²]."""
+        """Variance where a run begins [m²/s²]."""
         ...
 
-    def covariance(self, t: Array) -> Array:
-        """Covariance of one component between the middles of a run's legs, shape (n, n) [m²/s²]."""
+    def mean_over(self, duration: Array) -> tuple[Array, Array]:
+        """Mean over a time [s] given the values at its ends: the share of their sum, and its variance [m²/s²]."""
         ...
 
 

@@ -1,9 +1,12 @@
 """Random velocity errors: what `step` draws has the covariance that the diagnosis fits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
 
+from missionplan.diagnosis.legs.likelihood.markov_covariance import MarkovCovariance
 from missionplan.effects.fix_error import FixError
 from missionplan.effects.heavy_tails import HeavyTails
 from missionplan.effects.persistent_error import PersistentError
@@ -13,18 +16,21 @@ from missionplan.phases.hooks import Leg
 
 LEG = Leg(np.zeros(1), np.ones(1), np.zeros((2, 1)), np.array([[0.0], [1.0]]), 1.0)
 TIMES = np.array([0.0, 700.0, 1500.0, 4000.0, 4600.0])
+DURATIONS = np.array([600.0, 650.0, 2400.0, 500.0, 900.0])
 DRAWS = 40_000
 
 
 @pytest.mark.parametrize("effect", [PersistentError(0.08, 2500.0), RandomWalk(9e-4)], ids=["persistent", "walk"])
 def test_sampled_covariance_is_the_one_of_the_diagnosis(effect):
     rng = np.random.default_rng(7)
-    memory, path = None, []
-    for elapsed in np.diff(TIMES, prepend=-350.0):
-        memory, velocity = effect.step(memory, np.full(DRAWS, elapsed), rng.normal(size=(2, DRAWS)), LEG)
+    memory, path, middle = None, [], TIMES + 0.5 * DURATIONS
+    for elapsed, duration in zip(np.diff(middle, prepend=0.0), DURATIONS, strict=True):
+        leg = replace(LEG, duration=np.full(DRAWS, duration))
+        memory, velocity = effect.step(memory, np.full(DRAWS, elapsed), rng.normal(size=(2, DRAWS)), leg)
         path.append(velocity)
     east, north = np.stack(path).transpose(1, 0, 2)
-    expected = effect.covariance(TIMES)
+    between = np.append(np.nan, TIMES[1:] - (TIMES + DURATIONS)[:-1])
+    expected = MarkovCovariance(DURATIONS, TIMES, between, np.zeros(len(TIMES))).process_covariance(effect)
     spread = np.sqrt((np.outer(np.diag(expected), np.diag(expected)) + expected**2) / DRAWS)
     assert np.all(np.abs(np.cov(east) - expected) <= 4.5 * spread + 1e-15)
     assert np.all(np.abs(np.cov(north) - expected) <= 4.5 * spread + 1e-15)
@@ -32,16 +38,33 @@ def test_sampled_covariance_is_the_one_of_the_diagnosis(effect):
     assert np.all(np.abs(cross) <= 4.5 * np.sqrt(np.outer(np.diag(expected), np.diag(expected)) / DRAWS) + 1e-15)
 
 
-def test_persistent_error_has_an_exact_step():
-    """Two steps of half the time are distributed as one: transition factors multiply and variances add."""
+@pytest.mark.parametrize("effect", [PersistentError(0.08, 2500.0), RandomWalk(9e-4)], ids=["persistent", "walk"])
+def test_a_leg_in_two_parts_drifts_as_far(effect):
+    """The mean over a leg, and that of the means over its halves without a pause, have the same variance."""
+    rng = np.random.default_rng(8)
+    whole, half = (replace(LEG, duration=np.full(DRAWS, duration)) for duration in (3000.0, 1500.0))
+    together = effect.step(None, np.zeros(DRAWS), rng.normal(size=(2, DRAWS)), whole)[1]
+    memory, first = effect.step(None, np.zeros(DRAWS), rng.normal(size=(2, DRAWS)), half)
+    second = effect.step(memory, np.full(DRAWS, 1500.0), rng.normal(size=(2, DRAWS)), half)[1]
+    assert np.var(0.5 * (first + second)) == pytest.approx(np.var(together), rel=6.0 * (2.0 * DRAWS) ** -0.5)
+
+
+def test_persistent_error_has_an_exact_transition():
+    """Two steps of half the time are distributed as one: what is kept multiplies, and variances add."""
     effect = PersistentError(0.1, 1000.0)
-    zero, one = np.zeros((2, 1)), np.ones((2, 1))
-    kept_half = effect.step(one, np.array([300.0]), zero, LEG)[1]
-    kept_full = effect.step(one, np.array([600.0]), zero, LEG)[1]
-    np.testing.assert_allclose(kept_half**2, kept_full)
-    spread_half = effect.step(zero, np.array([300.0]), one, LEG)[1]
-    spread_full = effect.step(zero, np.array([600.0]), one, LEG)[1]
-    np.testing.assert_allclose(spread_half**2 * (1.0 + kept_half**2), spread_full**2)
+    (kept_half,), (added_half,) = effect.transition(np.array([300.0]))
+    (kept,), (added,) = effect.transition(np.array([600.0]))
+    assert kept_half**2 == pytest.approx(kept)
+    assert added_half * (1.0 + kept_half**2) == pytest.approx(added)
+
+
+def test_a_leg_of_no_duration_has_the_velocity_of_its_instant():
+    """A vehicle that has arrived: no division by nil."""
+    nothing = replace(LEG, duration=np.zeros(1))
+    for effect, expected in ((PersistentError(0.1, 1000.0), 0.1), (RandomWalk(1e-3), 0.0)):
+        memory, velocity = effect.step(None, np.zeros(1), np.ones((2, 1)), nothing)
+        np.testing.assert_allclose(velocity, expected)
+        np.testing.assert_allclose(memory[:2], expected)
 
 
 def test_heavy_tails_are_student_t_of_the_same_covariance():

@@ -136,7 +136,10 @@ def test_metres_lost_on_every_leg_are_no_speed_scale(folder, transit_mission, le
     """A vehicle that gathers way slowly loses most, of a leg's length, on short legs."""
     table = legs(96, sigma=0.02)
     through = table[["x_dr_m", "y_dr_m"]].to_numpy() - table[["x_start_m", "y_start_m"]].to_numpy()
-    table[["x_end_m", "y_end_m"]] -= 70.0 * through / np.linalg.norm(through, axis=1)[:, None]
+    lost = np.cumsum(70.0 * through / np.linalg.norm(through, axis=1)[:, None], axis=0)
+    table[["x_end_m", "y_end_m"]] -= lost
+    for place in (["x_start_m", "y_start_m"], ["x_dr_m", "y_dr_m"]):  # the next leg begins where this one ended
+        table[place] -= np.vstack([np.zeros(2), lost[:-1]])
     found = run_pipeline(model(folder, transit_mission, table))
     assert found.best.causes == ("speed-scale",)
     assert found.verdict == "partly-explained"

@@ -101,10 +101,11 @@ class TransitCovariance(TransitMean):
     def markov_covariance(self, rows: LegSelection = ALL_LEGS) -> MarkovCovariance:
         """Covariance between some of the legs, in banded form."""
         data, legs = self.data, np.arange(self.data.n)[rows]
-        begins = np.array([data.middle[data.run == run].min() for run in np.unique(data.run)])
-        since = data.middle[legs] - begins[np.searchsorted(np.unique(data.run), data.run[legs])]
+        begins = np.array([data.t_start[data.run == run].min() for run in np.unique(data.run)])
+        since = data.t_start[legs] - begins[np.searchsorted(np.unique(data.run), data.run[legs])]
         same_run = data.run[legs[1:]] == data.run[legs[:-1]]
-        elapsed = np.append(np.nan, np.where(same_run, np.diff(data.middle[legs]), np.nan))
+        between = data.t_start[legs[1:]] - (data.t_start + data.under_way)[legs[:-1]]
+        elapsed = np.append(np.nan, np.where(same_run, between, np.nan))
         in_common = np.where(np.append(False, np.diff(legs) == 1), self._fix_correlation[legs], 0.0)
         start, end = self._fix_scales
         return MarkovCovariance(data.under_way[legs], since, elapsed, in_common, start[legs], end[legs])
@@ -154,11 +155,7 @@ class TransitCovariance(TransitMean):
         parts = self.noise_components(values)
         fix, process = parts.fix_sd, parts.process
         legs, n = self._all_legs, self.data.n
-        total = np.zeros((n, n))
-        if process is not None:
-            for run in np.unique(self.data.run):  # the process begins anew with each run
-                own = np.flatnonzero(self.data.run == run)
-                total[np.ix_(own, own)] = process.covariance(self.data.middle[own])
+        total = np.zeros((n, n)) if process is None else legs.process_covariance(process)
         here, after = np.arange(n), np.flatnonzero(legs.in_common)
         total[here, here] += fix**2 * legs.fix_variance()
         start, end = self._fix_scales

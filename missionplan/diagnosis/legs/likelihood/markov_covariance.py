@@ -1,11 +1,13 @@
 """Whitening by a banded Cholesky factor: likelihoods of n legs in time proportional to n.
 
 An error that persists from leg to leg is a Markov process (Ornstein–Uhlenbeck, random walk), and a fix is shared by
-two consecutive legs at most. With such states x of banded precision Q, and errors e = H x + ε with independent
-ε ~ N(0, R), Σ⁻¹ = R⁻¹ − R⁻¹ H M⁻¹ Hᵀ R⁻¹ and ln |Σ| = ln |R| + ln |M| − ln |Q| for M = Q + Hᵀ R⁻¹ H (matrix inversion
-lemma: Rasmussen & Williams 2006, Eqs. A.9 and A.10). M has two diagonals on either side of the main one, so that its
-Cholesky factor has two (Rue & Held 2005, Section 2.4), and one where only the process or only fixes are shared; a
-Kalman filter would give the same (Durbin & Koopman 2012, Section 7.2).
+two consecutive legs at most. A leg's error is the mean of the process over its time under way: a share of the sum of
+its values at both ends, and a rest that is independent of all others. With such states x of banded precision Q, and
+errors e = H x + ε with independent ε ~ N(0, R), Σ⁻¹ = R⁻¹ − R⁻¹ H M⁻¹ Hᵀ R⁻¹ and ln |Σ| = ln |R| + ln |M| − ln |Q| for
+M = Q + Hᵀ R⁻¹ H (matrix inversion lemma: Rasmussen & Williams 2006, Eqs. A.9 and A.10). With both ends of a leg and the
+fix after it in their order, M has three diagonals on either side of the main one, so that its Cholesky factor has three
+(Rue & Held 2005, Section 2.4), and one where only the process or only fixes are shared; a Kalman filter would give the
+same (Durbin & Koopman 2012, Section 7.2).
 """
 
 from dataclasses import dataclass
@@ -13,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack
+from scipy.linalg import lapack, solveh_banded
 
 from missionplan.arrays import Array, Scalars
 from missionplan.phases.hooks import MarkovProcess
@@ -30,9 +32,9 @@ class MarkovCovariance:
     under_way : array, shape (n,)
         Time under way [s].
     since : array, shape (n,)
-        Time since the middle of the first leg of the leg's run [s].
+        Time from the start of the first leg of the leg's run to its own start [s].
     elapsed : array, shape (n,)
-        Time since the middle of the previous selected leg; nan where a run begins [s].
+        Time from the end of the previous selected leg's way to its start; nan where a run begins [s].
     in_common : array, shape (n,)
         Correlation of the error of the fix before a leg with that of the fix after the previous selected one: 1 where
         it is the same fix.
@@ -77,13 +79,15 @@ class MarkovCovariance:
         numpy.linalg.LinAlgError
             When the covariance is not positive definite.
         """
+        prior = None if process is None else _ProcessStates.of(self, process)
         variance = white.reshape(2, -1) + fix_sd**2 * self._unshared_fix_variance
+        variance = variance if prior is None else variance + prior.rest
         if not np.all(variance > 0.0):
             raise np.linalg.LinAlgError("a variance is not positive")
         weighted = values / variance[:, :, None]
         gram = weighted[0].T @ values[0] + weighted[1].T @ values[1]
         log_determinant = float(np.log(variance).sum())
-        states = self._states(np.ascontiguousarray(np.swapaxes(weighted, 1, 2)), variance, fix_sd, process)
+        states = self._states(np.ascontiguousarray(np.swapaxes(weighted, 1, 2)), variance, fix_sd, prior)
         if states is None:
             return gram, log_determinant
         for axis in (0, 1):
@@ -113,10 +117,20 @@ class MarkovCovariance:
     def _shares_any_fix(self) -> bool:
         return bool(self.in_common.any())
 
+    def process_covariance(self, process: MarkovProcess) -> Array:
+        """Covariance of one component of the legs' errors by a process alone, shape (n, n) [m²/s²]."""
+        prior = _ProcessStates.of(self, process)
+        n = len(self.under_way)
+        loads = np.zeros((2 * n, n))
+        loads[::2][np.diag_indices(n)] = prior.present[::2] * prior.share
+        loads[1::2][np.diag_indices(n)] = prior.present[1::2] * prior.share
+        band = np.stack([prior.diagonal, np.append(prior.off_diagonal, 0.0)])
+        return np.asarray(loads.T @ solveh_banded(band, loads, lower=True) + np.diag(prior.rest))
+
     def _states(
-        self, weighted: Array, variance: Array, fix_sd: float, process: MarkovProcess | None
+        self, weighted: Array, variance: Array, fix_sd: float, prior: "_ProcessStates | None"
     ) -> "_States | None":
-        """States of both axes: the process on each leg, the fix at its end in units of its standard deviation.
+        """States of both axes: the process at both ends of each leg, the fix after it over its standard deviation.
 
         Parameters
         ----------
@@ -125,21 +139,18 @@ class MarkovCovariance:
         variance : array, shape (2, n)
             That no state explains.
         """
-        if process is None:
+        if prior is None:
             return self._fixes(weighted, variance, fix_sd) if self._shares_any_fix else None
-        prior = _ProcessPrecision.of(self, process)
-        of_process = _States.tridiagonal(
-            prior.diagonal + prior.present / variance,
-            prior.off_diagonal,
-            prior.present * weighted,
-            -prior.log_determinant,
-        )
+        of_process = prior.states(weighted, variance)
         if not self._shares_any_fix:
             return of_process
         start, end = (fix_sd * loads for loads in self._shared_fix_loads)
-        both = of_process.interleaved(self._fixes(weighted, variance, fix_sd))
-        both.band[:, ::2, 1] = prior.present * end / variance
-        both.band[:, 1:-1:2, 1] = (prior.present * start / variance)[:, 1:]
+        both = of_process.followed(self._fixes(weighted, variance, fix_sd))
+        share = prior.share / variance
+        for place in (0, 1):  # the values at the start and at the end of a leg, in the same leg as the fix after it
+            present = prior.present[place::2]
+            both.band[:, place::3, 2 - place] = present * share * end
+            both.band[:, 2:-3:3, 1 + place] = (present * share * start)[:, 1:]
         return both
 
     def _fixes(self, weighted: Array, variance: Array, fix_sd: float) -> "_States":
@@ -177,42 +188,70 @@ class _States:
         band[:, :, 0], band[:, :-1, 1] = diagonal, off_diagonal
         return cls(band, right, log_determinant)
 
-    def interleaved(self, other: "_States") -> "_States":
-        """Alternate with other states, of which none is tied to these yet."""
-        axes, columns, n = self.right.shape
-        band, right = np.zeros((axes, 2 * n, 3)), np.empty((axes, columns, 2 * n))
-        band[:, ::2, ::2], band[:, 1::2, ::2] = self.band, other.band
-        right[:, :, ::2], right[:, :, 1::2] = self.right, other.right
-        return _States(band, right, self.log_determinant + other.log_determinant)
+    def followed(self, fixes: "_States") -> "_States":
+        """Set after each two of these states, which are tridiagonal, one of the fixes, none tied to these yet."""
+        axes, columns, n = fixes.right.shape
+        band, right = np.zeros((axes, 3 * n, 4)), np.empty((axes, columns, 3 * n))
+        band[:, ::3, :2] = self.band[:, ::2]
+        band[:, 1::3, 0], band[:, 1::3, 2] = self.band[:, 1::2, 0], self.band[:, 1::2, 1]
+        band[:, 2::3, 0], band[:, 2::3, 3] = fixes.band[:, :, 0], fixes.band[:, :, 1]
+        right[:, :, ::3], right[:, :, 1::3], right[:, :, 2::3] = (
+            self.right[:, :, ::2],
+            self.right[:, :, 1::2],
+            fixes.right,
+        )
+        return _States(band, right, self.log_determinant + fixes.log_determinant)
+
+
+LEAST_ELAPSED = 1.0
+"""Least time between two legs [s], so that the values at the end of one and at the start of the next are two states."""
 
 
 @dataclass(frozen=True)
-class _ProcessPrecision:
-    """Tridiagonal precision of the process on n legs.
+class _ProcessStates:
+    """A process at the starts and ends of n legs, in turn: tridiagonal precision, and the legs' means of it.
 
     Attributes
     ----------
-    diagonal, off_diagonal : array, shapes (n,) and (n - 1,)
+    diagonal, off_diagonal : array, shapes (2n,) and (2n - 1,)
         Of the precision [s²/m²].
-    present : array, shape (n,)
-        1 where the process has a variance, else 0: a random walk is zero on the first leg.
+    present : array, shape (2n,)
+        1 where the process has a variance, else 0: a random walk is zero where a run begins.
     log_determinant : float
         ln |precision|.
+    share, rest : array, shape (n,)
+        The mean over a leg is a share of the sum of both values, and a rest of this variance [m²/s²].
     """
 
     diagonal: Array
     off_diagonal: Array
     present: Array
     log_determinant: float
+    share: Array
+    rest: Array
 
     @classmethod
-    def of(cls, legs: MarkovCovariance, process: MarkovProcess) -> "_ProcessPrecision":
-        begins = np.isnan(legs.elapsed)
-        kept, added = process.transition(np.where(begins, legs.since, legs.elapsed))
-        variance = added + np.where(begins, kept**2 * process.first_variance, 0.0)
+    def of(cls, legs: MarkovCovariance, process: MarkovProcess) -> "_ProcessStates":
+        begins, n = np.isnan(legs.elapsed), len(legs.under_way)
+        before = np.where(begins, legs.since, np.maximum(legs.elapsed, LEAST_ELAPSED))
+        kept, variance = np.empty(2 * n), np.empty(2 * n)
+        kept[::2], variance[::2] = process.transition(before)
+        kept[1::2], variance[1::2] = process.transition(legs.under_way)
+        variance[::2] += np.where(begins, kept[::2] ** 2 * process.first_variance, 0.0)
         present = (variance > 0.0).astype(float)
-        kept = kept * ~begins * np.append(0.0, present[:-1])
+        kept[::2] *= ~begins
+        kept[1:] *= present[:-1]
         precision = 1.0 / np.where(present > 0.0, variance, 1.0)
         diagonal = precision.copy()
         diagonal[:-1] += kept[1:] ** 2 * precision[1:]
-        return cls(diagonal, -kept[1:] * precision[1:], present, float(np.log(precision).sum()))
+        share, rest = process.mean_over(legs.under_way)
+        return cls(diagonal, -kept[1:] * precision[1:], present, float(np.log(precision).sum()), share, rest)
+
+    def states(self, weighted: Array, variance: Array) -> "_States":
+        """States of both axes, of columns over the variance that no state explains; see `MarkovCovariance._states`."""
+        information = self.share**2 / variance
+        diagonal = self.diagonal + self.present * np.repeat(information, 2, axis=1)
+        off_diagonal = np.repeat(self.off_diagonal[None], 2, axis=0)
+        off_diagonal[:, ::2] += self.present[::2] * self.present[1::2] * information
+        right = self.present * np.repeat(self.share * weighted, 2, axis=2)
+        return _States.tridiagonal(diagonal, off_diagonal, right, -self.log_determinant)

@@ -1,7 +1,7 @@
-"""``python -m tests.hidden_effects.sizes``: estimates and intervals of effects from 0.3 to 10 times their usual size.
+"""``python -m tests.effect_sizes``: estimates and intervals of effects from 0.3 to 10 times their usual size.
 
-The data are those of `legs` and `dives`, which share nothing with the tool, with one effect of a given size, whether it
-can be seen or not; the tool fits that cause alone, claimed or not, from the files. Effects are those of which a
+The data are those of `tests.hidden_effects`, which share nothing with the package, with one effect of a given size, whether it
+can be seen or not; that cause is fitted, claimed or not, to the files. Effects are those of which a
 parameter is defined alike on both sides. Each fit is a line of a file; those that are in it are not run again.
 """
 
@@ -15,10 +15,15 @@ from typing import Any
 
 import numpy as np
 
-from . import dives, legs
-from .case import Case
-from .legs import random_records
-from .legs.survey import Survey
+from missionplan.diagnosis.inference.fitting import fitted as fit_sets
+from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.kinds import bind_dataset
+from missionplan.errors import InputError
+from missionplan.mission import load
+from tests.hidden_effects import dives, legs
+from tests.hidden_effects.case import Case
+from tests.hidden_effects.legs import random_records
+from tests.hidden_effects.legs.survey import RANDOM, Survey
 
 LEG_SIZES = {
     "mean-current": (0.045, 0.15, 0.45, 1.5),
@@ -67,26 +72,32 @@ def draw(seed: int, kind: str, name: str, size: float) -> Case:
     return legs.draw_sized(seed, name, lambda survey: in_builders_unit(name, size, survey))
 
 
-def fitted(case: Case) -> list[dict[str, Any]]:
-    """Fit the true cause alone; each parameter whose true value is known, with its estimate."""
-    from missionplan.diagnosis.inference.fitting import fitted as fit_sets
-    from missionplan.diagnosis.inference.model import FailedFit
-    from missionplan.diagnosis.kinds import bind_dataset
-    from missionplan.errors import InputError
-    from missionplan.mission import load
+FURTHER = 3.0
+"""Nats that a persistent error has to add to a cause, that the mean of a log alone shows, to be fitted beside it."""
 
+
+def fitted(case: Case) -> list[dict[str, Any]]:
+    """Fit the true cause; each parameter whose true value is known, with its estimate.
+
+    Beside a cause of a navigation log that is no random error, a persistent error is fitted where the log wants one: no
+    current made up there is quite steady.
+    """
     with tempfile.TemporaryDirectory() as folder:
         mission, data = case.write(Path(folder) / "cases", Path(folder) / "truths")
         try:
             bound = bind_dataset(data, load(mission), 1)
         except InputError as error:  # carried away, or no descent
             return [{"refused": str(error)[-200:]}]
-    (fit,) = fit_sets(bound.model, [(case.truth, ())])
-    if isinstance(fit, FailedFit):
-        return [{"refused": fit.reason}]
+    sets = [case.truth]
+    if case.kind == "transit" and not {*case.truth} & {*RANDOM, "position-random-walk"}:
+        sets.append((*case.truth, "persistent-error"))
+    fits = [fit for fit in fit_sets(bound.model, [(causes, ()) for causes in sets]) if isinstance(fit, CauseFit)]
+    if not fits:
+        return [{"refused": "no fit"}]
+    best = max(fits, key=lambda fit: fit.log_evidence - FURTHER * len(fit.causes))
     return [
         {"name": each.name, "true": true, "value": each.value, "sd": each.sd, "low": each.low, "high": each.high}
-        for each in bound.as_reported(fit).estimates
+        for each in bound.as_reported(best).estimates
         if (true := case.parameters.get(f"{each.effect}.{each.name}")) is not None
     ]
 
@@ -125,7 +136,7 @@ def table(lines: Sequence[dict[str, Any]]) -> str:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Run the fits that a file lacks, and print the table of all that it has."""
-    parser = argparse.ArgumentParser(prog="python -m tests.hidden_effects.sizes", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.effect_sizes", description=__doc__)
     parser.add_argument("--lines", type=Path, required=True, help="file of fits, continued where it ends")
     parser.add_argument("--kind", choices=list(SIZES), default="transit")
     parser.add_argument("--sets", type=int, default=24, help="cases of each size")
