@@ -56,7 +56,7 @@ def share(data, fix=FIX):
 
 
 def test_without_drift_half_a_gap_is_the_error_of_either_fix(rng):
-    assert share(sailed(rng)) == pytest.approx(0.5, abs=0.04)
+    assert share(sailed(rng)) == 0.5
 
 
 def test_with_drift_it_is_the_share_of_the_variance(rng):
@@ -74,7 +74,7 @@ def test_the_way_of_a_missing_leg_is_no_gap(rng):
     gaps = fix_gaps(data)
     assert np.hypot(*gaps.before).max() < 8.0 * FIX
     assert not gaps.is_gap[5]
-    assert share(data) == pytest.approx(0.5, abs=0.04)
+    assert share(data) == 0.5
 
 
 def test_errors_given_the_gaps_are_those_of_the_joint_distribution(rng):

@@ -14,6 +14,8 @@ Parameters = dict[str, float]
 HOUR = 3600.0
 PERIODS = {"M2": 12.4206 * HOUR, "S2": 12.0 * HOUR, "K1": 23.9345 * HOUR, "O1": 25.8193 * HOUR}
 SIDEREAL_DAY = 86164.0905
+STEPS_OF_A_LEG = 64
+"""Steps of a random velocity in a leg's usual time: with eight, means of a walk over legs vary a seventh too little."""
 
 
 @dataclass(frozen=True)
@@ -175,7 +177,7 @@ def _persistent_error(size, rng, conditions):
     """A slowly varying current: Ornstein–Uhlenbeck process on a fine grid, integrated along each leg."""
     sigma = size * conditions.sigma
     memory = rng.uniform(2.5, 8.0) * conditions.span / conditions.legs
-    t = np.arange(0.0, 1.3 * conditions.span, conditions.leg_time / 8.0)
+    t = np.arange(0.0, 1.3 * conditions.span, conditions.leg_time / STEPS_OF_A_LEG)
     keep = np.exp(-(t[1] - t[0]) / memory)
     steps = rng.standard_normal((2, t.size)) * np.sqrt(1.0 - keep**2)
     v = np.empty((2, t.size))
@@ -191,7 +193,7 @@ def _persistent_error(size, rng, conditions):
 def _random_walk(size, rng, conditions):
     """A velocity error that walks from zero at the first fix."""
     rate = size * conditions.sigma / np.sqrt(conditions.span)
-    t = np.arange(0.0, 1.3 * conditions.span, conditions.leg_time / 8.0)
+    t = np.arange(0.0, 1.3 * conditions.span, conditions.leg_time / STEPS_OF_A_LEG)
     v = np.cumsum(rng.standard_normal((2, t.size)), axis=1) * np.sqrt(t[1])
     return LegEffect(wander=(t, rate * v), statistic=("random-walk", rate, 0.0)), {"rate": rate}
 

@@ -55,13 +55,16 @@ def draw(seed: int, scenario: str, effect: str | None = None) -> Case:
 
 
 def draw_sized(seed: int, effect: str, size: Callable[[Survey], float]) -> Case:
-    """Draw a case with one effect of a size, as its builder takes it on a survey, whether it can be seen or not."""
+    """Draw a case with one effect of a size, as its builder takes it on a survey, whether it can be seen or not.
+
+    Its log says how long the vehicle lay at the surface: else all that acts under way would seem weaker.
+    """
     for attempt in range(30):
         shape, hiding = np.random.default_rng([seed, 2, 77, attempt]).spawn(2)
         survey = draw_survey(shape, "single", (effect,))
         hidden = draw_hidden(survey, (effect,), hiding, [seed, 2, 77, attempt, 7], 1.0, size(survey))
         if hidden is not None and hidden.parameters:  # a mixture has no degrees of freedom
-            return _case(seed, "single", (effect,), survey, hidden, shape, attempt)
+            return _case(seed, "single", (effect,), survey, hidden, shape, attempt, states_surface_time=True)
     raise RuntimeError(f"no survey has {effect} (seed {seed})")
 
 
@@ -73,9 +76,10 @@ def _case(
     hidden: HiddenEffects,
     shape: np.random.Generator,
     attempt: int,
+    states_surface_time: bool = False,
 ) -> Case:
     inside = scenario != "outside"
-    header, rows, dataset = columns(survey, hidden.log, shape, "surface-drift" in names)
+    header, rows, dataset = columns(survey, hidden.log, shape, states_surface_time or "surface-drift" in names)
     return Case(
         seed=seed,
         kind="transit",

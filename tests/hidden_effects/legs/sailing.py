@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .catalogue import Array, LegEffect
+from .catalogue import STEPS_OF_A_LEG, Array, LegEffect
 from .survey import Survey
 
 
@@ -101,7 +101,7 @@ def _displacement_of_leg(effects, survey, t, heading, speed, time, wait, middle)
                 moved = moved + 0.5 * weight * time * effect.current(moment, middle + node * along)
         if effect.wander is not None:
             grid, v = effect.wander
-            inside = np.linspace(t, t + time, 9)
+            inside = t + time * (np.arange(STEPS_OF_A_LEG) + 0.5) / STEPS_OF_A_LEG
             moved = moved + time * np.array([np.mean(np.interp(inside, grid, axis)) for axis in v])
         if effect.surface:
             moved = moved + wait * effect.surface(t + time + 0.5 * wait)

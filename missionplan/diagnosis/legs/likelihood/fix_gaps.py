@@ -27,6 +27,8 @@ CLEAR = 3.0
 """Standard errors by which κ has to exceed nil; else gaps are taken to tell nothing."""
 LARGEST = 0.5
 """κ without any drift."""
+WITHIN = 2.0
+"""Standard errors below that within which κ is taken to be that: a drift that the gaps do not show is none."""
 
 
 @dataclass(frozen=True)
@@ -99,4 +101,6 @@ def share_of_fix_errors(gaps: FixGaps, error: Array, under_way: Array, sigma: fl
         return 0.0
     share = float(np.sum(weight * column * error)) / information
     standard_error = float(np.sqrt(np.sum((weight * column * (error - share * column)) ** 2))) / information
-    return min(share, LARGEST) if share > CLEAR * standard_error else 0.0
+    if share <= CLEAR * standard_error:
+        return 0.0
+    return LARGEST if share + WITHIN * standard_error >= LARGEST else share
