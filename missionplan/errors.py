@@ -2,10 +2,12 @@
 
 import errno
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from typing import TypeVar
 
+Result = TypeVar("Result")
 KeyPath = tuple[str | int, ...]
 """Place of a value in a file: keys of mappings and indices of lists, from the outside in."""
 
@@ -85,6 +87,18 @@ class InputError(MissionplanError):
     def __reduce__(self) -> tuple[type["InputError"], tuple[Sequence[Problem]]]:
         """Keep the problems when a worker's error is sent to the process that waits for it."""
         return type(self), (self.problems,)
+
+
+def attempted(call: Callable[[], Result], problems: list[Problem]) -> Result | None:
+    """Return what a call returns; None where input is bad, whose problems are added to a list of them.
+
+    So what is wrong with several inputs can be told at once.
+    """
+    try:
+        return call()
+    except InputError as error:
+        problems += error.problems
+        return None
 
 
 class RunError(MissionplanError):

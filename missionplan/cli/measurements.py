@@ -74,10 +74,6 @@ def diagnose(
     processes = o.worker_count(jobs)
 
     def study(loaded: "Mission", progress: Progress) -> "Result":
-        from missionplan.studies.validation.datasets import check_dataset
-
-        for dataset in datasets:
-            check_dataset(dataset, loaded, allow_outside=allow_outside)
         from missionplan.diagnosis.diagnose import diagnose
         from missionplan.diagnosis.together.campaign import diagnose_campaign
 
@@ -97,10 +93,7 @@ def diagnose(
         )
 
     with preloaded_pool(min(processes, MAX_PROCESSES) - 1, *_WORKERS_NEED):  # they import while this process does
-        from missionplan.datasets.reading import dataset_files
-
-        inputs = [file for dataset in datasets for file in dataset_files(dataset)]
-        run_study(mission, "diagnose", study, output, allow_outside=allow_outside, inputs=inputs)
+        run_study(mission, "diagnose", study, output, allow_outside=allow_outside, datasets=datasets)
 
 
 def identify(dataset: o.DatasetFolder, *, output: o.OutputOptions, allow_outside: o.AllowOutside = False) -> None:
@@ -130,11 +123,9 @@ def score(
 
         return score(loaded, *datasets, seed=seed, allow_outside=allow_outside, progress=progress)
 
-    from missionplan.datasets.reading import dataset_files
     from missionplan.results.log_book.score import Score
 
-    inputs = [file for dataset in datasets for file in dataset_files(dataset)]
-    result = run_study(mission, "score", study, output, allow_outside=allow_outside, inputs=inputs)
+    result = run_study(mission, "score", study, output, allow_outside=allow_outside, datasets=datasets)
     if isinstance(result, Score) and not result.is_within_chance:
         raise typer.Exit(OUTSIDE_CHANCE)
 

@@ -4,11 +4,13 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from missionplan.cli.options import OutputOptions
 from missionplan.cli.streams import answering, note, remark
+from missionplan.errors import InputError, Problem, attempted
 
 if TYPE_CHECKING:
     from rich.progress import Task
@@ -32,19 +34,43 @@ def run_study(
     output: OutputOptions,
     *,
     allow_outside: bool,
-    inputs: Sequence[Path] = (),
+    datasets: Sequence[Path] = (),
 ) -> "Result":
-    """Load a mission, run a study of it, save the report, print and return the result; `inputs` are read besides."""
-    from missionplan.mission import load
-    from missionplan.store.folder import check_holds_no_input
-
+    """Load a mission, run a study of it, save the report, print and return the result; data sets are read besides."""
     folder = checked_folder(output, path.stem, command)
-    mission = load(path, allow_outside=allow_outside)
-    check_holds_no_input(folder, (*mission.sources, *inputs))
+    mission = _loaded(path, datasets, folder, allow_outside=allow_outside)
     with progress_bar(command, shown=not output.quiet) as progress:
         result = study(mission, progress)
     deliver(result, folder, output)
     return result
+
+
+def _loaded(path: Path, datasets: Sequence[Path], folder: Path, *, allow_outside: bool) -> "Mission":
+    """Load a mission, and read data sets for what is wrong with them; the report's folder may hold none of their files.
+
+    Raises
+    ------
+    InputError
+        All that is wrong with any of them.
+    """
+    from missionplan.mission import load
+    from missionplan.store.folder import check_holds_no_input
+
+    problems: list[Problem] = []
+    mission = attempted(partial(load, path, allow_outside=allow_outside), problems)
+    files = [] if mission is None else [*mission.sources]
+    for dataset in datasets:
+        from missionplan.datasets.reading import dataset_files
+        from missionplan.studies.validation.datasets import check_dataset
+
+        found = attempted(partial(dataset_files, dataset), problems)
+        if found is not None:
+            files += found
+            attempted(partial(check_dataset, dataset, mission, allow_outside=allow_outside), problems)
+    attempted(partial(check_holds_no_input, folder, files), problems)
+    if mission is None or problems:
+        raise InputError(problems)
+    return mission
 
 
 def checked_folder(output: OutputOptions, stem: str, command: str, inputs: Sequence[Path] = ()) -> Path:

@@ -93,6 +93,14 @@ def trials_to_decide(share: float, required: float) -> int | None:
     return math.floor(_Z95**2 * required * (1.0 - required) / (share - required) ** 2) + 1
 
 
+def successes_to_decide(required: float, trials: int) -> int:
+    """Least number of successes whose Wilson interval lies above a probability; may be more than there are trials.
+
+    From the same test as `trials_to_decide`.
+    """
+    return math.floor(trials * required + _Z95 * math.sqrt(trials * required * (1.0 - required))) + 1
+
+
 @dataclass(frozen=True)
 class Count:
     """Number of trials in which an event happened, of those in which it could."""

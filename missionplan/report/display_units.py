@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
+from missionplan.results.plain_data import mapping, mappings
 
 _SUFFIXES = {"_m_s": "m/s", "_wh": "W*h", "_s": "s", "_m": "m", "_n": "N", "_kg": "kg", "_rad": "rad", "_deg": "deg"}
 _SI = {"W*h": "J", "deg": "rad"}
@@ -98,7 +99,7 @@ def _texts(phase: str, quantity: str, data: Mapping[str, object]) -> list[object
     """Quantities of the mission file whose unit suits, in order of preference."""
     requirements = [
         requirement.get("at_most", requirement.get("at_least"))
-        for requirement in _items(data.get("requirements"))
+        for requirement in mappings(data.get("requirements"))
         if requirement.get("quantity") == f"{phase}.{quantity}"
     ]
     section = _phase(phase, data)
@@ -108,12 +109,8 @@ def _texts(phase: str, quantity: str, data: Mapping[str, object]) -> list[object
     return [*requirements, *below, *site, *energy]
 
 
-def _items(value: object) -> list[Mapping[str, object]]:
-    return [item for item in value if isinstance(item, Mapping)] if isinstance(value, list | tuple) else []
-
-
 def _phase(name: str, data: Mapping[str, object]) -> Mapping[str, object]:
-    for entry in _items(data.get("phases")):
+    for entry in mappings(data.get("phases")):
         for kind, section in entry.items():
             if isinstance(section, Mapping) and section.get("name", kind) == name:
                 return section
@@ -122,7 +119,7 @@ def _phase(name: str, data: Mapping[str, object]) -> Mapping[str, object]:
 
 def _at(data: object, path: tuple[str, ...]) -> object:
     for key in path:
-        data = data.get(key) if isinstance(data, Mapping) else None
+        data = mapping(data).get(key)
     return data
 
 

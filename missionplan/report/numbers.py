@@ -29,6 +29,20 @@ def number(value: float, error: float = 0.0) -> str:
     return _grouped(value, _decimals(error))
 
 
+def rounded_up(value: float) -> float:
+    """Round to three digits, never to less."""
+    if not math.isfinite(value) or value == 0.0:
+        return value
+    decimals = 2 - _exponent(value)
+    nearest = round(value, decimals)
+    return nearest if nearest >= value else round(nearest + 10.0**-decimals, decimals)
+
+
+def rounded_down(value: float) -> float:
+    """Round to three digits, never to more."""
+    return -rounded_up(-value)
+
+
 def with_error(value: float, error: float, unit: Unit) -> str:
     """Write ``21.3 ± 0.4 ft``; `value` and `error` in the key's unit."""
     value, error = unit(value), unit(error)

@@ -4,6 +4,8 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from missionplan.results.plain_data import mapping, mappings
+
 _PARTS = {
     "phases": re.compile(r"phases"),
     "place": re.compile(r"site\.origin\b.*"),
@@ -44,8 +46,7 @@ def parts_of_task(paths: Iterable[str]) -> dict[str, list[str]]:
 
 def phase_names(mission: object) -> tuple[str, ...]:
     """Names of a mission's phases: given, or else their kinds."""
-    phases = mission.get("phases") if isinstance(mission, Mapping) else None
-    entries = [entry for entry in phases if isinstance(entry, Mapping)] if isinstance(phases, list | tuple) else []
+    entries = mappings(mapping(mission).get("phases"))
     return tuple(
         str(section.get("name", kind)) if isinstance(section, Mapping) else str(kind)
         for entry in entries

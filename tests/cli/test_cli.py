@@ -177,6 +177,21 @@ def test_diagnose_refuses_a_data_set_before_it_imports_the_diagnosis(tmp_path: P
     assert not imported & {"missionplan.diagnosis.diagnose", "scipy.linalg", "matplotlib"}
 
 
+@pytest.mark.parametrize("command", ["diagnose", "score"])
+def test_what_is_wrong_with_the_mission_and_with_each_data_set_is_told_at_once(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, command: str
+) -> None:
+    damaged = tmp_path / "damaged"
+    damaged.mkdir()
+    (damaged / "dataset.yaml").write_text("{kind: descent, file: dives.csv}")
+    (damaged / "dives.csv").write_text("run,t_s,depth\n1,0,0\n")
+    given = [str(tmp_path / name) for name in ("missing.yaml", "missing", "damaged")]
+    assert run(monkeypatch, command, *given) == 2
+    errors = capsys.readouterr().err
+    for words in ("missing.yaml: no such file", "missing/dataset.yaml: no such file", "dives.csv", "depth_m"):
+        assert words in errors
+
+
 def test_validate_imports_only_what_a_mission_needs() -> None:
     missions = [
         str(MISSIONS / f"{name}.yaml") for name in ("anchor-design", "autosub-transition", "chesapeake", "fig8")

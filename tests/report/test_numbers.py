@@ -6,7 +6,7 @@ import pytest
 
 from missionplan.montecarlo.statistics import Probability, Statistic, wilson
 from missionplan.report.display_units import Unit, split_key, unit_for
-from missionplan.report.numbers import number, percent, span, time_in_words, with_error
+from missionplan.report.numbers import number, percent, rounded_down, rounded_up, span, time_in_words, with_error
 
 MISSION = {
     "site": {"depth": "40 ft"},
@@ -138,3 +138,20 @@ def test_a_probability_that_is_certain_has_no_interval() -> None:
     """As in a sweep by the integral equation alone, where no trial may fail to arrive."""
     assert percent(Probability(1.0, 1.0, 1.0)) == "100\u00a0%"
     assert percent(Probability(0.0, 0.0, 0.0)) == "0\u00a0%"
+
+
+@pytest.mark.parametrize(
+    ("value", "down", "up"),
+    [
+        (20.67, 20.6, 20.7),
+        (20.6, 20.6, 20.6),
+        (20.600001, 20.6, 20.7),
+        (9.999, 9.99, 10.0),
+        (12345.0, 12300.0, 12400.0),
+        (-0.30017, -0.301, -0.3),
+        (0.0, 0.0, 0.0),
+    ],
+)
+def test_a_bound_is_rounded_to_three_digits_on_its_safe_side(value, down, up):
+    assert rounded_down(value) == down
+    assert rounded_up(value) == up

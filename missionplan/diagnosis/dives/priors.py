@@ -49,11 +49,6 @@ class DescentPriors:
         """Minimum relative evidence gain, allowing for the shape error of causes of approximate form."""
         return MINIMUM_EVIDENCE_GAIN_SHAPED if any(map(is_approximate, causes)) else MINIMUM_EVIDENCE_GAIN
 
-    @property
-    def fits_together(self) -> bool:
-        """The descents of all sets are simulated at once."""
-        return True
-
     def may_be_multimodal(self, causes: Causes) -> bool:
         """Whether the form of a cause is approximate."""
         return any(map(is_approximate, causes))

@@ -1,9 +1,9 @@
-"""Fits of several sets of causes, divided among processes; some are repeated, some are relinearised."""
+"""Fits of several sets of causes, divided among processes; some are repeated, and the best relinearised together."""
 
 from collections.abc import Sequence
 from functools import partial
 
-from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, Model
+from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, FitsTogether, Model
 from missionplan.montecarlo.parallel.mapping import parallel_map
 
 RETRIES = 2
@@ -11,7 +11,7 @@ RETRIES = 2
 
 
 def fitted(model: Model, requests: Sequence[FitRequest], jobs: int = 1) -> list[CauseFit | FailedFit]:
-    """Fit several sets, pairs that ended badly once more from a fresh start; the best are relinearised if need be.
+    """Fit several sets, pairs that ended badly once more from a fresh start; relinearise what is fitted together.
 
     A local search finds a local optimum: a fresh start is multistart with two starts (Rinnooy Kan & Timmer
     1987, *Math. Program.* 39).
@@ -30,11 +30,11 @@ def fitted(model: Model, requests: Sequence[FitRequest], jobs: int = 1) -> list[
     list
         A fit, or why there is none, for each set in their order.
     """
-    fits = parallel_map(model.fit_all, requests, jobs=jobs, separately=not model.fits_together)
+    fits = _fit_all(model, requests, jobs)
     for index, other in _retried(model, requests, fits, jobs):
         if isinstance(other, CauseFit) and other.possible:
             fits[index] = other
-    if not model.fits_together:
+    if not isinstance(model, FitsTogether):
         return fits
     best = max((fit.log_evidence for fit in fits if isinstance(fit, CauseFit)), default=0.0)
     return parallel_map(partial(model.relinearised, best=best), fits, jobs=jobs)
@@ -54,5 +54,8 @@ def _retried(
     ]
     again = [index for _, index in sorted(impossible, reverse=True)[:RETRIES]]
     afresh: list[FitRequest] = [(requests[index][0], ()) for index in again]
-    found = parallel_map(model.fit_all, afresh, jobs=jobs, separately=not model.fits_together)
-    return list(zip(again, found, strict=True))
+    return list(zip(again, _fit_all(model, afresh, jobs), strict=True))
+
+
+def _fit_all(model: Model, requests: Sequence[FitRequest], jobs: int) -> list[CauseFit | FailedFit]:
+    return parallel_map(model.fit_all, requests, jobs=jobs, separately=not isinstance(model, FitsTogether))

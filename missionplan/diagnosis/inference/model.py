@@ -8,7 +8,7 @@ causes).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence
@@ -113,29 +113,12 @@ class Model(Protocol):
         ...
 
     @property
-    def fits_together(self) -> bool:
-        """Whether sets are fitted faster together than one by one, and relinearised afterwards."""
-        ...
-
-    @property
     def untestable(self) -> Mapping[str, str]:
         """Effects of the catalogue that these data could not show, and why."""
         ...
 
     def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets of causes, each started from the fits given with it and independent of the other sets."""
-        ...
-
-    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
-        """Linearise the best fits anew where their posteriors lie off the point of linearisation.
-
-        Parameters
-        ----------
-        fits : sequence
-            To improve; a model that does not fit sets together returns them.
-        best : float
-            Greatest log evidence of those fitted together: fits far below it need no improvement.
-        """
         ...
 
     def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
@@ -161,4 +144,21 @@ class Model(Protocol):
 
     def discrimination(self, first: CauseFit, second: CauseFit, entry: int | None) -> float:
         """Expected log Bayes factor of the first fit over the second if the first is true, with or without a design."""
+        ...
+
+
+@runtime_checkable
+class FitsTogether(Protocol):
+    """A model whose sets are fitted faster together than one by one, and relinearised once the best is known."""
+
+    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
+        """Linearise the best fits anew where their posteriors lie off the point of linearisation.
+
+        Parameters
+        ----------
+        fits : sequence
+            To improve.
+        best : float
+            Greatest log evidence of those fitted together: fits far below it need no improvement.
+        """
         ...

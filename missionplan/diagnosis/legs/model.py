@@ -44,10 +44,6 @@ class TransitModel(TransitFitting):
                 found.append(FailedFit(causes, str(error)))
         return found
 
-    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
-        """Return the fits as they are: `fit` has linearised them until they converged."""
-        return list(fits)
-
     def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         """Gain in log density of causes over a parent's, its hyperparameters held; inf if it cannot be estimated."""
         further = [CATALOGUE[name] for name in causes if name not in parent.causes]
@@ -60,11 +56,6 @@ class TransitModel(TransitFitting):
         plain = self.linearised(parent.causes, forms=state.forms)
         without = self.marginal(state.hyperparameters, state.posterior.mode, plain)
         return with_causes.log_density - without.log_density
-
-    @property
-    def fits_together(self) -> bool:
-        """Legs take a few operations: sets are fitted one by one."""
-        return False
 
     def may_be_multimodal(self, causes: Causes) -> bool:
         """Whether a cause has a shape of its own."""

@@ -12,7 +12,7 @@ from missionplan.diagnosis.inference.adequacy.axes import pointwise, scaled
 from missionplan.diagnosis.inference.adequacy.residuals import Residuals
 from missionplan.diagnosis.inference.importance_sampling import SampledEvidence, sampled_evidence
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
-from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, FailedFit, HeldOutScore
+from missionplan.diagnosis.inference.model import MINIMUM_EVIDENCE_GAIN, CauseFit, HeldOutScore
 from missionplan.diagnosis.tank.fitting import TankFitting
 from missionplan.diagnosis.tank.linearised import LinearData, fitted_root
 from missionplan.results.learned.evidence import Causes
@@ -42,11 +42,6 @@ class TankModel(TankFitting):
         """The default: the catalogue's effects are nearly linear in their strengths, and of known shape."""
         return MINIMUM_EVIDENCE_GAIN
 
-    @property
-    def fits_together(self) -> bool:
-        """Each set is searched for by itself."""
-        return False
-
     def may_be_multimodal(self, causes: Causes) -> bool:
         """Whether a cause has a shape parameter."""
         return has_shape(causes)
@@ -54,10 +49,6 @@ class TankModel(TankFitting):
     def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         """Unknown: all sets of a tank's few effects are fitted."""
         return float("inf")
-
-    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
-        """The fits as they are: each is linearised about its own best coordinates and noise."""
-        return list(fits)
 
     def sampled_evidence(self, fit: CauseFit) -> SampledEvidence:
         """Evidence by importance sampling of nuisance parameters and causes with the model itself, not linearised."""

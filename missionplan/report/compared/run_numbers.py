@@ -7,6 +7,7 @@ from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.numbers import NARROW_SPACE, has_spread, number, with_error
 from missionplan.report.wording import in_words
 from missionplan.results.comparison import ComparedNumber, Comparison
+from missionplan.results.plain_data import mapping, mappings
 
 _PERCENT = Unit("%", 0.01)
 _GROUPS = {"sweep": "", "anchor": "", "odds": "dives"}
@@ -85,14 +86,12 @@ def _in_si(quantity: str, limit: str) -> str:
 
 def requirements_of(mission: Mapping[str, object]) -> list[Mapping[str, object]]:
     """Requirements of a mission's document."""
-    written = mission.get("requirements")
-    return [item for item in written if isinstance(item, Mapping)] if isinstance(written, list | tuple) else []
+    return mappings(mission.get("requirements"))
 
 
 def _mission(comparison: Comparison, difference: ComparedNumber) -> Mapping[str, object]:
     """Data of the second run's mission; of the first's where only that has the number."""
-    data = comparison.provenance.data["second" if difference.second is not None else "first"]
-    return data if isinstance(data, Mapping) else {}
+    return mapping(comparison.provenance.data["second" if difference.second is not None else "first"])
 
 
 def limit_in_words(requirement: Mapping[str, object]) -> str:

@@ -1,12 +1,13 @@
 """What alternatives reach of what is required, and in what their missions differ."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from missionplan.report.compared.run_numbers import limit_in_words, requirements_of
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import PageSection, Table
 from missionplan.report.wording import in_words
 from missionplan.results.choosing.alternatives import Alternatives
+from missionplan.results.plain_data import mapping
 from missionplan.results.simulation import RequirementOutcome
 
 _MOST_DIFFERING = 60
@@ -28,7 +29,7 @@ def requirements_section(found: Alternatives) -> Iterator[PageSection]:
 
 def _asked(item: RequirementOutcome, mission: object) -> tuple[str, str]:
     """Write what is required and how surely; both may differ from mission to mission."""
-    written = requirements_of(mission if isinstance(mission, Mapping) else {})
+    written = requirements_of(mapping(mission))
     alike = [each for each in written if each.get("quantity") == item.quantity and (item.bound or "quantity") in each]
     if len(alike) == 1:
         limit = limit_in_words(alike[0])

@@ -3,7 +3,7 @@
 import re
 import shlex
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from hashlib import sha256
 from importlib.resources import files
@@ -17,6 +17,7 @@ from missionplan.report.crew.conversion import given_units
 from missionplan.report.page import BLUE, GRID, INK, Block, Figure, Page, PageSection, Table
 from missionplan.report.wording import capitalised
 from missionplan.results.base import Provenance, to_yaml
+from missionplan.results.plain_data import mapping
 
 _LARGEST, _LARGEST_PRINTED = 1.7, 1.2
 """Largest scale of a figure on the screen and on paper [px/pt]: text of 10 pt is then about as high as the page's."""
@@ -170,8 +171,7 @@ def rerun_command(provenance: Provenance) -> str:
 
 def _trials(provenance: Provenance) -> int | None:
     """Number of trials, where it was not the mission's, and was chosen and not reached on the way to a precision."""
-    section = provenance.data.get("monte_carlo")
-    own = section.get("trials") if isinstance(section, Mapping) else None
+    own = mapping(provenance.data.get("monte_carlo")).get("trials")
     chosen = provenance.trials > 0 and not provenance.options.get("precision")
     return provenance.trials if chosen and provenance.trials != own else None
 

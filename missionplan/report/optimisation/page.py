@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from missionplan.montecarlo.statistics import Statistic
 from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.members import members_in_words, members_section
-from missionplan.report.numbers import number, percent, share, with_error
+from missionplan.report.numbers import number, percent, rounded_down, rounded_up, share, with_error
 from missionplan.report.optimisation.front import front_figure
 from missionplan.report.page import Listing, Page, PageSection, Table, Terminal
 from missionplan.report.simulation.quantities import requirement_in_words
@@ -72,17 +72,31 @@ def _obstacle_words(found: Optimised) -> str:
 
 
 def _would_do(found: Optimised, each: Obstacle) -> str:
-    """Write with which bound it would be met: `` (21.1 W h instead of 15 W h would do)``."""
+    """Write with which bound it would be met: `` (21.2 W h instead of 15 W h would do)``."""
     if not math.isfinite(each.would_do):
         return ""
-    would, limit = (_in_unit(found, each, value) for value in (each.would_do, each.limit))
-    return f" ({would} instead of {limit} would do)"
+    return f" ({_looser(found, each)} instead of {_limit(found, each)} would do)"
 
 
-def _in_unit(found: Optimised, each: Obstacle, value: float) -> str:
+def _looser(found: Optimised, each: Obstacle) -> str:
+    """Write the bound that would do, rounded away from the one that does not: one rounded towards it may not do."""
+    unit = _unit_of(found, each, each.would_do)
+    loosened = rounded_up if each.would_do > each.limit else rounded_down
+    return _with_unit(loosened(unit(each.would_do)), unit)
+
+
+def _limit(found: Optimised, each: Obstacle) -> str:
+    unit = _unit_of(found, each, each.limit)
+    return _with_unit(unit(each.limit), unit)
+
+
+def _unit_of(found: Optimised, each: Obstacle, value: float) -> Unit:
     phase, _, key = each.column.rpartition(".")
-    unit = unit_for(phase, key, found.provenance.data, typical=value)
-    return f"{number(unit(value))}{unit.suffix}" if math.isfinite(value) else "–"
+    return unit_for(phase, key, found.provenance.data, typical=value)
+
+
+def _with_unit(value: float, unit: Unit) -> str:
+    return f"{number(value)}{unit.suffix}" if math.isfinite(value) else "–"
 
 
 def _binding_words(found: Optimised) -> str:
@@ -206,8 +220,8 @@ def _obstacles(found: Optimised) -> Iterator[PageSection]:
                 in_words(each.quantity),
                 _required(each.required),
                 percent(each.reached),
-                _in_unit(found, each, each.limit),
-                _in_unit(found, each, each.would_do),
+                _limit(found, each),
+                _looser(found, each),
             )
             for each in found.obstacles
         ]

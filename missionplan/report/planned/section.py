@@ -9,6 +9,7 @@ from missionplan.report.planned.site_map import site_map
 from missionplan.report.planned.values import value_in_words
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.base import Provenance
+from missionplan.results.plain_data import mapping
 
 Row = tuple[str, str]
 """What it is, and its value."""
@@ -59,16 +60,12 @@ def planned_sections(provenance: Provenance) -> list[PageSection]:
     return [PageSection(heading, blocks, is_summary=True)] if blocks else []
 
 
-def _mapping(value: object) -> Mapping[str, object]:
-    return value if isinstance(value, Mapping) else {}
-
-
 def _named(key: str) -> str:
     return _NAMES.get(key, in_words(key))
 
 
 def _site(data: Mapping[str, object]) -> Iterator[Row]:
-    for key, value in _mapping(data.get("site")).items():
+    for key, value in mapping(data.get("site")).items():
         if key == "current":
             yield from _current(value)
         elif key == "chart":
@@ -85,7 +82,7 @@ def _current(value: object) -> Iterator[Row]:
         yield "current", _recorded(value)
         return
     above = "surface"
-    for layer in map(_mapping, value):
+    for layer in map(mapping, value):
         edge = value_in_words(layer.get("down_to"))
         words = f"{value_in_words(layer.get('speed'))} toward {value_in_words(layer.get('toward'))}"
         yield f"current, {above} to {edge}", words
@@ -106,9 +103,9 @@ def _recorded(current: object) -> str:
 
 
 def _navigation(data: Mapping[str, object]) -> Iterator[Row]:
-    for key, value in _mapping(data.get("navigation")).items():
+    for key, value in mapping(data.get("navigation")).items():
         if key == "velocity_error":
-            for inner, spread in _mapping(value).items():
+            for inner, spread in mapping(value).items():
                 name = "mean velocity error, east and north" if inner == "mean" else _named(inner)
                 yield name, value_in_words(spread)
         else:
@@ -116,19 +113,19 @@ def _navigation(data: Mapping[str, object]) -> Iterator[Row]:
 
 
 def _vehicle(data: Mapping[str, object]) -> Iterator[Row]:
-    vehicle = _mapping(data.get("vehicle"))
+    vehicle = mapping(data.get("vehicle"))
     for key in (key for key in _VEHICLE if key in vehicle):
         value = vehicle[key]
         if key == "name":
             yield "vehicle", str(value)
         elif key == "anchor":
-            shown = {inner: each for inner, each in _mapping(value).items() if inner in _ANCHOR}
+            shown = {inner: each for inner, each in mapping(value).items() if inner in _ANCHOR}
             if shown:
                 yield "anchor", value_in_words(shown)
         elif key in ("mass", "net_buoyancy") and "anchor" in vehicle:
             yield f"{_named(key)} without the anchor", value_in_words(value)
         elif key == "hull":
-            yield "hull", _hull(_mapping(value))
+            yield "hull", _hull(mapping(value))
         else:
             yield _named(key), value_in_words(value)
     if "energy" in data:
@@ -145,9 +142,9 @@ def _hull(hull: Mapping[str, object]) -> str:
 def _phases(data: Mapping[str, object]) -> Iterator[Row]:
     phases = data["phases"]
     entries = phases if isinstance(phases, list | tuple) else ()
-    for kind, section in chain.from_iterable(_mapping(entry).items() for entry in entries):
-        keys = {key: value for key, value in _mapping(section).items() if key not in ("name", "sweep")}
-        name = str(_mapping(section).get("name", kind))
+    for kind, section in chain.from_iterable(mapping(entry).items() for entry in entries):
+        keys = {key: value for key, value in mapping(section).items() if key not in ("name", "sweep")}
+        name = str(mapping(section).get("name", kind))
         label = name if name == kind else f"{name} ({kind})"
         yield label, ", ".join(_phase_value(key, value) for key, value in keys.items())
 
@@ -163,9 +160,9 @@ def _phase_value(key: str, value: object) -> str:
 def _effects(data: Mapping[str, object]) -> Iterator[Row]:
     entries = data.get("effects")
     for entry in entries if isinstance(entries, list | tuple) else ():
-        for name, parameters in _mapping(entry).items():
+        for name, parameters in mapping(entry).items():
             if name == "one-of" and isinstance(parameters, list | tuple):
-                yield from (_explanation(_mapping(each)) for each in parameters)
+                yield from (_explanation(mapping(each)) for each in parameters)
                 continue
             yield f"effect: {name.replace('-', ' ')}", value_in_words(parameters) if parameters else "as usual"
 
@@ -176,7 +173,7 @@ def _explanation(held: Mapping[str, object]) -> Row:
     parts = [
         f"{name.replace('-', ' ')} ({value_in_words(parameters)})" if parameters else name.replace("-", " ")
         for entry in (entries if isinstance(entries, list | tuple) else ())
-        for name, parameters in _mapping(entry).items()
+        for name, parameters in mapping(entry).items()
     ]
     probability = held.get("probability")
     share = f"{100.0 * probability:.3g} %" if isinstance(probability, int | float) else "an explanation"

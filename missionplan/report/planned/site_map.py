@@ -19,6 +19,7 @@ from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.report.geography.frame import emptiest_corner, frame, north_and_scale
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, Figure, to_figure
 from missionplan.report.planned.chart import draw_chart
+from missionplan.results.plain_data import mapping, mappings
 
 _WIDTH = 5.0
 _NAME_BELOW = 0.08
@@ -78,8 +79,7 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
 
 def _draw_chart(axes: Axes, data: Mapping[str, object]) -> str:
     """Draw the chart that the mission names, where it names one; returns what is to be said of it."""
-    site, origin = data.get("site"), _origin(data)
-    file = site.get("chart") if isinstance(site, Mapping) else None
+    file, origin = mapping(data.get("site")).get("chart"), _origin(data)
     if not isinstance(file, str) or origin is None:
         return ""
     problem = draw_chart(axes, file, origin)
@@ -132,8 +132,7 @@ def _runs_below(way: np.ndarray, place: Point) -> bool:
 
 def _has_picture(data: Mapping[str, object]) -> bool:
     """Whether the mission's chart is a picture, which may be dark."""
-    site = data.get("site")
-    file = site.get("chart") if isinstance(site, Mapping) else None
+    file = mapping(data.get("site")).get("chart")
     return isinstance(file, str) and Path(file).suffix.lower() in (".tif", ".tiff")
 
 
@@ -158,7 +157,7 @@ def _goals(data: Mapping[str, object]) -> Iterator[Goal]:
     origin = _origin(data)
     phases = data.get("phases")
     here: Point | None = None
-    for kind, section in chain.from_iterable(entry.items() for entry in _mappings(phases)):
+    for kind, section in chain.from_iterable(entry.items() for entry in mappings(phases)):
         if not isinstance(section, Mapping):
             continue
         name = str(section.get("name", kind))
@@ -173,13 +172,8 @@ def _goals(data: Mapping[str, object]) -> Iterator[Goal]:
             yield Goal(name, here, _length(section.get("radius")))
 
 
-def _mappings(value: object) -> list[Mapping[str, object]]:
-    return [item for item in value if isinstance(item, Mapping)] if isinstance(value, list | tuple) else []
-
-
 def _origin(data: Mapping[str, object]) -> Geographic | None:
-    site = data.get("site")
-    written = site.get("origin") if isinstance(site, Mapping) else None
+    written = mapping(data.get("site")).get("origin")
     if not isinstance(written, Mapping):
         return None
     latitude, longitude = (_number(written.get(key), "rad") for key in ("latitude", "longitude"))

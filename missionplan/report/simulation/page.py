@@ -1,7 +1,7 @@
 """Report of a simulated mission: will it work, what makes it fail, and what to measure better."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from missionplan.exporters.plan_json import plan_json
 from missionplan.exporters.table import waypoints_csv
@@ -29,6 +29,7 @@ from missionplan.report.simulation.quantities import (
 from missionplan.report.simulation.requirements import requirements_in_words, requirements_section, verdict
 from missionplan.report.simulation.sensitivities import sensitivity_sections
 from missionplan.report.wording import in_words
+from missionplan.results.plain_data import mapping
 from missionplan.results.simulation import Outcome
 
 
@@ -130,9 +131,8 @@ _BEYOND = {"hold": "; its last values are held there", "zero": "; no current is 
 
 def _limits_in_words(outcome: Outcome) -> Iterator[str]:
     """Write in which share of the trials the mission met a limit of the world."""
-    site = outcome.provenance.data.get("site")
-    current = site.get("current") if isinstance(site, Mapping) else None
-    outside = str(current.get("outside", "")) if isinstance(current, Mapping) else ""
+    current = mapping(mapping(outcome.provenance.data.get("site")).get("current"))
+    outside = str(current.get("outside", ""))
     for limit, probability in outcome.limits.items():
         if probability.value > 0.0:
             beyond = _BEYOND.get(outside, "; such trials fail") if limit == "left_record" else ""

@@ -83,8 +83,8 @@ class Obstacle:
     column : str
         Of the trials, such as ``total.energy_wh``.
     limit, would_do : float
-        The bound, and that with which this choice would meet the requirement, in the column's unit; nan for an event,
-        and where too few trials have the quantity.
+        The bound, and one with which this choice would meet the requirement, on fresh trials too as far as its own
+        can tell, in the column's unit; nan for an event, and where too few trials have the quantity.
     alone : bool
         Whether a choice would do without this requirement.
     """

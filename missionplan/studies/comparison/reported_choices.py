@@ -8,6 +8,7 @@ from typing import get_args
 from missionplan.errors import InputError, Problem
 from missionplan.results.choosing.alternatives import Alternative, Chosen, TriedCell
 from missionplan.results.choosing.axis import Aim
+from missionplan.results.plain_data import mapping, mappings, whole
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.comparison.reported_runs import estimates_of, probability_of, reported, requirements_of
 
@@ -68,20 +69,19 @@ def _check_keys(sources: Sequence[tuple[Path, Summary]]) -> None:
 
 
 def _axes(summary: Summary) -> list[str]:
-    return ["+".join(map(str, _items(axis.get("keys")))) for axis in _mappings(summary.get("vary"))]
+    keys = [axis.get("keys") for axis in mappings(summary.get("vary"))]
+    return ["+".join(map(str, each)) if isinstance(each, list) else "" for each in keys]
 
 
 def _of_exploration(name: str, folder: Path, summary: Summary) -> Alternative:
-    cells = _mappings(summary.get("cells"))
-    best = summary.get("best")
-    entry: Summary = best if isinstance(best, Mapping) else {}
-    quantities = entry.get("quantities")
+    cells = mappings(summary.get("cells"))
+    entry = mapping(summary.get("best"))
     of_total = {
         str(key).removeprefix("total."): value
-        for key, value in (quantities.items() if isinstance(quantities, Mapping) else ())
+        for key, value in mapping(entry.get("quantities")).items()
         if str(key).startswith("total.")
     }
-    trials = _whole(entry.get("trials"))
+    trials = whole(entry.get("trials"))
     return Alternative(
         name=name,
         source=str(folder),
@@ -89,39 +89,37 @@ def _of_exploration(name: str, folder: Path, summary: Summary) -> Alternative:
         quantities=estimates_of(of_total),
         requirements=requirements_of(entry.get("requirements"), trials),
         trials=trials,
-        seed=_whole(summary.get("seed")),
+        seed=whole(summary.get("seed")),
         contrasts={},
         chosen=Chosen(
             _texts(entry.get("values")),
             len(cells),
-            tuple((str(each.get("from")), str(each.get("to"))) for each in _mappings(summary.get("windows"))),
+            tuple((str(each.get("from")), str(each.get("to"))) for each in mappings(summary.get("windows"))),
             tuple(map(_cell, cells)),
         ),
     )
 
 
 def _cell(entry: Summary) -> TriedCell:
-    required = _mappings(entry.get("requirements"))
+    required = mappings(entry.get("requirements"))
     met = bool(required) and all(item.get("met") for item in required)
     return TriedCell(tuple(_texts(entry.get("values")).values()), met, probability_of(entry.get("success")))
 
 
 def _of_optimisation(name: str, folder: Path, summary: Summary) -> Alternative:
-    total = summary.get("total")
-    checked: Summary = total if isinstance(total, Mapping) else {}
-    events = checked.get("events")
-    trials = _whole(summary.get("trials"))
+    checked = mapping(summary.get("total"))
+    trials = whole(summary.get("trials"))
     return Alternative(
         name=name,
         source=str(folder),
-        success=probability_of(events.get("success") if isinstance(events, Mapping) else None),
+        success=probability_of(mapping(checked.get("events")).get("success")),
         quantities=estimates_of(checked.get("quantities")),
         requirements=requirements_of(summary.get("requirements"), trials)
-        or tuple(_obstacle(each, trials) for each in _mappings(summary.get("obstacles"))),
+        or tuple(_obstacle(each, trials) for each in mappings(summary.get("obstacles"))),
         trials=trials,
-        seed=_whole(summary.get("seed")),
+        seed=whole(summary.get("seed")),
         contrasts={},
-        chosen=Chosen(_texts(summary.get("chosen")), _whole(summary.get("combinations"))),
+        chosen=Chosen(_texts(summary.get("chosen")), whole(summary.get("combinations"))),
     )
 
 
@@ -131,17 +129,5 @@ def _obstacle(entry: Summary, trials: int) -> RequirementOutcome:
     return replace(found, undecided=False)
 
 
-def _items(value: object) -> list[object]:
-    return value if isinstance(value, list) else []
-
-
-def _mappings(value: object) -> list[Mapping[str, object]]:
-    return [each for each in _items(value) if isinstance(each, Mapping)]
-
-
 def _texts(value: object) -> dict[str, str]:
-    return {str(key): str(each) for key, each in value.items()} if isinstance(value, Mapping) else {}
-
-
-def _whole(value: object) -> int:
-    return value if isinstance(value, int) else 0
+    return {str(key): str(each) for key, each in mapping(value).items()}

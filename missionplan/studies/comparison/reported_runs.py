@@ -7,6 +7,7 @@ from pathlib import Path
 from missionplan.errors import InputError, Problem
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results.choosing.alternatives import Alternative, Estimate
+from missionplan.results.plain_data import mapping, mappings, real, whole
 from missionplan.results.simulation import RequirementOutcome
 
 
@@ -18,52 +19,44 @@ def reported(name: str, folder: Path, summary: Mapping[str, object]) -> Alternat
     InputError
         When it is not a report of `simulate`.
     """
-    total, trials, seed = summary.get("total"), summary.get("trials"), summary.get("seed")
-    events = total.get("events") if isinstance(total, Mapping) else None
-    if summary.get("command") != "simulate" or not isinstance(events, Mapping) or not isinstance(total, Mapping):
+    total, trials = mapping(summary.get("total")), whole(summary.get("trials"))
+    events = total.get("events")
+    if summary.get("command") != "simulate" or not isinstance(events, Mapping):
         message = (
             f"was made by {summary.get('command')}; of more than two, missions and reports of simulate are compared, "
             "or reports of explore, or of optimise"
         )
         raise InputError([Problem(message, str(folder))])
-    count = trials if isinstance(trials, int) else 0
     return Alternative(
         name=name,
         source=str(folder),
         success=probability_of(events.get("success")),
         quantities=estimates_of(total.get("quantities")),
-        requirements=requirements_of(summary.get("requirements"), count),
-        trials=count,
-        seed=seed if isinstance(seed, int) else 0,
+        requirements=requirements_of(summary.get("requirements"), trials),
+        trials=trials,
+        seed=whole(summary.get("seed")),
         contrasts={},
     )
 
 
 def requirements_of(entries: object, trials: int) -> tuple[RequirementOutcome, ...]:
     """Read the requirements of a summary."""
-    found = entries if isinstance(entries, list) else []
-    return tuple(_requirement(item, trials) for item in found if isinstance(item, Mapping))
+    return tuple(_requirement(item, trials) for item in mappings(entries))
 
 
 def probability_of(entry: object) -> Probability:
     """Read a probability of a summary; nan where it has none."""
-    if not isinstance(entry, Mapping):
-        return Probability(float("nan"), float("nan"), float("nan"))
-    return Probability(*(_float(entry.get(key)) for key in ("value", "low", "high")))
+    return Probability(*(real(mapping(entry).get(key)) for key in ("value", "low", "high")))
 
 
 def estimates_of(entries: object) -> dict[str, Estimate]:
     """Read energy and duration of a summary, where it has them."""
     found = {}
-    for name, entry in entries.items() if isinstance(entries, Mapping) else ():
-        mean = _float(entry.get("mean")) if isinstance(entry, Mapping) else float("nan")
+    for name, entry in mapping(entries).items():
+        mean, error = (real(mapping(entry).get(key)) for key in ("mean", "standard_error"))
         if name in ("duration_s", "energy_wh") and math.isfinite(mean):
-            found[str(name)] = (mean, _float(entry.get("standard_error")))
+            found[name] = (mean, error)
     return found
-
-
-def _float(value: object) -> float:
-    return float(value) if isinstance(value, int | float) else float("nan")
 
 
 def _requirement(item: Mapping[str, object], trials: int) -> RequirementOutcome:
@@ -71,9 +64,9 @@ def _requirement(item: Mapping[str, object], trials: int) -> RequirementOutcome:
     return RequirementOutcome(
         quantity=str(item.get("quantity")),
         bound=None if not bound else "at_most" if bound[0] == "at_most" else "at_least",
-        limit=_float(item[bound[0]]) if bound else None,
+        limit=real(item[bound[0]]) if bound else None,
         unit="",
-        required=_float(item.get("required")),
+        required=real(item.get("required")),
         probability=probability_of(item.get("probability")),
         met=bool(item.get("met")),
         undecided=bool(item.get("undecided")),

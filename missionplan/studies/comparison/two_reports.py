@@ -10,6 +10,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.results.base import Provenance
 from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
+from missionplan.results.plain_data import mapping, mappings, whole
 from missionplan.store.paths import as_path
 from missionplan.studies.comparison.mission_changes import changed_values
 from missionplan.studies.comparison.reported_choices import CHOOSING
@@ -92,16 +93,13 @@ def _one_command(folders: Sequence[Path], summaries: Sequence[Mapping[str, objec
 
 def _run(folder: Path, summary: Mapping[str, object]) -> ComparedRun:
     text = {key: str(summary.get(key, "")) for key in ("mission", "version", "created_utc")}
-    numbers = {key: value if isinstance(value := summary.get(key), int) else 0 for key in ("seed", "trials")}
-    return ComparedRun(
-        str(folder), text["mission"], text["version"], text["created_utc"], numbers["seed"], numbers["trials"]
-    )
+    seed, trials = (whole(summary.get(key)) for key in ("seed", "trials"))
+    return ComparedRun(str(folder), text["mission"], text["version"], text["created_utc"], seed, trials)
 
 
 def _options(summary: Mapping[str, object]) -> dict[str, object]:
-    options = summary.get("options")
     return {key: summary.get(key) for key in ("seed", "trials", "version")} | {
-        f"option {key}": value for key, value in (options.items() if isinstance(options, Mapping) else ())
+        f"option {key}": value for key, value in mapping(summary.get("options")).items()
     }
 
 
@@ -152,8 +150,7 @@ def _requirement_changes(first: Mapping[str, object], second: Mapping[str, objec
 
 def _requirements_met(summary: Mapping[str, object]) -> dict[str, str]:
     """Verdict on each requirement, by its quantity; of several on one quantity, with their limits."""
-    requirements = summary.get("requirements")
-    items = [item for item in requirements if isinstance(item, Mapping)] if isinstance(requirements, list) else []
+    items = mappings(summary.get("requirements"))
     quantities = [str(item.get("quantity")) for item in items]
     return {
         quantity if quantities.count(quantity) == 1 else f"{quantity}{_limit(item)}": _judged(item)

@@ -12,6 +12,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.results.base import Provenance
 from missionplan.results.log_book.history import History, Learned, State
+from missionplan.results.plain_data import mappings, real
 from missionplan.store.paths import as_path
 
 
@@ -112,20 +113,20 @@ def _moment(text: str) -> datetime:
 def _learned(report: _Report, moment: str) -> Iterator[Learned]:
     """Yield what a diagnosis says of each parameter: of its causes, and of what the mission knew."""
     summary = report.summary
-    best = _mappings(summary.get("ranking"))[:1] if summary.get("causes") else []
+    best = mappings(summary.get("ranking"))[:1] if summary.get("causes") else []
     likely = _probability(summary)
-    for parameter in [each for entry in best for each in _mappings(entry.get("parameters"))]:
+    for parameter in [each for entry in best for each in mappings(entry.get("parameters"))]:
         changed = bool(summary.get("changed")) and _was_known(summary, str(parameter["effect"]))
         entry = _entry(report, moment, parameter, parameter, "changed" if changed else "found")
         yield replace(entry, probability=likely)
-    for each in _mappings(summary.get("confirmed")):
-        yield from (_entry(report, moment, each, value, "confirmed") for value in _mappings([each.get("posterior")]))
+    for each in mappings(summary.get("confirmed")):
+        yield from (_entry(report, moment, each, value, "confirmed") for value in mappings([each.get("posterior")]))
 
 
 def _probability(summary: Mapping[str, object]) -> float:
     """Probability that the causes found hold: less than 1 where the diagnosis left a doubt."""
-    doubt = _mappings(summary.get("explanations"))
-    own = [_number(each.get("probability")) for each in doubt if each.get("causes") == summary.get("causes")]
+    doubt = mappings(summary.get("explanations"))
+    own = [real(each.get("probability")) for each in doubt if each.get("causes") == summary.get("causes")]
     return own[0] if own else 1.0
 
 
@@ -138,7 +139,7 @@ def _was_known(summary: Mapping[str, object], effect: str) -> bool:
 def _entry(
     report: _Report, moment: str, named: Mapping[str, object], value: Mapping[str, object], state: State
 ) -> Learned:
-    numbers = {key: _number(value.get(key)) for key in ("value", "sd", "low", "high")}
+    numbers = {key: real(value.get(key)) for key in ("value", "sd", "low", "high")}
     return Learned(
         report=report.place,
         mission=str(report.summary.get("mission", "")),
@@ -150,14 +151,6 @@ def _entry(
         state=state,
         **numbers,
     )
-
-
-def _number(value: object) -> float:
-    return float(value) if isinstance(value, int | float) else math.nan
-
-
-def _mappings(value: object) -> list[Mapping[str, object]]:
-    return [each for each in value if isinstance(each, dict)] if isinstance(value, list) else []
 
 
 def _with_jumps(entries: list[Learned]) -> Iterator[Learned]:

@@ -10,7 +10,7 @@ import scipy
 
 from missionplan.arrays import Array
 from missionplan.mission import Mission
-from missionplan.montecarlo.statistics import Count, Probability
+from missionplan.montecarlo.statistics import Count, Probability, successes_to_decide
 from missionplan.studies.optimisation.evaluations import Evaluation
 from missionplan.studies.simulation.block_statistics import SCALES, bound_of, requirement_key
 
@@ -94,17 +94,30 @@ class Demand:
 
     def _beyond(self, values: Array) -> float:
         """Return by how much the quantile that the demand concerns lies beyond its bound; infinite where too few do."""
-        sign = 1.0 if self.side == "at_most" else -1.0
-        reached = np.sort(np.where(np.isfinite(values), sign * values, np.inf))
-        return float(reached[max(math.ceil(self.required * reached.size) - 1, 0)]) - sign * self.limit
+        reached = self._outwards(values)
+        return float(reached[max(math.ceil(self.required * reached.size) - 1, 0)]) - self._sign * self.limit
+
+    def _outwards(self, values: Array) -> Array:
+        """Sort values so that each is further beyond the bound than the one before; infinite where there is none."""
+        return np.sort(np.where(np.isfinite(values), self._sign * values, np.inf))
+
+    @property
+    def _sign(self) -> float:
+        return 1.0 if self.side == "at_most" else -1.0
 
     def would_do(self, evaluation: Evaluation) -> float:
-        """Return the limit with which a choice would meet the demand; nan for an event, or where too few reach it."""
+        """Return a limit with which a choice would meet the demand; nan for an event, or where too few reach it.
+
+        The quantile of the trials would be met by half of all fresh trials only. The limit is so far out that the
+        interval of the probability lies above that required, or as far out as any trial.
+        """
         if self.side is None or evaluation.reason:
             return math.nan
-        sign = 1.0 if self.side == "at_most" else -1.0
-        limit = self.limit + sign * self._beyond(evaluation.columns[self.column].astype(float))
-        return limit if math.isfinite(limit) else math.nan
+        reached = self._outwards(evaluation.columns[self.column].astype(float))
+        known = int(np.isfinite(reached).sum())
+        if known < max(self.required * reached.size, 1):
+            return math.nan
+        return self._sign * float(reached[min(successes_to_decide(self.required, reached.size), known) - 1])
 
     def violation(self, evaluation: Evaluation) -> float:
         """Return how far a choice is from the demand: the probability that lacks, and the quantile beyond the bound.

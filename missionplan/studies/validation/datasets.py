@@ -24,8 +24,17 @@ _STAND_IN = {
 """Mission of a data set that is checked alone: what its runs leave to the mission is taken to be there."""
 
 
-def check_dataset(path: Path, mission: Mission, *, allow_outside: bool = False) -> None:
+def check_dataset(path: Path, mission: Mission | None, *, allow_outside: bool = False) -> None:
     """Read a data set for what is wrong with it, before a diagnosis is imported for it.
+
+    Parameters
+    ----------
+    path : Path
+        Of its folder.
+    mission : Mission or None
+        None where it cannot be read: the data set is then checked alone.
+    allow_outside : bool
+        Whether its table may lie outside its folder.
 
     Raises
     ------
@@ -37,7 +46,7 @@ def check_dataset(path: Path, mission: Mission, *, allow_outside: bool = False) 
         if kind in TANK_FORMATS:
             read_tank_data(path)
         else:
-            DIAGNOSED[kind](path, mission)
+            DIAGNOSED[kind](path, mission or Mission.from_data(_STAND_IN))
 
 
 def validated_dataset(path: Path, missions: Sequence[Mission]) -> Validated:

@@ -34,10 +34,6 @@ class Written:
     def minimum_evidence_gain(self, causes: Causes) -> float:
         return self.share
 
-    @property
-    def fits_together(self) -> bool:
-        return False
-
     def may_be_multimodal(self, causes: Causes) -> bool:
         return bool({FLOODING, LIFT} & set(causes))
 
@@ -59,9 +55,6 @@ class Written:
         if near and frozenset(causes) in self.impossible:
             return CauseFit(causes, self.impossible[frozenset(causes)], shapes, {}, False, None)
         return CauseFit(causes, self.value(causes), shapes, {}, True, None)
-
-    def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
-        return list(fits)
 
     def estimated_gain(self, causes: Causes, parent: CauseFit) -> float:
         return self.value(causes) - self.value(parent.causes)

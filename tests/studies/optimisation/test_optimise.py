@@ -1,5 +1,6 @@
 """The choice meets all requirements, is that of a full grid, and says what binds or what the obstacle is."""
 
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +18,7 @@ MISSIONS = Path(__file__).parents[3] / "missions"
 CHOOSE = ["out.speed=0.6:2:0.1 m/s", "out.d_max=150:1650:150 m"]
 
 
-def transit(*, minutes=26.0, **changes):
+def transit(*, minutes=26.0, at="at_most", **changes):
     """A transit alone, that must end in time: fast is early and costly, and a surfacing takes time too."""
     whole = missionplan.load(MISSIONS / "chesapeake.yaml").raw
     data = {
@@ -34,7 +35,7 @@ def transit(*, minutes=26.0, **changes):
         ],
         "requirements": [
             {"quantity": "out.arrived", "probability": 0.95},
-            {"quantity": "total.duration", "at_most": f"{minutes} min", "probability": 0.9},
+            {"quantity": "total.duration", at: f"{minutes} min", "probability": 0.9},
         ],
         "monte_carlo": {"trials": 2000, "seed": 3},
     }
@@ -105,6 +106,18 @@ def test_the_obstacle_is_named_with_how_much_is_reached(tmp_path):
     assert "instead of 12\N{NO-BREAK SPACE}min would do" in answer(hopeless)
     hopeless.save(tmp_path / "report")
     assert not (tmp_path / "report" / "mission-optimised.yaml").exists()
+
+
+@pytest.mark.parametrize(("at", "minutes"), [("at_most", 12.0), ("at_least", 90.0)])
+def test_with_the_bound_that_the_report_says_would_do_the_mission_is_feasible(at, minutes):
+    hopeless = missionplan.optimise(transit(minutes=minutes, at=at), choose=CHOOSE[:1], trials=300)
+    told = re.search(rf"\(([\d.]+)\smin instead of {minutes:g}\smin would do\)", answer(hopeless))
+    assert told is not None
+    values = {key: value for name, value in hopeless.chosen.items() for key in name.split("+")}
+    nearest = [f"{key}={value}" for key, value in values.items()]
+    looser = missionplan.optimise(transit(minutes=float(told[1]), at=at), choose=nearest, trials=2000)
+    assert looser.feasible
+    assert all(item.met and not item.undecided for item in looser.checked.requirements)
 
 
 def test_where_no_requirement_is_alone_each_that_is_missed_says_by_how_much():

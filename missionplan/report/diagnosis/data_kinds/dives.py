@@ -16,7 +16,7 @@ _MOST_PANELS = 9
 
 
 def _data_figure(diagnosis: Diagnosis) -> Figure:
-    """Draw the depth of each dive against time, with both models."""
+    """Draw the depth of each dive against time, with the mission's model and the extended one, if any."""
     runs = list(diagnosis.residuals.groupby("run", sort=False))[:_MOST_PANELS]
     columns = min(3, len(runs))
     rows = -(-len(runs) // columns)
@@ -33,11 +33,13 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
         axes.tick_params(labelbottom=True)
     for axes in panels[::columns]:
         axes.set_ylabel("Depth (m)", fontsize=9)
+    models = "measured, mission's model and extended model" if diagnosis.causes else "measured and mission's model"
+    shown = "measured, as the mission simulates it" + (", and extended" if diagnosis.causes else "")
     return to_figure(
         figure,
         "data",
-        alt=f"Depth against time of {len(runs)} dives: measured, mission's model and extended model",
-        caption="Depth of the vehicle against time, dive by dive: measured, as the mission simulates it, and extended.",
+        alt=f"Depth against time of {len(runs)} dives: {models}",
+        caption=f"Depth of the vehicle against time, dive by dive: {shown}.",
     )
 
 

@@ -28,7 +28,7 @@ class KindReport:
     unit : str
         Of errors of prediction.
     data_figure : callable
-        Draws the data against the base and the extended model: the report's main figure.
+        Draws the data against the base model, and the extended one where causes are claimed: the report's main figure.
     residual_figures : callable
         Draws what is left before and after.
     numbers : callable

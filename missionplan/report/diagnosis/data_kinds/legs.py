@@ -17,7 +17,7 @@ _COMPONENTS = ("east", "north")
 
 
 def _data_figure(diagnosis: Diagnosis) -> Figure:
-    """Draw the velocity error of each leg against time, with both models."""
+    """Draw the velocity error of each leg against time, with the mission's model and the extended one, if any."""
     table = diagnosis.residuals
     hours = (table["t_start_s"] + 0.5 * table["duration_s"]).to_numpy() / 3600.0
     figure = MatplotlibFigure(figsize=(6.4, 4.6))
@@ -33,13 +33,15 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
         axes.set(ylabel=f"{component.capitalize()} (cm/s)")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", fontsize=9, ncols=3)
     panels[1].set_xlabel("Time (h)")
+    models = "the mission's and the extended model's predictions" if diagnosis.causes else "the mission's prediction"
+    line = " Line: what the extended model predicts from the legs before." if diagnosis.causes else ""
     return to_figure(
         figure,
         "data",
-        alt="Velocity error of each leg toward east and north against time, with both models' predictions",
+        alt=f"Velocity error of each leg toward east and north against time, with {models}",
         caption=(
             "Velocity error of each leg: position error on surfacing over the time under way. Dashed: what the mission "
-            "expects. Line: what the extended model predicts from the legs before."
+            f"expects.{line}"
         ),
     )
 

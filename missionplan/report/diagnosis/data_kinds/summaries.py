@@ -27,11 +27,13 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
     panels[0].invert_yaxis()
     shown = panels[0].get_legend_handles_labels()
     figure.legend(*shown, loc="outside upper center", ncols=3, fontsize=9, frameon=False)
+    extended = ", extended model" if diagnosis.causes else ""
+    against = "the mission's and the extended model" if diagnosis.causes else "the mission's model"
     return to_figure(
         figure,
         "data",
-        alt="Numbers of each test: measured, mission's model, extended model",
-        caption="The numbers of each test with their standard deviations, against both models.",
+        alt=f"Numbers of each test: measured, mission's model{extended}",
+        caption=f"The numbers of each test with their standard deviations, against {against}.",
     )
 
 

@@ -14,7 +14,7 @@ _AXES = {"at_time": "Time (s)", "at_speed": "Speed (m/s)", "at_command": "Comman
 
 
 def _data_figure(diagnosis: Diagnosis) -> Figure:
-    """Draw the data against the first of their axes, with both models."""
+    """Draw the data against the first of their axes, with the base model and the extended one, if any."""
     table = diagnosis.residuals
     place = next(name for name in _AXES if name in table and (name != "at_speed" or "at_command" not in table))
     quantity = next(name for name in _LABELS if name in table)
@@ -33,11 +33,12 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
     axes.set(xlabel=_AXES[place], ylabel=_LABELS[quantity])
     axes.legend(fontsize=9, frameon=False)
     label = _LABELS[quantity].split(" (")[0]
+    extended, found = (" and the extended model", " and with the causes found") if diagnosis.causes else ("", "")
     return to_figure(
         figure,
         "data",
-        alt=f"{label} as measured, with the base model and the extended model",
-        caption=f"{label} as measured in the tank, with the base model and with the causes found.",
+        alt=f"{label} as measured, with the base model{extended}",
+        caption=f"{label} as measured in the tank, with the base model{found}.",
     )
 
 
