@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.special import gammaln
+from scipy.special import gammaincinv, gammaln, ndtri
 
 from missionplan.arrays import Array
 from missionplan.montecarlo.streams import stream
@@ -26,7 +26,7 @@ class _Proposal:
     Attributes
     ----------
     quantity : str
-        Name of the stream of random numbers.
+        Name of the stream of random numbers; empty: points that fill the space evenly.
     draws : int
     dof : int
         Degrees of freedom.
@@ -42,8 +42,8 @@ class _Proposal:
 
 FOR_EVIDENCE = _Proposal("diagnose.importance", DRAWS, 5, 1.2)
 """Tails heavier than the posterior's keep the weights bounded (Geweke 1989)."""
-FOR_QUANTILES = _Proposal("diagnose.quantiles", 2 * DRAWS, 3, 1.6)
-"""Heavier ones still, as such a posterior may be far from symmetric."""
+FOR_QUANTILES = _Proposal("", DRAWS, 3, 1.6)
+"""Heavier ones still, as such a posterior may be far from symmetric; even points tell quantiles with fewer of them."""
 
 
 @dataclass(frozen=True)
@@ -133,12 +133,30 @@ def _weighed(
 ) -> tuple[Array, Array]:
     """Draw from a proposal, shape (s, k), and return the logs of the weights, shape (s,), too."""
     shape, factor = _with_factor(proposal.widened**2 * covariance)
-    generator = stream(0, proposal.quantity, 0)
-    scale = generator.chisquare(proposal.dof, proposal.draws) / proposal.dof
-    normals = generator.multivariate_normal(np.zeros(len(mean)), shape, proposal.draws)
+    if proposal.quantity:
+        generator = stream(0, proposal.quantity, 0)
+        scale = generator.chisquare(proposal.dof, proposal.draws) / proposal.dof
+        normals = generator.multivariate_normal(np.zeros(len(mean)), shape, proposal.draws)
+    else:
+        even = even_points(proposal.draws, len(mean) + 1)
+        scale = 2.0 * gammaincinv(0.5 * proposal.dof, even[:, -1]) / proposal.dof
+        normals = ndtri(even[:, :-1]) @ factor.T
     at: Array = mean + normals / np.sqrt(scale)[:, None]
     logs = log_joint(at) - log_student_density(at, mean, factor, proposal.dof)
     return at, np.where(np.isfinite(logs), logs, -np.inf)
+
+
+def even_points(count: int, dimension: int) -> Array:
+    """Points that fill the unit cube evenly, shape (count, dimension): a Kronecker sequence.
+
+    Its steps are powers of the root of x^(d+1) = x + 1, the golden ratio in one dimension, of which fractions are poor
+    approximations (Roberts 2018, *The Unreasonable Effectiveness of Quasirandom Sequences*).
+    """
+    root = 1.5
+    for _ in range(60):
+        root = (1.0 + root) ** (1.0 / (dimension + 1.0))
+    steps = root ** -np.arange(1.0, dimension + 1.0)
+    return np.asarray((0.5 + np.arange(1.0, count + 1.0)[:, None] * steps) % 1.0)
 
 
 def _with_factor(shape: Array) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ from scipy.stats import multivariate_normal, multivariate_t, norm
 
 from missionplan.diagnosis.inference.importance_sampling import (
     DRAWS,
+    even_points,
     log_student_density,
     sampled_evidence,
     weighted_draws,
@@ -60,3 +61,13 @@ def test_quantiles_of_a_skew_posterior_are_its_own():
 def test_no_possible_draw_is_an_error():
     with pytest.raises(np.linalg.LinAlgError, match="no draw"):
         weighted_draws(lambda at: np.full(len(at), -np.inf), np.zeros(1), np.eye(1))
+
+
+@pytest.mark.parametrize("dimension", [1, 3, 6])
+def test_even_points_integrate_better_than_random_ones(dimension):
+    """Mean of the product of 2u over the cube is 1; the standard error of as many random points is known."""
+    points = even_points(DRAWS, dimension)
+    error = abs(float(np.prod(2.0 * points, axis=1).mean()) - 1.0)
+    assert error < 0.5 * np.sqrt(((4.0 / 3.0) ** dimension - 1.0) / DRAWS)
+    assert points.min() > 0.0
+    assert points.max() < 1.0
