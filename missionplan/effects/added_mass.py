@@ -45,6 +45,7 @@ INFO = EffectInfo(
     distinguished_by=(
         "Anchors of different weight: the effect of a mass error scales with 1/weight, a time constant does not."
     ),
+    follows_law=True,
     tank=("free-oscillation",),
     vehicle_key="added_mass.surge",
 )

@@ -38,6 +38,7 @@ INFO = EffectInfo(
     confused_with=("line-payout", "sensor-lag"),
     distinguished_by="Dives with a much longer line (a payout delay grows with it, a clock does not).",
     changes_plan=False,
+    follows_law=True,
     scatter="release",
     instrument=Instrument("the separation heard or filmed against the log's clock", "time", 0.05, 5.0),
 )

@@ -240,8 +240,8 @@ class EffectInfo:
     is_steady_current : bool
         Whether its parameters `east` and `north` add to the mission's own uncertainty of the current.
     follows_law : bool
-        Whether a physical law gives its form but for its parameters; other forms with shape parameters are approximate,
-        and the diagnosis of dives allows what they add a relative error.
+        Whether a physical law or its definition gives its form but for its parameters. The diagnosis of dives allows
+        the strengths of others a relative error, and what they add to the readings if they have shape parameters.
     scatter : str
         Whether dives scatter in this effect from one to the next: in the time of release, or in drag.
     instrument : Instrument, optional

@@ -14,7 +14,7 @@ from missionplan.diagnosis.coordinates import estimates, is_possible
 from missionplan.diagnosis.dives.forward import parameter_range
 from missionplan.diagnosis.dives.likelihood import DescentLikelihood, NoiseGridLikelihood
 from missionplan.diagnosis.dives.linearised import DIFFERENCE, DiveLinearisation
-from missionplan.diagnosis.dives.noise import NOMINAL_NOISE, noise_grid
+from missionplan.diagnosis.dives.noise import FORM_SD, NOMINAL_NOISE, noise_grid
 from missionplan.diagnosis.dives.starts import SHAPE_SHIFTS, starting_points
 from missionplan.diagnosis.given.effects import RecordPosterior, held, tied
 from missionplan.diagnosis.inference.gauss_newton import GaussNewtonOptions, LeastSquares, Start, gauss_newton
@@ -129,18 +129,35 @@ class DescentFitting(DescentLikelihood):
         best = int(np.argmax(logs))
         free, marginal = self.free(causes), marginals[best]
         covariance, mean = marginal.covariance, linear.centre + marginal.mean
-        posterior = [self.coordinates[i] for i in free], mean[free], covariance[np.ix_(free, free)]
-        found, own = estimates(*posterior), tied(held(self.given, causes))
-        possible = is_possible(found) and all(map(self._has_changed, found)) and self._is_inside(causes, linear.at)
+        reported = self._spread(causes, covariance, mean)
+        in_record, found = (
+            estimates([self.coordinates[i] for i in free], mean[free], each[np.ix_(free, free)])
+            for each in (covariance, reported)
+        )
+        own = tied(held(self.given, causes))
+        possible = is_possible(found) and all(map(self._has_changed, in_record)) and self._is_inside(causes, linear.at)
         state = DescentState(linear, likelihood, best, prior_sd, marginal)
         given: list[ParameterEstimate] = []
         for each in own:
             places = self.places(each)
-            given += each.posterior(mean[places], covariance[np.ix_(places, places)])
-        together = RecordPosterior(self.coordinates, mean, covariance).correlations(own, self.places, free.tolist())
+            given += each.posterior(mean[places], reported[np.ix_(places, places)])
+        together = RecordPosterior(self.coordinates, mean, reported).correlations(own, self.places, free.tolist())
         return CauseFit(
             causes, float(logsumexp(logs)), found, _calibration(best), possible, state, tuple(given), together
         )
+
+    def _spread(self, causes: Causes, covariance: Array, mean: Array) -> Array:
+        """Covariance of the coordinates as they are reported, shape (k, k).
+
+        The posterior is of strengths that act just as the catalogue has them. A form that no law gives has the same
+        error in every dive, in proportion to the effect, which more dives do not make less: an error of the model and
+        not of the data (Kennedy & O'Hagan 2001). It leaves the evidence, which is that of the form as it is.
+        """
+        is_by_law = [c.kind == "shape" or CATALOGUE[c.effect].follows_law for c in self.coordinates]
+        of_form = [i for i in self.free(causes) if not is_by_law[i]]
+        reported = covariance.copy()
+        reported[of_form, of_form] += np.square(FORM_SD * mean[of_form])
+        return reported
 
     def _has_changed(self, estimate: ParameterEstimate) -> bool:
         """Whether a strength's 90 % interval excludes what the mission has; else its evidence is a linearisation's."""

@@ -145,7 +145,8 @@ class LinearisedDescent(DescentPriors):
         columns[:, varied] = (readings[:, FIXED_SETTINGS:] - here[:, None]) / (DIFFERENCE * self.slab[varied])
         centre = self.prior(causes).centre
         weight = (heavier - lighter) / (2.0 * WEIGHT_STEP)
-        release, drag = columns[:, self.index(RELEASE_EFFECT)], columns[:, self.index(DRAG_EFFECT)]
+        release = columns[:, self.index(RELEASE_EFFECT)]
+        drag = columns[:, self.index(DRAG_EFFECT)] * self._drag_factor(at)
         y = self.y - here + columns @ (at - centre)
         return DiveLinearisation(
             at=at,
@@ -158,6 +159,10 @@ class LinearisedDescent(DescentPriors):
             curvature=0.5 * np.abs(later + earlier - 2.0 * here) * DIVE_SD["release"] / CURVATURE_STEP,
             shaped=here - shapeless,
         )
+
+    def _drag_factor(self, at: Array) -> float:
+        """Factor on the base model's drag by the effect in which dives scatter: the scatter is relative to the drag."""
+        return 1.0 + float(at[self.index(DRAG_EFFECT)])
 
     def release_delay_shift(self, linear: DiveLinearisation) -> Array:
         """Effect on the readings of the release delays about which they are linearised, shape (N,) [m]."""
@@ -188,7 +193,7 @@ class LinearisedDescent(DescentPriors):
     def _covariances_at_known_delay(self) -> list[Array]:
         """Covariance of each dive's readings at nominal noise, its delay known; sensitivities of the base model."""
         settings = np.repeat(self.expected[:, None], 3, axis=1)
-        settings[self.index(DRAG_EFFECT), 1] += DRAG_STEP
+        settings[self.index(DRAG_EFFECT), 1] += DRAG_STEP * self._drag_factor(self.expected)
         factors = np.array([1.0, 1.0, 1.0 + WEIGHT_STEP])
         readings = self.forward.histories(self.coordinates, settings, factors).readings()
         drag, weight = ((readings[:, 1:] - readings[:, :1]) / [DRAG_STEP, WEIGHT_STEP]).T

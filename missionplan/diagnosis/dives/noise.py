@@ -25,6 +25,8 @@ SHAPE_SD = 0.02
 """Standard deviation of the smooth factor by which a cause's true shape differs from the catalogue's."""
 SHAPE_LENGTH = 0.25
 """Its correlation length, of a dive's duration."""
+FORM_SD = SHAPE_SD
+"""Standard deviation of the part that all dives share, in the strength of any cause whose form no law gives."""
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from missionplan.diagnosis.dives.noise import (
+    FORM_SD,
     NOMINAL_NOISE,
     dive_to_dive_covariance,
     integrated_velocity_covariance,
@@ -109,6 +110,41 @@ def test_each_dive_is_linearised_about_its_own_release_delay(measured):
     np.testing.assert_allclose(linear.release_delays, found)
     shifted = model.forward.readings(model.coordinates, model.centre[:, None], delays=found)[:, 0]
     np.testing.assert_allclose(linear.readings, shifted)
+
+
+@pytest.mark.parametrize("fraction", [0.0, 1.0])
+def test_dives_scatter_by_a_share_of_the_drag_that_they_have(measured, fraction):
+    """With twice the drag, 2.5 % of it is twice as much as of the drag that the mission has."""
+    model = measured()
+    at = model.centre.copy()
+    at[model.index("drag-bias")] = fraction
+    (linear,) = model.linearise([(("drag-bias",), at)])
+    more = at.copy()
+    more[model.index("drag-bias")] = 1.01 * (1.0 + fraction) - 1.0
+    moved = model.forward.readings(model.coordinates, more[:, None], delays=linear.release_delays)[:, 0]
+    change = (moved - linear.readings) / 0.01
+    np.testing.assert_allclose(linear.sensitivity("drag"), change, atol=0.02 * np.abs(change).max())
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "share"),
+    [
+        ("vertical-current", {"speed": 0.4}, FORM_SD),
+        ("line-payout", {"delay_per_length": 0.8}, FORM_SD),
+        ("clock-offset", {"time": 4.0}, 0.0),
+        ("added-mass", {"fraction": 1.5}, 0.0),
+    ],
+)
+def test_a_strength_is_as_certain_as_its_form(measured, name, parameters, share):
+    """A form that no law gives has the same error in all dives, which their number does not make less."""
+    model = measured(name, **parameters)
+    (fit,) = model.relinearised(model.fit_all([((name,), ())]), 0.0)
+    (index,) = model.free((name,))
+    (found,) = fit.estimates
+    by_law = float(np.sqrt(fit.state.marginal.covariance[index, index]))
+    assert found.sd == pytest.approx(float(np.hypot(by_law, share * found.value)))
+    (truth,) = parameters.values()
+    assert found.low < truth < found.high
 
 
 def test_a_moving_average_is_a_lag_and_no_late_clock(measured):
