@@ -1,9 +1,9 @@
 """A Kalman filter of the drift, updated by the fixes of each leg: `drift_compensation: filter`.
 
 The drift beyond the forecast is a linear model: a steady velocity (that may walk randomly), a displacement at each
-surfacing, a persistent velocity (Ornstein–Uhlenbeck), and oscillations of known frequencies. Its prior is the mission's
-own uncertainty. With the model true and everything normal, the estimate is that of least mean square; what the mission
-does not call uncertain is taken as known. Kalman 1960, J. Basic Eng. 82, 35–45.
+surfacing, a persistent velocity (the means over the legs of an Ornstein–Uhlenbeck process), and oscillations of known
+frequencies. Its prior is the mission's own uncertainty. With the model true and everything normal, the estimate is that
+of least mean square; what the mission does not call uncertain is taken as known. Kalman 1960, J. Basic Eng. 82, 35–45.
 
 The measurements are those of `compensation`: a leg's velocity error, of variance σ_v² + 2σ_fix²/T², and the drift
 between the fixes on surfacing and on diving, of variance 2σ_fix². Both hold the error of the fix on surfacing; half the
@@ -22,6 +22,8 @@ from missionplan.phases.transit.compensation import Compensation, CompletedLeg, 
 
 STEADY, SURFACE, PERSISTENT, WAVES = 0, 2, 4, 6
 """First index of each part of the state: two components each, and four for each tidal frequency."""
+SHORT = 1e-4
+"""Least duration over the correlation time in a quotient of differences."""
 MISS_UNDERSHOOT, MISS_REMAINDER = 2.0, 0.2724
 """How far short a leg that will miss is aimed, in standard deviations m, and what is then left, E[Rice(m, 1)] − m."""
 
@@ -76,7 +78,8 @@ class DriftModel:
         """Measurement matrix: a leg's mean velocity from the state, shape (2, k, n)."""
         matrix = np.zeros((2, len(self.mean), t.size))
         for axis in (0, 1):
-            matrix[axis, [STEADY + axis, PERSISTENT + axis]] = 1.0
+            matrix[axis, STEADY + axis] = 1.0
+            matrix[axis, PERSISTENT + axis] = self._mean_over_leg(duration)[0]
         phasors = self.phasors(t, duration)
         for index in range(len(self.tides)):
             for axis in (0, 1):
@@ -87,6 +90,28 @@ class DriftModel:
             matrix[0, -2:] = cosine, sine
             matrix[1, -2:] = -sine, cosine
         return matrix
+
+    def _mean_over_leg(self, duration: Array) -> tuple[Array, Array]:
+        """Standard deviation of a leg's mean over that of the persistent velocity, and the mean of e^(−t/τ), (n,).
+
+        The root of 2(a − 1 + e^(−a))/a², and (1 − e^(−a))/a, with a = T/τ.
+        """
+        a = np.maximum(duration / self.persistence, SHORT)
+        return np.sqrt(2.0 * (a + np.expm1(-a))) / a, -np.expm1(-a) / a
+
+    def kept(self, elapsed: Array, duration: Array) -> Array:
+        """Correlation of a leg's mean of the persistent velocity with that of the last one, were that as long, (n,).
+
+        Parameters
+        ----------
+        elapsed : array, shape (n,)
+            Between the middles of the legs [s].
+        duration : array, shape (n,)
+            Of the leg [s].
+        """
+        deviation, decayed = self._mean_over_leg(duration)
+        pause = np.maximum(elapsed - duration, 0.0)
+        return np.asarray(np.minimum(np.square(decayed / deviation) * np.exp(-pause / self.persistence), 1.0))
 
 
 @dataclass(frozen=True)
@@ -117,7 +142,7 @@ class DriftFilter(Compensation):
     def expected(self, memory: Memory, leg: PlannedLeg) -> tuple[Array, Array]:
         """Mean velocity expected over the coming leg [m/s] and displacement at the surface [m], shape (2, n) each."""
         state, _, last = memory
-        state = state * self._transition(last, leg.t + 0.5 * leg.duration)
+        state = state * self._transition(last, leg.t + 0.5 * leg.duration, leg.duration)
         velocity = np.einsum("akn,kn->an", self.model.under_way(leg.t, leg.duration), state)
         surface = self.forecast.at_surface(leg.t + leg.duration, leg.fix + leg.nominal) + state[SURFACE : SURFACE + 2]
         return velocity + self.forecast.under_way(leg.t, leg.duration, leg.fix, leg.nominal), surface
@@ -126,13 +151,13 @@ class DriftFilter(Compensation):
         """Standard deviation of where the coming leg ends by its fix, along and across it, shape (n,) each [m]."""
         model, (_, covariance, last) = self.model, memory
         middle = leg.t + 0.5 * leg.duration
-        kept = self._transition(last, middle)
+        kept = self._transition(last, middle, leg.duration)
         rows = model.under_way(leg.t, leg.duration) * leg.duration
         for axis in (0, 1):
             rows[axis, SURFACE + axis] += 1.0
         course = leg.nominal / np.maximum(np.hypot(*leg.nominal), 1e-300)
         across = np.stack((-course[1], course[0]))
-        added, deviations = np.einsum("iin->in", self._process_noise(last, middle)), []
+        added, deviations = np.einsum("iin->in", self._process_noise(last, middle, leg.duration)), []
         for direction in (course, across):
             row = direction[0] * rows[0] + direction[1] * rows[1]
             carried = row * kept
@@ -159,7 +184,7 @@ class DriftFilter(Compensation):
         model, (state, covariance, last) = self.model, memory
         moved = leg.duration > 0.0
         seconds, middle = np.where(moved, leg.duration, 1.0), leg.t + 0.5 * leg.duration
-        kept, added = self._transition(last, middle), self._process_noise(last, middle)
+        kept, added = self._transition(last, middle, seconds), self._process_noise(last, middle, seconds)
         state, covariance = state * kept, covariance * kept * kept[:, None] + added
         drift = leg.surface_drift - self.forecast.at_surface(leg.t + leg.duration, leg.start + leg.through)
         share = 0.5 / seconds if model.fix_error > 0.0 else np.zeros_like(seconds)
@@ -180,20 +205,19 @@ class DriftFilter(Compensation):
             state, covariance = _measurement_update(state, covariance, surface[axis], drift[axis], noise, moved)
         return state, covariance, np.where(moved, middle, last)
 
-    def _transition(self, last: Array, now: Array) -> Array:
+    def _transition(self, last: Array, now: Array, duration: Array) -> Array:
         """Diagonal of the transition matrix from the middle of the last leg to that of the next, shape (k, n)."""
         kept = np.ones((len(self.model.mean), now.size))
-        elapsed = np.where(last >= 0.0, now - last, 0.0)
-        kept[PERSISTENT : PERSISTENT + 2] = np.exp(-elapsed / self.model.persistence)
+        kept[PERSISTENT : PERSISTENT + 2] = np.where(last >= 0.0, self.model.kept(now - last, duration), 1.0)
         return kept
 
-    def _process_noise(self, last: Array, now: Array) -> Array:
+    def _process_noise(self, last: Array, now: Array, duration: Array) -> Array:
         """Covariance of the process noise between the middles of two legs, shape (k, k, n)."""
         added = np.zeros((*self.model.prior.shape, now.size))
         elapsed = np.where(last >= 0.0, now - last, 0.0)
         places = np.arange(WAVES, len(added))
         added[places, places] = self.model.growth[WAVES:, None] * elapsed
-        gone = -np.expm1(-2.0 * elapsed / self.model.persistence)
+        gone = np.where(last >= 0.0, 1.0 - np.square(self.model.kept(now - last, duration)), 0.0)
         for axis in (0, 1):
             added[STEADY + axis, STEADY + axis] = self.model.walk**2 * elapsed
             place = PERSISTENT + axis

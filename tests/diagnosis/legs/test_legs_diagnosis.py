@@ -73,8 +73,10 @@ def test_persistence_is_the_effects_own_covariance(folder, transit_mission, legs
     bound = model(folder, transit_mission, legs())
     values = {("", "sigma_v"): 0.03, ("", "fix_sd"): 5.0}
     with_it = bound.noise({**values, ("persistent-error", "sigma"): 0.1, ("persistent-error", "time"): 3000.0})
-    apart = bound.data.middle[5] - bound.data.middle[2]
-    assert with_it[0, 2, 5] == pytest.approx(0.01 * np.exp(-apart / 3000.0))
+    begin, under_way = bound.data.t_start, bound.data.under_way
+    apart = begin[5] - (begin + under_way)[2]
+    first, second = -np.expm1(-under_way[[2, 5]] / 3000.0) / (under_way[[2, 5]] / 3000.0)  # means of e^(-t/3000 s)
+    assert with_it[0, 2, 5] == pytest.approx(0.01 * first * second * np.exp(-apart / 3000.0), rel=1e-6)
 
 
 @pytest.mark.parametrize("rows", [slice(None), np.array([0, 1, 2, 9, 10, 11, 30, 47])], ids=["all legs", "some legs"])

@@ -69,6 +69,20 @@ def wide_prior(size):
     return prior
 
 
+@pytest.mark.parametrize(("duration", "pause"), [(60.0, 90.0), (1800.0, 90.0), (20_000.0, 600.0)])
+def test_the_persistent_velocity_is_felt_as_its_mean_over_a_leg(duration, pause):
+    """Standard deviation and correlation of two legs' means, by sums in time."""
+    drift_model = model(prior=wide_prior(WAVES))
+    steps = (np.arange(500) + 0.5) / 500.0 * duration
+    t = np.concatenate([steps, steps + duration + pause])
+    pointwise = np.exp(-np.abs(t[:, None] - t) / drift_model.persistence)
+    means = pointwise.reshape(2, 500, 2, 500).mean(axis=(1, 3))
+    row = drift_model.under_way(np.zeros(1), np.array([duration]))[0, PERSISTENT, 0]
+    kept = drift_model.kept(np.array([duration + pause]), np.array([duration]))
+    assert row == pytest.approx(np.sqrt(means[0, 0]), rel=1e-4)
+    assert kept[0] == pytest.approx(means[0, 1] / means[0, 0], rel=1e-3)
+
+
 @pytest.mark.parametrize("fix_error", [0.3, 3.0])
 def test_the_estimate_is_the_conditional_mean_of_the_model(fix_error):
     """Every leg's measurements and the state ahead are jointly normal: compare with one solve for all of them."""
@@ -89,7 +103,9 @@ def test_the_estimate_is_the_conditional_mean_of_the_model(fix_error):
         """Covariance of the states at the middles of two legs."""
         result = drift_model.prior.copy()
         persistent = slice(PERSISTENT, PERSISTENT + 2)
-        result[persistent, persistent] *= np.exp(-abs(middles[i] - middles[j]) / drift_model.persistence)
+        after = slice(min(i, j) + 1, max(i, j) + 1)
+        apart = np.diff(middles, prepend=0.0)[after]
+        result[persistent, persistent] *= np.prod(drift_model.kept(apart, durations[after]))
         walked = drift_model.walk**2 * (min(middles[i], middles[j]) - middles[0])
         result[[STEADY, STEADY + 1], [STEADY, STEADY + 1]] += walked
         return result
