@@ -20,7 +20,7 @@ from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.kinds import bind_dataset
 from missionplan.errors import InputError
 from missionplan.mission import load
-from tests.hidden_effects import dives, legs
+from tests.hidden_effects import dives, legs, tank
 from tests.hidden_effects.case import Case
 from tests.hidden_effects.legs import random_records
 from tests.hidden_effects.legs.survey import RANDOM, Survey
@@ -49,7 +49,17 @@ DIVE_SIZES = {
     "vertical-current": (0.036, 0.12, 0.36, 0.5),
 }
 """The same for dives, at most what still lets the vehicle go down."""
-SIZES = {"transit": LEG_SIZES, "descent": DIVE_SIZES}
+TANK_SIZES = {
+    "drag-bias": (0.09, 0.3, 0.9, 1.0, -0.35),
+    "reynolds-drag": (0.045, 0.15, 0.45, 0.5, -0.5),
+    "added-mass": (0.12, 0.4, 1.2, 1.5),
+    "quadratic-damping": (0.6, 2.0, 6.0, 20.0),
+    "jet-suction": (1.5, 5.0, 15.0, 25.0),
+    "thrust-asymmetry": (0.075, 0.25, 0.475, -1.0),
+    "axial-flow": (0.3, 1.0, 3.0, 10.0),
+}
+"""The same for tank data; also the largest of the other sign, where there is one."""
+SIZES = {"transit": LEG_SIZES, "descent": DIVE_SIZES, "tank": TANK_SIZES}
 
 
 def in_builders_unit(name: str, size: float, survey: Survey) -> float:
@@ -67,6 +77,8 @@ def draw(seed: int, kind: str, name: str, size: float) -> Case:
     if name == "position-random-walk":
         usual = random_records.gathering(seed).parameters["position-random-walk.rate"]
         return random_records.gathering(seed, size / usual)
+    if kind == "tank":
+        return tank.draw_sized(seed, name, size)
     if kind == "descent":
         return dives.draw_sized(seed, name, size)
     return legs.draw_sized(seed, name, lambda survey: in_builders_unit(name, size, survey))

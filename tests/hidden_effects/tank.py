@@ -71,7 +71,7 @@ def towing(rng: np.random.Generator) -> Rig:
 
 
 def springs(rng: np.random.Generator) -> Rig:
-    """A model released on springs, by symplectic steps of 1/200 period."""
+    """A model released on springs, by Runge–Kutta steps of 1/200 period."""
     mass, stiffness = rng.uniform(15.0, 30.0), rng.uniform(2500.0, 5000.0)
     start, linear, every = rng.uniform(0.03, 0.07), rng.uniform(0.1, 0.3), 24
     step = 2.0 * math.pi * math.sqrt(mass / stiffness) / 200.0
@@ -82,14 +82,18 @@ def springs(rng: np.random.Generator) -> Rig:
         rate = size.get("quadratic-damping", 0.0)
         x, v, out = start + size.get("start", 0.0), size.get("kick", 0.0), []
         decay = 2.0 * linear * (1.0 + size.get("linear", 0.0))
+
+        def pull(x: float, v: float) -> float:
+            return -square * x - (decay + rate * abs(v)) * v
+
         for k in range(count * every):
             if k % every == 0:
                 out.append(x)
-            half = v - 0.5 * step * square * x
-            half /= 1.0 + 0.5 * step * (decay + rate * abs(half))
-            x += step * half
-            half -= 0.5 * step * (decay + rate * abs(half)) * half
-            v = half - 0.5 * step * square * x
+            v2 = v + 0.5 * step * (a1 := pull(x, v))
+            v3 = v + 0.5 * step * (a2 := pull(x + 0.5 * step * v, v2))
+            v4 = v + step * (a3 := pull(x + 0.5 * step * v2, v3))
+            a4 = pull(x + step * v3, v4)
+            x, v = x + step / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + step / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
         return np.array(out) + size.get("offset", 0.0)
 
     rig = Rig({"kind": "free-oscillation"}, {"t_s": step * every * np.arange(count)}, read, rng.uniform(2e-4, 5e-4))
@@ -99,11 +103,16 @@ def springs(rng: np.random.Generator) -> Rig:
     return rig
 
 
-def jets(rng: np.random.Generator) -> Rig:
-    """A tunnel thruster in both directions, at rest and under way: K₃n|n|·exp(-c ρA u²/|K₃n²|), less astern."""
+def jets(rng: np.random.Generator, decay: float = 0.0) -> Rig:
+    """A tunnel thruster in both directions, at rest and under way: K₃n|n|·exp(-c ρA u²/|K₃n²|), less astern.
+
+    With a decay given, the speeds are at most 0.7 m/s and what leaves 3/10 of the highest static thrust.
+    """
     rates = np.linspace(900.0, 2400.0, 4)
-    command, speed = (grid.ravel() for grid in np.meshgrid(np.r_[-rates, rates] / 60.0, [0.0, 0.3, 0.5, 0.7]))
+    command, share = (grid.ravel() for grid in np.meshgrid(np.r_[-rates, rates] / 60.0, [0.0, 3 / 7, 5 / 7, 1.0]))
     constant, width = rng.uniform(0.01, 0.04), rng.uniform(0.06, 0.1)
+    jet = math.sqrt(constant * 1600.0 / (1000.0 * math.pi / 4.0 * width**2))
+    speed = share * (min(0.7, jet * math.sqrt(1.2 / decay)) if decay else 0.7)
     noise = rng.uniform(0.01, 0.02) * constant * 1600.0
 
     def read(size: dict[str, float]) -> np.ndarray:
@@ -118,12 +127,15 @@ def jets(rng: np.random.Generator) -> Rig:
     return rig
 
 
-def blades(rng: np.random.Generator) -> Rig:
-    """A propeller at an oscillating shaft rate behind an accelerating hull; the flow in the disc by small Euler steps."""
-    count, step, a, w = 120, 0.06, 0.2, 0.15
+def blades(rng: np.random.Generator, quicker: float = 1.0) -> Rig:
+    """A propeller at an oscillating shaft rate behind an accelerating hull; the flow in the disc by small steps of Heun.
+
+    Sampled and driven `quicker` times as fast where the flow settles fast.
+    """
+    count, step, a, w = 120, 0.06 / quicker, 0.2, 0.15
     width, level, slope = 0.3, rng.uniform(0.35, 0.5), rng.uniform(-1.0, -0.7)
     time = step * np.arange(count)
-    period, phase = rng.uniform(2.0, 4.0), rng.uniform(0.0, 6.0)
+    period, phase = rng.uniform(2.0, 4.0) / quicker, rng.uniform(0.0, 6.0)
 
     def turns(t: np.ndarray) -> np.ndarray:
         return 7.0 + 3.0 * np.sin(2.0 * math.pi * t / period + phase)
@@ -143,18 +155,23 @@ def blades(rng: np.random.Generator) -> Rig:
         if factor == 0.0:
             return np.asarray(push(turns(time), settled))
         fine, sub = 40, []
-        rate = np.interp(np.arange(count * fine) * step / fine, time, turns(time))
-        way = np.interp(np.arange(count * fine) * step / fine, time, speed)
+        rate = np.interp(np.arange(count * fine + 1) * step / fine, time, turns(time))
+        way = np.interp(np.arange(count * fine + 1) * step / fine, time, speed)
         n0, u0 = rate[0], (1.0 - w) * way[0]
         # steady at the start: thrust = d|u|(u - u0) solved for u
         b, c = 1000.0 * width**3 * n0 * k1 / (1.0 + a), 1000.0 * width**4 * k0 * n0**2
         d = 2000.0 * disc
         flow = ((d * u0 + b) + math.sqrt((d * u0 + b) ** 2 + 4.0 * d * c)) / (2.0 * d)
+
+        def change(k: int, flow: float) -> float:
+            force = push(rate[k], flow) - d * abs(flow) * (flow - (1.0 - w) * way[k])
+            return float(step / fine * force / (factor * 1000.0 * disc * width))
+
         for k in range(count * fine):
             if k % fine == 0:
                 sub.append(flow)
-            force = push(rate[k], flow) - d * abs(flow) * (flow - (1.0 - w) * way[k])
-            flow += step / fine * force / (factor * 1000.0 * disc * width)
+            first = change(k, flow)
+            flow += 0.5 * (first + change(k + 1, flow + first))
         return np.asarray(push(turns(time), np.array(sub)))
 
     rig = Rig(
@@ -215,14 +232,59 @@ def draw(seed: int, kind: str, effect: str | None) -> Case:
             sizes[effect] = -0.7 * sizes[effect] if -0.7 * sizes[effect] > -0.6 else sizes[effect]
     if effect is not None:
         reached = strength(rig, effect, sizes[effect], EFFECTS[kind])
-    reading = rig.read({name: max(value, 0.0) if name in POSITIVE else value for name, value in sizes.items()})
+    return _measured(rig, seed, kind, effect, sizes, reached, rng)
+
+
+PARAMETERS = {
+    "drag-bias": "fraction",
+    "reynolds-drag": "exponent",
+    "added-mass": "fraction",
+    "quadratic-damping": "rate",
+    "jet-suction": "decay",
+    "thrust-asymmetry": "fraction",
+    "axial-flow": "mass_factor",
+}
+"""Each effect's one parameter, defined alike on both sides."""
+
+
+def draw_sized(seed: int, effect: str, size: float) -> Case:
+    """Draw an experiment with one effect of a size, whether it can be seen or not, as one would lay it out for that size.
+
+    The other effects have their prior uncertainty.
+    """
+    (kind,) = (kind for kind, effects in EFFECTS.items() if effect in effects)
+    rng = np.random.default_rng([seed, list(PARAMETERS).index(effect), 78, round(1e4 * abs(size)), int(size < 0.0)])
+    if effect == "jet-suction":
+        rig = jets(rng, size)
+    elif effect == "axial-flow":
+        rig = blades(rng, max(1.0, 1.0 / size))
+    else:
+        rig = RIGS[kind](rng)
+    sizes = {name: PRIOR_SD[name] * rng.standard_normal() for name in EFFECTS[kind] if name in PRIOR_SD}
+    sizes[effect] = size
+    return _measured(rig, seed, kind, effect, sizes, math.nan, rng)
+
+
+def _measured(
+    rig: Rig,
+    seed: int,
+    kind: str,
+    effect: str | None,
+    sizes: dict[str, float],
+    reached: float,
+    rng: np.random.Generator,
+) -> Case:
+    """The experiment as it is measured and written down."""
+    sizes = {name: max(value, 0.0) if name in POSITIVE else value for name, value in sizes.items()}
+    parameters = {} if effect is None else {f"{effect}.{PARAMETERS[effect]}": sizes[effect]}
+    reading = rig.read(sizes)
     columns = rig.columns | {rig.quantity: reading + rig.noise * rng.standard_normal(len(reading))}
     mission = {**MISSION, "vehicle": rig.vehicle} if rig.vehicle else dict(MISSION)
     rows = [[f"{value:.8g}" for value in row] for row in zip(*columns.values(), strict=True)]
     dataset = {**rig.dataset, "file": "tank.csv", "name": "Tank"}
     truth = () if effect is None else (effect,)
     return Case(
-        seed, kind, "control" if effect is None else "single", truth, (), "", {}, reached, mission, None, dataset,
+        seed, kind, "control" if effect is None else "single", truth, (), "", parameters, reached, mission, None, dataset,
         list(columns), rows, {"sizes": sizes},
     )  # fmt: skip
 

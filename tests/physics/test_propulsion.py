@@ -135,6 +135,17 @@ def test_following_a_measured_run_gives_its_flow(given):
     np.testing.assert_allclose(flow, run.axial_flow[pick], atol=0.01 * run.axial_flow.max())
 
 
+def test_flow_that_settles_within_a_sample_follows_the_shaft():
+    """Against steps thirty times as short, for flow that settles in a third to a twentieth of the time between samples."""
+    propeller = replace(example.table_1("momentum"), flow_mass=20.0)
+    time, fine = 0.1 * np.arange(60), np.linspace(0.0, 5.9, 59 * 30 + 1)
+    rate, speed = 40.0 + 15.0 * np.sin(3.0 * time), 0.9 - 0.7 * np.exp(-time / 4.0)
+    _, flow = pr.propeller_response(propeller, time, speed, shaft_rate=rate)
+    drive = {"shaft_rate": np.interp(fine, time, rate)}
+    _, exact = pr.propeller_response(propeller, fine, np.interp(fine, time, speed), **drive)
+    np.testing.assert_allclose(flow, exact[::30], atol=1e-3 * np.ptp(exact))
+
+
 def test_following_needs_one_drive():
     with pytest.raises(ValueError, match="either"):
         pr.propeller_response(example.table_1(), np.arange(3.0), np.zeros(3))

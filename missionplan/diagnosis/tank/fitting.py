@@ -1,4 +1,4 @@
-"""Fits of sets of causes to tank data: least squares with normal priors, linearised there, summed over noise sizes."""
+"""Fits of sets of causes to tank data: most likely coordinates, then evidence about them, summed over noise sizes."""
 
 import itertools
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ from missionplan.diagnosis.inference.model import (
     FailedFit,
     FitRequest,
 )
-from missionplan.diagnosis.inference.prior import Prior
+from missionplan.diagnosis.inference.prior import Prior, likeliest_scales
 from missionplan.diagnosis.tank.forward import TankForward, build_effects
 from missionplan.diagnosis.tank.linearised import marginal
 from missionplan.effects import CATALOGUE
@@ -68,6 +68,8 @@ class TankState:
         Coordinates with a prior of some width.
     factor : float
         Most likely factor on the noise.
+    prior_sd : array, shape (a,)
+        Prior standard deviations of the active coordinates, the slabs at their likeliest scales.
     marginal : Marginal
         Posterior of the active coordinates at that factor.
     """
@@ -77,6 +79,7 @@ class TankState:
     columns: Array
     active: NDArray[np.int_]
     factor: float
+    prior_sd: Array
     marginal: Marginal
 
 
@@ -119,7 +122,8 @@ class TankFitting:
     def prior(self, causes: Causes) -> Prior:
         """Prior of the coordinates.
 
-        A slab for a cause, what the mission knows of its own effects, else a spike (0 for a shape parameter).
+        A slab with heavy tails for a cause, what the mission knows of its own effects, else a spike (0 for a shape
+        parameter).
         """
         nuisances, slabs = self.forward.nuisances, [c.slab if c.effect in causes else c.spike for c in self.coordinates]
         centre = np.array([n.centre for n in nuisances] + [c.centre for c in self.coordinates])
@@ -127,7 +131,8 @@ class TankFitting:
         for each in held(self.given, causes):
             own = self.places(each)
             centre[own], sd[own] = each.mean, np.sqrt(np.diag(each.here))
-        return Prior(centre, sd)
+        heavy = [False] * len(nuisances) + [c.effect in causes for c in self.coordinates]
+        return Prior(centre, sd, np.array(heavy))
 
     def places(self, given: GivenEffect) -> list[int]:
         """Indices of a given effect's coordinates among all."""
@@ -157,15 +162,16 @@ class TankFitting:
         return [self._fit(causes, near) for causes, near in wanted]
 
     def _fit(self, causes: Causes, near: Sequence[CauseFit]) -> CauseFit | FailedFit:
-        active = np.flatnonzero(self.prior(causes).sd > 0.0)
-        starts = [Start(at, active, group) for group, at in enumerate(self._starting_points(causes, near))]
+        prior = self.prior(causes)
+        active = np.flatnonzero(prior.sd > 0.0)
+        starts = [Start(at, active, group, prior=prior) for group, at in enumerate(self._starting_points(causes, near))]
         best = min(self._search(causes, starts), key=lambda result: result.objective)
         if not np.isfinite(best.objective):
             return FailedFit(causes, "the model has no value at any of its starts")
-        logs, marginals = self._marginals(causes, active, best)
+        logs, sd, marginals = self._marginals(prior.of(active), active, best)
         likely = int(np.argmax(logs))
         residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[likely])
-        state = TankState(best.at, residuals, best.jacobian, active, factor, marginals[likely])
+        state = TankState(best.at, residuals, best.jacobian, active, factor, sd, marginals[likely])
         posterior = self._posterior(causes, state)
         found, together = estimates(*posterior), correlations(*posterior)
         evidence, possible, given = float(logsumexp(logs)), is_possible(found), self._given_estimates(causes, state)
@@ -220,14 +226,32 @@ class TankFitting:
         return np.asarray(log_prior - logsumexp(log_prior))
 
     def _marginals(
-        self, causes: Causes, active: NDArray[np.int_], best: GaussNewtonResult
-    ) -> tuple[Array, list[Marginal]]:
-        """Log evidence at each noise factor, its prior included, and the posterior of the active coordinates there."""
-        prior, sd = self.prior(causes).of(active), self.forward.sd
+        self, prior: Prior, active: NDArray[np.int_], best: GaussNewtonResult
+    ) -> tuple[Array, Array, list[Marginal]]:
+        """Integrate out the active coordinates at each noise factor, the slabs' scales at the likeliest factor.
+
+        Returns
+        -------
+        logs : array, shape (g,)
+            Log evidence at each noise factor, its prior included.
+        sd : array, shape (a,)
+            Prior standard deviations with the slabs at their likeliest scales.
+        marginals : list of Marginal
+            Posterior of the coordinates at each noise factor.
+        """
         y = self.forward.y - best.prediction + best.jacobian @ (best.at[active] - prior.centre)
-        found = [marginal(y, best.jacobian, prior.sd, sd * factor) for factor in self.noise_factors]
-        logs = self.noise_log_prior + np.array([each.log_density for each in found])
-        return logs, [replace(each, mean=prior.centre + each.mean) for each in found]
+
+        def of_noise(factor: float, sd: Array) -> Marginal:
+            return marginal(y, best.jacobian, sd, factor * self.forward.sd)
+
+        def of_all(sd: Array) -> tuple[Array, list[Marginal]]:
+            found = [of_noise(factor, sd) for factor in self.noise_factors]
+            return self.noise_log_prior + np.array([each.log_density for each in found]), found
+
+        likely = self.noise_factors[np.argmax(of_all(prior.sd)[0])]
+        scales = likeliest_scales(partial(of_noise, likely), prior)
+        logs, found = of_all(scales.sd)
+        return logs + scales.log_factor, scales.sd, [replace(each, mean=prior.centre + each.mean) for each in found]
 
     def _posterior(self, causes: Causes, state: TankState) -> tuple[list[Coordinate], Array, Array]:
         """Coordinates of the causes, with the mean and the covariance of their posterior."""

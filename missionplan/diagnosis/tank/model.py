@@ -70,7 +70,7 @@ class TankModel(TankFitting):
         """Residuals of a fit; its coordinates enter their covariance as good as unknown."""
         state, count = fit.state, len(fit.state.residuals)
         sd = state.factor * self.forward.sd
-        known = fitted_root(state.columns, self.prior(fit.causes).sd[state.active], sd)
+        known = fitted_root(state.columns, state.prior_sd, sd)
         covariance = np.diag(sd**2) + COVARIANCE_INFLATION * known @ known.T
         axes = [
             pointwise(name, f"an error that changes with {name}", scaled(values))
@@ -91,11 +91,11 @@ class TankModel(TankFitting):
     def _scores(self, fit: CauseFit) -> list[HeldOutScore]:
         state, forward, active = fit.state, self.forward, fit.state.active
         shared = np.array([index < self.fixed or self.is_of(fit.causes, int(index)) for index in active], dtype=bool)
-        prior = self.prior(fit.causes)
-        y = state.residuals + state.columns @ (state.at - prior.centre)[active]
+        centre = self.prior(fit.causes).centre
+        y = state.residuals + state.columns @ (state.at - centre)[active]
         noise = state.factor * forward.sd
-        predicted = LinearData(y, noise, state.columns, prior.sd[active], shared, forward.groups).predicted()
-        settings = np.repeat(prior.centre[:, None], len(predicted), axis=1)
+        predicted = LinearData(y, noise, state.columns, state.prior_sd, shared, forward.groups).predicted()
+        settings = np.repeat(centre[:, None], len(predicted), axis=1)
         settings[active[shared]] += np.stack([group.estimated for group in predicted], axis=1)
         errors = forward.y[:, None] - self.predict(fit.causes, settings)
         return [
