@@ -1,7 +1,6 @@
 """Dive logs: depth against time."""
 
 from dataclasses import replace
-from datetime import UTC
 from functools import partial
 from pathlib import Path
 
@@ -85,9 +84,7 @@ def _from_separations(
     for name, rows in raw.table[dated].groupby("run", sort=False):
         run = raw.settings.runs.get(str(name))
         if run is not None and run.separation is not None:
-            moment = run.separation
-            zero = moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)
-            t[rows.index] -= zero.timestamp()
+            t[rows.index] -= run.separation.timestamp()
         else:
             message = f"{name}: its times are of the day; say in runs: when its anchor separated"
             hint = "separation: 2026-05-01T10:20:30Z"

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from datetime import datetime
 from typing import Annotated
 
 from missionplan.datasets.reading import DatasetSettings, RawDataset
 from missionplan.errors import Problem, did_you_mean
 from missionplan.mission import Mission
 from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy
 from missionplan.montecarlo.distributions import mean_of
@@ -27,7 +27,7 @@ class RunSection(FileSection):
     anchor_wet_weight: Weight | None = None
     line_length: q.FixedLength | None = None
     depth: q.FixedLength | None = None
-    separation: datetime | None = None
+    separation: Moment | None = None
 
 
 class DivesSettings(DatasetSettings):

@@ -1,8 +1,9 @@
 """Times as data write them: ISO 8601, or seconds since 1970."""
 
 import math
-from datetime import UTC, datetime
 from typing import TYPE_CHECKING
+
+from missionplan.moments import moment_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,8 +24,7 @@ def epoch_of(text: str) -> float:
     try:
         return float(words)
     except ValueError:
-        moment = datetime.fromisoformat(words)
-    return (moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)).timestamp()
+        return moment_of(words).timestamp()
 
 
 def epoch_seconds(words: "pd.Series[str]") -> "pd.Series[float]":

@@ -2,7 +2,6 @@
 
 import copy
 from collections.abc import Mapping
-from datetime import datetime
 from pathlib import Path
 from typing import Literal
 
@@ -25,6 +24,7 @@ from missionplan.mission.reading.includes import REMOTE, include_files
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
 from missionplan.mission.schema.effect_list import EffectEntry, EffectList, OneOf
 from missionplan.mission.schema.effects import read_effects
+from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarlo, Requirement
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
@@ -43,7 +43,7 @@ class Mission(FileSection):
     """A mission file, validated. All in SI; quantities are floats or distributions."""
 
     name: str = ""
-    start: datetime | None = None
+    start: Moment | None = None
     units: Literal["metric", "nautical", "imperial"] | None = None
     vehicle: Vehicle | None = None
     site: Site | None = None

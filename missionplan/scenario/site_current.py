@@ -103,8 +103,7 @@ def _read(
     from missionplan.scenario.currents.field import read_field
 
     origin = required_origin(mission, "a NetCDF current is placed by it")
-    moment = mission.start.timestamp() if mission.start.tzinfo else None
-    start = np.datetime64(mission.start.replace(tzinfo=None) if moment is None else round(moment * 1e9), "ns")
+    start = np.datetime64(round(mission.start.timestamp() * 1e6), "us").astype("datetime64[ns]")
     places = _places(mission, origin)
     places = places if also is None else np.hstack((places, also))
     return read_field(matching(name), Area(origin, start, places, written.projection), name, member)

@@ -9,6 +9,7 @@ from datetime import datetime
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
+from missionplan.moments import moment_of
 from missionplan.store.paths import as_path, is_folder
 
 _MAX_DEPTH = 4
@@ -87,7 +88,7 @@ def _entry(folder: Path) -> ReportEntry:
 
 def _created(summary: dict[str, object]) -> datetime | None:
     try:
-        return datetime.fromisoformat(str(summary.get("created_utc")))
+        return moment_of(summary.get("created_utc"))
     except ValueError:
         return None
 

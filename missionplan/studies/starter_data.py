@@ -10,6 +10,7 @@ import pandas as pd
 from missionplan.datasets.legs import STAMPS, TIMES
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import load
+from missionplan.moments import moment_of
 from missionplan.montecarlo.streams import stream
 from missionplan.results.base import to_csv
 from missionplan.store.folder import write_atomically
@@ -60,7 +61,7 @@ def _noise(kind: str, size: int) -> "np.ndarray[tuple[int], np.dtype[np.float64]
 def _legs() -> pd.DataFrame:
     legs = sea_trial(load(Path(str(files("missionplan") / "starter" / "mission.yaml"))), legs=24)
     for seconds, stamp in zip(TIMES, STAMPS, strict=True):
-        moments = pd.Timestamp(_START) + pd.to_timedelta(legs[seconds], unit="s")
+        moments = pd.Timestamp(moment_of(_START)) + pd.to_timedelta(legs[seconds], unit="s")
         legs[seconds] = moments.dt.strftime("%Y-%m-%dT%H:%M:%S.%f").str[:-5] + "Z"
         legs = legs.rename(columns={seconds: stamp})
     return legs.assign(surface_s=0.0, fix_sd_m=2.0)

@@ -1,25 +1,21 @@
 """NetCDF files, opened without decoding, and their variables as plain arrays."""
 
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.importers.importer import needed_module
+from missionplan.moments import since
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 MAGIC = (b"CDF", b"\x89HDF")
 """First bytes of NetCDF 3 and 4 files."""
-_SINCE = re.compile(r"\s*(\w+?)s?\s+since\s+(.+)", re.IGNORECASE)
-_SECONDS = {"nanosecond": 1e-9, "microsecond": 1e-6, "millisecond": 1e-3, "second": 1.0, "sec": 1.0, "s": 1.0}
-_SECONDS |= {"minute": 60.0, "min": 60.0, "hour": 3600.0, "hr": 3600.0, "h": 3600.0, "day": 86400.0, "d": 86400.0}
 
 
 @contextmanager
@@ -55,9 +51,6 @@ def epoch_seconds(data: "Dataset", name: str) -> Array:
     ValueError
         When its units are no times.
     """
-    matched = _SINCE.fullmatch(str(data[name].attrs.get("units", "")))
-    if matched is None or matched[1].lower() not in _SECONDS:
-        raise ValueError(f"the units of {name} are no time since a date")
-    zero = pd.Timestamp(matched[2].strip())
-    zero = zero.tz_localize("UTC") if zero.tzinfo is None else zero.tz_convert("UTC")
-    return np.asarray(zero.timestamp() + numbers(data, name) * _SECONDS[matched[1].lower()])
+    attributes = data[name].attrs
+    zero, length = since(str(attributes.get("units", "")), str(attributes.get("calendar", "")))
+    return np.asarray(zero + numbers(data, name) * length)

@@ -1,11 +1,12 @@
 """Files of fixes alone: GPX tracks, and NMEA 0183 sentences of a receiver."""
 
 import math
-from datetime import UTC, datetime, time
+from datetime import datetime, time
 from pathlib import Path
 
 from missionplan.importers.importer import needed_module
 from missionplan.importers.sourcefiles.channels import Samples
+from missionplan.moments import utc
 
 FIX_COLUMNS = ("t", "lat", "lon", "hdop", "satellites", "valid")
 
@@ -30,10 +31,14 @@ def add_gpx(path: Path, found: Samples) -> None:
             raise ValueError(str(error)) from None
     for point in track.walk(only_points=True):
         if point.time is not None:
-            moment = point.time if point.time.tzinfo else point.time.replace(tzinfo=UTC)
             hdop = point.horizontal_dilution
             found.add(
-                moment.timestamp(), point.latitude, point.longitude, _number(hdop), _number(point.satellites), 1.0
+                utc(point.time).timestamp(),
+                point.latitude,
+                point.longitude,
+                _number(hdop),
+                _number(point.satellites),
+                1.0,
             )
 
 
@@ -55,7 +60,7 @@ def add_nmea(path: Path, found: Samples) -> None:
                 quality = {sentence.timestamp: (_number(sentence.horizontal_dil), _number(sentence.num_sats))}
             elif kind == "RMC" and sentence.timestamp and sentence.datestamp and sentence.lat and sentence.lon:
                 hdop, satellites = quality.get(sentence.timestamp, (math.nan, math.nan))
-                t = datetime.combine(sentence.datestamp, sentence.timestamp).replace(tzinfo=UTC).timestamp()
+                t = utc(datetime.combine(sentence.datestamp, sentence.timestamp)).timestamp()
                 valid = 1.0 if sentence.status == "A" else 0.0
                 found.add(t, sentence.latitude, sentence.longitude, hdop, satellites, valid)
 

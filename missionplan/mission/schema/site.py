@@ -1,12 +1,12 @@
 """Where the mission is: origin, depth, water and current."""
 
-from datetime import datetime
 from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import Discriminator, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy, invalid
 from missionplan.montecarlo.distributions import Quantity
@@ -82,7 +82,7 @@ class CurrentFile(FileSection):
 
     file: str | tuple[str, ...]
     weights: tuple[Weight, ...] | None = None
-    start: datetime | None = None
+    start: Moment | None = None
     projection: str | None = None
     outside: Literal["error", "hold", "zero"] = "error"
     error: ForecastError | None = None

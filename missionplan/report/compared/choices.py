@@ -1,13 +1,14 @@
 """What reports of `explore` or `optimise` chose, side by side: values, windows, and the cells that all have tried."""
 
 from collections.abc import Iterator, Sequence
-from datetime import UTC, datetime
+from datetime import datetime
 
 import numpy as np
 from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, DateFormatter
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.moments import moment_of
 from missionplan.report.numbers import share
 from missionplan.report.page import Figure, PageSection, Table, to_figure
 from missionplan.report.wording import capitalised, keys_in_words
@@ -130,7 +131,7 @@ def _name(key: str) -> str:
 def _moment(value: str) -> datetime | None:
     """Return a start; None where the value is none."""
     try:
-        return datetime.fromisoformat(value) if "T" in value else None
+        return moment_of(value) if "T" in value else None
     except ValueError:
         return None
 
@@ -140,13 +141,13 @@ def _shown(found: Alternatives, value: str) -> str:
     moment = _moment(value)
     if moment is None:
         return value
-    return f"{moment.astimezone(UTC):{'%H:%M' if _one_day(found) else '%d %b %H:%M'}} UTC"
+    return f"{moment:{'%H:%M' if _one_day(found) else '%d %b %H:%M'}} UTC"
 
 
 def _one_day(found: Alternatives) -> bool:
     tried = [value for each in found.alternatives if each.chosen for cell in each.chosen.cells for value in cell.values]
     chosen = [value for each in found.alternatives if each.chosen for value in each.chosen.values.values()]
-    return len({moment.astimezone(UTC).date() for value in (*tried, *chosen) if (moment := _moment(value))}) == 1
+    return len({moment.date() for value in (*tried, *chosen) if (moment := _moment(value))}) == 1
 
 
 def _scale(values: Sequence[str]) -> tuple[dict[str, float], str] | None:

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.arrays import Array
 from missionplan.exporters.maps.geojson import feature
 from missionplan.exporters.maps.geometry import longitudes_latitudes
+from missionplan.moments import moment_of
 from missionplan.report.geography.frame import frame
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figure, PageSection, Table, to_figure
@@ -47,11 +48,9 @@ def overdue_section(outcome: Outcome) -> Iterator[PageSection]:
 def _start(outcome: Outcome) -> datetime | None:
     """UTC of the mission's start, where the mission gives it."""
     written = outcome.provenance.data.get("start")
-    if isinstance(written, datetime):
-        return written
     try:
-        return datetime.fromisoformat(written) if isinstance(written, str) else None
-    except ValueError:
+        return None if written is None else moment_of(written)
+    except (ValueError, OverflowError):
         return None
 
 

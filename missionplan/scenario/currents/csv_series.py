@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from missionplan.datasets.csv_cells import check_file
 from missionplan.datasets.packed_files import open_table
 from missionplan.datasets.times import epoch_seconds
 from missionplan.errors import InputError, Problem
+from missionplan.moments import utc
 
 MAX_BYTES = 200_000_000
 """Of a CSV file of a current."""
@@ -100,12 +101,7 @@ def _lead(start: datetime | None, epoch: datetime | None, shown: str) -> float:
         return 0.0
     if start is None:
         raise InputError([Problem("the record has a start: the mission needs its `start` (UTC) too", shown)])
-    return _utc(epoch).timestamp() - _utc(start).timestamp()
-
-
-def _utc(moment: datetime) -> datetime:
-    """A time with its zone, UTC where it has none."""
-    return moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)
+    return (utc(epoch) - utc(start)).total_seconds()
 
 
 def _impossible(values: pd.DataFrame, shown: str) -> list[Problem]:
@@ -123,4 +119,4 @@ def _since(start: datetime | None, times: "pd.Series[str]", shown: str) -> "pd.S
         if moments.notna().any() and pd.to_numeric(times, errors="coerce").isna().all():
             raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", shown)])
         return moments * math.nan
-    return moments - _utc(start).timestamp()
+    return moments - utc(start).timestamp()

@@ -1,7 +1,6 @@
 """The tide of a mission's site at its date: constituents with Greenwich phases as waves from the mission's start."""
 
 import math
-from datetime import UTC, datetime
 
 import numpy as np
 
@@ -33,7 +32,7 @@ def tidal_stream(mission: Mission, written: TidalCurrent) -> TidalStream:
     origin = required_origin(mission, "the tide's nodal corrections depend on its latitude")
     depths = written.tide.depths
     names = sorted({wave.name for depth in depths for wave in depth.constituents})
-    state = nodal_state(names, _epoch(mission.start), origin.latitude) if names else None
+    state = nodal_state(names, mission.start.timestamp(), origin.latitude) if names else None
     waves = np.zeros((2, len(names), len(depths)), dtype=complex)
     for column, depth in enumerate(depths):
         for wave in depth.constituents:
@@ -56,7 +55,3 @@ def _coefficients(wave: TidalConstituent) -> "np.ndarray[tuple[int], np.dtype[np
     along, across = wave.major * np.exp(-1j * wave.phase), -1j * wave.minor * np.exp(-1j * wave.phase)
     sine, cosine = math.sin(wave.toward), math.cos(wave.toward)
     return np.array([along * sine - across * cosine, along * cosine + across * sine])
-
-
-def _epoch(start: datetime) -> float:
-    return (start if start.tzinfo is not None else start.replace(tzinfo=UTC)).timestamp()

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+from datetime import datetime, timedelta
 
 from missionplan.mission import Mission
 from missionplan.phases.currents import Current
@@ -65,7 +65,7 @@ class SharedCurrent:
         current = self.current
         if not self.moves or not isinstance(current, RecordedCurrent) or mission.start is None or self.start is None:
             return current
-        later = (_utc(mission.start) - _utc(self.start)).total_seconds()
+        later = (mission.start - self.start).total_seconds()
         return current.later(later) if later else current
 
 
@@ -83,7 +83,3 @@ def _place(mission: Mission) -> dict[str, object]:
 
 def _with_start(mission: Mission, start: datetime) -> Mission:
     return Mission.from_data(with_values(mission.raw, {"start": start.isoformat()}), file=mission.file)
-
-
-def _utc(moment: datetime) -> datetime:
-    return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)

@@ -13,6 +13,7 @@ from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission
 from missionplan.mission.reading.documents import load_document
 from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.moments import moment_of
 from missionplan.results.choosing.axis import Axis
 from missionplan.studies.exploration.key_paths import check_key
 
@@ -157,17 +158,15 @@ def _times(mission: Mission, values: str) -> Axis:
 
 def _moment(base: datetime, text: str) -> datetime | None:
     """Return a time: ISO 8601 (UTC unless it says), a time of the mission's day, or a duration after its start."""
-    base = base.replace(tzinfo=UTC) if base.tzinfo is None else base.astimezone(UTC)
     try:
         if _CLOCK.fullmatch(text):
             hour, minute, *rest = (int(part) for part in text.split(":"))
             return base.replace(hour=hour, minute=minute, second=rest[0] if rest else 0, microsecond=0)
         if (after := _seconds(text)) is not None:
             return base + timedelta(seconds=after)
-        moment = datetime.fromisoformat(text.strip())
+        return moment_of(text)
     except (ValueError, OverflowError):
         return None
-    return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
 
 
 def _seconds(text: str) -> float | None:

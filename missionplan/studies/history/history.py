@@ -10,6 +10,7 @@ from pathlib import Path
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission.reading.documents import load_document, read_text
+from missionplan.moments import moment_of
 from missionplan.results.base import Provenance
 from missionplan.results.log_book.history import History, Learned, State
 from missionplan.results.plain_data import mappings, real
@@ -104,10 +105,9 @@ def _read(place: Path, root: Path) -> _Report | None:
 def _moment(text: str) -> datetime:
     """Time of a report; without a zone it is UTC."""
     try:
-        moment = datetime.fromisoformat(text)
-    except ValueError:
+        return moment_of(text)
+    except (ValueError, OverflowError):
         return datetime.min.replace(tzinfo=UTC)
-    return moment if moment.tzinfo else moment.replace(tzinfo=UTC)
 
 
 def _learned(report: _Report, moment: str) -> Iterator[Learned]:

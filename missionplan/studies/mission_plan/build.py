@@ -3,7 +3,6 @@
 import hashlib
 import math
 from collections.abc import Iterator
-from datetime import UTC, datetime
 from importlib.metadata import version
 
 import numpy as np
@@ -53,7 +52,7 @@ def mission_plan(mission: Mission, *, seed: int | None = None, means: Scenario |
         mission=mission.name,
         digest=hashlib.sha256(with_contents_named(to_yaml(mission.raw), mission).encode()).hexdigest(),
         version=version("missionplan"),
-        start=_utc(mission.start),
+        start=mission.start,
         origin=(origin.latitude, origin.longitude) if origin else None,
         phases=phases,
         notes=(*_notes(mission), *builder.notes),
@@ -198,13 +197,6 @@ class _Builder:
             return math.nan, math.nan
         latitude, longitude = to_geographic(place[:1], place[1:], site.origin)
         return float(latitude[0]), float(longitude[0])
-
-
-def _utc(start: datetime | None) -> datetime | None:
-    """Return the mission's start in UTC, which it is in where it names no zone."""
-    if start is None:
-        return None
-    return start.replace(tzinfo=UTC) if start.tzinfo is None else start.astimezone(UTC)
 
 
 def _leg_length(phase: TransitPhase, means: Scenario, left: float) -> float:

@@ -74,7 +74,7 @@ class Sections:
 
     def _annotated(self, annotation: object, metadata: list[object]) -> Schema:
         for item in metadata:
-            if isinstance(item, ReadBy):
+            if isinstance(item, ReadBy) and annotation is not datetime:
                 return self._read(item)
         schema = self._value(annotation)
         for item in metadata:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from datetime import UTC, timedelta
+from datetime import timedelta
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -102,8 +102,7 @@ def _moment(mission: Mission, seconds: float) -> str:
     """Date and time of day, or the seconds since the start where the mission has none."""
     if mission.start is None:
         return f"{seconds:.0f} s"
-    start = mission.start if mission.start.tzinfo else mission.start.replace(tzinfo=UTC)
-    return (start + timedelta(seconds=float(seconds))).astimezone(UTC).strftime("%Y-%m-%d %H:%M")
+    return (mission.start + timedelta(seconds=float(seconds))).strftime("%Y-%m-%d %H:%M")
 
 
 def _nominal(mission: Mission, means: Scenario, current: RecordedCurrent, lasts: str) -> list[Problem]:

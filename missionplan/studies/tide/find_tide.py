@@ -11,6 +11,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.moments import moment_of
 from missionplan.physics.tides import DAY
 from missionplan.results.base import Provenance
 from missionplan.results.tide import DepthTide, HeldOut, TideResult
@@ -113,11 +114,9 @@ def _angle(given: float | str | None) -> float | None:
 
 
 def _moment(given: datetime | str | None) -> datetime | None:
-    if not isinstance(given, str):
-        return given
     try:
-        return datetime.fromisoformat(given)
-    except ValueError:
+        return None if given is None else moment_of(given)
+    except (ValueError, OverflowError):
         message = f"given {shown(given)}, expected a time such as 2026-05-01T06:00:00Z"
         raise InputError([Problem(message, key="start")]) from None
 

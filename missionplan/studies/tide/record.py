@@ -14,6 +14,7 @@ from missionplan.arrays import Array
 from missionplan.datasets.csv_cells import check_file, read_cells, read_header
 from missionplan.datasets.times import epoch_of
 from missionplan.errors import InputError, Problem, did_you_mean
+from missionplan.moments import utc
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
@@ -117,7 +118,7 @@ def _times(words: "pd.Series[str]", start: datetime | None, path: Path) -> "pd.S
         if start is None:
             hint = "give times such as 2026-05-01T00:00:00Z, or --start"
             raise InputError([Problem("its times are seconds, and nothing says since when", str(path), hint=hint)])
-        return seconds + epoch_of(start.isoformat())
+        return seconds + utc(start).timestamp()
     return words.map(_moment).astype(float)
 
 

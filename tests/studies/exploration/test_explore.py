@@ -29,9 +29,9 @@ def tidal_mission(folder, *, peak, period=12.42 * 3600.0, distance=6000.0):
         "u": (("time", "depth", "lat", "lon"), np.broadcast_to(tide[:, None, None, None], shape)),
         "v": (("time", "depth", "lat", "lon"), np.zeros(shape)),
     }
-    start = datetime(2026, 6, 1)
+    start = np.datetime64("2026-06-01", "ns")
     axes = {
-        "time": np.datetime64(start, "ns") + (time * 1e9).astype("timedelta64[ns]"),
+        "time": start + (time * 1e9).astype("timedelta64[ns]"),
         "depth": [0.0],
         "lat": [49.8, 50.2],
         "lon": [-5.2, -4.8],

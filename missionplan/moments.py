@@ -1,0 +1,134 @@
+"""Moments: every time of day that a file, an option or a caller gives becomes an aware `datetime` in UTC here alone."""
+
+import re
+from datetime import UTC, date, datetime, timedelta, timezone
+
+EXAMPLE = "2026-06-01T04:00Z"
+"""A moment as messages write one."""
+_ISO = re.compile(
+    r"(?P<year>[+-]?\d{1,4})-(?P<month>\d{1,2})-(?P<day>\d{1,2})"
+    r"(?:(?:[Tt]|\s+)(?P<hour>\d{1,2})(?::(?P<minute>\d{1,2})(?::(?P<second>\d{1,2})(?:[.,](?P<part>\d*))?)?)?)?"
+    r"\s*(?P<zone>.*)"
+)
+_OFFSET = re.compile(r"(?P<sign>[+-])(?P<hours>\d{1,2})(?::?(?P<minutes>\d{2}))?")
+_UNIT = re.compile(r"\s*(?P<unit>[^\W\d]+)\s+(?:since|from|after|ref|@)\s+(?P<since>\S.*?)\s*", re.IGNORECASE)
+_SECONDS = {
+    "s": ("s", "sec", "second"),
+    "ms": ("ms", "msec", "millisec", "millisecond"),
+    "us": ("us", "µs", "microsec", "microsecond"),
+    "ns": ("ns", "nanosec", "nanosecond"),
+    "min": ("min", "minute"),
+    "h": ("h", "hr", "hour"),
+    "d": ("d", "day"),
+}
+_LENGTHS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": 86400.0}
+_CALENDARS = ("", "standard", "gregorian", "proleptic_gregorian")
+_REFORM = datetime(1582, 10, 15, tzinfo=UTC)
+"""First day of the Gregorian calendar, before which CF's standard calendar is the Julian one."""
+
+
+def utc(moment: datetime) -> datetime:
+    """Return a moment in UTC; one without a zone is UTC, whatever the zone of the computer."""
+    return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
+
+
+def moment_of(value: object) -> datetime:
+    """Read a moment as a file or a caller gives it.
+
+    Parameters
+    ----------
+    value : object
+        A text by ISO 8601, a date (its midnight) or a `datetime`.
+
+    Returns
+    -------
+    datetime
+        In UTC, which is the zone of what names none.
+
+    Raises
+    ------
+    ValueError
+        When it is anything else, such as a bare number, or of a zone that has only a name.
+    """
+    if isinstance(value, datetime):
+        return utc(value)
+    if isinstance(value, date):
+        return datetime(value.year, value.month, value.day, tzinfo=UTC)
+    words = value.strip() if isinstance(value, str) else ""
+    matched = _ISO.fullmatch(words)
+    if matched is not None:
+        return _of_parts(matched)
+    if "T" in words.upper():  # the basic form, 20260601T0400Z
+        return utc(datetime.fromisoformat(words.upper()))
+    raise ValueError(f"expected a date and time such as {EXAMPLE}")
+
+
+def _of_parts(matched: re.Match[str]) -> datetime:
+    year, month, day, hour, minute, second = (
+        int(matched[name] or 0) for name in ("year", "month", "day", "hour", "minute", "second")
+    )
+    micro = int((matched["part"] or "0").ljust(6, "0")[:6])
+    midnight = timedelta(days=hour == 24 and not (minute or second or micro))  # ISO 8601's end of a day
+    moment = datetime(year, month, day, 0 if midnight else hour, minute, second, micro, tzinfo=zone_of(matched["zone"]))
+    return (moment + midnight).astimezone(UTC)
+
+
+def zone_of(words: str) -> timezone:
+    """Read a zone by its offset; none named is UTC.
+
+    Raises
+    ------
+    ValueError
+        When it is not UTC and has no offset: names such as EST are of several zones.
+    """
+    if words.strip().upper() in ("", "Z", "UTC", "GMT", "ZULU", "UT"):
+        return UTC
+    offset = _OFFSET.fullmatch(words.strip())
+    if offset is None:
+        raise ValueError(f"the zone {words.strip()!r} has no offset; expected Z, UTC or one such as -05:00")
+    away = timedelta(hours=int(offset["hours"]), minutes=int(offset["minutes"] or 0))
+    return timezone(-away if offset["sign"] == "-" else away)
+
+
+def is_since(units: object) -> bool:
+    """Whether units are of times since a moment."""
+    return isinstance(units, str) and _UNIT.fullmatch(units) is not None
+
+
+def since(units: str, calendar: str = "") -> tuple[float, float]:
+    """Read units of times (``days since 1950-01-01``, UDUNITS and CF 1.11, section 4.4).
+
+    Parameters
+    ----------
+    units : str
+    calendar : str
+        CF's attribute; those of climate models, whose days are not the sea's, are refused.
+
+    Returns
+    -------
+    zero, length : float
+        The moment since which times count, from the start of 1970, and their unit [s].
+
+    Raises
+    ------
+    ValueError
+        When they are none.
+    """
+    kind = calendar.strip().lower()
+    if kind not in _CALENDARS:
+        raise ValueError(f"the calendar {calendar!r} is not the standard one")
+    matched = _UNIT.fullmatch(units)
+    unit = "" if matched is None else matched["unit"].lower()
+    name = next((key for key, names in _SECONDS.items() if unit in names or unit.removesuffix("s") in names), None)
+    if matched is None or name is None:
+        raise ValueError(f"units {units!r}; expected seconds, minutes, hours or days since a moment such as {EXAMPLE}")
+    moment = moment_of(matched["since"])
+    zero = moment.timestamp()
+    if moment < _REFORM and kind != "proleptic_gregorian":
+        zero += 86400.0 * _days_between_calendars(moment.year - (moment.month < 3))
+    return zero, _LENGTHS[name]
+
+
+def _days_between_calendars(year: int) -> int:
+    """Days by which a date of a year that begins in March is later in the Julian calendar than in the Gregorian."""
+    return year // 100 - year // 400 - 2
