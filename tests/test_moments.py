@@ -140,37 +140,19 @@ def test_the_zone_of_the_computer_does_not_count(zone):
 
 
 def test_moments_are_made_in_one_place():
-    """What ruff's DTZ does not see: `fromisoformat` and `combine` give naive moments, so does pandas without `utc`."""
+    """What ruff's DTZ does not see: `fromisoformat` and `combine` give naive moments, so does pandas without a zone."""
     found = []
     for path in PACKAGE.rglob("*.py"):
-        tree = ast.parse(path.read_text())
-        wrapped = {
-            id(inner)
-            for call in ast.walk(tree)
-            if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "utc"
-            for inner in ast.walk(call)
-        }
-        for call in ast.walk(tree):
-            if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Attribute) or id(call) in wrapped:
-                continue
-            zoned = any(word.arg in ("utc", "tz") for word in call.keywords)
-            is_door = call.func.attr in (
-                "fromisoformat",
-                "combine",
-                "Timestamp",
-                "utcnow",
-                "utcfromtimestamp",
-                "mktime",
-            )
-            if (
-                is_door
-                or (
-                    call.func.attr in ("to_datetime", "Timestamp")
-                    and not zoned
-                    and "moment_of(" not in ast.unparse(call)
-                )
-            ) and path.name != "moments.py":
-                found.append(f"{path.relative_to(PACKAGE)}:{call.lineno} {call.func.attr}")
+        calls = [each for each in ast.walk(ast.parse(path.read_text())) if isinstance(each, ast.Call)]
+        made = [each for each in calls if getattr(each.func, "id", "") in ("utc", "moment_of")]
+        inside = {id(inner) for call in made for inner in ast.walk(call)}
+        for call in calls:
+            name = getattr(call.func, "attr", "")
+            zoned = any(word.arg in ("utc", "tz") for word in call.keywords) or "moment_of(" in ast.unparse(call)
+            naive = name in ("fromisoformat", "combine", "utcnow", "utcfromtimestamp", "mktime")
+            naive = naive or (name in ("to_datetime", "Timestamp") and not zoned)
+            if naive and path.name != "moments.py" and id(call) not in inside:
+                found.append(f"{path.relative_to(PACKAGE)}:{call.lineno} {name}")
     assert not found
 
 

@@ -14,7 +14,7 @@ from outcome_example import example
 from pyproj import Geod
 
 from missionplan.exporters.maps.colours import COLOURS
-from missionplan.exporters.maps.geometry import longitudes_latitudes
+from missionplan.exporters.maps.geometry import circle, longitudes_latitudes, parts
 from missionplan.report.geography.geojson import track_geojson
 from missionplan.report.geography.kml import track_kml
 from missionplan.report.geography.track_points import SAMPLES, sample_trials, track_points
@@ -123,11 +123,34 @@ def test_a_circle_on_earth_has_its_radius_on_the_ellipsoid(collection):
     assert np.allclose(distance, 15.0, atol=0.02)
 
 
-def test_longitudes_run_on_across_the_antimeridian():
+def test_longitudes_come_back_across_the_antimeridian():
     places = longitudes_latitudes(
         np.array([[-5000.0, 5000.0], [0.0, 0.0]]), (math.radians(-17.0), math.radians(179.99))
     )
-    assert places[0][0] < 180.0 < places[1][0] < 180.1
+    assert 179.9 < places[0][0] < 180.0
+    assert -180.0 < places[1][0] < -179.9
+    (west, east) = parts(places)
+    assert west[-1][0] == 180.0
+    assert east[0] == [-180.0, west[-1][1]]
+    geod = Geod(ellps="WGS84")
+    assert sum(geod.line_length(*np.transpose(part)) for part in (west, east)) == pytest.approx(10_000.0, abs=0.1)
+
+
+def test_an_area_across_the_antimeridian_is_cut_in_two():
+    """Both halves are closed, counter-clockwise, and together as large as the circle (a chord polygon of 72 sides)."""
+    ring = longitudes_latitudes(circle((0.0, 0.0), 3000.0), (math.radians(-17.0), math.radians(179.99)))
+    halves = parts(ring, closed=True)
+    assert len(halves) == 2
+    assert all(half[0] == half[-1] for half in halves)
+    assert all(len({place[0] > 0.0 for place in half}) == 1 for half in halves)
+    areas = [Geod(ellps="WGS84").polygon_area_perimeter(*np.transpose(half))[0] for half in halves]
+    assert min(areas) > 0.0
+    assert sum(areas) == pytest.approx(0.5 * 72 * math.sin(2.0 * math.pi / 72) * 3000.0**2, rel=1e-4)
+
+
+def test_what_does_not_cross_stays_whole():
+    ring = longitudes_latitudes(circle((0.0, 0.0), 3000.0), (math.radians(45.0), math.radians(-124.0)))
+    assert parts(ring, closed=True) == [ring] == parts(ring)
 
 
 def test_kml_has_its_elements_in_the_order_of_the_schema(outcome):

@@ -5,7 +5,14 @@ from collections.abc import Iterator
 
 from missionplan.exporters.header import header, one_interval
 from missionplan.exporters.maps.colours import simplestyle
-from missionplan.exporters.maps.geometry import Origin, circle, course_line, longitude_latitude, longitudes_latitudes
+from missionplan.exporters.maps.geometry import (
+    Origin,
+    circle,
+    course_line,
+    longitude_latitude,
+    longitudes_latitudes,
+    parts,
+)
 from missionplan.exporters.rows import mooring_row, waypoint_row
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit
 
@@ -50,8 +57,7 @@ def _transit(transit: PlannedTransit, origin: Origin) -> Iterator[Feature]:
     rule = transit.surfacing
     if len(transit.waypoints) > 1:
         line = longitudes_latitudes(course_line(transit.waypoints), origin)
-        yield feature(
-            "LineString",
+        yield line_feature(
             line,
             "planned track",
             name=f"{transit.name}: planned track",
@@ -77,7 +83,28 @@ def _mooring(mooring: PlannedMooring, origin: Origin) -> Iterator[Feature]:
 
 def _circle(phase: str, kind: str, centre: tuple[float, float], radius: float, origin: Origin) -> Feature:
     ring = longitudes_latitudes(circle(centre, radius), origin)
-    return feature("Polygon", [ring], kind, name=f"{phase}: {kind}, {radius:.3g} m", phase=phase, radius_m=radius)
+    return area_feature(ring, kind, name=f"{phase}: {kind}, {radius:.3g} m", phase=phase, radius_m=radius)
+
+
+def line_feature(line: list[list[float]], kind: str, **properties: object) -> Feature:
+    """Return the feature of a line, in two where it crosses the antimeridian."""
+    cut = parts(line)
+    return (
+        feature("LineString", line, kind, **properties)
+        if len(cut) == 1
+        else _multi("LineString", cut, kind, properties)
+    )
+
+
+def area_feature(ring: list[list[float]], kind: str, **properties: object) -> Feature:
+    """Return the feature of an area by its closed boundary, in two where it crosses the antimeridian."""
+    cut = [[part] for part in parts(ring, closed=True)]
+    return feature("Polygon", cut[0], kind, **properties) if len(cut) == 1 else _multi("Polygon", cut, kind, properties)
+
+
+def _multi(geometry: str, coordinates: object, kind: str, properties: dict[str, object]) -> Feature:
+    made = feature(geometry, coordinates, kind, **properties)
+    return {**made, "geometry": {"type": f"Multi{geometry}", "coordinates": coordinates}}
 
 
 def feature(geometry: str, coordinates: object, kind: str, **properties: object) -> Feature:

@@ -1,6 +1,8 @@
 """Points of the local plane on Earth, and circles, for maps."""
 
+import itertools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,13 +18,43 @@ Origin = tuple[float, float]
 def longitudes_latitudes(points: Array, origin: Origin) -> list[list[float]]:
     """Return longitude and latitude [deg] of points of shape (2, n), rounded to about a centimetre.
 
-    Longitudes continue across the antimeridian, beyond ±180°.
+    Longitudes lie between -180° and 180°.
     """
     place = Geographic.model_construct(latitude=origin[0], longitude=origin[1])
     latitude, longitude = to_geographic(points[0], points[1], place)
-    longitude = origin[1] + np.remainder(longitude - origin[1] + math.pi, 2.0 * math.pi) - math.pi
+    longitude = np.remainder(longitude + math.pi, 2.0 * math.pi) - math.pi
     rounded: list[list[float]] = np.round(np.degrees((longitude, latitude)).T, 7).tolist()
     return rounded
+
+
+def parts(places: Sequence[list[float]], *, closed: bool = False) -> list[list[list[float]]]:
+    """Cut a line, or the closed boundary of an area, where it crosses the antimeridian (RFC 7946, section 3.1.9).
+
+    Parameters
+    ----------
+    places : sequence of [longitude, latitude]
+        [deg]
+    closed : bool
+        Whether it bounds an area: each part is closed again, along the antimeridian.
+
+    Returns
+    -------
+    list of lists of [longitude, latitude]
+        One where it does not cross.
+    """
+    found: list[list[list[float]]] = [[list(places[0])]]
+    for before, after in itertools.pairwise(places):
+        if abs(after[0] - before[0]) > 180.0:
+            side = math.copysign(180.0, before[0])
+            share = (side - before[0]) / ((after[0] + 2.0 * side - before[0]) or 1.0)
+            latitude = round(before[1] + share * (after[1] - before[1]), 7)
+            found[-1].append([side, latitude])
+            found.append([[-side, latitude]])
+        found[-1].append(list(after))
+    if not closed or len(found) == 1:
+        return found
+    found[0] = found.pop()[:-1] + found[0]  # the last part runs on into the first, on the same side
+    return [[*part, part[0]] for part in found]
 
 
 def longitude_latitude(point: Waypoint | PlannedMooring, origin: Origin) -> list[float]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.exporters.header import header, one_interval
-from missionplan.exporters.maps.geometry import Origin, circle, course_line, longitudes_latitudes
+from missionplan.exporters.maps.geometry import Origin, circle, course_line, longitudes_latitudes, parts
 from missionplan.exporters.rows import Cell, rows
 from missionplan.results.plan import Plan, PlannedMooring
 
@@ -20,8 +20,8 @@ TITLE = "GeoPackage"
 NEEDS_ORIGIN = True
 
 _MISSING = "needs pyogrio: pip install 'missionplan[gpkg]'"
-_POINT, _LINE, _POLYGON = 1, 2, 3
-"""Types of geometry in well-known binary (OGC 06-103r4, table 6)."""
+_POINT, _LINE, _POLYGON, _MULTI = 1, 2, 3, 3
+"""Types of geometry in well-known binary, and what is added for several parts (OGC 06-103r4, table 6)."""
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -57,7 +57,7 @@ def _waypoints(path: Path, plan: Plan) -> None:
 
 def _courses(path: Path, plan: Plan) -> None:
     transits = [transit for transit in plan.transits if len(transit.waypoints) > 1]
-    lines = [_wkb(_LINE, _on_earth(course_line(transit.waypoints), plan.origin)) for transit in transits]
+    lines = [parts(_on_earth(course_line(transit.waypoints), plan.origin)) for transit in transits]
     table: list[dict[str, Cell]] = [
         {
             "phase": transit.name,
@@ -70,7 +70,7 @@ def _courses(path: Path, plan: Plan) -> None:
         }
         for transit in transits
     ]
-    _layer(path, plan, "courses", "LineString", lines, table)
+    _layer(path, plan, "courses", *_shapes("LineString", _LINE, lines), table)
 
 
 def _circles(path: Path, plan: Plan) -> None:
@@ -79,10 +79,10 @@ def _circles(path: Path, plan: Plan) -> None:
         moored = isinstance(phase, PlannedMooring)
         place = phase if isinstance(phase, PlannedMooring) else phase.goal
         radius = phase.radius if isinstance(phase, PlannedMooring) else phase.arrival_radius
-        shapes.append(_wkb(_POLYGON, _on_earth(circle((place.east, place.north), radius), plan.origin)))
+        shapes.append(parts(_on_earth(circle((place.east, place.north), radius), plan.origin), closed=True))
         kind: Cell = "mooring circle" if moored else "arrival circle"
         table.append({"phase": phase.name, "kind": kind, "radius_m": radius})
-    _layer(path, plan, "circles", "Polygon", shapes, table)
+    _layer(path, plan, "circles", *_shapes("Polygon", _POLYGON, shapes), table)
 
 
 def _layer(
@@ -116,6 +116,15 @@ def _column(cells: Sequence[Cell]) -> NDArray[np.generic]:
 
 def _on_earth(points: Array, origin: Origin | None) -> list[list[float]]:
     return longitudes_latitudes(points, origin or (0.0, 0.0))
+
+
+def _shapes(geometry: str, kind: int, lines: Sequence[list[list[list[float]]]]) -> tuple[str, list[bytes]]:
+    """Type of a layer's geometries, and these: all of several parts where one is cut at the antimeridian."""
+    if all(len(each) == 1 for each in lines):
+        return geometry, [_wkb(kind, each[0]) for each in lines]
+    several = struct.pack("<BI", 1, kind + _MULTI)
+    made = [several + struct.pack("<I", len(each)) + b"".join(_wkb(kind, part) for part in each) for each in lines]
+    return f"Multi{geometry}", made
 
 
 def _wkb(kind: int, points: Sequence[Sequence[Cell]]) -> bytes:

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from missionplan.exporters.maps.geojson import Feature, feature
+from missionplan.exporters.maps.geojson import Feature, area_feature, feature, line_feature
 from missionplan.exporters.maps.geojson import features as plan_features
-from missionplan.exporters.maps.geometry import Origin, longitudes_latitudes
+from missionplan.exporters.maps.geometry import Origin, longitudes_latitudes, parts
 from missionplan.report.geography.plan_view import describe, rings
 from missionplan.report.geography.track_points import TrackPoint, sample_trials, track_points
 from missionplan.results.simulation import Outcome
@@ -45,7 +45,8 @@ def _track_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
         points = track_points(outcome, trial)
         if len(points) > 1:
             line = longitudes_latitudes(np.array([point.position for point in points]).T, origin)
-            yield feature("LineString", line, kind, name=f"{kind}, trial {trial}", trial=trial, **_times(points))
+            times = _times(points) if len(parts(line)) == 1 else {}  # a cut line has points of no known time
+            yield line_feature(line, kind, name=f"{kind}, trial {trial}", trial=trial, **times)
 
 
 def _times(points: list[TrackPoint]) -> dict[str, object]:
@@ -67,11 +68,9 @@ def _fix_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
 def _ring_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
     for ring in rings(outcome):
         share = None if math.isnan(ring.share) else ring.share
-        coordinates = [longitudes_latitudes(ring.line, origin)]
+        boundary = longitudes_latitudes(ring.line, origin)
         radius = round(ring.radius, 3)
-        yield feature(
-            "Polygon", coordinates, ring.kind, name=describe(ring), phase=ring.phase, share=share, radius_m=radius
-        )
+        yield area_feature(boundary, ring.kind, name=describe(ring), phase=ring.phase, share=share, radius_m=radius)
 
 
 def _goal_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:

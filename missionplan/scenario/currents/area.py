@@ -10,6 +10,7 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.site import Geographic
+from missionplan.scenario.currents.attributes import is_degrees
 from missionplan.scenario.currents.files import FieldFiles, Moments
 
 Turning = NDArray[np.complex128]
@@ -93,6 +94,7 @@ class Area:
         if self.projection is None:
             hint = "site.current.projection: EPSG:… names it; `local` places them from the site's origin"
             raise files.problem(f"{names[0]} and {names[1]} are in metres of a projection that the file lacks", hint)
+        x, y = (axis * files.height_factor(name, otherwise="m") for name, axis in zip(names, (x, y), strict=True))
         if self.projection == LOCAL:
             return np.stack((x, y)), np.ones(x.shape, dtype=complex)
         return self._projected(files, x, y)
@@ -115,12 +117,11 @@ class Area:
 
 def in_degrees(files: FieldFiles, names: tuple[str, str], x: Array, y: Array) -> bool:
     """Whether coordinates are longitudes and latitudes, by what the file says of them, else by their sizes."""
-    for name in names:
-        attributes = files.variable(name).attrs
-        if str(attributes.get("units", "")).startswith("degree"):
-            return True
-        if attributes.get("units") in ("m", "metre", "meter", "meters", "metres"):
-            return False
+    said = [is_degrees(files.variable(name), east=not number) for number, name in enumerate(names)]
+    if True in said and False in said:
+        raise files.problem(f"of {names[0]} and {names[1]} one is in degrees, the other is not")
+    if True in said or False in said:
+        return True in said
     return bool(np.nanmax(np.abs(y)) <= 90.0 and np.nanmax(np.abs(x)) <= 360.0)
 
 

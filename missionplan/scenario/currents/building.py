@@ -1,7 +1,6 @@
 """From a model's values to the current that a mission takes: depths of the layers, and how deep each column is good."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,78 +9,75 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.fields.grids import Grid
-from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.files import FieldFiles, Moments, Window
-from missionplan.scenario.currents.vertical import SKIN, SLevels, depth_axis, good_down_to
-
-BOTTOM = ("h", "depth", "bathymetry", "deptho")
-SURFACE = ("zeta", "elev", "elevation", "ssh", "zos")
+from missionplan.scenario.currents.vertical import SKIN, At, good_down_to, level_depths
 
 
-@dataclass(frozen=True)
-class Layers:
-    """What the layers of a field are read from.
+def at_columns(
+    files: FieldFiles,
+    moments: Moments,
+    window: Window,
+    dims: Sequence[str],
+    picked: tuple[Array, Array] | tuple[()] = (),
+) -> At:
+    """Return what reads a variable at the columns of a grid of rows and columns.
 
-    Attributes
+    Parameters
     ----------
     files : FieldFiles
     moments : array of datetime64
-    along : sequence of str
-        Dimension of the layers; none where the field holds the surface alone.
     window : mapping of str to slice
         Part of each horizontal dimension.
     dims : sequence of str
         Horizontal dimensions of the columns.
+    picked : tuple of array
+        Rows and columns of that part; default: all.
     """
 
-    files: FieldFiles
-    moments: Moments
-    along: Sequence[str]
-    window: Window
-    dims: Sequence[str]
+    def read(name: str) -> Array:
+        found = files.variable(name)
+        if files.has_times(name):
+            values = files.series(name, moments, window, dims).astype(float)
+        elif set(found.dims) == set(dims):
+            order = [str(dim) for dim in found.dims]
+            values = files.fixed(name, window).transpose([order.index(dim) for dim in dims])
+        else:
+            raise files.problem(
+                f"{name} has the dimensions {', '.join(map(str, found.dims))}; expected {', '.join(dims)}"
+            )
+        values = values[(..., *picked)]
+        return values.reshape(*values.shape[:-2], -1)
 
-    def read(self, columns: int) -> tuple[Array, Array]:
-        """Depths of the layers, shape (d,) or (t, c, d), and to what depth each column is good, shape (c,) [m]."""
-        if not self.along:
-            return np.zeros(1), np.full(columns, SKIN)
-        along = self.along[0]
-        if self.files.named("Cs_r") and (along in ("s_rho", "sc_r") or self.files.named("s_rho")):
-            bottom, surface = self._column_of_water()
-            return SLevels.of(self.files, along).depths(bottom, surface), good_down_to(bottom + surface.max(axis=0))
-        depth = depth_axis(self.files, along)
-        if depth.ndim != 1 or depth.size != self.files.variable(along).size:
-            raise self.files.problem(f"the depths along {along} are not one a layer")
-        return depth, np.full(columns, np.nan)
-
-    def _column_of_water(self) -> tuple[Array, Array]:
-        """Depth of the bottom below the datum, shape (c,), and the surface's height above it, shape (t, c) [m]."""
-        bottom = self.files.fixed(self.files.required("the depth of the bottom", *BOTTOM), self.window).ravel()
-        name = self.files.named(*SURFACE)
-        if name is None:
-            return bottom, np.zeros((self.moments.size, bottom.size))
-        surface = self.files.series(name, self.moments, self.window, self.dims).reshape(self.moments.size, -1)
-        return bottom, np.nan_to_num(surface.astype(float))
+    return read
 
 
-def gridded(area: Area, layers: Layers, grid: Grid, velocity: NDArray[np.complex64]) -> GriddedCurrent:
-    """Return the current.
+def layer_depths(files: FieldFiles, along: Sequence[str], at: At, times: int, columns: int) -> tuple[Array, Array]:
+    """Depths of the layers, shape (d,) or (t, c, d), and to what depth each column is good, shape (c,) [m].
 
     Parameters
     ----------
-    area : Area
-    layers : Layers
-    grid : Grid
-        c columns.
-    velocity : array of complex, shape (t, d, c)
-        Toward east and north; nan where there is no water [m/s].
+    files : FieldFiles
+    along : sequence of str
+        Dimension of the layers; none where the field holds the surface alone.
+    at : callable
+        See `vertical.At`.
+    times, columns : int
+        Of the field.
 
     Raises
     ------
-    InputError
-        When nothing near the mission is water.
+    InputError, FieldAttributeError
+        See `vertical.level_depths`.
     """
-    levels, bottom = layers.read(velocity.shape[2])
-    return assembled(layers.files, area.seconds(layers.moments), grid, levels, velocity, bottom)
+    if len(along) > 1:
+        raise files.problem(f"cannot tell which of {', '.join(along)} is the depth")
+    if not along:
+        return np.zeros(1), np.full(columns, SKIN)
+    levels, bottom = level_depths(files, along[0], at, times)
+    if bottom is not None:
+        return levels, bottom
+    alone = levels.size == 1 and float(levels[0]) <= SKIN
+    return levels, np.full(columns, SKIN if alone else np.nan)
 
 
 def assembled(

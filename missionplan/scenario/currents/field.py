@@ -9,6 +9,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission.reading.includes import REMOTE
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.scenario.currents.area import Area
+from missionplan.scenario.currents.attributes import FieldAttributeError, tidied
 from missionplan.scenario.currents.files import FieldFiles
 from missionplan.scenario.currents.fvcom import read_fvcom
 from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE, read_regular
@@ -45,6 +46,8 @@ def read_field(names: Sequence[str], area: Area, shown: str, member: int | None 
             return _read(files, area)
         except InputError:
             raise
+        except FieldAttributeError as error:
+            raise files.problem(str(error)) from None
         except Exception as error:  # the libraries below raise many kinds for what is damaged
             words = str(error).partition("\n")[0]
             raise InputError([Problem(f"cannot be read as NetCDF: {words}", shown)]) from None
@@ -79,7 +82,7 @@ def _opened(name: str) -> "Dataset":
     import xarray
 
     try:
-        return xarray.open_dataset(name)
+        return tidied(xarray.open_dataset(name, decode_times=False))
     except Exception as error:  # the libraries below raise many kinds for what is damaged
         words = str(error).partition("\n")[0]
         if name.startswith(REMOTE):
@@ -105,7 +108,7 @@ def _read(files: FieldFiles, area: Area) -> GriddedCurrent:
         return read_fvcom(files, area)
     if topology(files) is not None:
         return read_ugrid(files, area)
-    position = files.named("lon_rho", "x_rho", *LATITUDE, "nav_lat")
+    position = files.named("lon_rho", "x_rho", *LATITUDE, "nav_lat", standard=("latitude",))
     if position is None:
         looked = ", ".join((*LATITUDE, *LONGITUDE, "lon_rho", "nv"))
         raise files.problem(f"is no grid that is known: no variable for latitude; looked for {looked}, {EAST[0]}")

@@ -1,6 +1,5 @@
 """NetCDF files that together hold one field: joined in time, variables by the names that models give them."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -10,6 +9,16 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
+from missionplan.moments import moment_of
+from missionplan.scenario.currents.attributes import (
+    FieldAttributeError,
+    depths,
+    moments,
+    scale,
+    speed_factor,
+    time_along,
+    word,
+)
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
@@ -19,9 +28,8 @@ Window = Mapping[str, slice]
 
 FASTEST = 12.0
 """Currents faster than this are no sea's [m/s]: Saltstraumen reaches 10."""
-_SPEED_UNITS = {"m/s": 1.0, "ms-1": 1.0, "cm/s": 0.01, "cms-1": 0.01, "mm/s": 1e-3, "mms-1": 1e-3}
-_KNOT = 1852.0 / 3600.0
-_SPEED_UNITS |= dict.fromkeys(("knot", "knots", "kt", "kn", "kts"), _KNOT)
+_MODELS_SPEEDS = ("horizontalVelX", "horizontalVelY")
+"""Velocities of SCHISM, which writes them in m/s and without `units`."""
 MEMBER_DIMENSIONS = ("member", "ensemble", "ensemble_member", "realization", "number", "ens")
 
 
@@ -51,7 +59,7 @@ class FieldFiles:
                 return name
         for dataset in self.datasets:
             for other in dataset.variables:
-                if dataset[other].attrs.get("standard_name") in standard:
+                if word(dataset[other], "standard_name").lower() in standard:
                     return str(other)
         return None
 
@@ -138,26 +146,43 @@ class FieldFiles:
         dim = variable.dims[0]
         if "Times" in dataset.variables and dataset["Times"].dims[:1] == (dim,):  # exact where `time` is of 32 bits
             return _from_text(dataset["Times"].to_numpy())
-        for name, other in dataset.variables.items():
-            if other.dims == (dim,) and np.issubdtype(other.dtype, np.datetime64):
-                return np.asarray(dataset[name].to_numpy(), dtype="datetime64[ns]")
-        return None
+        name = time_along(dataset, str(dim))
+        return None if name is None else moments(dataset[name])
 
     def speed_factor(self, name: str) -> float:
-        """Return what turns a velocity's unit into m/s; a variable without `units` is taken to be in m/s.
+        """Return what turns a velocity's unit into m/s.
 
         Raises
         ------
-        InputError
-            When its attribute `units` is none of a speed.
+        FieldAttributeError
+            When it has no attribute `units`, or none of a speed.
         """
-        written = str(self.variable(name).attrs.get("units", "m/s"))
-        plain = re.sub(r"met(er|re)s?", "m", written.strip().lower())
-        plain = re.sub(r"seconds?|sec", "s", plain).replace(" per ", "/")
-        plain = re.sub(r"[\s.*^]", "", plain)
-        if plain not in _SPEED_UNITS:
-            raise self.problem(f"{name} is in {written!r}; expected a speed such as m s-1, cm s-1 or knots")
-        return _SPEED_UNITS[plain]
+        return speed_factor(self.variable(name), "m/s" if name in _MODELS_SPEEDS else "")
+
+    def height_factor(self, name: str, otherwise: str = "") -> float:
+        """Return what turns a height's unit into m; `otherwise` is that of a model whose files lack `units`.
+
+        Raises
+        ------
+        FieldAttributeError
+            When it has none of a length.
+        """
+        return scale(self.variable(name), "m", "a length such as m", otherwise)
+
+    def depths(self, name: str, window: Window | None = None, otherwise: str = "") -> Array:
+        """Return a vertical axis or the seafloor as depths, positive down [m].
+
+        Raises
+        ------
+        FieldAttributeError
+            See `attributes.depths`.
+        """
+        return depths(self.variable(name), self.fixed(name, window), otherwise)
+
+    def has_times(self, name: str) -> bool:
+        """Whether a variable changes in time."""
+        found = self.variable(name)
+        return bool(found.ndim) and self._times_of(found) is not None
 
     def members(self) -> str | None:
         """Return the dimension along which the members of an ensemble lie."""
@@ -197,4 +222,8 @@ def _from_text(texts: NDArray[np.generic]) -> Moments:
     """Times by ISO 8601, as models write them: bytes, one string a row or one character a column."""
     rows = texts if texts.ndim == 1 else np.array([b"".join(row) for row in texts])
     words = [row.decode() if isinstance(row, bytes) else str(row) for row in rows]
-    return np.array([word.strip().rstrip("Z\0").replace(" ", "T") for word in words], dtype="datetime64[ns]")
+    try:
+        found = [moment_of(each.strip(" \0")).replace(tzinfo=None) for each in words]
+    except (ValueError, OverflowError) as error:
+        raise FieldAttributeError(f"Times: {error}") from None
+    return np.array(found, dtype="datetime64[ns]")

@@ -6,10 +6,10 @@ from missionplan.arrays import Array
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.fields.grids import Grid
 from missionplan.scenario.currents.area import Area
-from missionplan.scenario.currents.building import SURFACE, assembled
+from missionplan.scenario.currents.building import assembled
 from missionplan.scenario.currents.files import FieldFiles, Moments, velocities
 from missionplan.scenario.currents.unstructured import Mesh
-from missionplan.scenario.currents.vertical import SKIN, good_down_to
+from missionplan.scenario.currents.vertical import SKIN, SURFACE, good_down_to
 
 
 def read_fvcom(files: FieldFiles, area: Area) -> GriddedCurrent:
@@ -59,11 +59,13 @@ def _levels(files: FieldFiles, mesh: Mesh, moments: Moments) -> tuple[Array, Arr
     sigma = np.repeat(sigma[:, None], mesh.nodes.size, axis=1) if sigma.ndim == 1 else sigma[:, mesh.nodes]
     if np.any(sigma > 0.0) or np.any(sigma < -1.0):
         raise files.problem("siglay does not lie between -1 and 0")
-    bottom = mesh.mean_over_faces(files.fixed(files.required("the depth of the bottom", "h"))[mesh.nodes])
+    bottom = mesh.mean_over_faces(
+        files.depths(files.required("the depth of the bottom", "h"), otherwise="m")[mesh.nodes]
+    )
     name, surface = files.named(*SURFACE), np.zeros((moments.size, mesh.nodes.size))
     if name is not None:
         dims = [str(dim) for dim in files.variable(name).dims[1:]]
-        surface = files.series(name, moments, {}, dims)[:, mesh.nodes].astype(float)
+        surface = files.series(name, moments, {}, dims)[:, mesh.nodes].astype(float) * files.height_factor(name, "m")
     height = mesh.mean_over_faces(surface)
     layers = mesh.mean_over_faces(sigma).T
     return -(bottom + height)[:, :, None] * layers, good_down_to(bottom + height.max(axis=0))

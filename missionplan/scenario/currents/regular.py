@@ -8,13 +8,10 @@ from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.fields.grids import RegularGrid
 from missionplan.phases.fields.triangles import Indices
 from missionplan.scenario.currents.area import Area, in_degrees
-from missionplan.scenario.currents.building import assembled
+from missionplan.scenario.currents.building import assembled, at_columns, layer_depths
 from missionplan.scenario.currents.files import FieldFiles, velocities
 from missionplan.scenario.currents.roms import EAST, NORTH, STANDARD_EAST, STANDARD_NORTH
-from missionplan.scenario.currents.vertical import SKIN
 
-TIME = ("time", "ocean_time", "Times")
-DEPTH = ("depth", "Depth", "lev", "z")
 LATITUDE = ("latitude", "lat", "Latitude")
 LONGITUDE = ("longitude", "lon", "Longitude")
 REACH = np.radians(8.0)
@@ -32,41 +29,24 @@ def read_regular(files: FieldFiles, area: Area) -> GriddedCurrent:
     InputError
         When something is missing or impossible, or the axes are not one-dimensional.
     """
-    files.required("time", *TIME)
     latitude, longitude = (
-        files.required(what, *names) for what, names in (("latitude", LATITUDE), ("longitude", LONGITUDE))
+        files.required(what, *names, standard=(what,))
+        for what, names in (("latitude", LATITUDE), ("longitude", LONGITUDE))
     )
     u = files.required("the current toward east", *EAST, standard=STANDARD_EAST)
     v = files.required("the current toward north", *NORTH, standard=STANDARD_NORTH)
     dims = [str(dim) for dim in files.variable(u).dims]
     rows, columns = (str(files.variable(name).dims[0]) for name in (latitude, longitude))
     across = [dim for dim in dims[1:] if dim not in (rows, columns)]
-    depth = _depths(files, across)
     north, east, window, picked = _axes(files, area, (latitude, longitude))
     moments = area.kept(files.moments(u))
     order = [*across, rows, columns]
     parts = [files.series(name, moments, window, order)[..., picked[0], picked[1]] for name in (u, v)]
     velocity = velocities(files, (u, v), (parts[0], parts[1])).reshape(moments.size, -1, north.size * east.size)
-    alone = depth is None or (depth.size == 1 and float(depth[0]) <= SKIN)
-    bottom = np.full(velocity.shape[2], SKIN if alone else np.nan)
-    levels = np.zeros(1) if depth is None else depth
+    at = at_columns(files, moments, window, (rows, columns), picked)
+    levels, bottom = layer_depths(files, across, at, moments.size, velocity.shape[2])
     grid = RegularGrid(north, east, curvature_of_parallel(area.origin.latitude))
     return assembled(files, area.seconds(moments), grid, levels, velocity, bottom)
-
-
-def _depths(files: FieldFiles, across: list[str]) -> Array | None:
-    """Depths of the levels; None where the field has none."""
-    if len(across) > 1:
-        raise files.problem(f"cannot tell which of {', '.join(across)} is the depth")
-    if not across:
-        return None
-    depth = np.abs(files.fixed(files.required("the depth", across[0], *DEPTH)))
-    if depth.ndim != 1 or depth.size == 0 or not np.isfinite(depth).all():
-        raise files.problem("expected one-dimensional time, depth, latitude and longitude")
-    order = np.diff(depth)
-    if not (np.all(order > 0.0) or np.all(order < 0.0)):
-        raise files.problem("its depths neither rise nor fall")
-    return depth
 
 
 def _axes(

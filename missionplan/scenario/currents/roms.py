@@ -9,7 +9,8 @@ from missionplan.arrays import Array
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.fields.grids import CurvedGrid
 from missionplan.scenario.currents.area import Area, window_of
-from missionplan.scenario.currents.building import Layers, gridded
+from missionplan.scenario.currents.attributes import word
+from missionplan.scenario.currents.building import assembled, at_columns, layer_depths
 from missionplan.scenario.currents.files import FieldFiles, Moments, Window, velocities
 
 EAST = ("u_eastward", "water_u", "u_east", "uo", "u", "u_sur", "u_sur_eastward")
@@ -78,10 +79,11 @@ def read_curved(files: FieldFiles, area: Area) -> GriddedCurrent:
     mask = files.named("mask_rho", "mask", "wetdry_mask_rho") if files.named("lat_rho") else None
     if mask is not None:
         velocity[..., files.fixed(mask, part.window) < 0.5] = np.nan
-    layers = Layers(files, moments, across, part.window, part.dims)
     count = part.points.shape[1] * part.points.shape[2]
+    at = at_columns(files, moments, part.window, part.dims)
+    levels, bottom = layer_depths(files, across, at, moments.size, count)
     flat = velocity.reshape(moments.size, -1, count)
-    return gridded(area, layers, CurvedGrid(part.points), flat)
+    return assembled(files, area.seconds(moments), CurvedGrid(part.points), levels, flat, bottom)
 
 
 def _part(files: FieldFiles, area: Area, u: str, *, staggered: bool) -> _Part:
@@ -106,8 +108,12 @@ def _coordinates(files: FieldFiles, u: str, *, staggered: bool) -> tuple[str, st
     if staggered or files.named("lon_rho"):
         where = ("lon_rho", "lat_rho") if files.named("lon_rho") else ("x_rho", "y_rho")
         return files.required("the longitude of its nodes", where[0]), files.required("the latitude", where[1])
-    longitude = files.required("the longitude", "lon", "longitude", "nav_lon", "Longitude", "x")
-    return longitude, files.required("the latitude", "lat", "latitude", "nav_lat", "Latitude", "y")
+    longitude = files.required(
+        "the longitude", "lon", "longitude", "nav_lon", "Longitude", "x", standard=("longitude",)
+    )
+    return longitude, files.required(
+        "the latitude", "lat", "latitude", "nav_lat", "Latitude", "y", standard=("latitude",)
+    )
 
 
 def _interior(part: _Part) -> _Part:
@@ -157,7 +163,7 @@ def _turning(files: FieldFiles, part: _Part, edge: int = 1) -> NDArray[np.comple
     angle = seen
     if name is not None:
         angle = files.fixed(name, part.window)
-        if str(files.variable(name).attrs.get("units", "")).startswith("deg"):
+        if word(files.variable(name), "units").lower().startswith("deg"):
             angle = np.radians(angle)
         off = np.abs((angle - seen + np.pi) % (2.0 * np.pi) - np.pi)
         if not np.nanmedian(off) < _ANGLE_OFF:

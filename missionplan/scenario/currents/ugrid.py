@@ -9,10 +9,10 @@ from missionplan.arrays import Array
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.phases.fields.triangles import Indices
 from missionplan.scenario.currents.area import Area
-from missionplan.scenario.currents.building import BOTTOM, SURFACE, assembled
+from missionplan.scenario.currents.building import assembled, layer_depths
 from missionplan.scenario.currents.files import FieldFiles, Moments, velocities
 from missionplan.scenario.currents.unstructured import Mesh
-from missionplan.scenario.currents.vertical import SKIN, depth_axis, good_down_to
+from missionplan.scenario.currents.vertical import good_down_to
 
 _X = ("horizontalVelX", "u", "mesh2d_ucx", "ucx")
 _Y = ("horizontalVelY", "v", "mesh2d_ucy", "ucy")
@@ -92,22 +92,22 @@ def _levels(
 ) -> tuple[Array, Array]:
     """Depths of the layers, shape (d,) or (t, c, d), and to what depth each column is good, shape (c,) [m]."""
     mesh, columns = part
-    if not along:
-        return np.zeros(1), np.full(columns.size, SKIN)
     heights = files.named(*_HEIGHTS)
-    if heights is not None and at_nodes:
+    if along and heights is not None and at_nodes:
         dims = [str(dim) for dim in files.variable(heights).dims[1:]]
         order = [*(dim for dim in dims if dim not in along), *along]
-        height = files.series(heights, moments, {}, order)[:, columns].astype(float)
+        height = files.series(heights, moments, {}, order)[:, columns].astype(float) * files.height_factor(heights, "m")
         depth = np.nanmax(height, axis=2, keepdims=True, initial=-np.inf) - height
         deepest = np.nanmax(depth, axis=(0, 2), initial=0.0)
         return _gapless(depth), good_down_to(deepest)
-    axis = files.named(along[0], standard=("ocean_sigma_coordinate",))
-    if axis is not None and files.variable(axis).attrs.get("standard_name") == "ocean_sigma_coordinate":
-        bottom, surface = _column_of_water(files, moments, mesh, at_nodes=at_nodes)
-        sigma = files.fixed(axis)
-        return -(bottom + surface)[:, :, None] * sigma, good_down_to(bottom + surface.max(axis=0))
-    return depth_axis(files, along[0]), np.full(columns.size, np.nan)
+
+    def at(name: str) -> Array:
+        dims = [str(dim) for dim in files.variable(name).dims[1:]]
+        moving = files.has_times(name)
+        values = files.series(name, moments, {}, dims).astype(float) if moving else files.fixed(name)
+        return _at_columns(files, name, values, mesh, at_nodes=at_nodes)
+
+    return layer_depths(files, along, at, moments.size, columns.size)
 
 
 def _gapless(depth: Array) -> Array:
@@ -120,19 +120,6 @@ def _gapless(depth: Array) -> Array:
     first = np.minimum.accumulate(steps[:, :, ::-1], axis=2)[:, :, ::-1]
     filled = np.take_along_axis(depth, np.minimum(first, count - 1), axis=2)
     return np.nan_to_num(filled)
-
-
-def _column_of_water(files: FieldFiles, moments: Moments, mesh: Mesh, *, at_nodes: bool) -> tuple[Array, Array]:
-    """Depth of the bottom, shape (c,), and height of the surface, shape (t, c) [m], at nodes or faces."""
-    standards = ("sea_floor_depth_below_geoid", "sea_floor_depth", "sea_floor_depth_below_sea_surface")
-    name = files.required("the depth of the bottom", *BOTTOM, standard=standards)
-    bottom = _at_columns(files, name, files.fixed(name), mesh, at_nodes=at_nodes)
-    height = files.named(*SURFACE, standard=("sea_surface_height_above_geoid", "sea_surface_height"))
-    if height is None:
-        return bottom, np.zeros((moments.size, bottom.size))
-    dims = [str(dim) for dim in files.variable(height).dims[1:]]
-    values = files.series(height, moments, {}, dims).astype(float)
-    return bottom, np.nan_to_num(_at_columns(files, height, values, mesh, at_nodes=at_nodes))
 
 
 def _at_columns(files: FieldFiles, name: str, values: Array, mesh: Mesh, *, at_nodes: bool) -> Array:

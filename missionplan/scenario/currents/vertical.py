@@ -1,88 +1,220 @@
 """Depths of a model's layers below the surface of the moment, and how deep a column of water is good."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.phases.recorded_currents import DEPTH_MARGIN, DEPTH_SHARE
+from missionplan.scenario.currents.attributes import (
+    PARAMETRIC,
+    FieldAttributeError,
+    depths,
+    is_dimensionless,
+    is_vertical,
+    scale,
+    word,
+)
 from missionplan.scenario.currents.files import FieldFiles
 
 SKIN = 1.0
 """Depth down to which a current that is given for the surface alone is good [m]."""
+BOTTOM = ("h", "depth", "bathymetry", "deptho")
+SURFACE = ("zeta", "elev", "elevation", "ssh", "zos")
+SEAFLOOR = ("sea_floor_depth_below_geoid", "sea_floor_depth", "sea_floor_depth_below_sea_surface")
+SEAFLOOR_ALSO = ("sea_floor_depth_below_mean_sea_level", "sea_floor_depth_below_reference_ellipsoid")
+HEIGHT = ("sea_surface_height_above_geoid", "sea_surface_height", "sea_surface_height_above_mean_sea_level")
+At = Callable[[str], Array]
+"""Values of a variable, by its name, at the columns of a field: shape (c,), or (t, c) where it changes in time."""
+_TERMS: Mapping[str, tuple[str, ...]] = {
+    "ocean_sigma_coordinate": ("sigma",),
+    "ocean_s_coordinate": ("s", "a", "b", "depth_c"),
+    "ocean_s_coordinate_g1": ("s", "C", "depth_c"),
+    "ocean_s_coordinate_g2": ("s", "C", "depth_c"),
+}
+"""Terms of each coordinate that no column changes; `depth` and `eta` come to them."""
 
 
-@dataclass(frozen=True)
-class SLevels:
-    """Levels that follow bottom and surface, stretched (ROMS).
+def parametric_depths(kind: str, terms: Mapping[str, Array], bottom: Array, surface: Array) -> Array:
+    """Depths of levels that follow bottom and surface, below the surface of the moment.
 
-    Shchepetkin and McWilliams 2005, Ocean Modelling 9, 347-404, Eqs. 2.1 (`transform` 1) and 2.2 (2), with the notation
-    of the ROMS manual.
+    CF 1.11, appendix D; of the last two kinds Shchepetkin and McWilliams 2005, Ocean Modelling 9, 347-404, Eqs. 2.1 and
+    2.2, with ROMS's ``Vtransform`` 1 and 2.
 
-    Attributes
+    Parameters
     ----------
-    s, stretching : array, shape (d,)
-        s-coordinate and C(s), -1 at the bottom to 0 at the surface.
-    critical_depth : float
-        h_c [m].
-    transform : int
-        ``Vtransform``, 1 or 2.
+    kind : str
+        Of `PARAMETRIC`.
+    terms : mapping
+        Of the formula, by CF's names: `sigma`, `s` and `C` of shape (d,), -1 at the bottom to 0 at the surface, and the
+        numbers `a`, `b` and `depth_c` [m].
+    bottom : array, shape (c,)
+        Depth of the seafloor below the datum [m].
+    surface : array, shape (t, c)
+        Its height above the datum [m].
+
+    Returns
+    -------
+    array, shape (t, c, d)
+        [m]
     """
-
-    s: Array
-    stretching: Array
-    critical_depth: float
-    transform: int
-
-    @classmethod
-    def of(cls, files: FieldFiles, along: str) -> "SLevels":
-        """Read them from a file.
-
-        Parameters
-        ----------
-        files : FieldFiles
-        along : str
-            Dimension of the layers.
-        """
-        s = files.fixed(files.required("the s-coordinate", along, "s_rho", "sc_r"))
-        stretching = files.fixed(files.required("the stretching of the s-coordinate", "Cs_r"))
-        critical = float(files.fixed(files.required("the critical depth", "hc")))
-        name = files.named("Vtransform")
-        transform = 1 if name is None else round(float(files.fixed(name)))
-        if transform not in (1, 2):
-            raise files.problem(f"Vtransform is {transform}; expected 1 or 2")
-        if s.shape != stretching.shape or np.any(np.abs(s) > 1.0) or np.any(np.abs(stretching) > 1.0):
-            raise files.problem("its s-coordinate and the stretching of it do not lie between -1 and 0")
-        return cls(s, stretching, critical, transform)
-
-    def depths(self, bottom: Array, surface: Array) -> Array:
-        """Depths of the levels below the surface.
-
-        Parameters
-        ----------
-        bottom : array, shape (c,)
-            Depth of the seafloor below the datum [m].
-        surface : array, shape (t, c)
-            Its height above the datum [m].
-
-        Returns
-        -------
-        array, shape (t, c, d)
-            [m]
-        """
-        h, zeta = bottom[:, None], surface[:, :, None]
-        if self.transform == 1:
-            unmoved = self.critical_depth * (self.s - self.stretching) + h * self.stretching
-            return np.asarray(zeta - (unmoved + zeta * (1.0 + unmoved / h)))
-        share = (self.critical_depth * self.s + h * self.stretching) / (self.critical_depth + h)
-        return np.asarray(-(zeta + h) * share)
+    h, zeta = bottom[:, None], surface[:, :, None]
+    if kind == "ocean_sigma_coordinate":
+        return np.asarray(-terms["sigma"] * (h + zeta))
+    s, critical = terms["s"], terms["depth_c"]
+    if kind == "ocean_s_coordinate":
+        a, b = terms["a"], terms["b"]
+        stretching = (1.0 - b) * np.sinh(a * s) / np.sinh(a) + b * (
+            np.tanh(a * (s + 0.5)) / (2.0 * np.tanh(0.5 * a)) - 0.5
+        )
+        return np.asarray(-(zeta * s + critical * s + (h - critical) * stretching))
+    stretching = terms["C"]
+    if kind == "ocean_s_coordinate_g1":
+        unmoved = critical * (s - stretching) + h * stretching
+        return np.asarray(-(unmoved + zeta * unmoved / h))
+    return np.asarray(-(zeta + h) * (critical * s + h * stretching) / (critical + h))
 
 
-def depth_axis(files: FieldFiles, along: str, names: Sequence[str] = ("depth", "Depth", "lev", "z")) -> Array:
-    """Depths of fixed levels [m]; heights count as depths."""
-    name = files.required("the depth", along, *names)
-    return np.abs(files.fixed(name))
+def level_depths(files: FieldFiles, along: str, at: At, times: int) -> tuple[Array, Array | None]:
+    """Depths of the levels along a dimension, by the attributes of its vertical axis.
+
+    Parameters
+    ----------
+    files : FieldFiles
+    along : str
+    at : callable
+        Values at the field's columns.
+    times : int
+        Of the field.
+
+    Returns
+    -------
+    levels, bottom : array, array or None
+        Of shape (d,), or (t, c, d) with to what depth each column is good, shape (c,) [m].
+
+    Raises
+    ------
+    InputError, FieldAttributeError
+        When nothing says where they are, or what is said cannot be used.
+    """
+    name = _axis(files, along)
+    roms = files.named("Cs_r") and (along in ("s_rho", "sc_r") or files.named("s_rho"))
+    if name is not None and is_dimensionless(files.variable(name)) and not (roms and _lacks(files, name)):
+        kind, terms, names = _by_formula(files, name)
+        otherwise = ""
+    elif roms:
+        kind, terms, names, otherwise = *_by_roms(files, along), "m"
+    elif name is None:
+        raise files.problem(f"nothing says at what depths the levels along {along} are")
+    else:
+        return _fixed_levels(files, name, along), None
+    bottom = depths(files.variable(names[0]), at(names[0]), otherwise)
+    bottom = np.where(np.isfinite(bottom), bottom, SKIN)  # of land, where no level has a value
+    if bottom.ndim > 1:
+        bottom = bottom[0]
+    surface = np.zeros((times, bottom.size))
+    if names[1]:
+        surface = surface + np.nan_to_num(at(names[1]).astype(float)) * files.height_factor(names[1], otherwise)
+    return parametric_depths(kind, terms, bottom, surface), good_down_to(bottom + surface.max(axis=0))
+
+
+def _axis(files: FieldFiles, along: str) -> str | None:
+    """Name of the vertical axis of a dimension: the coordinate itself if its attributes say so, else one that does."""
+    found = [
+        str(name)
+        for dataset in files.datasets
+        for name in (along, *dataset.variables)
+        if name in dataset.variables and dataset[name].dims == (along,) and is_vertical(dataset[name])
+    ]
+    if found:
+        return found[0]
+    return along if files.named(along) else files.named("depth", "Depth", "lev", "z")
+
+
+def _fixed_levels(files: FieldFiles, name: str, along: str) -> Array:
+    depth = files.depths(name)
+    if depth.ndim != 1 or depth.size == 0 or not np.isfinite(depth).all():
+        raise files.problem("expected one-dimensional time, depth, latitude and longitude")
+    if depth.size != files.variable(along).size:
+        raise files.problem(f"the depths along {along} are not one a layer")
+    if depth.min() < 0.0:
+        hint = "does its attribute `positive` say the right way?"
+        raise files.problem(f"{name} lies {-float(depth.min()):.4g} m above the surface", hint)
+    order = np.diff(depth)
+    if not (np.all(order > 0.0) or np.all(order < 0.0)):
+        raise files.problem("its depths neither rise nor fall")
+    return depth
+
+
+def _written_terms(files: FieldFiles, name: str) -> dict[str, str]:
+    return dict(re.findall(r"(\w+)\s*:\s*([^\s:]+)(?!\S*:)", word(files.variable(name), "formula_terms")))
+
+
+def _lacks(files: FieldFiles, name: str) -> bool:
+    """Whether terms of a formula are not in the file, as in those that were cut from ROMS's."""
+    written = _written_terms(files, name)
+    return not written or any(files.named(each) is None for each in written.values())
+
+
+def _by_formula(files: FieldFiles, name: str) -> tuple[str, dict[str, Array], tuple[str, str | None]]:
+    """Kind and terms of a coordinate, and the names of the depth of the bottom and of the surface's height."""
+    kind, written = word(files.variable(name), "standard_name").lower(), _written_terms(files, name)
+    if kind not in PARAMETRIC:
+        raise FieldAttributeError(
+            f"{name} is a {kind or 'coordinate of no standard_name'}; expected {', '.join(PARAMETRIC)}"
+        )
+    absent = [each for each in written.values() if files.named(each) is None]
+    if absent:
+        raise FieldAttributeError(f"the formula_terms of {name} name {absent[0]}, which the file lacks")
+    if not written:  # the axis itself is the first term, and standard names tell the other two
+        first = {_TERMS[kind][0]: name}
+        bottom = files.named(standard=(*SEAFLOOR, *SEAFLOOR_ALSO))
+        surface = files.named(standard=HEIGHT)
+        written = first | ({"depth": bottom} if bottom else {}) | ({"eta": surface} if surface else {})
+    missing = [term for term in (*_TERMS[kind], "depth") if term not in written]
+    if missing:
+        raise FieldAttributeError(f"{name} is an {kind} whose formula_terms lack {', '.join(missing)}")
+    terms = {term: files.fixed(written[term]) for term in _TERMS[kind]}
+    if "depth_c" in terms:
+        terms["depth_c"] = terms["depth_c"] * scale(files.variable(written["depth_c"]), "m", "a length such as m")
+    return kind, _checked(files, terms), (written["depth"], written.get("eta"))
+
+
+def _by_roms(files: FieldFiles, along: str) -> tuple[str, dict[str, Array], tuple[str, str | None]]:
+    """Return the same by the names that ROMS gives."""
+    s = files.required("the s-coordinate", along, "s_rho", "sc_r")
+    critical = files.required("the critical depth", "hc")
+    name = files.named("Vtransform")
+    standard = word(files.variable(s), "standard_name").lower()
+    transform = (2 if standard == PARAMETRIC[3] else 1) if name is None else round(float(files.fixed(name)))
+    if transform not in (1, 2):
+        raise files.problem(f"Vtransform is {transform}; expected 1 or 2")
+    terms = {
+        "s": files.fixed(s),
+        "C": files.fixed(files.required("the stretching of the s-coordinate", "Cs_r")),
+        "depth_c": files.fixed(critical) * files.height_factor(critical, "m"),
+    }
+    bottom = files.required("the depth of the bottom", *BOTTOM)
+    return f"ocean_s_coordinate_g{transform}", _checked(files, terms), (bottom, files.named(*SURFACE))
+
+
+def _checked(files: FieldFiles, terms: dict[str, Array]) -> dict[str, Array]:
+    """Refuse levels that no column of water has.
+
+    Raises
+    ------
+    InputError
+        When they do not lie between the bottom and the surface, or neither rise nor fall.
+    """
+    levels = [terms[name] for name in ("sigma", "s", "C") if name in terms]
+    if any(each.ndim != 1 or each.size != levels[0].size for each in levels):
+        raise files.problem("its s-coordinate and the stretching of it are not one number a layer")
+    if any(not np.all((each >= -1.0) & (each <= 0.0)) for each in levels):
+        raise files.problem("its s-coordinate and the stretching of it do not lie between -1 and 0")
+    if any(not (np.all(np.diff(each) > 0.0) or np.all(np.diff(each) < 0.0)) for each in levels):
+        raise files.problem("its s-coordinate neither rises nor falls")
+    return terms
 
 
 def good_down_to(depth: Array | float) -> Array:

@@ -14,7 +14,8 @@ from missionplan.arrays import Array
 from missionplan.datasets.csv_cells import check_file, read_cells, read_header
 from missionplan.datasets.times import epoch_of
 from missionplan.errors import InputError, Problem, did_you_mean
-from missionplan.moments import utc
+from missionplan.moments import is_since, utc
+from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, speed_factor, tidied
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
@@ -157,10 +158,12 @@ def _read_netcdf(path: Path) -> CurrentRecord:
         hint = "pip install 'missionplan[netcdf]'"
         raise InputError([Problem("reading NetCDF needs xarray and netCDF4", str(path), hint=hint)]) from None
     try:
-        with xarray.open_dataset(path) as dataset:
-            return _of_dataset(dataset, str(path))
+        with xarray.open_dataset(path, decode_times=False) as dataset:
+            return _of_dataset(tidied(dataset), str(path))
     except InputError:
         raise
+    except FieldAttributeError as error:
+        raise InputError([Problem(str(error), str(path))]) from None
     except Exception as error:  # the libraries below raise many kinds for what is damaged
         words = str(error).partition("\n")[0]
         raise InputError([Problem(f"cannot be read as NetCDF: {words}", str(path))]) from None
@@ -169,17 +172,21 @@ def _read_netcdf(path: Path) -> CurrentRecord:
 def _of_dataset(dataset: "Dataset", shown: str) -> CurrentRecord:
     east, north = (_variable(dataset, key, shown).squeeze(drop=True) for key in ("east", "north"))
     time = _variable(dataset, "time", shown)
-    if not np.issubdtype(time.dtype, np.datetime64) or time.ndim != 1:
+    if not is_since(time.attrs.get("units")) or time.ndim != 1:
         raise InputError([Problem("its times are no dates along one dimension", shown)])
     others = [name for name in east.dims if name != time.dims[0]]
     if time.dims[0] not in east.dims or len(others) > 1 or set(east.dims) != set(north.dims):
         message = f"expected currents against time and depth, they have {', '.join(map(str, east.dims))}"
         raise InputError([Problem(message, shown)])
-    depth = np.atleast_1d(np.abs(_variable(dataset, "depth", shown).squeeze().to_numpy().astype(float)))
-    seconds = (time.to_numpy() - np.datetime64(0, "s")) / np.timedelta64(1, "s")
+    axis = _variable(dataset, "depth", shown)
+    depth = np.atleast_1d(depths(axis, axis.squeeze().to_numpy().astype(float)))
+    seconds = (moments(time) - np.datetime64(0, "s")) / np.timedelta64(1, "s")
     order, down = np.argsort(seconds), np.argsort(depth)
     dims = (time.dims[0], *others)
-    values = [each.transpose(*dims).to_numpy().astype(float).reshape(len(seconds), -1) for each in (east, north)]
+    values = [
+        speed_factor(each) * each.transpose(*dims).to_numpy().astype(float).reshape(len(seconds), -1)
+        for each in (east, north)
+    ]
     if values[0].shape[1] != depth.size:
         raise InputError([Problem(f"has {values[0].shape[1]} bins and {depth.size} depths", shown)])
     u, v = (np.where(np.abs(each) <= FASTEST, each, math.nan)[order][:, down] for each in values)

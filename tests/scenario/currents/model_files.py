@@ -110,10 +110,14 @@ def ugrid(path, at, layers=None):
         variable(file, "node_x", ("node",), x, units="m")
         variable(file, "node_y", ("node",), y, units="m")
         variable(file, "faces", ("face", "corner"), faces, start_index=1)
-        variable(file, "depth", ("node",), made["bottom"], standard_name="sea_floor_depth_below_geoid")
+        variable(file, "depth", ("node",), made["bottom"], standard_name="sea_floor_depth_below_geoid", units="m")
         shape, dims = [HOURS.size, columns], ["time", at]
         if layers is not None:
-            sigma = {"standard_name": "ocean_sigma_coordinate"} if layers.max() <= 0.0 else {"positive": "down"}
+            sigma = (
+                {"standard_name": "ocean_sigma_coordinate"}
+                if layers.max() <= 0.0
+                else {"positive": "down", "units": "m"}
+            )
             variable(file, "layer", ("layer",), layers, **sigma)
             shape, dims = [HOURS.size, layers.size, columns], ["time", "layer", at]
         for name, way in (("ucx", "eastward"), ("ucy", "northward")):

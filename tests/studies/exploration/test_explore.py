@@ -26,20 +26,20 @@ def tidal_mission(folder, *, peak, period=12.42 * 3600.0, distance=6000.0):
     tide = peak * np.cos(2.0 * np.pi * (time - 6.0 * 3600.0) / period)
     shape = (time.size, 1, 2, 2)
     field = {
-        "u": (("time", "depth", "lat", "lon"), np.broadcast_to(tide[:, None, None, None], shape)),
-        "v": (("time", "depth", "lat", "lon"), np.zeros(shape)),
+        "u": (("time", "depth", "lat", "lon"), np.broadcast_to(tide[:, None, None, None], shape), {"units": "m s-1"}),
+        "v": (("time", "depth", "lat", "lon"), np.zeros(shape), {"units": "m s-1"}),
     }
     start = np.datetime64("2026-06-01", "ns")
     axes = {
         "time": start + (time * 1e9).astype("timedelta64[ns]"),
-        "depth": [0.0],
+        "depth": ("depth", [0.0], {"units": "m", "positive": "down"}),
         "lat": [49.8, 50.2],
         "lon": [-5.2, -4.8],
     }
     xarray.Dataset(field, axes).to_netcdf(folder / "tide.nc")
     return Mission.from_data(
         {
-            "start": start.isoformat(),
+            "start": "2026-06-01",
             "site": {
                 "origin": {"latitude": "50 deg", "longitude": "-5 deg"},
                 "current": {"file": str(folder / "tide.nc"), "outside": "hold"},

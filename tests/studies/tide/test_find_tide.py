@@ -266,10 +266,11 @@ def test_a_profiler_in_netcdf_brings_its_latitude(tmp_path):
             "u": (
                 ("time", "depth"),
                 np.stack((wave, np.where(np.arange(len(wave)) % 7, 0.8 * wave, math.nan)), axis=1),
+                {"units": "m s-1"},
             ),
-            "v": (("time", "depth"), np.stack((0.5 * wave, 0.4 * wave), axis=1)),
+            "v": (("time", "depth"), np.stack((0.5 * wave, 0.4 * wave), axis=1), {"units": "m s-1"}),
         },
-        coords={"time": moments, "depth": [8.0, 12.0], "latitude": 37.2},
+        coords={"time": moments, "depth": ("depth", [8.0, 12.0], {"units": "m"}), "latitude": 37.2},
     ).to_netcdf(tmp_path / "adcp.nc")
     result = missionplan.tide(tmp_path / "adcp.nc")
     assert [each.depth for each in result.depths] == [8.0, 12.0]

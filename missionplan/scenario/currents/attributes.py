@@ -1,0 +1,210 @@
+"""What the attributes of a NetCDF variable say, by CF: unit, direction, kind of axis, times. Converted, or refused."""
+
+import re
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.arrays import Array
+from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.moments import is_since, since, zone_of
+
+if TYPE_CHECKING:
+    from xarray import DataArray, Dataset
+
+PARAMETRIC = ("ocean_sigma_coordinate", "ocean_s_coordinate", "ocean_s_coordinate_g1", "ocean_s_coordinate_g2")
+"""Vertical coordinates without dimension that are computed (CF 1.11, appendix D)."""
+_DIMENSIONLESS = (*PARAMETRIC, "ocean_sigma_z_coordinate", "ocean_double_sigma_coordinate")
+_KNOWN = ("units", "standard_name", "positive", "formula_terms", "axis", "calendar", "time_zone")
+_ZONE = ("", "none")
+_LONGEST = 9.2e9
+"""Times farther from 1970 than this do not fit into 64 bits of nanoseconds [s]."""
+
+
+class FieldAttributeError(ValueError):
+    """Attributes that say nothing that can be used, or what cannot be."""
+
+
+def tidied(dataset: "Dataset") -> "Dataset":
+    """Write the names of CF's attributes in lower case: files have `Units` and `UNITS` too."""
+    for variable in dataset.variables.values():
+        variable.attrs = {_tidy_name(key): value for key, value in variable.attrs.items()}
+    return dataset
+
+
+def _tidy_name(key: object) -> str:
+    return str(key).lower() if str(key).lower() in _KNOWN else str(key)
+
+
+def word(variable: "DataArray", key: str) -> str:
+    """Return the text of an attribute; empty where there is none."""
+    return str(variable.attrs.get(key, "")).strip()
+
+
+@lru_cache(maxsize=64)
+def factor(units: str, si: str) -> float | None:
+    """Return what turns a unit, written as UDUNITS and models do, into an SI unit; None where it is of another kind.
+
+    Examples
+    --------
+    >>> factor("cm s-1", "m/s"), factor("Meters", "m"), factor("dbar", "m")
+    (0.01, 1.0, None)
+    """
+    plain = re.sub(r"(?<=[A-Za-z])\s*\^?(\*\*)?\s*\(?([+-]?\d+)\)?", r"**\2", units.strip())
+    plain = re.sub(r"(?<=[A-Za-z\d])\s*[.·]\s*(?=[A-Za-z])", "*", plain)
+    plain = re.sub(r"[\s*]+(s|sec|seconds?|h|hr|hours?)\*\*-1$", r"/\1", plain, flags=re.IGNORECASE)
+    for written in dict.fromkeys((plain, plain.lower())):
+        try:
+            return parse_number_with_unit(f"1 {written}", si)
+        except QuantityError:
+            continue
+    return None
+
+
+def scale(variable: "DataArray", si: str, expected: str, otherwise: str = "") -> float:
+    """Return what turns a variable's values into SI.
+
+    Parameters
+    ----------
+    variable : DataArray
+    si : str
+    expected : str
+        What a message says was expected.
+    otherwise : str
+        Unit where the variable has none: a model's, whose format fixes it.
+
+    Raises
+    ------
+    FieldAttributeError
+        When it has no `units`, or those of something else.
+    """
+    units = word(variable, "units") or otherwise
+    if not units:
+        raise FieldAttributeError(f"{variable.name} has no attribute `units`; expected {expected}")
+    found = factor(units, si)
+    if found is None:
+        raise FieldAttributeError(f"{variable.name} is in {units!r}; expected {expected}")
+    return found
+
+
+def speed_factor(variable: "DataArray", otherwise: str = "") -> float:
+    """Return what turns a velocity into m/s; see `scale`."""
+    return scale(variable, "m/s", "a speed such as m s-1, cm s-1 or knots", otherwise)
+
+
+def is_vertical(variable: "DataArray") -> bool:
+    """Whether a variable's attributes say that it is a vertical axis."""
+    standard, units = word(variable, "standard_name").lower(), word(variable, "units")
+    return (
+        word(variable, "axis").upper() == "Z"
+        or any(key in variable.attrs for key in ("positive", "formula_terms"))
+        or standard in _DIMENSIONLESS
+        or standard.startswith(("depth", "height", "altitude"))
+        or bool(units and (factor(units, "m") or factor(units, "Pa")))
+    )
+
+
+def is_dimensionless(variable: "DataArray") -> bool:
+    """Whether a vertical axis has no depths but what a formula turns into depths."""
+    return "formula_terms" in variable.attrs or word(variable, "standard_name").lower() in _DIMENSIONLESS
+
+
+def depths(variable: "DataArray", values: Array, otherwise: str = "") -> Array:
+    """Turn the values of a vertical axis, or of the seafloor, into depths, positive down [m].
+
+    `positive` says which way they count, else `standard_name`, else their sign.
+
+    Raises
+    ------
+    FieldAttributeError
+        When they are no lengths, count from elsewhere than the surface, or nothing says which way.
+    """
+    standard, name = word(variable, "standard_name").lower(), variable.name
+    if "sea_floor" in standard and not standard.startswith("sea_floor_depth"):
+        raise FieldAttributeError(f"{name} is a {standard}; expected depths below the surface")
+    if is_dimensionless(variable):
+        raise FieldAttributeError(f"{name} is a {standard or 'coordinate with formula_terms'}; expected depths")
+    expected = "depths in units such as m; of pressures give the depths"
+    size = scale(variable, "m", expected, otherwise) * np.asarray(values, dtype=float)
+    return -size if _counts_up(variable, size) else size
+
+
+def _counts_up(variable: "DataArray", values: Array) -> bool:
+    positive, standard = word(variable, "positive").lower(), word(variable, "standard_name").lower()
+    if positive:
+        if positive not in ("up", "down"):
+            raise FieldAttributeError(f"{variable.name} has positive = {positive!r}; expected up or down")
+        return positive == "up"
+    if standard.startswith(("depth", "sea_floor_depth")):
+        return False
+    if standard.startswith(("height", "altitude")):
+        return True
+    known = values[np.isfinite(values)]
+    if known.size and known.min() < 0.0 < known.max():
+        message = f"{variable.name} has values of both signs; expected an attribute `positive`, up or down"
+        raise FieldAttributeError(message)
+    return bool(known.size and known.min() < 0.0)
+
+
+def is_degrees(variable: "DataArray", east: bool) -> bool | None:
+    """Whether a horizontal coordinate is in degrees, or in a length; None where nothing says it.
+
+    Raises
+    ------
+    FieldAttributeError
+        When it is in something else, such as radians, or degrees of another direction or of another pole.
+    """
+    units, standard = word(variable, "units").lower(), word(variable, "standard_name").lower()
+    if standard in ("grid_longitude", "grid_latitude"):
+        raise FieldAttributeError(
+            f"{variable.name} is a {standard}, about another pole; expected longitudes and latitudes"
+        )
+    if not units:
+        return None
+    if units.startswith("deg"):
+        ending = units.removeprefix("degrees").removeprefix("degree").removeprefix("deg").strip("_ ")
+        if ending[:1] == ("n" if east else "e"):
+            raise FieldAttributeError(
+                f"{variable.name} is in {units!r}; expected degrees {'east' if east else 'north'}"
+            )
+        return True
+    scale(variable, "m", "degrees_east and degrees_north, or lengths of a projection")
+    return False
+
+
+def time_along(dataset: "Dataset", dim: str) -> str | None:
+    """Return the variable that holds the times along a dimension: units since a moment, the axis itself first."""
+    found = [
+        str(name)
+        for name, variable in dataset.variables.items()
+        if variable.dims == (dim,)
+        and is_since(variable.attrs.get("units"))
+        and variable.attrs.get("standard_name", "time") == "time"
+    ]
+    return dim if dim in found else next(iter(found), None)
+
+
+def moments(variable: "DataArray") -> NDArray[np.datetime64]:
+    """Return times in UTC, to the millisecond, shape (t,).
+
+    Raises
+    ------
+    FieldAttributeError
+        When their units, calendar or zone cannot be read, or they are beyond the years 1678 to 2262.
+    """
+    try:
+        zero, length = since(word(variable, "units"), word(variable, "calendar"))
+        zone = word(variable, "time_zone")
+        away = 0.0 if zone.lower() in _ZONE else zone_of(zone).utcoffset(None).total_seconds()
+    except (ValueError, OverflowError) as error:
+        raise FieldAttributeError(f"{variable.name}: {error}") from None
+    seconds = np.asarray(variable.to_numpy(), dtype=float) * length
+    if np.any(np.abs(seconds + zero) > _LONGEST):
+        raise FieldAttributeError(f"{variable.name} reaches beyond the years 1678 to 2262")
+    known = np.isfinite(seconds)
+    whole = np.rint(1e3 * np.where(known, seconds, 0.0)) + np.rint(1e3 * (zero - away))
+    found = whole.astype(np.int64).astype("datetime64[ms]").astype("datetime64[ns]")
+    found[~known] = np.datetime64("NaT")
+    return np.asarray(found)
