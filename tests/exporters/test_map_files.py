@@ -2,7 +2,9 @@
 
 import io
 import json
+import math
 
+import numpy as np
 import pandas as pd
 import pytest
 from planned_missions import all_plans, metres_apart
@@ -66,7 +68,8 @@ def test_geojson(plan):
     text = content(plan, "geojson")
     assert json.loads(text)["mission_sha256"] == plan.digest
     frame = geopandas.read_file(io.StringIO(text))
-    assert set(frame.geom_type) == {"Point", "LineString", "Polygon"}
+    assert {kind.removeprefix("Multi") for kind in frame.geom_type} == {"Point", "LineString", "Polygon"}
+    assert frame.total_bounds[[0, 2]] == pytest.approx(np.clip(frame.total_bounds[[0, 2]], -180.0, 180.0), abs=0.0)
     assert frame.geometry.is_valid.all()
     for transit in plan.transits:
         own = frame[frame["phase"] == transit.name]
@@ -76,8 +79,19 @@ def test_geojson(plan):
         (track,) = own[own["kind"] == "planned track"].itertuples()
         assert track.surfacing_interval_m == pytest.approx(transit.surfacing.interval)
         assert (track.depth_m, track.speed_m_s) == (transit.depth, transit.speed)
-        assert len(track.geometry.coords) == len(transit.waypoints)
+        assert len(getattr(track.geometry, "geoms", [track.geometry])) == 1 + _crosses(transit)
+        whole = [place for part in getattr(track.geometry, "geoms", [track.geometry]) for place in part.coords]
+        assert len(whole) == len(transit.waypoints) + 2 * _crosses(transit)
     assert frame[frame.geom_type == "LineString"]["stroke"].str.fullmatch("#[0-9a-f]{6}").all()
+
+
+def _crosses(transit):
+    """How often a transit goes from one side of the antimeridian to the other."""
+    east = [waypoint.longitude > 0.0 for waypoint in transit.waypoints]
+    return sum(
+        first is not second and abs(a.longitude - b.longitude) > math.pi
+        for first, second, a, b in zip(east, east[1:], transit.waypoints, transit.waypoints[1:], strict=False)
+    )
 
 
 def test_kml(plan):

@@ -14,6 +14,23 @@ ROOT = Path(__file__).parents[2]
 MISSIONS = ("chesapeake", "fig8", "anchor-design", "autosub-transition", "starter", "rich")
 
 
+def write_field(path: Path, attributes: dict[str, dict[str, str]], scales: dict[str, float]) -> None:
+    """Write a field, the same at any attributes whose units are these scales [SI]: 0.5 and 0.1 m/s at 5 to 20 m, slower below."""
+    import netCDF4
+
+    axes = {"time": 3600.0 * np.arange(4.0), "lev": np.array([5.0, 20.0, 60.0]), "lat": 45.0 + np.linspace(-0.1, 0.1, 3),
+            "lon": -124.0 + np.linspace(-0.1, 0.1, 3)}  # fmt: skip
+    with netCDF4.Dataset(path, "w") as file:
+        for name, values in axes.items():
+            file.createDimension(name, len(values))
+            file.createVariable(name, "f8", (name,))[:] = values / scales.get(name, 1.0)
+        for name, speed in (("u", 0.5), ("v", 0.1)):
+            profile = speed * np.array([1.0, 0.7, 0.2])[None, :, None, None] / scales.get(name, 1.0)
+            file.createVariable(name, "f8", tuple(axes))[:] = np.broadcast_to(profile, (4, 3, 3, 3))
+        for name, own in attributes.items():
+            file[name].setncatts(own)
+
+
 @cache
 def _trees() -> dict[str, dict]:
     found = {}

@@ -12,11 +12,15 @@ from pathlib import Path
 from random import Random
 from tempfile import mkdtemp
 
+import numpy as np
 import yaml
 
 import missionplan
 from missionplan.cli import main
 from missionplan.errors import InputError
+from missionplan.mission.schema.site import Geographic
+from missionplan.scenario.currents.area import Area
+from missionplan.scenario.currents.field import read_field
 from missionplan.studies.validation.validate import validate
 
 from . import examples, mutations
@@ -84,6 +88,71 @@ def _checked(path: Path) -> None:
     (found,) = validate([path])
     if found.problems:
         raise InputError(found.problems)
+
+
+_DEPTHS = {"m": 1.0, "metres": 1.0, "cm": 0.01, "centimeters": 0.01, "km": 1e3, "ft": 0.3048, "fathoms": 1.8288, "": 0.0, "dbar": 0.0,
+           "furlong s": 0.0, "1": 0.0, "é" * 50: 0.0}  # fmt: skip
+_SPEEDS = {
+    "m s-1": 1.0,
+    "m/s": 1.0,
+    "cm s**-1": 0.01,
+    "knots": 1852 / 3600,
+    "mm.s-1": 1e-3,
+    "km/h": 1 / 3.6,
+    "": 0.0,
+    "m": 0.0,
+    "s m-1": 0.0,
+    "((": 0.0,
+}
+_TIMES = ("seconds since 2026-06-01", "s since 2026-06-01T02:00+02:00", "sec since 2026-5-31 19:0:0 -5", "second since 2026-06-01 UTC",
+          "seconds since 2026-06-01 EST", "seconds since 2026-13-01", "seconds", "years since 2026-06-01", "")  # fmt: skip
+_WRONG = (
+    "",
+    "up",
+    "sideways",
+    "height_above_sea_floor",
+    "ocean_sigma_coordinate",
+    "sigma: lev",
+    "sigma: lev depth: u eta: v",
+    "noleap",
+    "é",
+    "radian",
+)
+
+
+def _draw_field(folder: Path, random: Random) -> None:
+    """Write a field in units at random: the same one, what has to be refused, or with attributes that are damaged besides."""
+    depth, u, v = random.choice(list(_DEPTHS)), random.choice(list(_SPEEDS)), random.choice(list(_SPEEDS))
+    sign = random.choice((1.0, 1.0, -1.0))
+    attributes = {"time": {"units": random.choice(_TIMES)}, "u": {"units": u}, "v": {"units": v}, "lat": {"units": "degrees_north"},
+                  "lon": {"units": "degrees_east"}, "lev": {"units": depth, "positive": "up" if sign < 0.0 else "down"}}  # fmt: skip
+    for own in attributes.values():
+        if random.random() < 0.1:
+            key = next(iter(own))
+            own[key.upper()] = own.pop(key)
+    told = random.random() < 0.7
+    if not told:
+        own = attributes[random.choice(list(attributes))]
+        own[random.choice(("units", "positive", "standard_name", "formula_terms", "calendar", "axis"))] = random.choice(
+            _WRONG
+        )
+    scales = {"lev": sign * (_DEPTHS[depth] or 1.0), "u": _SPEEDS[u] or 1.0, "v": _SPEEDS[v] or 1.0}
+    examples.write_field(folder / "field.nc", attributes, scales)
+    content = (folder / "field.nc").read_bytes()
+    if not told and random.random() < 0.3:
+        (folder / "field.nc").write_bytes(mutations.changed_bytes(content, random))
+    (folder / "told.json").write_text(json.dumps(told))
+
+
+def _read_field(folder: Path) -> object:
+    """Read it; what its attributes tell is the field that was written."""
+    area = Area(Geographic.model_construct(latitude=np.radians(45.0), longitude=np.radians(-124.0)),
+                np.datetime64("2026-06-01T00:30", "ns"), np.zeros((2, 1)))  # fmt: skip
+    current = read_field([str(folder / "field.nc")], area, "field.nc")
+    found = current.velocity(600.0, 10.0, np.zeros((2, 1)))[:, 0]
+    if json.loads((folder / "told.json").read_text()) and not np.allclose(found, [0.45, 0.09], rtol=1e-5):
+        raise AssertionError(f"another current: {found}")
+    return {"east": float(found[0]), "north": float(found[1])}
 
 
 def _validate(folder: Path) -> None:
@@ -188,6 +257,7 @@ TARGETS = {
     "validate": Target(_draw_mission, _validate, 10.0),
     "simulate": Target(_draw_mission, _simulate, 20.0),
     "current": Target(_draw_current, _simulate, 20.0),
+    "field": Target(_draw_field, _read_field, 5.0),
     "read": Target(_draw_dataset, _read, 5.0),
     "diagnose": Target(_draw_dataset, _diagnose, 120.0),
     "identify": Target(_draw_tank, _identify, 10.0),

@@ -13,6 +13,7 @@ COUNTS = {
     "simulate": 20,
     "read": 80,
     "current": 8,
+    "field": 100,
     "identify": 40,
     "diagnose": 3,
     "resume": 3,

@@ -54,7 +54,7 @@ def _axes(
 ) -> tuple[Array, Array, dict[str, slice], tuple[Array, Array]]:
     """North and east coordinates of rows and columns near the mission, where they are, and in which order."""
     latitude, longitude = (files.fixed(name) for name in names)
-    if latitude.size and longitude.size and not in_degrees(files, names, longitude, latitude):
+    if latitude.size and longitude.size and not in_degrees(files, names[::-1], longitude, latitude):
         raise files.problem(f"{names[0]} and {names[1]} are in metres; expected rows and columns in degrees")
     latitude, longitude = np.radians(latitude), np.radians(longitude)
     if latitude.ndim != 1 or longitude.ndim != 1:

@@ -161,9 +161,8 @@ def _by_formula(files: FieldFiles, name: str) -> tuple[str, dict[str, Array], tu
     """Kind and terms of a coordinate, and the names of the depth of the bottom and of the surface's height."""
     kind, written = word(files.variable(name), "standard_name").lower(), _written_terms(files, name)
     if kind not in PARAMETRIC:
-        raise FieldAttributeError(
-            f"{name} is a {kind or 'coordinate of no standard_name'}; expected {', '.join(PARAMETRIC)}"
-        )
+        found = kind or "coordinate without standard_name"
+        raise FieldAttributeError(f"{name} is a {found}, which cannot be computed; expected {', '.join(PARAMETRIC)}")
     absent = [each for each in written.values() if files.named(each) is None]
     if absent:
         raise FieldAttributeError(f"the formula_terms of {name} name {absent[0]}, which the file lacks")

@@ -1,0 +1,221 @@
+"""One field written in the ways that CF allows, and in ways that it does not: the same current, or a refusal."""
+
+from datetime import datetime, timedelta
+
+import numpy as np
+import pytest
+
+from missionplan.errors import InputError
+from missionplan.mission.schema.site import Geographic
+from missionplan.scenario.currents.area import Area
+from missionplan.scenario.currents.field import read_field
+
+netcdf = pytest.importorskip("netCDF4")
+pytest.importorskip("xarray")
+ORIGIN = Geographic.model_construct(latitude=np.radians(45.0), longitude=np.radians(-124.0))
+DEPTHS = np.array([1.0, 5.0, 12.0, 20.0, 40.0])
+"""Of the levels [m], where the seafloor is 50 m deep."""
+FLOOR = 50.0
+HOURS = np.arange(-2.0, 9.0)
+LATITUDE, LONGITUDE = 45.0 + np.linspace(-0.2, 0.2, 5), -124.0 + np.linspace(-0.2, 0.2, 6)
+MIDNIGHT = datetime.fromisoformat("2026-06-01T00:00+00:00")
+DOWN = {"units": "m", "positive": "down", "standard_name": "depth"}
+SIGMA = {
+    "standard_name": "ocean_sigma_coordinate",
+    "formula_terms": "sigma: lev eta: zeta depth: deep",
+    "positive": "up",
+}
+
+
+def speeds():
+    """Toward east and north, shape (t, d, y, x) [m/s]: another one at each depth and hour."""
+    t, z = HOURS[:, None], DEPTHS[None, :]
+    east, north = 0.5 - 0.3 * z / FLOOR + 0.02 * t, 0.1 + 0.004 * z - 0.01 * t
+    return tuple(
+        np.broadcast_to(each[:, :, None, None], (*each.shape, LATITUDE.size, LONGITUDE.size)) for each in (east, north)
+    )
+
+
+def write(path, *, time=(HOURS, {"units": "hours since 2026-06-01 00:00:00"}), lev=(DEPTHS, DOWN), speed=(1.0, {"units": "m s-1"}),
+          lat=(LATITUDE, {"units": "degrees_north"}), lon=(LONGITUDE, {"units": "degrees_east"}), deep=None, zeta=None,
+          flip=(), names=("lev", "lat", "lon", "u", "v"), more=None):  # fmt: skip
+    """Write the field; what is not told is as in the plain file."""
+    level, north, east, *components = names
+    axes = {"time": time, level: lev, north: lat, east: lon}
+    with netcdf.Dataset(path, "w") as file:
+        for name, (values, attributes) in axes.items():
+            file.createDimension(name, len(values))
+            variable = file.createVariable(name, "f8", (name,))
+            variable.setncatts(attributes)
+            variable[:] = values[::-1] if name in flip else values
+        step = tuple(slice(None, None, -1 if name in flip else 1) for name in axes)
+        for name, values in zip(components, speeds(), strict=True):
+            variable = file.createVariable(name, "f8", tuple(axes))
+            variable.setncatts(speed[1].get(name, speed[1]))
+            variable[:] = (values / speed[0])[step]
+        for name, (values, attributes, dims) in (
+            ((more or {}) | {"deep": deep, "zeta": zeta}).items() if deep or more else ()
+        ):
+            variable = file.createVariable(name, "f8", dims)
+            variable.setncatts(attributes)
+            variable[...] = values
+
+
+def drift(path):
+    """Displacement over five hours at 8 m and at 16 m, and between levels in a place that is no node [m]."""
+    area = Area(ORIGIN, np.datetime64("2026-06-01T00:30", "ns"), np.zeros((2, 1)))
+    current = read_field([str(path)], area, path.name)
+    place = np.array([[700.0], [-900.0]])
+    t = np.arange(0.0, 18_000.0, 600.0)
+    return 600.0 * np.array([sum(current.velocity(each, depth, place)[:, 0] for each in t) for depth in (8.0, 16.0)])
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    path = tmp_path_factory.mktemp("cf") / "plain.nc"
+    write(path)
+    return drift(path)
+
+
+def test_the_plain_field_is_the_one_that_was_written(plain):
+    """Linear in depth and time, so that the drift is the formula's, summed."""
+    hours = 0.5 + np.arange(0.0, 18_000.0, 600.0) / 3600.0
+    for row, depth in zip(plain, (8.0, 16.0), strict=True):
+        assert row[0] == pytest.approx(600.0 * np.sum(0.5 - 0.3 * depth / FLOOR + 0.02 * hours), rel=1e-6)
+        assert row[1] == pytest.approx(600.0 * np.sum(0.1 + 0.004 * depth - 0.01 * hours), rel=1e-6)
+
+
+def since(units, **shift):
+    """Return the times of the field in units since another moment, which is that much after midnight UTC."""
+    unit = timedelta(**{units[0]: 1})
+    return (
+        HOURS * timedelta(hours=1) / unit - timedelta(**shift) / unit,
+        {"units": f"{units[0]} since {units[1]}"} | units[2],
+    )
+
+
+def deep(size=1.0, **attributes):
+    return np.full((LATITUDE.size, LONGITUDE.size), FLOOR / size), {"units": "m"} | attributes, ("lat", "lon")
+
+
+def level(size=1.0, offset=0.0, **attributes):
+    return DEPTHS / size + offset, {key: value for key, value in (DOWN | attributes).items() if value is not None}
+
+
+def zeta(hourly):
+    """A surface that moves: levels of the sigma kind move with it, so that depths below it stay in the same share."""
+    return np.broadcast_to(hourly, (HOURS.size, LATITUDE.size, LONGITUDE.size)), {"units": "m"}, ("time", "lat", "lon")
+
+
+def stretched(kind):
+    """Levels `s` that lie at the depths of the field by the formulas of CF, appendix D, with a surface at rest."""
+    critical, a, b = 10.0, 3.0, 0.4
+    s = np.linspace(-1.0, 0.0, 100_001)
+    stretching = (1 - b) * np.sinh(a * s) / np.sinh(a) + b * (np.tanh(a * (s + 0.5)) / (2 * np.tanh(a / 2)) - 0.5)
+    z = critical * s + (FLOOR - critical) * stretching
+    if kind.endswith("g2"):
+        z = FLOOR * (critical * s + FLOOR * stretching) / (critical + FLOOR)
+    ours = np.interp(-DEPTHS, z, s)
+    more = {
+        "depth_c": (critical, {"units": "m"}, ()),
+        "a": (a, {}, ()),
+        "b": (b, {}, ()),
+        "C": (np.interp(ours, s, stretching), {}, ("lev",)),
+    }
+    terms = "a: a b: b" if kind == "ocean_s_coordinate" else "C: C"
+    attributes = {
+        "standard_name": kind,
+        "formula_terms": f"s: lev {terms} eta: zeta depth: deep depth_c: depth_c",
+        "units": "1",
+    }
+    return {"lev": (ours, attributes), "deep": deep(), "zeta": zeta(0.0), "more": more}
+
+
+SAME = {
+    **{f"depth in {unit}": {"lev": level(size, units=unit)} for unit, size in {
+        "cm": 0.01, "centimeters": 0.01, "ft": 0.3048, "feet": 0.3048, "km": 1000.0, "fathom": 1.8288, "Meters": 1.0, "metre": 1.0,
+        "M": 1.0, "mm": 1e-3, "decimeter": 0.1}.items()},
+    "heights": {"lev": level(-1.0, positive="up", standard_name="height")},
+    "heights, Up": {"lev": level(-1.0, positive="Up", standard_name=None)},
+    "heights in cm": {"lev": level(-0.01, units="cm", positive="up", standard_name=None)},
+    "heights by their sign": {"lev": level(-1.0, positive=None, standard_name=None)},
+    "depths by their sign": {"lev": level(positive=None, standard_name=None)},
+    "depths by their standard name": {"lev": level(positive=None)},
+    "names of attributes in capitals": {"lev": (DEPTHS / 0.01, {"Units": "cm", "POSITIVE": "Down"}), "speed": (0.01, {"UNITS": "cm/s"})},
+    "from below": {"flip": ("lev",)},
+    "from north": {"flip": ("lat",)},
+    "from east": {"flip": ("lon",)},
+    "backward in time": {"flip": ("time",)},
+    "longitudes of 0 to 360": {"lon": (LONGITUDE + 360.0, {"units": "degreesE"})},
+    "degree_N": {"lat": (LATITUDE, {"units": "degree_N"})},
+    "coordinates by standard names": {
+        "names": ("z_axis", "row", "column", "east_speed", "north_speed"),
+        "lat": (LATITUDE, {"units": "degrees_north", "standard_name": "latitude"}),
+        "lon": (LONGITUDE, {"units": "degrees_east", "standard_name": "longitude"}),
+        "speed": (1.0, {name: {"units": "m s-1", "standard_name": f"{way}_sea_water_velocity"}
+                        for name, way in (("east_speed", "eastward"), ("north_speed", "northward"))}),
+    },
+    **{f"speed in {unit}": {"speed": (size, {"units": unit})} for unit, size in {
+        "m/s": 1.0, "meter second-1": 1.0, "m s^-1": 1.0, "m.s-1": 1.0, "M S-1": 1.0, "cm s-1": 0.01, "cm s**-1": 0.01, "cm/sec": 0.01, "mm/s": 1e-3,
+        "knots": 1852 / 3600, "kt": 1852 / 3600, "km/h": 1 / 3.6, "km hour-1": 1 / 3.6, "centimeters per second": 0.01, "ft/s": 0.3048}.items()},
+    **{f"{units[0]} since {units[1]} {units[2]}": {"time": since(units, **shift)} for units, shift in [
+        (("hours", "2026-06-01T02:00:00+02:00", {}), {}), (("hours", "2026-06-01 00:00 +02:00", {}), {"hours": -2}),
+        (("seconds", "2026-05-31 19:00:00 -5", {}), {}), (("minutes", "2026-06-01T00:00:00Z", {}), {}),
+        (("seconds", "1970-01-01T00:00:00Z", {}), {"days": -20605}), (("days", "1950-01-01", {}), {"days": -27910}),
+        (("hours", "2026-06-01 00:00 UTC", {"calendar": "Gregorian"}), {}), (("hours", "2026-6-1 0:0:0.0", {"calendar": "proleptic_gregorian"}), {}),
+        (("days", "0001-01-01", {"calendar": "proleptic_gregorian"}), {"days": -739767}), (("days", "0001-01-01", {"calendar": "standard"}), {"days": -739769})]},
+    "sigma": {"lev": (-DEPTHS / FLOOR, SIGMA), "deep": deep(), "zeta": zeta(0.0)},
+    "sigma, seafloor in km": {"lev": (-DEPTHS / FLOOR, SIGMA), "deep": deep(1000.0, units="km"), "zeta": zeta(0.0)},
+    "sigma, seafloor as a height": {"lev": (-DEPTHS / FLOOR, SIGMA), "deep": deep(-1.0, positive="up"), "zeta": zeta(0.0)},
+    "sigma, all of it higher": {"lev": (-DEPTHS / FLOOR, SIGMA), "deep": (*deep(FLOOR / 45.0)[:1], *deep()[1:]), "zeta": zeta(5.0)},
+    **{kind: stretched(kind) for kind in ("ocean_s_coordinate", "ocean_s_coordinate_g1", "ocean_s_coordinate_g2")},
+}  # fmt: skip
+
+REFUSED = {
+    "no units of speed": ({"speed": (1.0, {})}, "u has no attribute `units`"),
+    "speed in m": ({"speed": (1.0, {"units": "m"})}, "expected a speed"),
+    "speed in 1": ({"speed": (1.0, {"units": "1"})}, "expected a speed"),
+    "no units of depth": ({"lev": level(units=None)}, "lev has no attribute `units`"),
+    "pressures": ({"lev": level(units="dbar", standard_name="sea_water_pressure")}, "lev is in 'dbar'; expected depths"),
+    "numbers of levels": ({"lev": (np.arange(5.0), {"units": "1", "positive": "down"})}, "lev is in '1'; expected depths"),
+    "above the seafloor": ({"lev": level(standard_name="height_above_sea_floor", positive="up")}, "lev is a height_above_sea_floor"),
+    "downward above the surface": ({"lev": level(-1.0)}, "40 m above the surface"),
+    "positive aside": ({"lev": level(positive="east")}, "positive = 'east'"),
+    "both signs": ({"lev": level(1.0, -10.0, positive=None, standard_name=None)}, "both signs"),
+    "sigma without terms": ({"lev": (-DEPTHS / FLOOR, {"standard_name": "ocean_sigma_coordinate"})}, "formula_terms lack depth"),
+    "sigma without the file's seafloor": ({"lev": (-DEPTHS / FLOOR, SIGMA)}, "formula_terms of lev name zeta"),
+    "sigma z": ({"lev": (-DEPTHS / FLOOR, SIGMA | {"standard_name": "ocean_sigma_z_coordinate"})}, "ocean_sigma_z_coordinate, which cannot"),
+    "sigma the wrong way": ({"lev": (DEPTHS / FLOOR, SIGMA), "deep": deep(), "zeta": zeta(0.0)}, "between -1 and 0"),
+    "EST": ({"time": (HOURS, {"units": "hours since 2026-06-01 00:00 EST"})}, "'EST' has no offset"),
+    "months": ({"time": (HOURS, {"units": "months since 2026-06-01"})}, "time: units 'months since"),
+    "noleap": ({"time": (HOURS, {"units": "hours since 2026-06-01", "calendar": "noleap"})}, "'noleap' is not the standard"),
+    "360_day": ({"time": (HOURS, {"units": "hours since 2026-06-01", "calendar": "360_day"})}, "'360_day' is not the standard"),
+    "no date": ({"time": (HOURS, {"units": "hours"})}, "its times are no dates"),
+    "a zone by its name": ({"time": (HOURS, {"units": "hours since 2026-06-01", "time_zone": "US/Pacific"})}, "US/Pacific"),
+    "radians": ({"lat": (np.radians(LATITUDE), {"units": "radian"})}, "lat is in 'radian'; expected degrees"),
+    "swapped": ({"lat": (LATITUDE, {"units": "degrees_east"})}, "lat is in 'degrees_east'; expected degrees north"),
+    "another pole": ({"lat": (LATITUDE, {"units": "degrees", "standard_name": "grid_latitude"})}, "about another pole"),
+    "rows in km": ({"lat": (LATITUDE, {"units": "km"}), "lon": (LONGITUDE, {"units": "km"})}, "in metres; expected rows"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_the_same_field_gives_the_same_drift(tmp_path, plain, name):
+    write(tmp_path / "field.nc", **SAME[name])
+    assert drift(tmp_path / "field.nc") == pytest.approx(plain, rel=2e-5)
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_told_is_refused_in_words(tmp_path, name):
+    changes, message = REFUSED[name]
+    write(tmp_path / "field.nc", **changes)
+    with pytest.raises(InputError, match=message):
+        drift(tmp_path / "field.nc")
+
+
+def test_sigma_levels_move_with_the_surface(tmp_path):
+    """A surface 5 m up and 45 m deep is a column of 50 m; one 5 m up and 50 m deep has each level 10 % deeper."""
+    write(tmp_path / "field.nc", lev=(-DEPTHS / FLOOR, SIGMA), deep=deep(), zeta=zeta(5.0))
+    hours = 0.5 + np.arange(0.0, 18_000.0, 600.0) / 3600.0
+    for row, depth in zip(drift(tmp_path / "field.nc"), (8.0, 16.0), strict=True):
+        assert row[0] == pytest.approx(600.0 * np.sum(0.5 - 0.3 * depth / 1.1 / FLOOR + 0.02 * hours), rel=1e-5)
