@@ -13,12 +13,12 @@ import shlex
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-OF_THE_RUN = {"elapsed_s", "version", "options", "identity", "libraries", "provenance", "started", "schema"}
+OF_THE_RUN = {"elapsed_s", "version", "options", "identity", "libraries", "provenance", "created_utc", "schema"}
 """Keys that tell of the run and not of its answer."""
 FORMATS = ("csv", "json", "gpx", "geojson", "kml", "slocum", "moos", "neptus", "iver")
 SHIPPED = "autosub-transition", "estuary", "fig8", "anchor-design", "chesapeake"
@@ -65,15 +65,23 @@ def _record(command: str, number: int, folder: Path, work: Path) -> None:
         check=False,
     )
     kept: dict[str, object] = {"command": command, "exit": done.returncode}
+    places = {str(work): "WORK", str(ROOT): "ROOT"}
     if (out / "summary.json").is_file():
-        kept["summary"] = _answer(json.loads((out / "summary.json").read_text(encoding="utf-8")))
+        kept["summary"] = _answer(json.loads(_without(places, (out / "summary.json").read_text(encoding="utf-8"))))
     elif out.exists() and command.startswith("export"):
         files = [out] if out.is_file() else sorted(path for path in out.rglob("*") if path.is_file())
         kept["files"] = {path.name.replace(out.name, "OUT"): path.read_bytes().decode("latin-1") for path in files}
     else:
-        kept["printed"] = done.stdout.replace(str(work), "WORK")
-        kept["said"] = done.stderr.replace(str(work), "WORK")
+        kept["printed"] = _without(places, done.stdout)
+        kept["said"] = _without(places, done.stderr)
     (folder / f"{number:02d}.json").write_text(json.dumps(kept, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+
+
+def _without(places: Mapping[str, str], text: str) -> str:
+    """Return a text with names in the place of folders."""
+    for folder, name in places.items():
+        text = text.replace(folder, name)
+    return text
 
 
 def _answer(value: object) -> object:
