@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import pint
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
+_ENDLESS = re.compile(r"\d\s*(\*\*|\^)|(\*\*|\^)[\s(+-]*\d{3}")
+"""Powers of numbers, or large ones, which pint would work out for hours."""
 _MAX_LENGTH = 80
 LEAST, GREATEST = 1e-30, 1e31
 _SENSIBLE = f"0, or from {LEAST:g} to {GREATEST:g} in size"
@@ -112,6 +114,8 @@ def _is_sensible(number: float) -> bool:
 def _convert_by_pint(number: float, name: str, unit: str, difference: bool) -> float:
     import pint
 
+    if _ENDLESS.search(name):
+        raise QuantityError(f"given {shown(name)}, which is not a unit")
     registry = _registry()
     try:
         given = registry.parse_units(name)

@@ -181,7 +181,7 @@ def time_along(dataset: "Dataset", dim: str) -> str | None:
         for name, variable in dataset.variables.items()
         if variable.dims == (dim,)
         and is_since(variable.attrs.get("units"))
-        and variable.attrs.get("standard_name", "time") == "time"
+        and str(variable.attrs.get("standard_name", "time")).strip().lower() == "time"
     ]
     return dim if dim in found else next(iter(found), None)
 

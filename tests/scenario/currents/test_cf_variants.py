@@ -174,6 +174,7 @@ SAME = {
 REFUSED = {
     "no units of speed": ({"speed": (1.0, {})}, "u has no attribute `units`"),
     "speed in m": ({"speed": (1.0, {"units": "m"})}, "expected a speed"),
+    "endless powers": ({"speed": (1.0, {"units": "9**9**9**9 m s-1"})}, "expected a speed"),
     "speed in 1": ({"speed": (1.0, {"units": "1"})}, "expected a speed"),
     "no units of depth": ({"lev": level(units=None)}, "lev has no attribute `units`"),
     "pressures": ({"lev": level(units="dbar", standard_name="sea_water_pressure")}, "lev is in 'dbar'; expected depths"),

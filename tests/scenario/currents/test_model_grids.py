@@ -401,3 +401,23 @@ def test_a_regular_grid_in_metres_is_refused(tmp_path):
     ).to_netcdf(tmp_path / "metres.nc")
     with pytest.raises(InputError, match="in degrees"):
         read_field([str(tmp_path / "metres.nc")], area(), "metres.nc")
+
+
+@pytest.mark.parametrize("by_terms", [False, True])
+def test_heights_of_roms_are_in_the_units_that_their_attributes_say(tmp_path, by_terms):
+    """Seafloor in cm, surface in mm, critical depth in km; the levels by ROMS's names, or by CF's terms alone."""
+    for name in ("metres.nc", "others.nc"):
+        roms(tmp_path / name, 2)
+    with netcdf.Dataset(tmp_path / "others.nc", "a") as file:
+        file["hc"].units = "m"
+        for name, units, size in (("h", "cm", 0.01), ("zeta", "mm", 1e-3), ("hc", "km", 1000.0)):
+            file[name].units = units
+            file[name][...] = file[name][...] / size
+        if by_terms:
+            file["s_rho"].standard_name = "ocean_s_coordinate_g2"
+            file["s_rho"].formula_terms = "s: s_rho C: stretched eta: zeta depth: h depth_c: hc"
+            file.renameVariable("Cs_r", "stretched")
+    found = [read_field([str(tmp_path / name)], area(), name) for name in ("metres.nc", "others.nc")]
+    place = inner_points(found[0].grid.points, 40, np.random.default_rng(2))
+    t, depth = np.linspace(0.0, 10_000.0, 40), np.linspace(1.0, 40.0, 40)
+    assert found[1].velocity(t, depth, place) == pytest.approx(found[0].velocity(t, depth, place), abs=1e-6)
