@@ -10,21 +10,21 @@ from missionplan.diagnosis.data_kind import DataKind
 from missionplan.mission import Mission
 
 KINDS: Mapping[str, tuple[str, str]] = {
-    "transit": ("legs", "TransitKind"),
-    "descent": ("dives", "DescentKind"),
-    "drag": ("tank", "TankKind"),
-    "free-oscillation": ("tank", "TankKind"),
-    "thruster": ("tank", "TankKind"),
-    "propeller-transient": ("tank", "TankKind"),
-    "summary": ("summaries", "SummaryKind"),
+    "transit": ("missionplan.diagnosis.legs.kind", "TransitKind"),
+    "descent": ("missionplan.diagnosis.dives.kind", "DescentKind"),
+    "drag": ("missionplan.diagnosis.tank.kind", "TankKind"),
+    "free-oscillation": ("missionplan.diagnosis.tank.kind", "TankKind"),
+    "thruster": ("missionplan.diagnosis.tank.kind", "TankKind"),
+    "propeller-transient": ("missionplan.diagnosis.tank.kind", "TankKind"),
+    "summary": ("missionplan.diagnosis.summaries.kind", "SummaryKind"),
 }
-"""By ``kind`` in ``dataset.yaml``, the folder and the class: one of them is imported, when it is needed."""
+"""By ``kind`` in ``dataset.yaml``, the module and the class: one of them is imported, when it is needed."""
 
 
 def kind_named(name: str) -> type[DataKind]:
     """Import a kind of data by its name in ``dataset.yaml``."""
-    folder, of = KINDS[name]
-    return cast("type[DataKind]", getattr(import_module(f"missionplan.diagnosis.{folder}.kind"), of))
+    module, of = KINDS[name]
+    return cast("type[DataKind]", getattr(import_module(module), of))
 
 
 def bind_dataset(folder: Path, mission: Mission, seed: int) -> DataKind:

@@ -6,16 +6,16 @@ from typing import Protocol, cast
 from missionplan.results.plan import Plan
 
 FORMATS = {
-    "csv": "table",
-    "json": "plan_json",
-    "gpx": "maps.gpx",
-    "geojson": "maps.geojson",
-    "kml": "maps.kml",
-    "gpkg": "maps.geopackage",
-    "slocum": "vehicles.slocum",
-    "moos": "vehicles.moos",
-    "neptus": "vehicles.neptus",
-    "iver": "vehicles.iver",
+    "csv": "missionplan.exporters.table",
+    "json": "missionplan.exporters.plan_json",
+    "gpx": "missionplan.exporters.maps.gpx",
+    "geojson": "missionplan.exporters.maps.geojson",
+    "kml": "missionplan.exporters.maps.kml",
+    "gpkg": "missionplan.exporters.maps.geopackage",
+    "slocum": "missionplan.exporters.vehicles.slocum",
+    "moos": "missionplan.exporters.vehicles.moos",
+    "neptus": "missionplan.exporters.vehicles.neptus",
+    "iver": "missionplan.exporters.vehicles.iver",
 }
 """Module of each format, by the name that the command line takes."""
 
@@ -35,4 +35,4 @@ class Format(Protocol):
 
 def format_named(name: str) -> Format:
     """Return the module of a format."""
-    return cast(Format, import_module(f"missionplan.exporters.{FORMATS[name]}"))
+    return cast(Format, import_module(FORMATS[name]))

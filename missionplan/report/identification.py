@@ -2,12 +2,13 @@
 
 import math
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.errors import InputError, Problem, shown
 from missionplan.report.page import (
     BLUE,
     GREEN,
@@ -23,6 +24,7 @@ from missionplan.report.page import (
     Terminal,
     to_figure,
 )
+from missionplan.report.plots import Drawing
 from missionplan.report.wording import capitalised
 from missionplan.results.base import to_yaml
 from missionplan.results.learned.identification import (
@@ -187,3 +189,16 @@ def significant(value: float, sd: float) -> str:
         return f"{value:.4g}"
     digits = 1 - math.floor(math.log10(sd))
     return f"{value:.{min(digits, 9)}f}" if digits > 0 else f"{round(value, digits):.0f}"
+
+
+def fit(axes: Axes, result: Identification, panel: int = 0) -> None:
+    """Draw one panel of data with the models, by its number."""
+    panels = result.analysis.panels
+    if not isinstance(panel, int) or not 0 <= panel < len(panels):
+        raise InputError([Problem(f"given {shown(panel)}, expected 0 to {len(panels) - 1}", key="panel")])
+    draw_fit(axes, panels[panel])
+    axes.set_xlabel(panels[panel].x_label)
+
+
+PLOTS: Mapping[str, Drawing] = {"fit": fit}
+"""Plots on given axes by name, the main one first."""

@@ -47,4 +47,4 @@ def terminal_view(result: Result) -> Terminal:
 
 
 def _module(result: Result) -> ReportModule:
-    return cast(ReportModule, import_module(f"missionplan.report.{result.report}"))
+    return cast(ReportModule, import_module(result.report))

@@ -89,7 +89,7 @@ class Result(ABC):
     """A study's answer. Subclasses are frozen data classes with a field `provenance`."""
 
     report: ClassVar[str]
-    """Module of `missionplan.report` that renders the result."""
+    """Module that renders the result (`report.render.ReportModule`), imported when it is shown."""
     provenance: Provenance
 
     @abstractmethod

@@ -111,7 +111,7 @@ class Comparison(Result):
         Requirements that one run meets and the other does not, or does not have.
     """
 
-    report: ClassVar[str] = "compared.two_runs"
+    report: ClassVar[str] = "missionplan.report.compared.two_runs"
 
     provenance: Provenance
     compared: str

@@ -78,7 +78,7 @@ class RareFailure(Result):
         Trials that fail: their weight, the step at which they fail, what was drawn, and what came of it.
     """
 
-    report: ClassVar[str] = "simulation.rare_failure"
+    report: ClassVar[str] = "missionplan.report.simulation.rare_failure"
 
     provenance: Provenance
     event: str

@@ -218,7 +218,7 @@ class Outcome(Result):
         The same trials by the member of the current's ensemble that each sails in; empty without an ensemble.
     """
 
-    report: ClassVar[str] = "simulation.page"
+    report: ClassVar[str] = "missionplan.report.simulation.page"
 
     provenance: Provenance
     phases: tuple[PhaseOutcome, ...]

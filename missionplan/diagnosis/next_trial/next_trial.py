@@ -15,8 +15,8 @@ from missionplan.errors import MissionplanError
 from missionplan.results.learned.next_trial import NextTrial
 
 KINDS: Mapping[str, tuple[str, str]] = {
-    "transit": ("leg_trials", "LegTrials"),
-    "descent": ("dive_trials", "DiveTrials"),
+    "transit": ("missionplan.diagnosis.next_trial.leg_trials", "LegTrials"),
+    "descent": ("missionplan.diagnosis.next_trial.dive_trials", "DiveTrials"),
 }
 """By kind of data, module and class of its trials."""
 
@@ -58,7 +58,7 @@ def valuation(
     """
     bound = explanations[0].bound
     module, name = KINDS[bound.kind]
-    made = getattr(import_module(f"missionplan.diagnosis.next_trial.{module}"), name)
+    made = getattr(import_module(module), name)
     kind = cast("Callable[[DataKind], TrialKind]", made)(bound)
     believed = believe(possible_fits(explanations, found, judgement), kind.posterior, scale)
     return Valuation.of(kind, believed, seed)

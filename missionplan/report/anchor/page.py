@@ -1,16 +1,21 @@
 """Report of `size-anchor`: what to build, where to put the trim ring, and what dive the anchor gives."""
 
 import math
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
 
 from missionplan.report.anchor import sections
 from missionplan.report.anchor.drawing import drawing
 from missionplan.report.anchor.explained import explanation_in_words, explanation_section
-from missionplan.report.anchor.figures import descent_profile
+from missionplan.report.anchor.figures import descent_profile, draw_depths, draw_drag, mark_lowest_point
 from missionplan.report.anchor.numbers_table import numbers_table
 from missionplan.report.held_vehicle import hold_section
 from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import percent
 from missionplan.report.page import Figure, Page, Terminal
+from missionplan.report.plots import Drawing
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing
 
@@ -123,3 +128,21 @@ def _main_figure(anchor: SizedAnchor) -> Figure | None:
     if anchor.design is not None and anchor.design.feasible:
         return drawing(anchor.design)
     return descent_profile(anchor) if anchor.touched_down else None
+
+
+def descent(axes: Axes, sizing: AnchorSizing) -> None:
+    """Draw the depths of anchor and vehicle in the nominal dive of the anchor to build."""
+    anchor = sizing.to_build
+    seafloor = float(np.asarray(anchor.dive.site_depth))
+    draw_depths(axes, anchor.profile, seafloor)
+    mark_lowest_point(axes, anchor.profile, seafloor, anchor.lowest_altitude)
+    axes.set(xlabel="Time since the last fix (s)", ylabel="Depth (m)", ylim=(1.06 * seafloor, 0.0))
+
+
+def drag(axes: Axes, sizing: AnchorSizing) -> None:
+    """Draw the drag of each part at terminal velocity."""
+    draw_drag(axes, sizing.to_build)
+
+
+PLOTS: Mapping[str, Drawing] = {"descent": descent, "drag": drag}
+"""Plots on given axes by name, the main one first."""

@@ -1,7 +1,7 @@
 """Report of `compare` of missions, several reports, or what was chosen: one table, and which is better."""
 
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,6 +20,7 @@ from missionplan.report.compared.tasks import task_in_words
 from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.numbers import percent, with_error
 from missionplan.report.page import BLUE, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.plots import Drawing
 from missionplan.report.wording import in_words
 from missionplan.results.choosing.alternatives import DECIDES, Alternative, Alternatives
 
@@ -269,3 +270,7 @@ def _interval(each: Alternative, key: str) -> tuple[float, float, float]:
         return each.success.low, each.success.value, each.success.high
     mean, error = each.quantities.get(key, (np.nan, np.nan))
     return mean - 1.96 * error, mean, mean + 1.96 * error
+
+
+PLOTS: Mapping[str, Drawing] = {"alternatives": draw_alternatives}
+"""Plots on given axes by name, the main one first."""

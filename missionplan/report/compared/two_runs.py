@@ -1,7 +1,7 @@
 """Report of `compare`: two runs side by side."""
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 from matplotlib.axes import Axes
@@ -11,6 +11,7 @@ from missionplan.report.compared.run_numbers import importance, name_of, noise_o
 from missionplan.report.compared.tasks import task_in_words
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, INK, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.plots import Drawing
 from missionplan.report.wording import in_words
 from missionplan.results.comparison import ChangedValue, ComparedNumber, Comparison
 
@@ -224,3 +225,7 @@ def _table(comparison: Comparison, items: Sequence[ComparedNumber]) -> Table:
 
 _PARTS = (_deciding, _changed, _runs, _changes, _rest)
 """Parts of the page, what decides first."""
+
+
+PLOTS: Mapping[str, Drawing] = {"changes": draw_changes}
+"""Plots on given axes by name, the main one first."""

@@ -2,6 +2,7 @@
 
 import math
 import shlex
+from collections.abc import Mapping
 
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.causes import causes_section, explanations_in_words, found_causes, names
@@ -16,12 +17,14 @@ from missionplan.report.diagnosis.evidence import (
     ranking_section,
     sized,
 )
+from missionplan.report.diagnosis.figures import draw_held_out, draw_ranking
 from missionplan.report.diagnosis.how_sure import WORTH_TELLING, how_sure, intervals_that_miss
 from missionplan.report.diagnosis.last_part import last_part_sections, last_part_words
 from missionplan.report.diagnosis.next_trial import next_trial_pointer, next_trial_section, next_trial_told
 from missionplan.report.diagnosis.operator import finding_in_words
 from missionplan.report.diagnosis.plan import plan_section, plan_words
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
+from missionplan.report.plots import Drawing
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import NextMeasurement, ParameterEstimate
 
@@ -229,3 +232,7 @@ def _treatment(diagnosis: Diagnosis) -> list[Block]:
         failures = [list(item) for item in diagnosis.failures.items()]
         blocks.append(Table(["Set that could not be fitted", "Why"], failures, text_columns=2))
     return blocks
+
+
+PLOTS: Mapping[str, Drawing] = {"ranking": draw_ranking, "held_out": draw_held_out}
+"""Plots on given axes by name, the main one first."""

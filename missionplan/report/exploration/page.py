@@ -1,9 +1,15 @@
 """Page of an exploration: the answer, curves or maps, windows, the front, and what cannot be run."""
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
-from missionplan.report.exploration.figures import curves_figure, front_figure, maps_figure, quantities_shown
+from missionplan.report.exploration.figures import (
+    curves_figure,
+    draw_exploration,
+    front_figure,
+    maps_figure,
+    quantities_shown,
+)
 from missionplan.report.exploration.words import (
     answer,
     name_of,
@@ -16,6 +22,7 @@ from missionplan.report.exploration.words import (
 from missionplan.report.members import members_section
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Figure, Page, PageSection, Table, Terminal
+from missionplan.report.plots import Drawing
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.choosing.axis import Aim
 from missionplan.results.choosing.exploration import Cell, Exploration, Status
@@ -207,3 +214,7 @@ def _rerun(found: Exploration) -> str:
     words += [f"--quantity {shlex.quote(str(each))}" for each in (quantities if isinstance(quantities, list) else [])]
     words += [f"--aim {found.aim} --trials {found.provenance.trials} --seed {found.provenance.seed}"]
     return " ".join(words)
+
+
+PLOTS: Mapping[str, Drawing] = {"cells": draw_exploration}
+"""Plots on given axes by name, the main one first."""

@@ -11,7 +11,7 @@ from missionplan.report.crew.conversion import drawing_in, units_of
 from missionplan.report.crew.drawing import draw_in_units
 from missionplan.report.drawn import style
 from missionplan.report.glance.text import heading
-from missionplan.report.plots.catalogue import drawings_of
+from missionplan.report.plots import drawings_of
 from missionplan.report.render import terminal_view
 from missionplan.results.base import Result
 

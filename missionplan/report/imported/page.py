@@ -1,11 +1,13 @@
 """Page of an import: what was made of the logs, what the legs can and cannot show, and what to type next."""
 
 import shlex
+from collections.abc import Mapping
 
 import pandas as pd
 
-from missionplan.report.imported.figures import depth_figure, histograms, track_figure
+from missionplan.report.imported.figures import depth_figure, draw_track, histograms, track_figure
 from missionplan.report.page import Block, Listing, Page, PageSection, Table, Terminal
+from missionplan.report.plots import Drawing
 from missionplan.results.imported import ImportedData
 
 _LISTED = 60
@@ -109,3 +111,7 @@ def _sources(result: ImportedData) -> PageSection:
         blocks.append("1 file was passed over:" if passed == 1 else f"{passed} files were passed over:")
         blocks.append(Listing("\n".join(result.passed_over[:_LISTED])))
     return PageSection("What was read", blocks)
+
+
+PLOTS: Mapping[str, Drawing] = {"track": draw_track}
+"""Plots on given axes by name, the main one first."""

@@ -1,5 +1,7 @@
 """Report of `plan-legs`: the table of legs, what it saves, and how far that can be relied on."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
@@ -11,10 +13,18 @@ from missionplan.report.leg_length.leg_tables import (
     saving_unit,
     trials_table,
 )
-from missionplan.report.leg_length.plan_figures import cases_figure, policy_figure, tracks_figure
+from missionplan.report.leg_length.plan_figures import (
+    cases_figure,
+    draw_aims,
+    draw_lengths,
+    draw_savings,
+    policy_figure,
+    tracks_figure,
+)
 from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Listing, Page, PageSection, Terminal
+from missionplan.report.plots import Drawing
 from missionplan.results.leg_length.legs import LegPlan
 
 _PERCENT = Unit("%", 0.01)
@@ -226,3 +236,7 @@ def _agreement_section(plan: LegPlan) -> list[PageSection]:
     agree = all(abs(trials.cost - expected) <= 3.0 * trials.standard_error for trials, expected in compared)
     heading = "agree" if agree else "differ by more than chance"
     return [PageSection(f"Trials and integral equation {heading}", [trials_table(plan)])]
+
+
+PLOTS: Mapping[str, Drawing] = {"legs": draw_lengths, "aims": draw_aims, "savings": draw_savings}
+"""Plots on given axes by name, the main one first."""

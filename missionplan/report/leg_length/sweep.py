@@ -1,14 +1,21 @@
 """Report of `sweep-dmax`: which d_max to choose, what it saves, and the curve of Fig. 8."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from missionplan.report.display_units import Unit
-from missionplan.report.leg_length.sweep_figures import close_up_figure, cost_figure, surfacings_figure
+from missionplan.report.leg_length.sweep_figures import (
+    close_up_figure,
+    cost_figure,
+    draw_costs,
+    draw_surfacings,
+    surfacings_figure,
+)
 from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Page, PageSection, Table, Terminal
+from missionplan.report.plots import Drawing
 from missionplan.results.explained import label
 from missionplan.results.leg_length.sweep import Sweep, SweepCurve
 
@@ -292,3 +299,7 @@ def cost_table(sweep: Sweep) -> Table:
         for index in chosen
     ]
     return Table(columns, rows, caption=f"{len(rows)} of {count} rows; all of them are in sweep.csv.")
+
+
+PLOTS: Mapping[str, Drawing] = {"cost": draw_costs, "surfacings": draw_surfacings}
+"""Plots on given axes by name, the main one first."""

@@ -4,11 +4,16 @@ import shlex
 from collections.abc import Mapping
 from dataclasses import replace
 
+from matplotlib.axes import Axes
+
+from missionplan.errors import InputError, Problem, shown
 from missionplan.report.diagnosis.causes import names, percent
+from missionplan.report.diagnosis.figures import draw_ranking
 from missionplan.report.diagnosis.operator import finding_in_words
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
+from missionplan.report.plots import Drawing
 from missionplan.results.log_book.campaign import Campaign
 
 LEFT = 1e-3
@@ -102,3 +107,16 @@ def _shared(campaign: Campaign) -> list[Block]:
     if not rows:
         return [words]
     return [words, Table(["Effect", "Learned from"], rows, text_columns=2)]
+
+
+def ranking(axes: Axes, campaign: Campaign, dataset: int = 0) -> None:
+    """Draw the evidence for each set of causes in one of the data sets, counted from 0."""
+    if not 0 <= dataset < len(campaign.diagnoses):
+        problem = f"given {shown(dataset)}, expected 0 to {len(campaign.diagnoses) - 1}"
+        raise InputError([Problem(problem, key="dataset")])
+    draw_ranking(axes, campaign.diagnoses[dataset])
+    axes.set_title(campaign.names[dataset])
+
+
+PLOTS: Mapping[str, Drawing] = {"ranking": ranking}
+"""Plots on given axes by name, the main one first."""

@@ -1,13 +1,15 @@
 """Report of `history`: each learned parameter from mission to mission, with its intervals, and where it changed."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.plots import Drawing
 from missionplan.report.wording import parameter_in_words
 from missionplan.results.log_book.history import History, Learned
 
@@ -128,3 +130,19 @@ def draw_parameter(axes: Axes, history: History, entries: Sequence[Learned]) -> 
         axes.vlines(at, scale * entry.low, scale * entry.high, color=colour, linewidth=1.6)
         axes.plot(at, scale * entry.value, "o", color=colour, markersize=4.0)
     axes.set_title(f"{_named(entries[-1])}{f' ({unit})' if unit else ''}", fontsize=9)
+
+
+def parameter(axes: Axes, history: History, effect: str = "") -> None:
+    """Draw a parameter, by its effect and name as in ``compass-bias.angle``; by default that with most diagnoses."""
+    known = {f"{entries[0].effect}.{entries[0].name}": entries for entries in history.parameters.values()}
+    if not known:
+        raise InputError([Problem("the diagnoses tell of no parameter", key="plot")])
+    chosen = effect or max(known, key=lambda name: len(known[name]))
+    if chosen not in known:
+        problem = f"given {shown(effect)}, expected one of {', '.join(known)}"
+        raise InputError([Problem(problem, key="effect", hint=did_you_mean(str(effect), known))])
+    draw_parameter(axes, history, known[chosen])
+
+
+PLOTS: Mapping[str, Drawing] = {"parameter": parameter}
+"""Plots on given axes by name, the main one first."""

@@ -2,14 +2,15 @@
 
 import math
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from missionplan.montecarlo.statistics import Statistic
 from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import number, percent, rounded_down, rounded_up, share, with_error
-from missionplan.report.optimisation.front import front_figure
+from missionplan.report.optimisation.front import draw_front, front_figure
 from missionplan.report.page import Listing, Page, PageSection, Table, Terminal
+from missionplan.report.plots import Drawing
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.report.wording import in_words, keys_in_words
 from missionplan.results.choosing.optimisation import Obstacle, Optimised, Tried
@@ -274,3 +275,7 @@ def _rerun(found: Optimised) -> str:
 
 
 _PARTS = (_choice, _checks, _sailed, _relaxed, _obstacles, _front, _effort)
+
+
+PLOTS: Mapping[str, Drawing] = {"front": draw_front}
+"""Plots on given axes by name, the main one first."""

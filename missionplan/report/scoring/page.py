@@ -1,10 +1,12 @@
 """Report of `score`: how well a mission as it stands predicts measured data."""
 
 import shlex
+from collections.abc import Mapping
 
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.page import Page, PageSection, Table, Terminal
-from missionplan.report.scoring.figures import pit_figure, prediction_figure
+from missionplan.report.plots import Drawing
+from missionplan.report.scoring.figures import draw_predictions, pit_figure, prediction_figure
 from missionplan.results.log_book.score import STATED, DatasetScore, Prediction, Score
 
 NAMES = {"one_step": "one step ahead", "whole": "all the way"}
@@ -211,3 +213,7 @@ def _assumed(kind: str) -> str:
         "are those that the diagnosis assumes. The past is taken in as if the expected depths were normal about "
         "their mean."
     )
+
+
+PLOTS: Mapping[str, Drawing] = {"predictions": draw_predictions}
+"""Plots on given axes by name, the main one first."""

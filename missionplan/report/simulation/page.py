@@ -1,8 +1,11 @@
 """Report of a simulated mission: will it work, what makes it fail, and what to measure better."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
+from matplotlib.axes import Axes
+
+from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.exporters.plan_json import plan_json
 from missionplan.exporters.table import waypoints_csv
 from missionplan.montecarlo.statistics import wilson
@@ -11,6 +14,7 @@ from missionplan.report.geography.kml import track_kml
 from missionplan.report.held_vehicle import hold_section
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Page, Terminal
+from missionplan.report.plots import Drawing
 from missionplan.report.simulation import sections
 from missionplan.report.simulation.explained import (
     explanation_in_words,
@@ -18,7 +22,9 @@ from missionplan.report.simulation.explained import (
     member_in_words,
     member_sections,
 )
-from missionplan.report.simulation.figures import waterfall
+from missionplan.report.simulation.figures import draw_timeline, draw_waterfall, waterfall
+from missionplan.report.simulation.histograms import draw_histogram
+from missionplan.report.simulation.maps import draw_tracks
 from missionplan.report.simulation.overdue import overdue_section, search_areas_geojson
 from missionplan.report.simulation.quantities import (
     failure_in_words,
@@ -194,3 +200,23 @@ def _numbers(outcome: Outcome) -> list[tuple[str, str]]:
             whole = f"{label} of nine missions in ten{of_those_that_end(outcome, key, ', of ')}"
             shown.append((whole, range_in_words(outcome, outcome.total, key)))
     return shown
+
+
+def histogram(axes: Axes, outcome: Outcome, quantity: str = "total.duration_s") -> None:
+    """Draw the distribution of a quantity, such as ``moor.offset_m``, over the trials."""
+    phases = {phase.name: phase for phase in (*outcome.phases, outcome.total)}
+    known = {f"{name}.{key}": (phase, key) for name, phase in phases.items() for key in phase.histograms}
+    if quantity not in known:
+        problem = Problem(f"given {shown(quantity)}, expected one of {', '.join(known)}", key="quantity")
+        raise InputError([Problem(problem.message, key="quantity", hint=did_you_mean(str(quantity), known))])
+    phase, key = known[quantity]
+    draw_histogram(axes, outcome, phase, key)
+
+
+PLOTS: Mapping[str, Drawing] = {
+    "waterfall": draw_waterfall,
+    "tracks": draw_tracks,
+    "timeline": draw_timeline,
+    "histogram": histogram,
+}
+"""Plots on given axes by name, the main one first."""

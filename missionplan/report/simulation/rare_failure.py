@@ -2,10 +2,13 @@
 
 import math
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+
+from matplotlib.axes import Axes
 
 from missionplan.report.numbers import number
 from missionplan.report.page import Block, Page, PageSection, Table, Terminal
+from missionplan.report.plots import Drawing
 from missionplan.report.simulation.quantities import failure_in_words
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.rare_failure import Cause, FailureMode, RareFailure
@@ -193,3 +196,15 @@ def _one_in(value: float) -> str:
 
 def _percent(share: float) -> str:
     return f"{100.0 * share:.0f}\u00a0%"
+
+
+def failures(axes: Axes, found: RareFailure) -> None:
+    """Draw the share of each way to fail."""
+    modes = found.modes[::-1]
+    axes.barh(range(len(modes)), [100.0 * mode.share for mode in modes])
+    axes.set_yticks(range(len(modes)), [failure_in_words(mode.step) if mode.step else "any" for mode in modes])
+    axes.set(xlabel="of the failures (%)", xlim=(0.0, 100.0))
+
+
+PLOTS: Mapping[str, Drawing] = {"failures": failures}
+"""Plots on given axes by name, the main one first."""

@@ -2,13 +2,15 @@
 
 import math
 import shlex
+from collections.abc import Mapping
 from datetime import UTC, datetime
 
 from missionplan.phases.recorded_currents import DEPTH_MARGIN
 from missionplan.report.display_units import Unit
 from missionplan.report.numbers import number, with_error
 from missionplan.report.page import Listing, Page, PageSection, Table, Terminal
-from missionplan.report.tide.figures import ellipses_figure, record_figure
+from missionplan.report.plots import Drawing
+from missionplan.report.tide.figures import draw_ellipses, draw_record, ellipses_figure, record_figure
 from missionplan.results.tide import Constituent, DepthTide, TideResult
 
 _NINETY = 1.645
@@ -155,3 +157,7 @@ def _rerun(result: TideResult) -> str:
     options = result.provenance.options
     start = f" --start {options['start']}" if options["start"] else ""
     return f"missionplan tide {shlex.quote(result.provenance.file)} --latitude '{options['latitude_deg']} deg'{start}"
+
+
+PLOTS: Mapping[str, Drawing] = {"ellipses": draw_ellipses, "record": draw_record}
+"""Plots on given axes by name, the main one first."""

@@ -1,17 +1,24 @@
 """Report of `sweep-transition`: depth, pitch and energy of slowing down to hover."""
 
 import shlex
+from collections.abc import Mapping
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from missionplan.report.page import Page, PageSection, Table, Terminal
+from missionplan.report.plots import Drawing
 from missionplan.report.transition.figures import (
     depth_by_mid_speed,
     depth_by_steepness,
+    draw_energy,
+    draw_histories,
     energy_figure,
     pitch_by_mid_speed,
     pitch_by_steepness,
     pitch_by_variant,
+    pitch_of,
+    rise_of,
     unassisted_figure,
 )
 from missionplan.results.transition import FORCE, PAIR, SUCTION, TransitionSweep
@@ -128,3 +135,17 @@ def variant_table(result: TransitionSweep) -> Table:
         )
     columns = ("variant", "depth excursion", "pitch excursion", "pitch swing at hover", "energy, all hover")
     return Table(columns, rows, "Means over mid-transition speeds and steepnesses.")
+
+
+def rise(axes: Axes, result: TransitionSweep) -> None:
+    """Draw the rise above the target depth for each mid-transition speed."""
+    draw_histories(axes, result.by_mid_speed, rise_of, "rise above target (m)")
+
+
+def pitch(axes: Axes, result: TransitionSweep) -> None:
+    """Draw the pitch for each mid-transition speed."""
+    draw_histories(axes, result.by_mid_speed, pitch_of, "pitch (°)")
+
+
+PLOTS: Mapping[str, Drawing] = {"energy": draw_energy, "rise": rise, "pitch": pitch}
+"""Plots on given axes by name, the main one first."""

@@ -135,7 +135,7 @@ class Alternatives(Result):
         Values in which the missions differ.
     """
 
-    report: ClassVar[str] = "compared.alternatives"
+    report: ClassVar[str] = "missionplan.report.compared.alternatives"
 
     provenance: Provenance
     alternatives: tuple[Alternative, ...]

@@ -108,7 +108,7 @@ class Exploration(Result):
         How often the best succeeds in each member of the current's ensemble; empty without one.
     """
 
-    report: ClassVar[str] = "exploration.page"
+    report: ClassVar[str] = "missionplan.report.exploration.page"
 
     provenance: Provenance
     axes: tuple[Axis, ...]

@@ -113,7 +113,7 @@ class Diagnosis(Result):
         The extended mission's score on the part of the record that was held out of everything, where one was.
     """
 
-    report: ClassVar[str] = "diagnosis.page"
+    report: ClassVar[str] = "missionplan.report.diagnosis.page"
 
     provenance: Provenance
     kind: str

@@ -169,7 +169,7 @@ class Identification(Result):
         Fitted models, figures, remarks and vehicle fragment.
     """
 
-    report: ClassVar[str] = "identification"
+    report: ClassVar[str] = "missionplan.report.identification"
     provenance: Provenance
     kind: str
     name: str

@@ -67,7 +67,7 @@ class LegPlan(Result):
         Both plans in each member of the current's ensemble; empty without one.
     """
 
-    report: ClassVar[str] = "leg_length.plan"
+    report: ClassVar[str] = "missionplan.report.leg_length.plan"
 
     provenance: Provenance
     phase: str

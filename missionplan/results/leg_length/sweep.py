@@ -209,7 +209,7 @@ class Sweep(Result):
         The middle curve under each explanation of the mission; empty for a mission without doubts.
     """
 
-    report: ClassVar[str] = "leg_length.sweep"
+    report: ClassVar[str] = "missionplan.report.leg_length.sweep"
 
     provenance: Provenance
     phase: str

@@ -207,7 +207,7 @@ class Score(Result):
     datasets : tuple of DatasetScore
     """
 
-    report: ClassVar[str] = "scoring.page"
+    report: ClassVar[str] = "missionplan.report.scoring.page"
 
     provenance: Provenance
     datasets: tuple[DatasetScore, ...]

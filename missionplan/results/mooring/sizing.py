@@ -136,7 +136,7 @@ class AnchorSizing(Result):
         The anchor to build under each explanation of the mission; empty for a mission without doubts.
     """
 
-    report: ClassVar[str] = "anchor.page"
+    report: ClassVar[str] = "missionplan.report.anchor.page"
 
     provenance: Provenance
     phase: str

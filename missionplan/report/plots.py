@@ -1,4 +1,4 @@
-"""Which plots a result has, by the module of its report."""
+"""Plots of a result on given axes: those that the module of its report lists as `PLOTS`."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -17,35 +17,10 @@ if TYPE_CHECKING:
 Drawing = Callable[..., None]
 """Draws on axes: called with the axes, the result, and options of the plot's own."""
 
-_MODULES = {
-    "simulation.page": "simulation",
-    "simulation.rare_failure": "simulation",
-    "leg_length.sweep": "leg_length",
-    "leg_length.plan": "leg_length",
-    "anchor.page": "anchor",
-    "diagnosis.page": "diagnosis",
-    "identification": "identification",
-    "transition.page": "transition",
-    "imported.page": "imported",
-    "compared.two_runs": "comparison",
-    "tide.page": "tide",
-    "exploration.page": "exploration",
-    "compared.alternatives": "comparison",
-    "scoring.page": "scoring",
-    "log_book.history": "log_book",
-    "log_book.campaign": "log_book",
-    "optimisation.page": "exploration",
-}
-"""Module with the drawings, by that of the report."""
-
 
 def drawings_of(result: Result) -> Mapping[str, Drawing]:
     """Return the drawings of a result by name, the main one first; none where it has none."""
-    name = _MODULES.get(result.report)
-    if name is None:
-        return {}
-    module = import_module(f"missionplan.report.plots.{name}")
-    return cast("Mapping[str, Mapping[str, Drawing]]", module.DRAWINGS)[type(result).__name__]
+    return cast("Mapping[str, Drawing]", getattr(import_module(result.report), "PLOTS", {}))
 
 
 def plots_of(result: Result) -> dict[str, Plot]:

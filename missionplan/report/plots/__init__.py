@@ -1,1 +1,0 @@
-"""Plots of results that draw on given axes: `catalogue` lists them by the kind of result, the modules draw them."""
