@@ -21,8 +21,11 @@ FAST_SEED = 20_000
 
 @pytest.fixture(
     scope="module",
-    params=[(kind, count) for count in (3, 20) for kind in KINDS],
-    ids=lambda given: f"{given[0]}-{given[1]}",
+    params=[
+        pytest.param((kind, count), marks=marks, id=f"{kind}-{count}")
+        for count, marks in ((3, ()), (20, pytest.mark.slow))
+        for kind in KINDS
+    ],
 )
 def outcomes(request, tmp_path_factory):
     if reason := unavailable_reason():
