@@ -1,6 +1,14 @@
 """Shared by all tests: hypothesis settings, missions, and data set folders."""
 
+# ruff: noqa: E402
+
+import os
 from dataclasses import replace
+
+# before numpy is imported, here and in all that tests start: matrices are small, and threads of one worker only take
+# processors from the others
+for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_threads, "1")
 
 import numpy as np
 import pandas as pd

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.errors import InputError, Problem, RunError
+from missionplan.montecarlo.parallel.pool import interrupts_deferred
 from missionplan.store.folder import write_atomically
 
 _UNREADABLE = (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error)
@@ -168,9 +169,10 @@ class Checkpoints:
             raise RunError(f"cannot write {self._path(block, size)}: the folder {self._folder} no longer exists")
         content = BytesIO()
         label = {"digest": np.array(self._digest), "block": np.array([block, size])}
-        np.savez_compressed(content, **label, **dict(arrays))  # type: ignore[arg-type]
-        checksum = hashlib.sha256(content.getvalue()).digest()
-        write_atomically(self._path(block, size), content.getvalue() + checksum)
+        with interrupts_deferred():  # a ZIP file that an exception leaves half opened raises another when it is closed
+            np.savez_compressed(content, **label, **dict(arrays))  # type: ignore[arg-type]
+            checksum = hashlib.sha256(content.getvalue()).digest()
+            write_atomically(self._path(block, size), content.getvalue() + checksum)
 
     def _path(self, block: int, size: int) -> Path:
         return self._folder / f"block-{block:07d}-{size}.npz"

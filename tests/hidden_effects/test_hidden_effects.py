@@ -1,4 +1,4 @@
-"""The tool on forty hidden-effect cases, and the scoring on hand-made diagnoses.
+"""The tool on six hidden-effect cases (forty where `slow` tests run), and the scoring on hand-made diagnoses.
 
 Thresholds apply to the aggregate: a figure fails if these few cases are enough to refute its target.
 """
@@ -19,12 +19,20 @@ from .tool import Outcome, diagnose, unavailable_reason
 FAST_SEED = 20_000
 
 
-@pytest.fixture(scope="module", params=KINDS)
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param((kind, count), marks=marks, id=f"{kind}-{count}")
+        for count, marks in ((3, ()), (20, pytest.mark.slow))
+        for kind in KINDS
+    ],
+)
 def outcomes(request, tmp_path_factory):
     if reason := unavailable_reason():
         pytest.skip(reason)
-    folder = tmp_path_factory.mktemp(request.param)
-    drawn = cases(20, FAST_SEED, request.param)
+    kind, count = request.param
+    folder = tmp_path_factory.mktemp(kind)
+    drawn = cases(count, FAST_SEED, kind)
     diagnose_one = partial(diagnose, folder=folder / "seen", truth_folder=folder / "truth", in_process=True)
     # fresh interpreters, one per core, each imports the tool once
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:

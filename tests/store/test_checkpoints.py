@@ -1,6 +1,8 @@
 import hashlib
 import json
 import os
+import signal
+import zipfile
 
 import numpy as np
 import pytest
@@ -28,6 +30,24 @@ def test_a_block_cut_short_is_not_the_whole_block(tmp_path):
     store.write(3, 1000, ARRAYS)
     assert not store.holds(3, 4096)
     assert store.read(3, 4096) is None
+
+
+def test_ctrl_c_while_a_block_is_written_stays_ctrl_c(tmp_path, monkeypatch):
+    """Half-way into a member of the archive it became the ValueError of an archive that cannot be closed."""
+    opened = zipfile.ZipFile.open
+
+    def interrupted(self, name, mode="r", **options):
+        member = opened(self, name, mode, **options)
+        if mode == "w":
+            signal.raise_signal(signal.SIGINT)
+        return member
+
+    store = Checkpoints(tmp_path, IDENTITY)
+    monkeypatch.setattr(zipfile.ZipFile, "open", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        store.write(3, 4096, ARRAYS)
+    monkeypatch.undo()
+    assert store.holds(3, 4096)
 
 
 def test_a_folder_in_use_is_not_taken_unasked(tmp_path):

@@ -1,6 +1,7 @@
 """YAML with line marks, loaded safely: limits on size, depth and nodes, no duplicate keys."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -144,9 +145,11 @@ def load_document(path: Path, name: str | None = None) -> Document:
     name = str(path) if name is None else name
     text = read_text(path, name)
     try:
-        _check_size(text, name)
+        _check_size(text, name, _LOADER)
         node = yaml.compose(text, Loader=_LOADER)
     except yaml.MarkedYAMLError as error:
+        with suppress(yaml.YAMLError):  # libyaml looks far ahead, and has a limit of its own to depth
+            _check_size(text, name, yaml.SafeLoader)
         line = error.problem_mark.line + 1 if error.problem_mark else None
         words = " ".join(part for part in (error.context, error.problem) if part)
         raise InputError([Problem(f"is not valid YAML: {words}", name, line)]) from None
@@ -162,10 +165,10 @@ def load_document(path: Path, name: str | None = None) -> Document:
     return document
 
 
-def _check_size(text: str, name: str) -> None:
+def _check_size(text: str, name: str, loader: Any) -> None:
     """Refuse what is nested deeply or has too many values while it is parsed, before any function that recurses."""
     depth, nodes = 0, 0
-    for event in yaml.parse(text, Loader=_LOADER):
+    for event in yaml.parse(text, Loader=loader):
         nodes += isinstance(event, yaml.NodeEvent)
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
@@ -207,7 +210,8 @@ class _Builder:
             message = f"expands to more than {MAX_NODES} values (aliases of aliases?)"
             raise InputError([Problem(message, self.name, line)])
         self.marks.setdefault(path, (self.name, line))
-        if not isinstance(node, yaml.ScalarNode) and node.tag not in _COLLECTIONS:
+        known = self._scalars.yaml_constructors if isinstance(node, yaml.ScalarNode) else _COLLECTIONS
+        if node.tag not in known:
             self.problems.append(Problem(f"the tag {node.tag} is not supported", self.name, line, key_path(path)))
             return None
         if isinstance(node, yaml.MappingNode):
