@@ -35,7 +35,7 @@ def _leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
     if isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _leaves(inner, f"{path}.{key}" if path else str(key))
-    elif isinstance(value, list):
+    elif isinstance(value, list) and path != "learned_from":
         for index, inner in enumerate(value):
             name = _phase_name(inner) if path == "phases" else None
             yield from _leaves(name[1] if name else inner, name[0] if name else f"{path}[{index}]")
@@ -68,4 +68,6 @@ def _same(first: object, second: object) -> bool:
 
 
 def _shown(value: object) -> str:
+    if isinstance(value, list):
+        return f"{len(value)} legs, dives or runs"
     return "" if value is None else str(value)
