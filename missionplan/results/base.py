@@ -31,8 +31,8 @@ _rendering = threading.Lock()
 """Figures are drawn one at a time: Matplotlib is not made for threads."""
 SCHEMA = "missionplan/summary/1"
 """Of `summary.json`: the number goes up when a key changes its meaning or goes."""
-_PLACES = ("dataset", "datasets", "folder", "trials_run")
-"""Options whose contents are among the inputs, and what follows from the others."""
+_SAID_OTHERWISE = ("dataset", "datasets", "folder", "precision", "trials_run")
+"""Options whose contents are among the inputs, or that only chose the number of trials, which is."""
 _LIBRARIES = ("numpy", "scipy", "pandas", "matplotlib", "joblib", "pydantic", "pint")
 
 
@@ -79,8 +79,8 @@ class Provenance:
     @cached_property
     def identity(self) -> Identity:
         """What the result depends on; not the paths by which it was named, nor where blocks were computed."""
-        options = {name: value for name, value in self.options.items() if name not in _PLACES}
-        kept = {"command": self.command, "trials": self.trials, **options}
+        options = {name: value for name, value in self.options.items() if name not in _SAID_OTHERWISE}
+        kept = {"command": self.command, **options, "trials": self.trials}
         return Identity.of(self.inputs or {"data": self.data}, kept, self.seed)
 
     def summary(self) -> dict[str, object]:
