@@ -89,7 +89,7 @@ class Identity:
     def of(cls, inputs: Mapping[str, object], options: Mapping[str, object], seed: int | None) -> "Identity":
         """Identify a result of this process; options that only say where it is computed are left out."""
         kept = {name: value for name, value in options.items() if name not in _OF_THE_MACHINE}
-        return cls(_plain(inputs), _plain(kept), seed)
+        return cls(_plain(inputs), _plain(kept), seed, running_program())
 
     def parts(self) -> dict[str, object]:
         """Return version, code, plug-ins, libraries, inputs (by their digests), options and seed as plain data."""

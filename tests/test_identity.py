@@ -3,9 +3,11 @@
 import dataclasses
 import importlib.metadata
 import json
+import os
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +15,12 @@ import pytest
 from conftest import TRANSIT
 
 import missionplan
-from missionplan import Mission, simulate
+from missionplan import InputError, Mission, simulate
 from missionplan import identity as module
 from missionplan.identity import Identity, differences, digest_of, running_program
 
 PACKAGE = Path(missionplan.__file__).parent
+CHESAPEAKE = PACKAGE.parent / "missions" / "chesapeake.yaml"
 MISSION = {"name": "a", "phases": [{"transit": {"speed": "1.5 m/s"}}]}
 
 
@@ -122,3 +125,48 @@ def test_it_takes_no_noticeable_time():
         float(subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout) for _ in "ab"
     )
     assert taken < 0.25
+
+
+@pytest.mark.parametrize(
+    ("study", "options"),
+    [
+        (simulate, {}),
+        (missionplan.explore, {"vary": "ingress.speed=1.2:1.8:0.6 m/s"}),
+        (missionplan.optimise, {"choose": ["ingress.speed=1.2:1.8:0.6 m/s"]}),
+    ],
+    ids=lambda each: getattr(each, "__name__", ""),
+)
+def test_blocks_of_other_code_are_refused_and_stay(monkeypatch, tmp_path, study, options):
+    run = partial(study, CHESAPEAKE, trials=20, checkpoint=tmp_path / "blocks", **options)
+    run()
+    before = {path: path.read_bytes() for path in (tmp_path / "blocks").iterdir()}
+    other = dataclasses.replace(
+        running_program(), code="0" * 64, libraries={**running_program().libraries, "numpy": "9"}
+    )
+    monkeypatch.setattr(module, "running_program", lambda: other)
+    with pytest.raises(InputError, match="another run") as caught:
+        run(resume=True)
+    named = [line.partition(":")[0].strip() for line in str(caught.value).splitlines()[1:]]
+    assert named == ["code of missionplan", "library numpy"]
+    assert {path: path.read_bytes() for path in (tmp_path / "blocks").iterdir()} == before
+
+
+def test_a_resumed_run_of_a_copy_with_another_gravity_is_refused_and_overwrites_nothing(tmp_path):
+    copy = tmp_path / "other" / "missionplan"
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    gravity = copy / "physics" / "buoyancy.py"
+    gravity.write_text(gravity.read_text().replace("9.80665", "9.9"))
+    words = [sys.executable, "-m", "missionplan", "simulate", str(CHESAPEAKE), "--jobs", "1", "--out", "out", "--quiet"]
+
+    def run(path, *more):
+        environment = {**os.environ, "PYTHONPATH": str(path)}
+        return subprocess.run(
+            [*words, *more], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+        )
+
+    assert run(PACKAGE.parent, "--trials", "50").returncode in (0, 3)
+    before = {path: path.read_bytes() for path in (tmp_path / "out").rglob("*") if path.is_file()}
+    refused = run(copy.parent, "--trials", "100", "--resume")
+    assert refused.returncode == 2
+    assert "code of missionplan: was " in refused.stderr
+    assert {path: path.read_bytes() for path in (tmp_path / "out").rglob("*") if path.is_file()} == before
