@@ -119,8 +119,8 @@ def test_trials_of_the_file_and_of_an_option_are_one():
 
 
 def test_it_takes_no_noticeable_time():
-    code = "import time, missionplan.identity as i; t = time.perf_counter(); i.running_program();"
-    code += "print(time.perf_counter() - t)"
+    code = "import time, missionplan.identity as i; t = time.process_time(); i.running_program();"
+    code += "print(time.process_time() - t)"
     taken = min(
         float(subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout) for _ in "ab"
     )
