@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
+from missionplan.identity import digest_of
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.moments import moment_of
 from missionplan.results.base import Provenance
@@ -75,6 +76,7 @@ def history(folder: str | Path) -> History:
         elapsed_s=time.perf_counter() - began,
         data={"folder": str(root), "reports": [report.place for report in reports]},
         notices=(*foreign, *notices),
+        inputs={"reports": {report.place: digest_of(report.summary) for report in reports}},
     )
     known = {report.place: report.learned_from or frozenset() for report in reports}
     return History(provenance, tuple(known), tuple(_with_jumps(entries, known)), by_start)
