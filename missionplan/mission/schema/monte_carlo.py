@@ -6,7 +6,6 @@ from pydantic import Field, field_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.section import FileSection
-from missionplan.montecarlo.draws import Correlation
 
 
 class MonteCarlo(FileSection):
@@ -39,8 +38,3 @@ class CorrelationSection(FileSection):
 
     between: tuple[str, str]
     rho: Annotated[float, Field(ge=-1.0, le=1.0)]
-
-    @property
-    def pair(self) -> Correlation:
-        """The correlation as draws take it."""
-        return Correlation(self.between, self.rho)

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission
+from missionplan.mission.schema.shared_sections import name_in_force, overridden
 
 _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 _WHOLES = ("vehicle", "start", "site.current", "site.water", "vehicle.anchor")
@@ -30,6 +31,10 @@ def check_key(mission: Mission, key: str, option: str) -> None:
     InputError
         With the nearest key.
     """
+    if overridden(tuple(key.split(".")), mission.raw):
+        said = name_in_force(key)
+        message = f"given the key {shown(key)}, which changes nothing: the mission's own {said} goes before it"
+        raise InputError([Problem(message, key=option, hint=f"did you mean {said}?")])
     known = known_keys(mission)
     if key in known or _is_written(mission.raw, key):
         return
@@ -48,7 +53,7 @@ def known_keys(mission: Mission) -> set[str]:
             found |= {path for entry in mission.effects for path in entry.quantities()}
         elif name not in ("sweep", "optimise", "requirements", "correlations"):
             _collect(value, name, found)
-    return found
+    return found | {".".join(map(str, each.path)) for each in mission.values_in_force()}
 
 
 def _collect(value: object, path: str, found: set[str]) -> None:
