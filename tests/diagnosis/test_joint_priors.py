@@ -86,7 +86,7 @@ def test_dives_of_two_weights_one_after_the_other_tell_what_all_together_do(desc
 
     half, whole = after(wide, (0, 1)), told(after(wide, range(4)))
     (pair,) = half.correlations
-    assert abs(pair.rho) > 0.9
+    assert abs(pair.pair.rho) > 0.9
     found, without = (distance(told(after(each, (2, 3))), whole) for each in (half, untied(half)))
     assert found[0] < 0.3
     assert without[0] > 2.0 * found[0]

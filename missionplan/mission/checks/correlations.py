@@ -6,19 +6,15 @@ from missionplan.errors import LocalProblem
 from missionplan.mission.schema.effect_list import OneOf
 from missionplan.mission.schema.monte_carlo import CorrelationSection
 from missionplan.montecarlo.distributions import Quantity
-from missionplan.montecarlo.draws import Correlation, correlation_problems
+from missionplan.montecarlo.draws import correlation_problems
 
 
 def check_correlations(
-    correlations: Sequence[CorrelationSection],
-    pairs: Sequence[Correlation],
-    quantities: Mapping[str, Quantity],
-    doubts: Sequence[OneOf] = (),
+    correlations: Sequence[CorrelationSection], quantities: Mapping[str, Quantity], doubts: Sequence[OneOf] = ()
 ) -> list[LocalProblem]:
     """List what keeps a mission's quantities, given by key path, from having these correlations.
 
-    `pairs` are theirs by the names under which the quantities are drawn. Those of an explanation are written in it: one
-    matrix then holds together at a time.
+    Those of an explanation are written in it: one matrix then holds together at a time.
     """
     problems = [
         LocalProblem((number, "between", side), f"{name} belongs to an explanation", "its own `correlations` hold it")
@@ -26,5 +22,5 @@ def check_correlations(
         for side, name in enumerate(correlation.between)
         if any(name.startswith(doubt.place) for doubt in doubts)
     ]
-    problems = problems or correlation_problems(quantities, pairs)
+    problems = problems or correlation_problems(quantities, [correlation.pair for correlation in correlations])
     return [problem.within(("correlations",)) for problem in problems]
