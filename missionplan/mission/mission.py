@@ -8,6 +8,7 @@ from typing import Literal
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
+from missionplan.identity import digest_of_files
 from missionplan.mission.checks.correlations import check_correlations
 from missionplan.mission.checks.limits.ranges import Findings, check_effects, check_ranges
 from missionplan.mission.checks.limits.relations import check_relations
@@ -314,6 +315,19 @@ class Mission(FileSection):
         """The file's own data with includes in place, as it is written to `mission.yaml` of a report."""
         return self._raw
 
+    def identified(self) -> dict[str, object]:
+        """Return `raw` with names and contents' SHA-256 in place of the paths of files: what a run of it depends on.
+
+        Raises
+        ------
+        InputError
+            When one of the files can no longer be read.
+        """
+        current, chart = (self.site.current, self.site.chart) if self.site else (None, None)
+        named = [*(current.members if isinstance(current, CurrentFile) else ()), *([chart] if chart else ())]
+        contents = {name: _by_contents(name) for name in named if not name.startswith(REMOTE)}
+        return {key: _replaced(value, contents) for key, value in self.raw.items()}
+
     def quantities(self) -> dict[str, Quantity]:
         """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI].
 
@@ -339,3 +353,19 @@ class Mission(FileSection):
     def uncertain(self) -> dict[str, Distribution]:
         """Return the quantities that are distributions, by key path."""
         return {path: value for path, value in self.quantities().items() if isinstance(value, Distribution)}
+
+
+def _by_contents(name: str) -> str:
+    try:
+        return f"{Path(name).name} (SHA-256 {digest_of_files(matching(name))})"
+    except OSError as error:
+        raise InputError([Problem(f"cannot be read: {error.strerror or error}", name)]) from error
+
+
+def _replaced(value: object, texts: Mapping[str, str]) -> object:
+    """Return plain data with some of its texts replaced."""
+    if isinstance(value, Mapping):
+        return {key: _replaced(inner, texts) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_replaced(inner, texts) for inner in value]
+    return texts.get(value, value) if isinstance(value, str) else value
