@@ -7,7 +7,7 @@ from missionplan.errors import RunError
 from missionplan.importers.importer import Importer
 
 _GROUP = "missionplan.importers"
-_OWN = ("slocum", "seaglider", "og1", "pyglider", "seaexplorer", "imc", "moos", "rosbag", "track")
+_OWN = ("slocum", "seaglider", "pyglider", "seaexplorer", "imc", "moos", "rosbag", "track")
 """Modules of `readers`, in the order in which they are asked whether they recognise a file."""
 
 
@@ -19,7 +19,8 @@ def known_importers() -> dict[str, Importer]:
     RunError
         When an installed package's entry is no importer, or has the name of another.
     """
-    found = {name: import_module(f"missionplan.importers.readers.{name}").IMPORTER for name in _OWN}
+    modules = [import_module(f"missionplan.importers.readers.{name}") for name in _OWN]
+    found: dict[str, Importer] = {each.name: each for module in modules for each in module.IMPORTERS}
     for entry in entry_points(group=_GROUP):
         try:
             importer = entry.load()
