@@ -8,13 +8,14 @@ from missionplan.importers.importer import Importer
 from missionplan.packages import PluginError, load_plugin
 
 _GROUP = "missionplan.importers"
-_OWN = ("slocum", "seaglider", "og1", "pyglider", "seaexplorer", "imc", "moos", "rosbag", "track")
+_OWN = ("slocum", "seaglider", "pyglider", "seaexplorer", "imc", "moos", "rosbag", "track")
 """Modules of `readers`, in the order in which they are asked whether they recognise a file."""
 
 
 def known_importers() -> tuple[dict[str, Importer], list[Problem]]:
     """Return the importers by name, and why any that an installed package adds is left out."""
-    found = {name: import_module(f"missionplan.importers.readers.{name}").IMPORTER for name in _OWN}
+    modules = [import_module(f"missionplan.importers.readers.{name}") for name in _OWN]
+    found: dict[str, Importer] = {each.name: each for module in modules for each in module.IMPORTERS}
     left_out: list[Problem] = []
     for entry in entry_points(group=_GROUP):
         try:

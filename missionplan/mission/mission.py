@@ -30,6 +30,7 @@ from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarl
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
 from missionplan.mission.schema.section import FileSection
+from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
 from missionplan.mission.schema.site import CurrentFile, Site
 from missionplan.mission.schema.sweep import OptimiseSection, SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
@@ -292,8 +293,12 @@ class Mission(FileSection):
 
     @property
     def budget(self) -> EnergyBudget | None:
-        """Energy budget: the mission's own, else the vehicle's."""
-        return self.energy or (self.vehicle.energy if self.vehicle else None)
+        """Energy budget in force, key by key: the mission's, else the vehicle's, else the default."""
+        return joined(self.energy, self.vehicle.energy if self.vehicle else None)
+
+    def values_in_force(self) -> tuple[ValueInForce, ...]:
+        """Return what is in force of every key that mission and vehicle may both give, and where it is from."""
+        return tuple(values_in_force(self.raw))
 
     @property
     def file(self) -> str:
@@ -324,7 +329,10 @@ class Mission(FileSection):
         return {key: _replaced(value, contents) for key, value in self.raw.items()}
 
     def quantities(self) -> dict[str, Quantity]:
-        """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI]."""
+        """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI].
+
+        Those of a section that mission and vehicle share are named as the mission's: ``energy.hotel``.
+        """
         found: dict[str, Quantity] = {}
         for name, value in self:
             if name == "entries":
@@ -332,9 +340,11 @@ class Mission(FileSection):
                     collect_quantities(phase, phase.name, found)
             elif name == "effect_list":
                 found |= self.effect_list.quantities()
+            elif name in SHARED:
+                collect_quantities(joined(value, getattr(self.vehicle, name, None)), name, found)
             elif name not in ("sweep", "optimise"):
                 collect_quantities(value, name, found)
-        return found
+        return {path: value for path, value in found.items() if name_in_force(path) == path}
 
     def notices(self) -> tuple[str, ...]:
         """Return a note for each unusual value, distribution cut at its physical range, and plug-in left out."""

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission
 from missionplan.mission.quantity_paths import phase_of_path, resolved_path
+from missionplan.mission.schema.shared_sections import name_in_force, overridden
 
 _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 _WHOLES = ("vehicle", "start", "site.current", "site.water", "vehicle.anchor")
@@ -35,6 +36,10 @@ def known_key(mission: Mission, key: str, option: str) -> str:
     """
     if _STEP.findall(key)[:1] in [[name] for name in _OF_THE_RUN]:
         raise InputError([Problem(f"given the key {shown(key)}, which says how the mission is computed", key=option)])
+    if overridden(tuple(key.split(".")), mission.raw):
+        said = name_in_force(key)
+        message = f"given the key {shown(key)}, which changes nothing: the mission's own {said} goes before it"
+        raise InputError([Problem(message, key=option, hint=f"did you mean {said}?")])
     known, key = known_keys(mission), resolved_path(key, [phase.label for phase in mission.phases])
     if key in known or _is_written(mission.raw, key):
         return key
@@ -53,7 +58,7 @@ def known_keys(mission: Mission) -> set[str]:
             found |= {path for entry in mission.effects for path in entry.quantities()}
         elif name not in _OF_THE_RUN:
             _collect(value, name, found)
-    return found
+    return found | {".".join(map(str, each.path)) for each in mission.values_in_force()}
 
 
 def _collect(value: object, path: str, found: set[str]) -> None:
