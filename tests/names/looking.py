@@ -11,9 +11,7 @@ import yaml
 from .hostile import MARK
 
 _TAGS = frozenset(
-    "html head meta link title style body main div header p h1 h2 figure figcaption dl dt dd section table caption thead "
-    "tbody tr th td pre ul li code details summary script svg g path rect defs use text tspan clippath image lineargradient "
-    "stop small b br img span pattern circle".split()
+    ["html", "head", "meta", "link", "title", "style", "body", "main", "div", "header", "p", "h1", "h2", "figure", "figcaption", "dl", "dt", "dd", "section", "table", "caption", "thead", "tbody", "tr", "th", "td", "pre", "ul", "li", "code", "details", "summary", "script", "svg", "g", "path", "rect", "defs", "use", "text", "tspan", "clippath", "image", "lineargradient", "stop", "small", "b", "br", "img", "span", "pattern", "circle"]
 )  # fmt: skip
 _SCRIPTED = ("on", "src", "srcdoc", "formaction", "action")
 
