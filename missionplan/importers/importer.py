@@ -11,6 +11,7 @@ from types import ModuleType
 from missionplan.errors import InputError, Problem
 from missionplan.importers.mapping import MappedName
 from missionplan.importers.track import Track
+from missionplan.packages import how_to_install
 
 DAMAGED = (OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticError, TypeError, zlib.error)
 """Errors by which libraries say that a file is damaged."""
@@ -148,6 +149,6 @@ def needed_module(name: str, extra: str, format_name: str) -> ModuleType:
     try:
         return import_module(name)
     except ImportError:
-        hint = f"pip install 'missionplan[{extra}]'"
+        hint = how_to_install(extra)
         message = f"the format {format_name} needs the package {name.partition('.')[0]}, which is not installed"
         raise InputError([Problem(message, hint=hint)]) from None

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path, PurePath
 from typing import Literal
@@ -81,7 +81,10 @@ def import_logs(
     mapping = read_mapping(names)
     several = [sources] if isinstance(sources, str | PurePath) else sources
     paths = [as_path(each, "sources") for each in several]
-    found = find_sources(paths, known_importers(), format, otherwise="track" if mapping else None)
+    importers, left_out = known_importers()
+    if left_out and format not in (None, *importers):
+        raise InputError([Problem(f"no format of the name {shown(format)}", key="format"), *left_out])
+    found = find_sources(paths, importers, format, otherwise="track" if mapping else None)
     found, identity = of_one(found, vehicle, deployment)
     log = SourceLog(progress=progress, is_strict=is_strict)
     options = ReadOptions(mapping, None if cache is None else as_path(cache, "cache"))
@@ -89,6 +92,7 @@ def import_logs(
     if not log.read:
         raise InputError([*log.passed_over, *found.passed_over])
     track = with_declination(_of_one_deployment(track, None if identity.deployment else deployment))
+    track = replace(track, notices=(*track.notices, *map(str, left_out)))
     if shift_origin is not None:
         track = shifted(track, *shift_origin)
     read = set(log.read)

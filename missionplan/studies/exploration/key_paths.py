@@ -15,6 +15,8 @@ from missionplan.mission.schema.shared_sections import name_in_force, overridden
 _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 _WHOLES = ("vehicle", "start", "site.current", "site.water", "vehicle.anchor")
 """Keys that may be varied as a whole, besides those that hold one value."""
+_OF_THE_RUN = ("monte_carlo", "sweep", "optimise", "requirements", "correlations", "units", "name")
+"""Sections that no choice of a mission can lie in."""
 
 
 def known_key(mission: Mission, key: str, option: str) -> str:
@@ -32,6 +34,8 @@ def known_key(mission: Mission, key: str, option: str) -> str:
     InputError
         With the nearest key.
     """
+    if _STEP.findall(key)[:1] in [[name] for name in _OF_THE_RUN]:
+        raise InputError([Problem(f"given the key {shown(key)}, which says how the mission is computed", key=option)])
     if overridden(tuple(key.split(".")), mission.raw):
         said = name_in_force(key)
         message = f"given the key {shown(key)}, which changes nothing: the mission's own {said} goes before it"
@@ -52,7 +56,7 @@ def known_keys(mission: Mission) -> set[str]:
                 _collect(phase, phase.name, found)
         elif name == "effect_list":
             found |= {path for entry in mission.effects for path in entry.quantities()}
-        elif name not in ("sweep", "optimise", "requirements", "correlations"):
+        elif name not in _OF_THE_RUN:
             _collect(value, name, found)
     return found | {".".join(map(str, each.path)) for each in mission.values_in_force()}
 
