@@ -34,7 +34,7 @@ from missionplan.report.simulation.quantities import (
 )
 from missionplan.report.simulation.requirements import requirements_in_words, requirements_section, verdict
 from missionplan.report.simulation.sensitivities import sensitivity_sections
-from missionplan.report.wording import in_words, phase_in_words
+from missionplan.report.wording import in_words, phase_in_words, shortened
 from missionplan.results.plain_data import mapping
 from missionplan.results.simulation import Outcome
 
@@ -71,7 +71,7 @@ def terminal(outcome: Outcome) -> Terminal:
     for phase in (*outcome.phases, outcome.total):
         events = [f"{in_words(name)} {share(probability)}" for name, probability in phase.events.items()]
         ranges = (range_in_words(outcome, phase, key) for key in ("duration_s", "energy_wh"))
-        rows.append((phase.label, events[0] if events else "", *ranges))
+        rows.append((shortened(phase.label), events[0] if events else "", *ranges))
     columns = ("phase", "of the trials", "those that end take (5–95 %)", "and use (5–95 %)")
     return Terminal(answer(outcome), columns, rows, verdict=verdict(outcome))
 
