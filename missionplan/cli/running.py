@@ -91,7 +91,7 @@ def new_folder_name(stem: str, command: str) -> Path:
 def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
     drawing = _drawing_in_parallel()
-    from missionplan.report.crew.conversion import in_units, units_of, using_units
+    from missionplan.report.quantities import using_units
 
     with using_units(output.system):
         with drawing:
@@ -106,10 +106,8 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     if not output.quiet:
         from missionplan.report.typesetting import typeset
 
-        with using_units(output.system):
-            units = units_of(result.provenance.data)
         for notice in result.provenance.notices:
-            remark(f"Note: {in_units(typeset(notice), units) if units else typeset(notice)}")
+            remark(f"Note: {typeset(notice)}")
     note(f"Report: {folder / 'report.html'}")
 
 
