@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
-from pydantic import Field, PrivateAttr, ValidationError, field_validator
+from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
 from missionplan.mission.checks.correlations import check_correlations
@@ -18,7 +18,7 @@ from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.mission_text import MissionText
 from missionplan.mission.editing.yaml_text import dumped
 from missionplan.mission.notices import notices
-from missionplan.mission.quantity_paths import collect_quantities
+from missionplan.mission.quantity_paths import collect_quantities, phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import REMOTE, include_files
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
@@ -63,13 +63,41 @@ class Mission(FileSection):
     _sources: tuple[Path, ...] = PrivateAttr(default=())
     _text: MissionText | None = PrivateAttr(default=None)
 
+    @field_validator("entries", mode="after")
+    @classmethod
+    def _key_phases(cls, entries: tuple[PhaseEntry, ...]) -> tuple[PhaseEntry, ...]:
+        keys = phase_keys([entry.phase.label for entry in entries])
+        return tuple(entry.keyed(key) for entry, key in zip(entries, keys, strict=True))
+
+    @field_validator("sweep", mode="after")
+    @classmethod
+    def _resolve_phase(cls, sweep: SweepSection, info: ValidationInfo) -> SweepSection:
+        keys = {entry.phase.label: entry.phase.name for entry in info.data.get("entries", ())}
+        return sweep.model_copy(update={"phase": keys.get(sweep.phase, sweep.phase)})
+
+    @field_validator("requirements", mode="after")
+    @classmethod
+    def _resolve_quantities(
+        cls, requirements: tuple[Requirement, ...], info: ValidationInfo
+    ) -> tuple[Requirement, ...]:
+        names = [entry.phase.label for entry in info.data.get("entries", ())]
+        return tuple(requirement.resolved(names) for requirement in requirements)
+
+    @field_validator("correlations", mode="after")
+    @classmethod
+    def _resolve_pairs(
+        cls, correlations: tuple[CorrelationSection, ...], info: ValidationInfo
+    ) -> tuple[CorrelationSection, ...]:
+        names = [entry.phase.label for entry in info.data.get("entries", ())]
+        return tuple(correlation.resolved(names) for correlation in correlations)
+
     @field_validator("effect_list", mode="plain")
     @classmethod
     def _read_effects(cls, value: object) -> EffectList:
         return read_effects(value)
 
     def __repr__(self) -> str:
-        phases = ", ".join(phase.name for phase in self.phases) or "none"
+        phases = ", ".join(phase.label for phase in self.phases) or "none"
         where = f" of {self.file}" if self.file else ""
         return f"<Mission {self.name!r}{where}: phases {phases}; {len(self.uncertain())} uncertain quantities>"
 

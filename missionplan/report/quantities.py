@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 
+from missionplan.mission.quantity_paths import written_phases
 from missionplan.mission.unit_table import FACTORS
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.montecarlo.statistics import Statistic
@@ -255,10 +256,11 @@ def unit_for(phase: str, key: str, data: Mapping[str, object], *, typical: float
 
 def _texts(phase: str, quantity: str, data: Mapping[str, object]) -> list[object]:
     """Quantities of the mission file whose unit suits, in order of preference."""
+    written = {each.key: each.name for each in written_phases(data)}
     requirements = [
         requirement.get("at_most", requirement.get("at_least"))
         for requirement in mappings(data.get("requirements"))
-        if requirement.get("quantity") == f"{phase}.{quantity}"
+        if requirement.get("quantity") == f"{written.get(phase, phase)}.{quantity}"
     ]
     section = _phase(phase, data)
     below = [_at(section, path) for path in _KEYS.get(quantity, ())]
@@ -268,11 +270,7 @@ def _texts(phase: str, quantity: str, data: Mapping[str, object]) -> list[object
 
 
 def _phase(name: str, data: Mapping[str, object]) -> Mapping[str, object]:
-    for entry in mappings(data.get("phases")):
-        for kind, section in entry.items():
-            if isinstance(section, Mapping) and section.get("name", kind) == name:
-                return section
-    return {}
+    return next((each.section for each in written_phases(data) if each.key == name), {})
 
 
 def _at(data: object, path: tuple[str, ...]) -> object:

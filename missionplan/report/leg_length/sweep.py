@@ -15,6 +15,7 @@ from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Drawing, Page, PageSection, Table, Terminal
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
+from missionplan.report.wording import phase_in_words
 from missionplan.results.explained import label
 from missionplan.results.leg_length.sweep import Sweep, SweepCurve
 
@@ -35,7 +36,7 @@ _FEWEST_FOR_TEETH = 12
 def page(sweep: Sweep) -> Page:
     """Build the page of a sweep."""
     return Page(
-        title=f"Maximum leg length for {sweep.phase}: {sweep.provenance.mission}",
+        title=f"Maximum leg length for {phase_in_words(sweep.phase)}: {sweep.provenance.mission}",
         answer=answer(sweep),
         figure=cost_figure(sweep),
         numbers=_numbers(sweep),

@@ -22,7 +22,7 @@ from missionplan.report.simulation.quantities import (
     unit_of,
     worst_step,
 )
-from missionplan.report.wording import capitalised, in_words
+from missionplan.report.wording import capitalised, in_words, phase_in_words
 from missionplan.results.simulation import Outcome, PhaseOutcome
 
 _ALWAYS_DRAWN = {"moor": ("offset_m", "lowest_altitude_m", "nose_altitude_m"), "total": ("duration_s", "energy_wh")}
@@ -44,7 +44,7 @@ def tracks(outcome: Outcome) -> Iterator[PageSection]:
         return
     drawn = list(rings(outcome))
     unit = reader_unit("m", max(ring.radius for ring in drawn))
-    rows = [(ring.phase, ring.kind, _share(ring), unit.cell(ring.radius, ".3g")) for ring in drawn]
+    rows = [(phase_in_words(ring.phase), ring.kind, _share(ring), unit.cell(ring.radius, ".3g")) for ring in drawn]
     caption = "Circles are about the goal; for an ellipse, the radius of the circle of equal area."
     table = Table(("phase", "line", "holds", f"radius{unit.axis}"), rows, caption, text_columns=2)
     close = close_ups(outcome)
