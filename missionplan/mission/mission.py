@@ -8,6 +8,7 @@ from typing import Literal
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
+from missionplan.identity import digest_of_files
 from missionplan.mission.checks.correlations import check_correlations
 from missionplan.mission.checks.limits.ranges import Findings, check_effects, check_ranges
 from missionplan.mission.checks.limits.relations import check_relations
@@ -29,6 +30,7 @@ from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarl
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
 from missionplan.mission.schema.section import FileSection
+from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
 from missionplan.mission.schema.site import CurrentFile, Site
 from missionplan.mission.schema.sweep import OptimiseSection, SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
@@ -291,8 +293,12 @@ class Mission(FileSection):
 
     @property
     def budget(self) -> EnergyBudget | None:
-        """Energy budget: the mission's own, else the vehicle's."""
-        return self.energy or (self.vehicle.energy if self.vehicle else None)
+        """Energy budget in force, key by key: the mission's, else the vehicle's, else the default."""
+        return joined(self.energy, self.vehicle.energy if self.vehicle else None)
+
+    def values_in_force(self) -> tuple[ValueInForce, ...]:
+        """Return what is in force of every key that mission and vehicle may both give, and where it is from."""
+        return tuple(values_in_force(self.raw))
 
     @property
     def file(self) -> str:
@@ -309,8 +315,24 @@ class Mission(FileSection):
         """The file's own data with includes in place, as it is written to `mission.yaml` of a report."""
         return self._raw
 
+    def identified(self) -> dict[str, object]:
+        """Return `raw` with names and contents' SHA-256 in place of the paths of files: what a run of it depends on.
+
+        Raises
+        ------
+        InputError
+            When one of the files can no longer be read.
+        """
+        current, chart = (self.site.current, self.site.chart) if self.site else (None, None)
+        named = [*(current.members if isinstance(current, CurrentFile) else ()), *([chart] if chart else ())]
+        contents = {name: _by_contents(name) for name in named if not name.startswith(REMOTE)}
+        return {key: _replaced(value, contents) for key, value in self.raw.items()}
+
     def quantities(self) -> dict[str, Quantity]:
-        """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI]."""
+        """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI].
+
+        Those of a section that mission and vehicle share are named as the mission's: ``energy.hotel``.
+        """
         found: dict[str, Quantity] = {}
         for name, value in self:
             if name == "entries":
@@ -318,9 +340,11 @@ class Mission(FileSection):
                     collect_quantities(phase, phase.name, found)
             elif name == "effect_list":
                 found |= self.effect_list.quantities()
+            elif name in SHARED:
+                collect_quantities(joined(value, getattr(self.vehicle, name, None)), name, found)
             elif name not in ("sweep", "optimise"):
                 collect_quantities(value, name, found)
-        return found
+        return {path: value for path, value in found.items() if name_in_force(path) == path}
 
     def notices(self) -> tuple[str, ...]:
         """Return a note for each unusual value, distribution cut at its physical range, and plug-in left out."""
@@ -329,3 +353,19 @@ class Mission(FileSection):
     def uncertain(self) -> dict[str, Distribution]:
         """Return the quantities that are distributions, by key path."""
         return {path: value for path, value in self.quantities().items() if isinstance(value, Distribution)}
+
+
+def _by_contents(name: str) -> str:
+    try:
+        return f"{Path(name).name} (SHA-256 {digest_of_files(matching(name))})"
+    except OSError as error:
+        raise InputError([Problem(f"cannot be read: {error.strerror or error}", name)]) from error
+
+
+def _replaced(value: object, texts: Mapping[str, str]) -> object:
+    """Return plain data with some of its texts replaced."""
+    if isinstance(value, Mapping):
+        return {key: _replaced(inner, texts) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_replaced(inner, texts) for inner in value]
+    return texts.get(value, value) if isinstance(value, str) else value

@@ -17,7 +17,7 @@ from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
 from missionplan.results.base import to_yaml
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
 from missionplan.scenario.scenario import Scenario, leg_table
-from missionplan.scenario.site_current import recorded_current, with_contents_named
+from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.mission_plan.durations import SHARE, TransitDurations, transit_durations
 from missionplan.studies.mission_plan.single_interval import SingleInterval, single_interval
 
@@ -50,7 +50,7 @@ def mission_plan(mission: Mission, *, seed: int | None = None, means: Scenario |
     origin = mission.site.origin if mission.site else None
     return Plan(
         mission=mission.name,
-        digest=hashlib.sha256(with_contents_named(to_yaml(mission.raw), mission).encode()).hexdigest(),
+        digest=hashlib.sha256(to_yaml(mission.identified()).encode()).hexdigest(),
         version=version("missionplan"),
         start=mission.start,
         origin=(origin.latitude, origin.longitude) if origin else None,
