@@ -3,7 +3,7 @@
 import copy
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
@@ -29,7 +29,8 @@ from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarlo, Requirement
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
-from missionplan.mission.schema.section import FileSection
+from missionplan.mission.schema.section import FileSection, Identity
+from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
 from missionplan.mission.schema.site import CurrentFile, Site
 from missionplan.mission.schema.sweep import OptimiseSection, SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
@@ -38,6 +39,9 @@ from missionplan.montecarlo.distributions import Distribution, Quantity
 from missionplan.montecarlo.draws import Correlation
 from missionplan.store.folder import write_atomically
 from missionplan.store.paths import as_path, exists, matching
+
+MOST_LEARNED = 5000
+"""Legs, dives and runs that a mission keeps in mind, the last ones: half of what a file may hold."""
 
 
 class Mission(FileSection):
@@ -57,6 +61,7 @@ class Mission(FileSection):
     requirements: tuple[Requirement, ...] = ()
     correlations: tuple[CorrelationSection, ...] = ()
     effect_list: EffectList = Field(default=EffectList(), alias="effects")
+    learned_from: Annotated[tuple[Identity, ...], Field(max_length=MOST_LEARNED)] = ()
 
     _raw: dict[str, object] = PrivateAttr(default_factory=dict)
     _file: str = PrivateAttr(default="")
@@ -292,8 +297,12 @@ class Mission(FileSection):
 
     @property
     def budget(self) -> EnergyBudget | None:
-        """Energy budget: the mission's own, else the vehicle's."""
-        return self.energy or (self.vehicle.energy if self.vehicle else None)
+        """Energy budget in force, key by key: the mission's, else the vehicle's, else the default."""
+        return joined(self.energy, self.vehicle.energy if self.vehicle else None)
+
+    def values_in_force(self) -> tuple[ValueInForce, ...]:
+        """Return what is in force of every key that mission and vehicle may both give, and where it is from."""
+        return tuple(values_in_force(self.raw))
 
     @property
     def file(self) -> str:
@@ -324,7 +333,10 @@ class Mission(FileSection):
         return {key: _replaced(value, contents) for key, value in self.raw.items()}
 
     def quantities(self) -> dict[str, Quantity]:
-        """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI]."""
+        """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI].
+
+        Those of a section that mission and vehicle share are named as the mission's: ``energy.hotel``.
+        """
         found: dict[str, Quantity] = {}
         for name, value in self:
             if name == "entries":
@@ -332,9 +344,11 @@ class Mission(FileSection):
                     collect_quantities(phase, phase.name, found)
             elif name == "effect_list":
                 found |= self.effect_list.quantities()
+            elif name in SHARED:
+                collect_quantities(joined(value, getattr(self.vehicle, name, None)), name, found)
             elif name not in ("sweep", "optimise"):
                 collect_quantities(value, name, found)
-        return found
+        return {path: value for path, value in found.items() if name_in_force(path) == path}
 
     def notices(self) -> tuple[str, ...]:
         """Return a note for each unusual value, distribution cut at its physical range, and plug-in left out."""

@@ -127,8 +127,7 @@ class DrawnMission:
 
     def energy(self, key: str) -> Scalars:
         """Return a quantity of the energy budget [W, J or none]; nan where the mission has no budget."""
-        section = "energy" if self.mission.energy else "vehicle.energy"
-        return self.get(f"{section}.{key}", float("nan"))
+        return self.get(f"energy.{key}", float("nan"))
 
     @property
     def surfacing_time(self) -> Scalars:

@@ -91,11 +91,9 @@ def _kind(phase: str, number: int) -> tuple[str, int]:
 
 def _depth(outcome: Outcome, phase: str) -> float | None:
     plan = outcome.plan
-    planned = [
-        each.name for each in outcome.phases if each.kind in ("transit", "moor")
-    ]  # the plan leaves out the others
-    depths = dict(zip(planned, (_planned_depth(each) for each in plan.phases), strict=True)) if plan else {}
-    depth = depths.get(phase, math.nan)
+    depths = {each.name: _planned_depth(each) for each in plan.phases} if plan else {}
+    label = next((each.label for each in outcome.phases if each.name == phase), phase)
+    depth = depths.get(label, math.nan)
     return round(depth, 3) if math.isfinite(depth) else None
 
 
