@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.running import checked_folder, deliver, progress_bar
+from missionplan.cli.running import deliver, progress_bar, report_folder
 from missionplan.errors import InputError, Problem, shown
 from missionplan.store.paths import exists, is_file
 
@@ -35,7 +35,12 @@ _Shift = Annotated[
     str | None, typer.Option(metavar="LAT,LON", help="Move the first fix to a made-up place.", show_default=False)
 ]
 _Shortest = Annotated[
-    str | None, typer.Option(metavar="TIME", help="Shortest leg that counts; default: 15 min.", show_default=False)
+    str | None,
+    typer.Option(
+        metavar="TIME",
+        help="Shortest leg that counts; default: half of a leg as planned or usual, 15 min at most.",
+        show_default=False,
+    ),
 ]
 _Gap = Annotated[
     str | None, typer.Option(metavar="TIME", help="Longest gap in a leg; default: 120 s.", show_default=False)
@@ -50,6 +55,11 @@ _TakeOut = Annotated[
 _Mark = Annotated[
     list[str] | None, typer.Option(metavar="TIME", help="When an anchor separated (dives); may be repeated.")
 ]
+_Vehicle = Annotated[str | None, typer.Option(help="Vehicle, where the files are of several.", show_default=False)]
+_Deployment = Annotated[
+    str | None, typer.Option(help="Deployment, where the files are of several: its name or date.", show_default=False)
+]
+_Strict = Annotated[bool, typer.Option("--strict", help="Stop at a damaged file instead of passing it over.")]
 _Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
 _Json = Annotated[
     bool, typer.Option("--json", help="Print the summary as JSON on standard output, and nothing else there.")
@@ -70,6 +80,9 @@ def import_(
     dive_depth: _DiveDepth = None,
     take_out_current: _TakeOut = False,
     mark: _Mark = None,
+    vehicle: _Vehicle = None,
+    deployment: _Deployment = None,
+    strict: _Strict = False,
     force: _Force = False,
     as_json: _Json = False,
     quiet: o.Quiet = False,
@@ -91,21 +104,24 @@ def import_(
         _quantity(dive_depth, "dive_depth", "m"),
         take_out_current,
     )
-    folder = checked_folder(output, "", "import", [path for path in paths if is_file(path)])
-    with progress_bar("import", shown=not quiet) as progress:
-        result = import_logs(
-            paths,
-            format=format,
-            kind=kind,  # type: ignore[arg-type]  # it is checked there
-            names=[*(map or ()), *entries],
-            cache=cache,
-            name=name,
-            shift_origin=_place(shift_origin),
-            rules=rules,
-            marks=mark or (),
-            progress=progress,
-        )
-    deliver(result, folder, output)
+    with report_folder(output, "", "import", [path for path in paths if is_file(path)]) as folder:
+        with progress_bar("import", shown=not quiet) as progress:
+            result = import_logs(
+                paths,
+                format=format,
+                kind=kind,  # type: ignore[arg-type]  # it is checked there
+                names=[*(map or ()), *entries],
+                cache=cache,
+                name=name,
+                shift_origin=_place(shift_origin),
+                rules=rules,
+                marks=mark or (),
+                vehicle=vehicle,
+                deployment=deployment,
+                is_strict=strict,
+                progress=progress,
+            )
+        deliver(result, folder, output)
 
 
 def _quantity(text: str | None, key: str, unit: str) -> float | None:

@@ -2,15 +2,15 @@
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
-from datetime import UTC, datetime
+from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stdout
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from missionplan.cli.options import OutputOptions
 from missionplan.cli.streams import answering, note, remark
-from missionplan.errors import InputError, Problem, attempted
+from missionplan.errors import InputError, MissionplanError, Problem, RunError, attempted
+from missionplan.packages import blamed_plugin
 
 if TYPE_CHECKING:
     from rich.progress import Task
@@ -37,11 +37,11 @@ def run_study(
     datasets: Sequence[Path] = (),
 ) -> "Result":
     """Load a mission, run a study of it, save the report, print and return the result; data sets are read besides."""
-    folder = checked_folder(output, path.stem, command)
-    mission = _loaded(path, datasets, folder, allow_outside=allow_outside)
-    with progress_bar(command, shown=not output.quiet) as progress:
-        result = study(mission, progress)
-    deliver(result, folder, output)
+    with report_folder(output, path.stem, command) as folder:
+        mission = _loaded(path, datasets, folder, allow_outside=allow_outside)
+        with progress_bar(command, shown=not output.quiet) as progress:
+            result = study(mission, progress)
+        deliver(result, folder, output)
     return result
 
 
@@ -73,25 +73,21 @@ def _loaded(path: Path, datasets: Sequence[Path], folder: Path, *, allow_outside
     return mission
 
 
-def checked_folder(output: OutputOptions, stem: str, command: str, inputs: Sequence[Path] = ()) -> Path:
-    """Choose the report folder of a command that starts now; refuse one that is not empty or holds its input."""
-    from missionplan.store.folder import check_holds_no_input, check_new_folder
+@contextmanager
+def report_folder(output: OutputOptions, stem: str, command: str, inputs: Sequence[Path] = ()) -> Iterator[Path]:
+    """Hold the report folder of a command that starts now; refuse one in use, not empty or holding its input."""
+    from missionplan.store.folder import check_holds_no_input, claimed, new_folder_name
 
-    folder = output.out or new_folder_name(stem, command)
-    check_new_folder(folder, force=output.force)
-    check_holds_no_input(folder, inputs)
-    return folder
-
-
-def new_folder_name(stem: str, command: str) -> Path:
-    """Name the report folder of a command that starts now."""
-    return Path("reports") / stem / f"{command}-{datetime.now(UTC):%Y%m%dT%H%M%SZ}"
+    folder = output.out or new_folder_name(Path("reports") / stem, command)
+    with claimed(folder, force=output.force):
+        check_holds_no_input(folder, inputs)
+        yield folder
 
 
 def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
     drawing = _drawing_in_parallel()
-    from missionplan.report.crew.conversion import in_units, units_of, using_units
+    from missionplan.report.quantities import using_units
 
     with using_units(output.system):
         with drawing:
@@ -106,10 +102,8 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     if not output.quiet:
         from missionplan.report.typesetting import typeset
 
-        with using_units(output.system):
-            units = units_of(result.provenance.data)
         for notice in result.provenance.notices:
-            remark(f"Note: {in_units(typeset(notice), units) if units else typeset(notice)}")
+            remark(f"Note: {typeset(notice)}")
     note(f"Report: {folder / 'report.html'}")
 
 
@@ -157,7 +151,29 @@ def _print_result(result: "Result") -> None:
 
 @contextmanager
 def progress_bar(label: str, *, shown: bool) -> Iterator[Progress]:
-    """Show a bar with rate and time left on standard error; yields what a study calls with (done, total)."""
+    """Show a bar with rate and time left on standard error; yields what a study calls with (done, total).
+
+    What plug-ins print meanwhile goes to standard error too, and their errors tell of them.
+
+    Raises
+    ------
+    RunError
+        When the code of a plug-in fails.
+    """
+    try:
+        with redirect_stdout(sys.stderr), _bar(label, shown=shown) as progress:
+            yield progress
+    except MissionplanError:
+        raise
+    except Exception as error:
+        plugin = blamed_plugin(error)
+        if plugin is None:
+            raise
+        raise RunError(f"the plug-in {plugin} failed: {type(error).__name__}: {error}") from error
+
+
+@contextmanager
+def _bar(label: str, *, shown: bool) -> Iterator[Progress]:
     if not shown or not sys.stderr.isatty():
         yield None
         return

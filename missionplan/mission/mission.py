@@ -3,11 +3,12 @@
 import copy
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, PrivateAttr, ValidationError, field_validator
+from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
+from missionplan.identity import digest_of_files
 from missionplan.mission.checks.correlations import check_correlations
 from missionplan.mission.checks.limits.ranges import Findings, check_effects, check_ranges
 from missionplan.mission.checks.limits.relations import check_relations
@@ -18,7 +19,7 @@ from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.mission_text import MissionText
 from missionplan.mission.editing.yaml_text import dumped
 from missionplan.mission.notices import notices
-from missionplan.mission.quantity_paths import collect_quantities
+from missionplan.mission.quantity_paths import collect_quantities, phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import REMOTE, include_files
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
@@ -28,7 +29,8 @@ from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarlo, Requirement
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
-from missionplan.mission.schema.section import FileSection
+from missionplan.mission.schema.section import FileSection, Identity
+from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
 from missionplan.mission.schema.site import CurrentFile, Site
 from missionplan.mission.schema.sweep import OptimiseSection, SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
@@ -37,6 +39,9 @@ from missionplan.montecarlo.distributions import Distribution, Quantity
 from missionplan.montecarlo.draws import Correlation
 from missionplan.store.folder import write_atomically
 from missionplan.store.paths import as_path, exists, matching
+
+MOST_LEARNED = 5000
+"""Legs, dives and runs that a mission keeps in mind, the last ones: half of what a file may hold."""
 
 
 class Mission(FileSection):
@@ -56,6 +61,7 @@ class Mission(FileSection):
     requirements: tuple[Requirement, ...] = ()
     correlations: tuple[CorrelationSection, ...] = ()
     effect_list: EffectList = Field(default=EffectList(), alias="effects")
+    learned_from: Annotated[tuple[Identity, ...], Field(max_length=MOST_LEARNED)] = ()
 
     _raw: dict[str, object] = PrivateAttr(default_factory=dict)
     _file: str = PrivateAttr(default="")
@@ -63,13 +69,41 @@ class Mission(FileSection):
     _sources: tuple[Path, ...] = PrivateAttr(default=())
     _text: MissionText | None = PrivateAttr(default=None)
 
+    @field_validator("entries", mode="after")
+    @classmethod
+    def _key_phases(cls, entries: tuple[PhaseEntry, ...]) -> tuple[PhaseEntry, ...]:
+        keys = phase_keys([entry.phase.label for entry in entries])
+        return tuple(entry.keyed(key) for entry, key in zip(entries, keys, strict=True))
+
+    @field_validator("sweep", mode="after")
+    @classmethod
+    def _resolve_phase(cls, sweep: SweepSection, info: ValidationInfo) -> SweepSection:
+        keys = {entry.phase.label: entry.phase.name for entry in info.data.get("entries", ())}
+        return sweep.model_copy(update={"phase": keys.get(sweep.phase, sweep.phase)})
+
+    @field_validator("requirements", mode="after")
+    @classmethod
+    def _resolve_quantities(
+        cls, requirements: tuple[Requirement, ...], info: ValidationInfo
+    ) -> tuple[Requirement, ...]:
+        names = [entry.phase.label for entry in info.data.get("entries", ())]
+        return tuple(requirement.resolved(names) for requirement in requirements)
+
+    @field_validator("correlations", mode="after")
+    @classmethod
+    def _resolve_pairs(
+        cls, correlations: tuple[CorrelationSection, ...], info: ValidationInfo
+    ) -> tuple[CorrelationSection, ...]:
+        names = [entry.phase.label for entry in info.data.get("entries", ())]
+        return tuple(correlation.resolved(names) for correlation in correlations)
+
     @field_validator("effect_list", mode="plain")
     @classmethod
     def _read_effects(cls, value: object) -> EffectList:
         return read_effects(value)
 
     def __repr__(self) -> str:
-        phases = ", ".join(phase.name for phase in self.phases) or "none"
+        phases = ", ".join(phase.label for phase in self.phases) or "none"
         where = f" of {self.file}" if self.file else ""
         return f"<Mission {self.name!r}{where}: phases {phases}; {len(self.uncertain())} uncertain quantities>"
 
@@ -263,8 +297,12 @@ class Mission(FileSection):
 
     @property
     def budget(self) -> EnergyBudget | None:
-        """Energy budget: the mission's own, else the vehicle's."""
-        return self.energy or (self.vehicle.energy if self.vehicle else None)
+        """Energy budget in force, key by key: the mission's, else the vehicle's, else the default."""
+        return joined(self.energy, self.vehicle.energy if self.vehicle else None)
+
+    def values_in_force(self) -> tuple[ValueInForce, ...]:
+        """Return what is in force of every key that mission and vehicle may both give, and where it is from."""
+        return tuple(values_in_force(self.raw))
 
     @property
     def file(self) -> str:
@@ -281,8 +319,24 @@ class Mission(FileSection):
         """The file's own data with includes in place, as it is written to `mission.yaml` of a report."""
         return self._raw
 
+    def identified(self) -> dict[str, object]:
+        """Return `raw` with names and contents' SHA-256 in place of the paths of files: what a run of it depends on.
+
+        Raises
+        ------
+        InputError
+            When one of the files can no longer be read.
+        """
+        current, chart = (self.site.current, self.site.chart) if self.site else (None, None)
+        named = [*(current.members if isinstance(current, CurrentFile) else ()), *([chart] if chart else ())]
+        contents = {name: _by_contents(name) for name in named if not name.startswith(REMOTE)}
+        return {key: _replaced(value, contents) for key, value in self.raw.items()}
+
     def quantities(self) -> dict[str, Quantity]:
-        """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI]."""
+        """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI].
+
+        Those of a section that mission and vehicle share are named as the mission's: ``energy.hotel``.
+        """
         found: dict[str, Quantity] = {}
         for name, value in self:
             if name == "entries":
@@ -290,9 +344,11 @@ class Mission(FileSection):
                     collect_quantities(phase, phase.name, found)
             elif name == "effect_list":
                 found |= self.effect_list.quantities()
+            elif name in SHARED:
+                collect_quantities(joined(value, getattr(self.vehicle, name, None)), name, found)
             elif name not in ("sweep", "optimise"):
                 collect_quantities(value, name, found)
-        return found
+        return {path: value for path, value in found.items() if name_in_force(path) == path}
 
     def notices(self) -> tuple[str, ...]:
         """Return a note for each unusual value, distribution cut at its physical range, and plug-in left out."""
@@ -301,3 +357,19 @@ class Mission(FileSection):
     def uncertain(self) -> dict[str, Distribution]:
         """Return the quantities that are distributions, by key path."""
         return {path: value for path, value in self.quantities().items() if isinstance(value, Distribution)}
+
+
+def _by_contents(name: str) -> str:
+    try:
+        return f"{Path(name).name} (SHA-256 {digest_of_files(matching(name))})"
+    except OSError as error:
+        raise InputError([Problem(f"cannot be read: {error.strerror or error}", name)]) from error
+
+
+def _replaced(value: object, texts: Mapping[str, str]) -> object:
+    """Return plain data with some of its texts replaced."""
+    if isinstance(value, Mapping):
+        return {key: _replaced(inner, texts) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_replaced(inner, texts) for inner in value]
+    return texts.get(value, value) if isinstance(value, str) else value

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from missionplan.report.display_units import split_key
+from missionplan.report.quantities import split_key
 
 _PHRASES = {
     "velocity_error.along": "velocity error along the track",
@@ -27,13 +27,18 @@ _PHRASES = {
     "nose_down_time": "time from the taut line to nose down",
     "depth_lost": "depth lost in the pitch-over",
     "line_parts": "parting of the line",
+    "energy.hotel": "hotel load",
+    "energy.propulsive_efficiency": "propulsive efficiency",
+    "energy.surfacing": "energy of a surfacing",
+    "energy.capacity": "energy in the battery",
     "touchdown_speed": "speed at touchdown",
     "holding_margin": "least holding margin of the anchor",
 }
 """Quantities and events of a phase whose names do not read as phrases."""
 _POINT_OR_UNDERSCORE = re.compile(r"\.(?!\d)|_")
 _EXPLAINED = re.compile(r"effects\[\d+\]\.one-of(?:\[(\d+)\]\.(.+))?")
-_WHOLES = ("vehicle", "site", "start", "total", "phases", "monte_carlo", "requirements")
+_PLACE = re.compile(r"phases\[(\d+)\]")
+_WHOLES = ("vehicle", "site", "start", "total", "monte_carlo", "requirements", "energy")
 """First parts of a dotted name that are no phase and read well before the rest: ``vehicle net buoyancy``."""
 
 
@@ -55,7 +60,13 @@ def in_words(name: str) -> str:
         return _spaced(quantity)
     if phase.partition("[")[0] in _WHOLES:
         return _PHRASES.get(quantity, _spaced(quantity))
-    return f"{_PHRASES.get(own, _spaced(own))} ({phase})"
+    return f"{_PHRASES.get(own, _spaced(own))} ({phase_in_words(phase)})"
+
+
+def phase_in_words(phase: str) -> str:
+    """Write what stands for a phase in key paths: its name, or ``phase 2`` where that is its place, ``phases[1]``."""
+    place = _PLACE.fullmatch(phase)
+    return f"phase {int(place[1]) + 1}" if place else phase
 
 
 def keys_in_words(keys: Sequence[str]) -> str:

@@ -15,6 +15,7 @@ from missionplan.datasets.reading import dataset_kind, files_outside
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.dives.model_factory import check_leaves_surface
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
+from missionplan.diagnosis.learned_data import learned
 from missionplan.diagnosis.scoring.chance import intervals, one_step_coverages, whole_coverages
 from missionplan.diagnosis.scoring.dives import dive_ensemble
 from missionplan.diagnosis.scoring.ensemble import Ensemble
@@ -25,10 +26,9 @@ from missionplan.diagnosis.scoring.vehicle_filter import expected_by_vehicle
 from missionplan.diagnosis.scoring.yardsticks import Point, with_spread, yardsticks
 from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.results.base import Provenance
 from missionplan.results.log_book.score import STATED, DatasetScore, Prediction, Score, Yardstick
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 
 FALSE_ALARM = 0.05
 """Probability, at most, with which a mission that is true is said to be outside chance, all data sets together."""
@@ -74,18 +74,20 @@ def score(
     found = []
     with threadpool_limits(limits=1), files_outside(allowed=allow_outside):
         for done, folder in enumerate(folders):
-            found.append(scored_record(read_record(folder, mission), mission, seed, level))
+            record = read_record(folder, mission)
+            found.append(
+                replace(scored_record(record, mission, seed, level), learned=int(learned(record, mission).sum()))
+            )
             if progress is not None:
                 progress(done + 1, len(folders))
-    provenance = Provenance(
-        command="score",
-        mission=mission.name,
-        file=mission.file,
+    provenance = made_by(
+        "score",
+        mission,
         seed=seed,
         trials=0,
         options={"datasets": [str(folder) for folder in folders]},
-        elapsed_s=time.perf_counter() - started,
-        data=mission.raw,
+        started=started,
+        datasets=folders,
         notices=(*mission.notices(), *dict.fromkeys(notice for each in found for notice in each.notices)),
     )
     return Score(provenance, tuple(found))

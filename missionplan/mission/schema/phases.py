@@ -8,7 +8,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, invalid
+from missionplan.mission.schema.section import FileSection, PhaseSection, invalid
 from missionplan.mission.schema.site import Position
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.montecarlo.distributions import Quantity
@@ -39,7 +39,7 @@ def _has_table(value: object) -> bool:
     return isinstance(value, dict) and "table" in value
 
 
-class TransitPhase(FileSection):
+class TransitPhase(PhaseSection):
     """A transit by dead reckoning with surfacings; `speed` is nan where `shaft_rate` is given instead."""
 
     kind: Literal["transit"] = Field(default="transit", exclude=True)
@@ -66,7 +66,7 @@ DesignCurrent = Annotated[
 ]
 
 
-class MoorPhase(FileSection):
+class MoorPhase(PhaseSection):
     """Anchor release, descent, hold, galvanic release and ascent."""
 
     kind: Literal["moor"] = Field(default="moor", exclude=True)
@@ -100,6 +100,11 @@ class PhaseEntry(FileSection):
         if getattr(self, kind) is None:
             raise invalid("given nothing, expected the keys of this phase", (kind,))
         return self
+
+    def keyed(self, key: str) -> "PhaseEntry":
+        """Return the item with another name of its phase in key paths."""
+        phase = self.phase
+        return self if phase.name == key else self.model_copy(update={phase.kind: phase.keyed(key)})
 
     @property
     def phase(self) -> "Phase":

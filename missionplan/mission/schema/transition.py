@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, ReadBy, invalid
+from missionplan.mission.schema.section import FileSection, PhaseSection, ReadBy, invalid
 from missionplan.montecarlo.distributions import Quantity
 
 
@@ -145,7 +145,7 @@ class TransitionGrid(FileSection):
         return self
 
 
-class TransitionPhase(FileSection):
+class TransitionPhase(PhaseSection):
     """From survey speed to hover; `suction_moment`: whether the thrusters' suction pitches the vehicle."""
 
     kind: Literal["transition"] = Field(default="transition", exclude=True)

@@ -9,14 +9,18 @@ from pydantic import BaseModel
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission
+from missionplan.mission.quantity_paths import phase_of_path, resolved_path
+from missionplan.mission.schema.shared_sections import name_in_force, overridden
 
 _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 _WHOLES = ("vehicle", "start", "site.current", "site.water", "vehicle.anchor")
 """Keys that may be varied as a whole, besides those that hold one value."""
+_OF_THE_RUN = ("monte_carlo", "sweep", "optimise", "requirements", "correlations", "units", "name")
+"""Sections that no choice of a mission can lie in."""
 
 
-def check_key(mission: Mission, key: str, option: str) -> None:
-    """Refuse a key that the mission does not know.
+def known_key(mission: Mission, key: str, option: str) -> str:
+    """Return the key path of a key that a person writes, with what stands for its phase.
 
     Parameters
     ----------
@@ -30,9 +34,15 @@ def check_key(mission: Mission, key: str, option: str) -> None:
     InputError
         With the nearest key.
     """
-    known = known_keys(mission)
+    if _STEP.findall(key)[:1] in [[name] for name in _OF_THE_RUN]:
+        raise InputError([Problem(f"given the key {shown(key)}, which says how the mission is computed", key=option)])
+    if overridden(tuple(key.split(".")), mission.raw):
+        said = name_in_force(key)
+        message = f"given the key {shown(key)}, which changes nothing: the mission's own {said} goes before it"
+        raise InputError([Problem(message, key=option, hint=f"did you mean {said}?")])
+    known, key = known_keys(mission), resolved_path(key, [phase.label for phase in mission.phases])
     if key in known or _is_written(mission.raw, key):
-        return
+        return key
     hint = did_you_mean(key, known) or "such as start, ingress.speed, moor.line_length: key paths, phases by name"
     raise InputError([Problem(f"given the key {shown(key)}, which the mission does not have", key=option, hint=hint)])
 
@@ -46,9 +56,9 @@ def known_keys(mission: Mission) -> set[str]:
                 _collect(phase, phase.name, found)
         elif name == "effect_list":
             found |= {path for entry in mission.effects for path in entry.quantities()}
-        elif name not in ("sweep", "optimise", "requirements", "correlations"):
+        elif name not in _OF_THE_RUN:
             _collect(value, name, found)
-    return found
+    return found | {".".join(map(str, each.path)) for each in mission.values_in_force()}
 
 
 def _collect(value: object, path: str, found: set[str]) -> None:
@@ -111,16 +121,8 @@ def _parameters(effects: list[Any], name: str) -> Any:
 
 def _within(data: dict[str, object], key: str) -> tuple[Any, list[str]]:
     """Return the section in which a path begins, the phase's where it begins with the name of one, and its steps."""
-    for name, section in _phases(data):
-        if key.startswith(f"{name}."):
-            return section, _STEP.findall(key.removeprefix(f"{name}."))
-    return data, _STEP.findall(key)
-
-
-def _phases(data: Mapping[str, object]) -> list[tuple[str, Any]]:
-    entries = data.get("phases")
-    sections = [item for entry in entries for item in entry.items()] if isinstance(entries, list) else []
-    return [(str(section.get("name", kind)), section) for kind, section in sections if isinstance(section, dict)]
+    named = phase_of_path(key, data)
+    return (data, _STEP.findall(key)) if named is None else (named[0].section, _STEP.findall(named[1]))
 
 
 def _is_written(data: Mapping[str, object], key: str) -> bool:

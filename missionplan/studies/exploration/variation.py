@@ -15,7 +15,7 @@ from missionplan.mission.reading.documents import load_document
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
 from missionplan.results.choosing.axis import Axis
-from missionplan.studies.exploration.key_paths import check_key
+from missionplan.studies.exploration.key_paths import known_key
 
 MAX_CELLS = 5000
 OPTION = "vary"
@@ -64,9 +64,7 @@ def read_axis(mission: Mission, text: str) -> Axis:
     name, equals, values = (part.strip() for part in text.partition("="))
     if not equals or not values:
         raise _wrong(f"given {shown(text)}, expected KEY=FROM:TO:STEP or KEY=A,B,C", _EXAMPLE)
-    keys = tuple(key.strip() for key in name.split("+"))
-    for key in keys:
-        check_key(mission, key, OPTION)
+    keys = tuple(known_key(mission, key.strip(), OPTION) for key in name.split("+"))
     if keys == ("start",):
         return _times(mission, values)
     if keys == ("vehicle",):
@@ -123,9 +121,11 @@ def _in_one_unit(matches: Sequence["re.Match[str]"]) -> tuple[list[float], str]:
 
 def steps(first: float, last: float, step: float) -> list[float]:
     """Return the numbers from the first in steps, to the last where a step meets it."""
+    if not all(map(math.isfinite, (first, last, step, last - first))):
+        raise _wrong(f"given steps of {step:g} from {first:g} to {last:g}, expected numbers that a computer can hold")
     if step == 0.0 or (last - first) / step < 0.0:
         raise _wrong(f"steps of {step:g} never lead from {first:g} to {last:g}")
-    count = math.floor((last - first) / step + 1e-9)
+    count = math.floor(min((last - first) / step + 1e-9, 1e15))
     if count >= MAX_CELLS:
         raise _wrong(f"makes {count + 1} cells, expected at most {MAX_CELLS}")
     return [first + index * step for index in range(count + 1)]

@@ -22,7 +22,7 @@ from missionplan.results.base import Provenance
 from missionplan.results.rare_failure import RareFailure, WayDriven
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.rare_failure.driven_trials import (
     DrivenMission,
@@ -117,15 +117,13 @@ def find_rare_failure(
         most_trials=most - PLAIN_TRIALS,
         told=lambda done: progress(min(PLAIN_TRIALS + done, most), most) if progress is not None else None,
     )
-    provenance = Provenance(
-        command="simulate",
-        mission=mission.name,
-        file=mission.file,
+    provenance = made_by(
+        "simulate",
+        mission,
         seed=seed,
         trials=PLAIN_TRIALS + found.trials,
         options={"rare": event, "trials": trials, "jobs": jobs, "backend": backend, "precision": precision},
-        elapsed_s=time.perf_counter() - started,
-        data=mission.raw,
+        started=started,
         notices=(*input_notices(mission, means), *_notices(found, aim)),
     )
     return _result(provenance, wanted, driven.ways, found, usual)
