@@ -3,7 +3,7 @@
 import copy
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
@@ -29,7 +29,7 @@ from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarlo, Requirement
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
-from missionplan.mission.schema.section import FileSection
+from missionplan.mission.schema.section import FileSection, Identity
 from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
 from missionplan.mission.schema.site import CurrentFile, Site
 from missionplan.mission.schema.sweep import OptimiseSection, SweepSection
@@ -39,6 +39,9 @@ from missionplan.montecarlo.distributions import Distribution, Quantity
 from missionplan.montecarlo.draws import Correlation
 from missionplan.store.folder import write_atomically
 from missionplan.store.paths import as_path, exists, matching
+
+MOST_LEARNED = 5000
+"""Legs, dives and runs that a mission keeps in mind, the last ones: half of what a file may hold."""
 
 
 class Mission(FileSection):
@@ -58,6 +61,7 @@ class Mission(FileSection):
     requirements: tuple[Requirement, ...] = ()
     correlations: tuple[CorrelationSection, ...] = ()
     effect_list: EffectList = Field(default=EffectList(), alias="effects")
+    learned_from: Annotated[tuple[Identity, ...], Field(max_length=MOST_LEARNED)] = ()
 
     _raw: dict[str, object] = PrivateAttr(default_factory=dict)
     _file: str = PrivateAttr(default="")
