@@ -87,7 +87,7 @@ def report_folder(output: OutputOptions, stem: str, command: str, inputs: Sequen
 def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
     drawing = _drawing_in_parallel()
-    from missionplan.report.crew.conversion import in_units, units_of, using_units
+    from missionplan.report.quantities import using_units
 
     with using_units(output.system):
         with drawing:
@@ -102,10 +102,8 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     if not output.quiet:
         from missionplan.report.typesetting import typeset
 
-        with using_units(output.system):
-            units = units_of(result.provenance.data)
         for notice in result.provenance.notices:
-            remark(f"Note: {in_units(typeset(notice), units) if units else typeset(notice)}")
+            remark(f"Note: {typeset(notice)}")
     note(f"Report: {folder / 'report.html'}")
 
 
@@ -115,7 +113,7 @@ def _drawing_in_parallel() -> AbstractContextManager[None]:
     if pool is None:
         return nullcontext()
     pool.preload("missionplan.report.drawn")  # while this process imports it too
-    from missionplan.report.parallel_drawing import drawing_in_parallel
+    from missionplan.report.drawn import drawing_in_parallel
 
     return drawing_in_parallel()
 
@@ -133,9 +131,9 @@ def _print_summary(result: "Result") -> None:
 
 def _print_result(result: "Result") -> None:
     from rich.console import Console
-    from rich.markup import escape
+    from rich.text import Text
 
-    from missionplan.report.glance.table import laid_out
+    from missionplan.report.glance import laid_out
     from missionplan.report.render import terminal_view
     from missionplan.report.typesetting import wrapped
 
@@ -144,9 +142,9 @@ def _print_result(result: "Result") -> None:
             raise BrokenPipeError  # the base class would end the process
 
     shown = terminal_view(result)
-    console = Output(highlight=False)
+    console = Output(highlight=False, emoji=False)
     style = f"bold {_COLOURS.get(shown.verdict, '')}".strip()
-    console.print(f"[{style}]{escape(wrapped(shown.sentence, console.width))}[/]", soft_wrap=True)
+    console.print(Text(wrapped(shown.sentence, console.width), style), soft_wrap=True)
     for line in laid_out(shown.columns, shown.rows, console.width) if shown.rows else ():
         console.print(line, markup=False, soft_wrap=True)
 

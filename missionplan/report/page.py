@@ -1,10 +1,11 @@
 """The parts of a report; `html` renders them as one self-contained page."""
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from missionplan.report.drawn import Drawing, drawing_of
+from missionplan.report.drawn import DrawnFigure, drawing_of
 from missionplan.report.html.readings import Slider
 
 if TYPE_CHECKING:
@@ -25,12 +26,16 @@ BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = (
 """Okabe–Ito colours, in the order of the figure style's cycle."""
 
 
+Drawing = Callable[..., None]
+"""Draws one plot of a result: called with axes, the result, and options of the plot's own."""
+
+
 @dataclass(frozen=True)
 class Figure:
     """A figure: file name without suffix, drawing, alternative text for readers who cannot see it, and a caption."""
 
     name: str
-    drawing: Drawing
+    drawing: DrawnFigure
     alt: str
     caption: str = ""
 
@@ -133,5 +138,8 @@ class Terminal:
 def to_figure(
     figure: "MatplotlibFigure", name: str, alt: str, caption: str = "", *, slider: Slider | None = None
 ) -> Figure:
-    """Draw a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot)."""
-    return Figure(name, drawing_of(figure, slider), alt, caption)
+    """Draw a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot).
+
+    Of its name, an id of the page and the name of a file, only letters, digits and hyphens are kept.
+    """
+    return Figure(re.sub(r"[^\w.-]+", "-", name), drawing_of(figure, slider), alt, caption)

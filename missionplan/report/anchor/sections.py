@@ -1,16 +1,17 @@
 """Sections of the report of a sizing."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 from missionplan.montecarlo.statistics import wilson
+from missionplan.physics.anchor import AnchorDesign
 from missionplan.physics.trim import TrimState
 from missionplan.report.anchor.drawing import drawing
-from missionplan.report.anchor.drift import drift_figure
-from missionplan.report.anchor.figures import descent_profile, drag_bars
-from missionplan.report.anchor.numbers_table import numbers_table
+from missionplan.report.anchor.figures import descent_profile, drag_bars, drift_figure
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Block, PageSection, Table
+from missionplan.report.quantities import quantity, reader_unit
 from missionplan.report.wording import capitalised
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing, ProbableAnchor
@@ -48,8 +49,9 @@ def _why_none(sizing: AnchorSizing, probable: ProbableAnchor) -> list[str]:
     words = [f"{capitalised(probable.reason)}."]
     if probable.line_length is not None:
         words.append(
-            f"A line of {probable.line_length:.1f}\u00a0m, instead of {sizing.line_length:.1f}\u00a0m, "
-            f"with an anchor of {probable.line_anchor_weight:.1f}\u00a0N would do."
+            f"A line of {quantity(probable.line_length, 'm', '.1f')}, instead of "
+            f"{quantity(sizing.line_length, 'm', '.1f')}, "
+            f"with an anchor of {quantity(probable.line_anchor_weight, 'N', '.1f')} would do."
         )
     return words
 
@@ -59,8 +61,9 @@ def _compared(sizing: AnchorSizing, found: SizedAnchor, wanted: str) -> str:
     difference = found.wet_weight - worst.wet_weight
     which = "lightest" if sizing.probable is None or sizing.probable.lighter is None else "lightest buildable"
     return (
-        f"The {which} anchor that stays within {sizing.radius:.1f}\u00a0m without the vehicle striking in {wanted} of "
-        f"dives weighs {weight_in_words(found)} wet, {abs(difference):.1f}\u00a0N "
+        f"The {which} anchor that stays within {quantity(sizing.radius, 'm', '.1f')} without the vehicle "
+        f"striking in {wanted} of "
+        f"dives weighs {weight_in_words(found)} wet, {quantity(abs(difference), 'N', '.1f')} "
         f"{'lighter' if difference < 0.0 else 'heavier'} than the worst-case anchor, which reaches "
         f"{percent(worst.probabilities.good)}. It is {dive_in_words(found)}."
     )
@@ -68,7 +71,7 @@ def _compared(sizing: AnchorSizing, found: SizedAnchor, wanted: str) -> str:
 
 def weight_in_words(anchor: SizedAnchor) -> str:
     """Write the wet weight: ``11.8 N``."""
-    return f"{anchor.wet_weight:.{1 if anchor.wet_weight >= 1.0 else 2}f}\u00a0N"
+    return quantity(anchor.wet_weight, "N", ".1f" if anchor.wet_weight >= 1.0 else ".2f")
 
 
 def dive_in_words(anchor: SizedAnchor) -> str:
@@ -77,18 +80,20 @@ def dive_in_words(anchor: SizedAnchor) -> str:
         return "it does not take the vehicle to the seafloor"
     down = (
         f"at the seafloor {anchor.descent_time:.0f}\u00a0s after separation, "
-        f"{anchor.offset:.0f}\u00a0m from the last fix"
+        f"{quantity(anchor.offset, 'm', '.0f')} from the last fix"
     )
     if anchor.lowest_altitude > 0.0:
-        return f"{down}; the vehicle stops {anchor.lowest_altitude:.1f}\u00a0m above the bottom"
-    return f"{down}; the vehicle strikes the bottom: the line is {-anchor.lowest_altitude:.1f}\u00a0m too short"
+        return f"{down}; the vehicle stops {quantity(anchor.lowest_altitude, 'm', '.1f')} above the bottom"
+    return (
+        f"{down}; the vehicle strikes the bottom: the line is {quantity(-anchor.lowest_altitude, 'm', '.1f')} too short"
+    )
 
 
 def probabilities(sizing: AnchorSizing) -> PageSection:
     """Present how often dives stay within the radius and clear of the bottom."""
     good = percent(sizing.to_build.probabilities.good)
     holding = holding_in_words(sizing.to_build)
-    heading = f"{good} of dives stay within {sizing.radius:.1f}\u00a0m and clear of the bottom{holding}"
+    heading = f"{good} of dives stay within {quantity(sizing.radius, 'm', '.1f')} and clear of the bottom{holding}"
     return PageSection(heading, [_dives_in_words(sizing)])
 
 
@@ -98,13 +103,19 @@ def _dives_in_words(sizing: AnchorSizing) -> str:
     if offset.count == 0:
         drawn = f"{number(trials)} dives drawn from the mission's distributions"
         return f"In none of {drawn} does the anchor reach the seafloor."
+    unit = reader_unit("m", offset.p95)
+    middle, far = number(unit(offset.p50), unit(offset.standard_error)), unit(offset.p95)
     words = (
         f"{_those_that_land(offset.count, trials)} the anchor comes down "
-        f"{number(offset.p50, offset.standard_error)}\u00a0m from the last fix in the median and "
-        f"{number(offset.p95, 2.0 * offset.standard_error)}\u00a0m at the 95th percentile. The vehicle "
+        f"{middle}{unit.suffix} from the last fix in the median and "
+        f"{number(far, unit(2.0 * offset.standard_error))}{unit.suffix} at the 95th percentile. The vehicle "
         f"strikes the seafloor in {percent(dives.struck)}"
     )
-    return f"{words}; in one dive of twenty it stops within {lowest:.2f}\u00a0m of it." if lowest > 0.0 else f"{words}."
+    return (
+        f"{words}; in one dive of twenty it stops within {quantity(lowest, 'm', '.2f')} of it."
+        if lowest > 0.0
+        else f"{words}."
+    )
 
 
 def _those_that_land(landed: int, trials: int) -> str:
@@ -122,20 +133,22 @@ def dive(sizing: AnchorSizing) -> Iterator[PageSection]:
         yield PageSection("The anchor does not reach the seafloor", [_layers_in_words(sizing)])
         return
     if anchor.design is not None and anchor.design.feasible:
-        stops = f"The vehicle stops {anchor.lowest_altitude:.1f}\u00a0m above the bottom"
+        stops = f"The vehicle stops {quantity(anchor.lowest_altitude, 'm', '.1f')} above the bottom"
         heading = stops if anchor.lowest_altitude > 0.0 else "The vehicle strikes the bottom"
         yield PageSection(heading, [descent_profile(anchor)])
     inside = "inside" if anchor.offset <= sizing.radius else "outside"
-    heading = f"The anchor comes down {anchor.offset:.1f}\u00a0m from the last fix, {inside} the radius"
+    heading = f"The anchor comes down {quantity(anchor.offset, 'm', '.1f')} from the last fix, {inside} the radius"
     yield PageSection(heading, [drift_figure(sizing), _layers_in_words(sizing)])
 
 
 def _layers_in_words(sizing: AnchorSizing) -> str:
-    layers = "; ".join(f"{layer.thickness:.1f}\u00a0m at {layer.speed:.2f}\u00a0m/s" for layer in sizing.layers)
-    required = f"{sizing.required_velocity:.3f}\u00a0m/s"
+    layers = "; ".join(
+        f"{quantity(layer.thickness, 'm', '.1f')} at {quantity(layer.speed, 'm/s', '.2f')}" for layer in sizing.layers
+    )
+    required = quantity(sizing.required_velocity, "m/s", ".3f")
     words = f"Sized for {layers}, all aligned (Eq. 1), which requires {required} downward over the ground."
     if sizing.vector_velocity is not None:
-        words += f" With the layers' own directions {sizing.vector_velocity:.3f}\u00a0m/s would do."
+        words += f" With the layers' own directions {quantity(sizing.vector_velocity, 'm/s', '.3f')} would do."
     return words
 
 
@@ -152,7 +165,7 @@ def trim(sizing: AnchorSizing) -> Iterator[PageSection]:
         (
             state.configuration,
             state.verdict,
-            f"{state.net_force:+.2f} N",
+            quantity(state.net_force, "N", "+.2f"),
             _moment(state),
             _pitch(state.pitch),
         )
@@ -185,3 +198,62 @@ def drag(sizing: AnchorSizing) -> PageSection:
 def all_numbers(sizing: AnchorSizing) -> PageSection:
     """Tabulate every number of the anchors."""
     return PageSection("All numbers", [Table(*numbers_table(sizing))])
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A number of an anchor: label, SI value (None where the anchor has no construction), digits, and shown unit."""
+
+    label: str
+    value: Callable[[SizedAnchor], float | None]
+    digits: int
+    unit: str
+    scale: float = 1.0
+
+    def cell(self, anchor: SizedAnchor) -> str:
+        value = self.value(anchor)
+        if value is None or not math.isfinite(value):
+            return "–"
+        return quantity(value * self.scale, self.unit, f".{self.digits}f")
+
+
+def _of_design(value: Callable[[AnchorDesign], float]) -> Callable[[SizedAnchor], float | None]:
+    """Take a number of an anchor's design, where it has one."""
+    return lambda anchor: None if anchor.design is None else value(anchor.design)
+
+
+_ROWS = (
+    _Row("Wet weight", lambda anchor: anchor.wet_weight, 2, "N"),
+    _Row("Terminal velocity sized for", lambda anchor: anchor.terminal_velocity, 3, "m/s"),
+    _Row("Dry mass = displaced mass", _of_design(lambda design: design.dry_mass), 4, "kg"),
+    _Row("Flooded mass", _of_design(lambda design: design.flooded_mass), 3, "kg"),
+    _Row("Length", _of_design(lambda design: design.length), 1, "mm", 1e3),
+    _Row("Tube length C", _of_design(lambda design: design.cylinder_length), 2, "mm", 1e3),
+    _Row("Trim ring's mass", _of_design(lambda design: design.trim_mass), 4, "kg"),
+    _Row("Trim ring from the tip", _of_design(lambda design: design.trim_position), 1, "mm", 1e3),
+    _Row("Centre of gravity from the tip", _of_design(lambda design: design.centre_of_gravity), 1, "mm", 1e3),
+    _Row("Centre of buoyancy from the tip", _of_design(lambda design: design.centre_of_buoyancy), 1, "mm", 1e3),
+    _Row("Separation to touchdown", lambda anchor: anchor.descent_time, 2, "s"),
+    _Row("of which until the line is taut", lambda anchor: anchor.payout_time, 2, "s"),
+    _Row("Peak tension of the snatch", lambda anchor: anchor.snatch.get("snatch_tension_n"), 0, "N"),
+    _Row("Taut line to nose down", lambda anchor: anchor.snatch.get("nose_down_time_s"), 2, "s"),
+    _Row("Depth lost meanwhile", lambda anchor: anchor.snatch.get("depth_lost_m"), 2, "m"),
+    _Row("Terminal velocity of the dive", lambda anchor: anchor.dive_terminal_velocity, 3, "m/s"),
+    _Row("Speed at touchdown", lambda anchor: anchor.touchdown_speed, 3, "m/s"),
+    _Row("Anchor from the last fix", lambda anchor: anchor.offset, 2, "m"),
+    _Row("Vehicle's lowest altitude", lambda anchor: anchor.lowest_altitude, 2, "m"),
+)
+
+
+def numbers_table(sizing: AnchorSizing) -> tuple[list[str], list[list[str]]]:
+    """Return the column heads, an anchor each, and the rows."""
+    anchors = {"Worst case": sizing.anchor}
+    if sizing.probable is not None and sizing.probable.anchor is not None:
+        anchors[f"{100 * sizing.probable.required:g} %"] = sizing.probable.anchor
+    rows = [
+        [row.label, *(row.cell(anchor) for anchor in anchors.values())]
+        for row in _ROWS
+        if row.value(sizing.anchor) is not None
+    ]
+    good = [percent(anchor.probabilities.good) for anchor in anchors.values()]
+    return ["", *anchors], [*rows, ["Within the radius and not struck", *good]]

@@ -9,32 +9,27 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.exporters.plan_json import plan_json
 from missionplan.exporters.table import waypoints_csv
 from missionplan.montecarlo.statistics import wilson
-from missionplan.report.geography.geojson import track_geojson
-from missionplan.report.geography.kml import track_kml
+from missionplan.report.explained import explanation_in_words, explanation_sections, member_in_words, member_sections
+from missionplan.report.geography.tracks import track_geojson, track_kml
 from missionplan.report.held_vehicle import hold_section
 from missionplan.report.numbers import number, percent, share
-from missionplan.report.page import Page, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.page import Drawing, Page, Terminal
+from missionplan.report.quantities import quantity
 from missionplan.report.simulation import sections
-from missionplan.report.simulation.explained import (
-    explanation_in_words,
-    explanation_sections,
-    member_in_words,
-    member_sections,
-)
-from missionplan.report.simulation.figures import draw_timeline, draw_waterfall, waterfall
-from missionplan.report.simulation.histograms import draw_histogram
+from missionplan.report.simulation.figures import draw_histogram, draw_timeline, draw_waterfall, waterfall
 from missionplan.report.simulation.maps import draw_tracks
 from missionplan.report.simulation.overdue import overdue_section, search_areas_geojson
 from missionplan.report.simulation.quantities import (
     failure_in_words,
     of_those_that_end,
     range_in_words,
+    requirements_in_words,
+    requirements_section,
+    verdict,
     worst_step,
 )
-from missionplan.report.simulation.requirements import requirements_in_words, requirements_section, verdict
-from missionplan.report.simulation.sensitivities import sensitivity_sections
-from missionplan.report.wording import in_words, phase_in_words
+from missionplan.report.simulation.sections import sensitivity_sections
+from missionplan.report.wording import in_words, phase_in_words, shortened
 from missionplan.results.plain_data import mapping
 from missionplan.results.simulation import Outcome
 
@@ -71,7 +66,7 @@ def terminal(outcome: Outcome) -> Terminal:
     for phase in (*outcome.phases, outcome.total):
         events = [f"{in_words(name)} {share(probability)}" for name, probability in phase.events.items()]
         ranges = (range_in_words(outcome, phase, key) for key in ("duration_s", "energy_wh"))
-        rows.append((phase.label, events[0] if events else "", *ranges))
+        rows.append((shortened(phase.label), events[0] if events else "", *ranges))
     columns = ("phase", "of the trials", "those that end take (5–95 %)", "and use (5–95 %)")
     return Terminal(answer(outcome), columns, rows, verdict=verdict(outcome))
 
@@ -148,7 +143,7 @@ def _limits_in_words(outcome: Outcome) -> Iterator[str]:
 def _anchors_in_words(outcome: Outcome) -> Iterator[str]:
     """Write what an anchor that is sized achieves, and which anchors cannot be built."""
     for anchor in outcome.anchors:
-        weight = f"{anchor.wet_weight:.{1 if anchor.wet_weight >= 1.0 else 2}f}\u00a0N wet"
+        weight = f"{quantity(anchor.wet_weight, 'N', '.1f' if anchor.wet_weight >= 1.0 else '.2f')} wet"
         if anchor.is_sized:
             events = next(phase.events for phase in outcome.phases if phase.name == anchor.phase)
             reached = percent(events["within_radius"])

@@ -1,4 +1,4 @@
-"""Dive logs in the report: depth against time, dive by dive, and what is left against time, depth and speed."""
+"""Dive logs and summaries of dives in the report: depths, what is left of them, and the numbers of each test."""
 
 import numpy as np
 import pandas as pd
@@ -6,10 +6,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
-from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
-from missionplan.report.diagnosis.data_kinds.residual_figures import ResidualSeries, against_axes, autocorrelation
+from missionplan.report.axes import name_axis
+from missionplan.report.diagnosis.data_kinds.kind_report import (
+    KindReport,
+    ResidualSeries,
+    against_axes,
+    autocorrelation,
+)
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.report.quantities import reader_unit, split_key
+from missionplan.report.wording import in_words
 from missionplan.results.learned.diagnosis import Diagnosis
 
 _MOST_PANELS = 9
@@ -32,7 +39,7 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
         axes.set_xlabel("Time since separation (s)", fontsize=9)
         axes.tick_params(labelbottom=True)
     for axes in panels[::columns]:
-        axes.set_ylabel("Depth (m)", fontsize=9)
+        name_axis(axes.yaxis, "Depth", "m", fontsize=9)
     models = "measured, mission's model and extended model" if diagnosis.causes else "measured and mission's model"
     shown = "measured, as the mission simulates it" + (", and extended" if diagnosis.causes else "")
     return to_figure(
@@ -76,8 +83,9 @@ def _column(runs: list[pd.DataFrame], name: str) -> list[Array]:
 
 
 def _gained(diagnosis: Diagnosis, before: float, after: float) -> str:
-    was, now = (number(each, 0.2 * each) for each in (before, after))
-    return "" if was == now else f"; the depth is then predicted to {now} m, not {was} m"
+    unit = reader_unit("m", before)
+    was, now = (f"{number(unit(each), unit(0.2 * each))}{unit.suffix}" for each in (before, after))
+    return "" if was == now else f"; the depth is then predicted to {now}, not {was}"
 
 
 REPORT = KindReport(
@@ -92,3 +100,33 @@ REPORT = KindReport(
         "eddy_time_s": "Turbulence: how long a velocity lasts (s)",
     },
 )
+
+
+def _summary_figure(diagnosis: Diagnosis) -> Figure:
+    """Draw the numbers of each test, a panel for each quantity."""
+    quantities = list(diagnosis.residuals.groupby("quantity", sort=False))
+    figure = MatplotlibFigure(figsize=(6.4, 0.35 * diagnosis.residuals["run"].nunique() + 1.6), layout="constrained")
+    panels = figure.subplots(1, len(quantities), sharey=True, squeeze=False)[0]
+    for axes, (name, table) in zip(panels, quantities, strict=True):
+        runs = table["run"].astype(str)
+        axes.errorbar(table["measured"], runs, xerr=table["sd"], fmt="o", color=GREY, label="measured")
+        axes.plot(table["base"], runs, "s", color=ORANGE, fillstyle="none", label="mission")
+        if diagnosis.causes:
+            axes.plot(table["extended"], runs, "D", color=BLUE, fillstyle="none", label="extended")
+        difference = ",\nmeasured less simulated" if table["less_simulated"].all() else ""
+        axes.set_xlabel(f"{in_words(str(name)).capitalize()}{difference} ({split_key(str(name))[1]})")
+        axes.margins(y=0.25)
+    panels[0].invert_yaxis()
+    shown = panels[0].get_legend_handles_labels()
+    figure.legend(*shown, loc="outside upper center", ncols=3, fontsize=9, frameon=False)
+    extended = ", extended model" if diagnosis.causes else ""
+    against = "the mission's and the extended model" if diagnosis.causes else "the mission's model"
+    return to_figure(
+        figure,
+        "data",
+        alt=f"Numbers of each test: measured, mission's model{extended}",
+        caption=f"The numbers of each test with their standard deviations, against {against}.",
+    )
+
+
+SUMMARY_REPORT = KindReport(unit="sd", data_figure=_summary_figure, calibration=REPORT.calibration)

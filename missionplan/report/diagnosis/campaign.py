@@ -1,0 +1,121 @@
+"""Report of `diagnose` with several data sets: what each showed, what they share, and each one's own answer."""
+
+import shlex
+from collections.abc import Mapping
+from dataclasses import replace
+
+from matplotlib.axes import Axes
+
+from missionplan.errors import InputError, Problem, shown
+from missionplan.report.diagnosis.causes import names, percent
+from missionplan.report.diagnosis.evidence import draw_ranking
+from missionplan.report.diagnosis.findings import finding_in_words
+from missionplan.report.diagnosis.page import answer as answer_of
+from missionplan.report.diagnosis.page import page as page_of
+from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
+from missionplan.results.log_book.campaign import Campaign
+
+LEFT = 1e-3
+"""Probability of none of the explanations from which it is told."""
+COLUMNS = ("Data set", "Kind", "Verdict", "Causes", "Confirmed")
+
+
+def page(campaign: Campaign) -> Page:
+    """Build the page of a campaign."""
+    made = campaign.provenance
+    folders = made.options["datasets"]
+    given = [made.file, *(folders if isinstance(folders, list) else [])]
+    sections = [
+        PageSection("What each data set showed", [Table(COLUMNS, _rows(campaign), text_columns=5)]),
+        PageSection("What they share", _shared(campaign)),
+    ]
+    for index, (each, name) in enumerate(zip(campaign.diagnoses, campaign.names, strict=True), start=1):
+        figure = page_of(each).figure
+        blocks: list[Block] = [answer_of(each)]
+        if figure is not None:
+            blocks.append(replace(figure, name=f"{figure.name}-{index}"))
+        blocks.append(f"Everything about it is in the folder {index}-{each.kind}.")
+        sections.append(PageSection(name, blocks))
+    return Page(
+        title=f"Diagnosis of {made.mission} with {len(campaign.diagnoses)} data sets",
+        answer=answer(campaign),
+        figure=None,
+        numbers=[("Data sets", str(len(campaign.diagnoses))), ("Effects learned of", str(len(campaign.informed_by)))],
+        sections=sections,
+        rerun=f"missionplan diagnose {' '.join(shlex.quote(str(path)) for path in given)} --seed {made.seed}",
+    )
+
+
+def terminal(campaign: Campaign) -> Terminal:
+    """Build the terminal's view."""
+    return Terminal(answer(campaign), COLUMNS, _rows(campaign))
+
+
+def answer(campaign: Campaign) -> str:
+    """Say what the data sets showed: what was found with its size, as each diagnosis tells it, and what they share."""
+    found = campaign.informed_by
+    if not found:
+        return f"The mission's model is adequate for all {len(campaign.diagnoses)} data sets: none asks for a cause."
+    named = ", ".join(effect.replace("-", " ") for effect in found)
+    shared = ", ".join(effect.replace("-", " ") for effect in campaign.shared)
+    more = f" More than one of them bore on {shared}." if shared else " No two of them bore on the same effect."
+    told = dict.fromkeys(words for each in campaign.diagnoses if (words := finding_in_words(each)))
+    together = (
+        f"Together {len(campaign.diagnoses)} data sets tell of {named}; one extended mission carries it all.{more}"
+    )
+    return " ".join([*told, together, *_doubts(campaign.extended)])
+
+
+def _doubts(extended: Mapping[str, object]) -> list[str]:
+    """Say what the extended mission holds possible of which one holds."""
+    effects = extended.get("effects")
+    entries = effects if isinstance(effects, list) else []
+    lists = [entry["one-of"] for entry in entries if isinstance(entry, dict) and "one-of" in entry]
+    told = []
+    for explanations in lists:
+        each = [
+            f"{names(tuple(name for effect in one['effects'] for name in effect))} {percent(one['probability'])}"
+            for one in explanations
+        ]
+        left = 1.0 - sum(one["probability"] for one in explanations)
+        each += [f"none of them {percent(left)}"] if left > LEFT else []
+        told.append(f"Still in doubt: {', '.join(each)}.")
+    return told
+
+
+def _rows(campaign: Campaign) -> list[list[str]]:
+    rows = []
+    for each, name in zip(campaign.diagnoses, campaign.names, strict=True):
+        causes = [cause.replace("-", " ") + (" (changed)" if cause in each.changed else "") for cause in each.causes]
+        confirmed = dict.fromkeys(p.effect.replace("-", " ") for p in each.confirmed)
+        rows.append([name, each.kind, each.verdict, ", ".join(causes) or "–", ", ".join(confirmed) or "–"])
+    return rows
+
+
+def _shared(campaign: Campaign) -> list[Block]:
+    """Say what passes from one data set to the next, and what does not."""
+    rows = [[effect.replace("-", " "), ", ".join(names)] for effect, names in campaign.informed_by.items()]
+    words = (
+        "An effect passes from one data set to the next through the mission: what one leaves of its parameters is what "
+        "the next begins with. Dives, summaries of dives and the drag of the tank share the vehicle's effects; legs "
+        "share theirs with other legs. Legs and dives have no effect of the catalogue in common, so that neither "
+        "changes what the other shows. σ_v is that of the last record of legs. The order is that of the kinds (tank, "
+        "dives, legs), then of the names, however they are given. Another order could change what is claimed where an "
+        "effect is weak in each record: one record alone must show it clearly (55 to 1) for it to be claimed."
+    )
+    if not rows:
+        return [words]
+    return [words, Table(["Effect", "Learned from"], rows, text_columns=2)]
+
+
+def ranking(axes: Axes, campaign: Campaign, dataset: int = 0) -> None:
+    """Draw the evidence for each set of causes in one of the data sets, counted from 0."""
+    if not 0 <= dataset < len(campaign.diagnoses):
+        problem = f"given {shown(dataset)}, expected 0 to {len(campaign.diagnoses) - 1}"
+        raise InputError([Problem(problem, key="dataset")])
+    draw_ranking(axes, campaign.diagnoses[dataset])
+    axes.set_title(campaign.names[dataset])
+
+
+PLOTS: Mapping[str, Drawing] = {"ranking": ranking}
+"""Plots on given axes by name, the main one first."""

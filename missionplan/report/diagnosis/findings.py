@@ -1,0 +1,188 @@
+"""What was found, as the operator is told it, and how sure it is: what else could be behind it."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+from missionplan.effects import CATALOGUE
+from missionplan.effects.finding import Finding
+from missionplan.report.diagnosis.causes import enumerated, names, part, percent
+from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
+from missionplan.report.diagnosis.evidence import claimed_parameters, sized
+from missionplan.report.wording import capitalised
+from missionplan.results.learned.diagnosis import Diagnosis
+from missionplan.results.learned.evidence import CLAIM, Coverage, ParameterEstimate
+
+_PERCENT = 100.0
+
+
+def finding_in_words(diagnosis: Diagnosis) -> str:
+    """Write what was found and what to do: ``The compass reads 2.9° ± 0.3° low: swing it, …``; empty without causes.
+
+    What the catalogue says nothing of, or too large to be its cause, is left to the verdict.
+    """
+    found = claimed_parameters(diagnosis)
+    told = [_clause(cause, found) for cause in diagnosis.causes]
+    if not told or not all(told):
+        return ""
+    hedge = "It looks as if " if diagnosis.verdict in ("ambiguous", "partly-explained") else ""
+    return capitalised(f"{hedge}{'; and '.join(told)}{_gained(diagnosis)}.")
+
+
+def _clause(cause: str, found: tuple[ParameterEstimate, ...]) -> str:
+    info = CATALOGUE[cause]
+    finding = info.finding
+    if finding is None:
+        return ""
+    mine = {each.name: each for each in found if each.effect == cause}
+    limit = info.likeness
+    if limit is not None and limit.parameter in mine and abs(mine[limit.parameter].value) > limit.size:
+        return ""
+    words = _sized_clause(finding, mine)
+    return f"{words}: {finding.remedy}" if words and finding.remedy else words
+
+
+def _sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str:
+    if not finding.parameter:
+        return finding.positive
+    estimate = mine.get(finding.parameter)
+    if estimate is None:
+        return ""
+    if finding.toward is not None:
+        return _vector_clause(finding, mine)
+    clause = finding.negative if estimate.value < 0.0 and finding.negative else finding.positive
+    return clause.format(size=_size(estimate, finding))
+
+
+def _vector_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str:
+    """Write size and direction of a vector by its components; its error is that along it."""
+    parts = [mine.get(name) for name in finding.toward or ()]
+    east, north = parts
+    if east is None or north is None:
+        return ""
+    length = math.hypot(east.value, north.value)
+    sd = math.hypot(east.value * east.sd, north.value * north.sd) / max(length, 1e-12)
+    size = sized(_changed(east, length, sd))
+    direction = f"{math.degrees(math.atan2(east.value, north.value)) % 360.0:.0f}°"
+    return finding.positive.format(size=size, direction=direction)
+
+
+def _size(estimate: ParameterEstimate, finding: Finding) -> str:
+    if finding.in_percent:
+        share = _changed(estimate, _PERCENT * abs(estimate.value), _PERCENT * estimate.sd)
+        return sized(replace(share, unit="%"))
+    return sized(_changed(estimate, abs(estimate.value), estimate.sd))
+
+
+def _changed(estimate: ParameterEstimate, value: float, sd: float) -> ParameterEstimate:
+    return replace(estimate, value=value, sd=sd)
+
+
+def _gained(diagnosis: Diagnosis) -> str:
+    """Write how much better what was held out is predicted."""
+    best = diagnosis.best
+    if best is None or best.held_out is None or best.held_out.rmse_extended >= best.held_out.rmse_base:
+        return ""
+    return REPORTS[diagnosis.kind].gained(diagnosis, best.held_out.rmse_base, best.held_out.rmse_extended)
+
+
+WORTH_TELLING = 1.0
+"""Score of a cause that is not claimed from which it is told [nat]."""
+_MILLION = math.log(1e6)
+_ALIKE = 5e-4
+"""Difference of probabilities that is rounding."""
+
+
+def how_sure(diagnosis: Diagnosis) -> list[str]:
+    """Write the paragraphs; the sections below them have the statistics."""
+    words = [
+        _among_the_tried(diagnosis),
+        _not_considered(diagnosis),
+        _shared_words(diagnosis),
+        _held_out(diagnosis),
+        _coverage_words(diagnosis.coverage),
+    ]
+    return [each for each in words if each]
+
+
+def _among_the_tried(diagnosis: Diagnosis) -> str:
+    best = diagnosis.best
+    if best is None:
+        return "Nothing of the catalogue could be fitted to these data."
+    other = f"that none of these is behind it has a probability of {percent(diagnosis.none_of_these)}"
+    if not diagnosis.causes:
+        if diagnosis.verdict == "unexplained":
+            return f"Of the explanations tried none fits what the data show; {other}."
+        if best.score > WORTH_TELLING:
+            times = f"{math.exp(best.score):.0f}" if best.score < _MILLION else "over a million"
+            return (
+                f"Of the explanations tried none is claimed: the likeliest, {names(best.causes)}, makes the data "
+                f"{times} times more probable, and a claim needs {math.exp(CLAIM):.0f} times and "
+                f"better predictions of what it has not seen. In doubt, {other}."
+            )
+        return f"Of the explanations tried none is needed: the data look as the mission expects. In doubt, {other}."
+    if best.posterior is None:
+        return f"Among the explanations tried, {names(best.causes)} fits best; {other}."
+    return (
+        f"Among the explanations tried, {names(best.causes)} has a probability of {percent(best.posterior)}; {other}."
+    )
+
+
+def _not_considered(diagnosis: Diagnosis) -> str:
+    """Say that a physical cause was not weighed against errors that merely persist or scatter, where there is one."""
+    descriptions = (effect for effect in diagnosis.untestable if CATALOGUE[effect].tier == "statistical")
+    first = next(descriptions, None)
+    if first is None or not diagnosis.causes:
+        return ""
+    return f"That the errors merely persist or scatter was not considered: {diagnosis.untestable[first]}."
+
+
+def _shared_words(diagnosis: Diagnosis) -> str:
+    """Say why sets that the data cannot separate have other probabilities in the extended mission than above."""
+    best = diagnosis.best
+    own = next((each for each in diagnosis.explanations if best is not None and each.causes == best.causes), None)
+    if best is None or best.posterior is None or own is None or abs(own.probability - best.posterior) < _ALIKE:
+        return ""
+    alike = [each for each in diagnosis.explanations if abs(each.probability - own.probability) < _ALIKE]
+    if len(alike) < 2:
+        return ""
+    equal = "both" if len(alike) == 2 else "these"
+    others = enumerated([names(each.causes) for each in alike if each is not own])
+    return (
+        f"Such data cannot tell {names(best.causes)} from {others}, whichever it is: what speaks for one of them is "
+        f"mostly how large each usually is. In the extended mission, and for the next trial, {equal} are "
+        f"therefore equally probable, {percent(own.probability)} each."
+    )
+
+
+def _held_out(diagnosis: Diagnosis) -> str:
+    best = diagnosis.best
+    if not diagnosis.causes or best is None or best.held_out is None:
+        return ""
+    gain = best.held_out
+    return (
+        f"Each part of the data was left out in turn and predicted from the others: {gain.groups_improved} of "
+        f"{gain.groups} parts are predicted better with what was found than without."
+    )
+
+
+def intervals_that_miss(coverage: Coverage | None) -> str:
+    """Say in a sentence that 90 % intervals do not hold 90 %, where chance does not explain it; else nothing."""
+    if coverage is None or not coverage.is_off:
+        return ""
+    wide = "narrow" if coverage.scale > 1.0 else "wide"
+    return (
+        f"Its 90 % intervals are too {wide}: they hold {part(coverage.inside / coverage.count)} of what was held out."
+    )
+
+
+def _coverage_words(coverage: Coverage | None) -> str:
+    """Say by how much the extended mission's random errors are scaled for its intervals to hold."""
+    if coverage is None or not coverage.is_off:
+        return ""
+    share, scaled = (part(inside / coverage.count) for inside in (coverage.inside, coverage.inside_scaled))
+    return (
+        f"90 % intervals hold {share} of what was held out. With random errors {coverage.scale:.2f} times as "
+        f"large, as in the extended mission, they hold {scaled}: the factor is assessed on other legs than it is "
+        "fitted to."
+    )

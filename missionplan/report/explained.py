@@ -1,0 +1,126 @@
+"""What a plan does under each explanation and in each member of an ensemble, and whether to find out which holds."""
+
+from collections.abc import Iterator, Sequence
+
+from missionplan.report.numbers import percent, share
+from missionplan.report.page import PageSection, Table
+from missionplan.report.quantities import span, unit_for
+from missionplan.report.wording import in_words
+from missionplan.results.explained import ExplainedOutcome, label, success_differs
+from missionplan.results.members import MemberOutcome, members_differ
+from missionplan.results.simulation import Outcome, Sensitivity
+
+DIFFER = "Which member of the current's ensemble spoils the {}"
+
+
+def members_in_words(members: Sequence[MemberOutcome], does: str) -> str:
+    """Write in a sentence which member spoils what a plan `does`; empty without an ensemble."""
+    if not members:
+        return ""
+    worst, best = (pick(members, key=lambda each: each.good.value) for pick in (min, max))
+    low, high = share(worst.good), share(best.good)
+    if members_differ(members):
+        return f"It depends on the forecast: it {does} {low} of the time in {worst.name} and {high} in {best.name}."
+    ends = f"{low} to {high}" if low != high else f"in {low} of the trials"
+    return f"In each member of the current's ensemble it {does} as often, as far as the trials can tell ({ends})."
+
+
+def members_section(members: Sequence[MemberOutcome], plan: str, good: str, note: str) -> Iterator[PageSection]:
+    """Tabulate the members, the worst first; `plan` and `good` are words for the heading and a column."""
+    if not members:
+        return
+    rows = [
+        [each.name, f"{100.0 * each.probability:.1f}\u00a0%", percent(each.good)]
+        for each in sorted(members, key=lambda each: each.good.value)
+    ]
+    heading = DIFFER.format(plan) if members_differ(members) else "Members of the current's ensemble"
+    yield PageSection(heading, [Table(("member", "probability", good), rows, note)])
+
+
+SMALL = 0.05
+"""Share of a variance below which it is not worth finding out which explanation holds."""
+_COLUMNS = ("explanation", "probability", "success (95 % interval)", "duration (5–95 %)", "energy (5–95 %)")
+_MEMBERS_DIFFER = "Which member of the current's ensemble spoils the mission"
+_MATTERS = ("total.success", "total.duration_s", "total.energy_wh")
+
+
+def explanation_in_words(outcome: Outcome) -> str:
+    """Write in a sentence whether success depends on the explanation; empty for a mission without doubts."""
+    tried = sorted((each for each in outcome.explanations if each.trials), key=lambda each: each.success.value)
+    if not tried:
+        return ""
+    worst, best = tried[0], tried[-1]
+    low, high = share(worst.success), share(best.success)
+    if success_differs(tried):
+        ends = f"{low} with {label(worst.causes)}, {high} with {label(best.causes)}"
+        return f"It depends on which explanation holds: it succeeds {ends}."
+    ends = f" ({low} to {high})" if low != high else ""
+    return f"Whichever explanation holds, it succeeds as often, as far as the trials can tell{ends}."
+
+
+def member_in_words(outcome: Outcome) -> str:
+    """Write in a sentence which member of the current's ensemble spoils the mission; empty without an ensemble."""
+    tried = sorted((each for each in outcome.members if each.trials), key=lambda each: each.success.value)
+    if not tried:
+        return ""
+    worst, best = tried[0], tried[-1]
+    low, high = share(worst.success), share(best.success)
+    if success_differs(tried):
+        ends = f"{low} of the time in {worst.causes[0]} and {high} in {best.causes[0]}"
+        return f"It depends on the forecast: it succeeds {ends}."
+    ends = f"{low} to {high}" if low != high else f"in {low} of the trials"
+    return f"In each member of the current's ensemble it succeeds as often, as far as the trials can tell ({ends})."
+
+
+def member_sections(outcome: Outcome) -> Iterator[PageSection]:
+    """Tabulate the members of the current's ensemble, the worst first."""
+    if outcome.members:
+        tried = sorted(outcome.members, key=lambda each: each.success.value if each.trials else 2.0)
+        note = "Each trial sails in one member of the ensemble; a row has the trials that sail in it."
+        columns = ("member", *_COLUMNS[1:])
+        rows = [(each.causes[0], *row[1:]) for each, row in zip(tried, _rows(outcome, tried), strict=True)]
+        words = [_worth(found, "member") for found in _by_place(outcome, outcome.members)]
+        heading = _MEMBERS_DIFFER if success_differs(tried) else "Members of the current's ensemble"
+        yield PageSection(heading, [*words, Table(columns, rows, note)])
+
+
+def explanation_sections(outcome: Outcome) -> Iterator[PageSection]:
+    """Tabulate the explanations, and say how much of the variance is due to which of them holds."""
+    if outcome.explanations:
+        words = [_worth(found, "cause") for found in _by_place(outcome, outcome.explanations)]
+        note = "Each trial draws which explanation holds; a row has the trials in which it does."
+        rows = _rows(outcome, outcome.explanations)
+        yield PageSection("Which explanation holds", [*words, Table(_COLUMNS, rows, note)])
+
+
+def _rows(outcome: Outcome, explained: Sequence[ExplainedOutcome]) -> list[tuple[str, ...]]:
+    rows = []
+    for each in explained:
+        ranges = []
+        for key, statistic in (("duration_s", each.duration), ("energy_wh", each.energy)):
+            unit = unit_for("total", key, outcome.provenance.data, typical=statistic.p50)
+            low, _, high = span(statistic, unit)
+            ranges.append("–" if not statistic.count else f"{low} to {high}{unit.suffix}")
+        rows.append((label(each.causes), f"{100.0 * each.probability:.1f} %", percent(each.success), *ranges))
+    return rows
+
+
+def _by_place(outcome: Outcome, explained: Sequence[ExplainedOutcome]) -> list[list[Sensitivity]]:
+    """Influences of which explanation holds, of each of the mission's doubts, or of which member."""
+    places = dict.fromkeys(each.place for each in explained)
+    found = [[s for s in outcome.sensitivities if s.source == place and s.output in _MATTERS] for place in places]
+    return [each for each in found if each]
+
+
+def _worth(found: list[Sensitivity], what: str) -> str:
+    """Say for which share of the variance it matters which explanation holds, and whether to find out."""
+    shares = [f"{_percent(each.first_order)} of the variance of the {in_words(each.output)}" for each in found]
+    listed = ", ".join(shares[:-1]) + f" and {shares[-1]}" if len(shares) > 1 else shares[0]
+    words = f"Which {what} it is accounts for {listed}"
+    if all(each.first_order < SMALL for each in found):
+        return f"{words}: no need to find out."
+    return f"{words}: find out what you can before you rely on the plan."
+
+
+def _percent(part: float) -> str:
+    return "less than 1 %" if part < 0.01 else f"{100.0 * part:.0f} %"

@@ -1,0 +1,348 @@
+"""Report of `optimise`: the choice, its check, what binds, the front, or what the obstacle is."""
+
+import math
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from missionplan.montecarlo.statistics import Statistic
+from missionplan.report.explained import members_in_words, members_section
+from missionplan.report.numbers import number, percent, rounded_down, rounded_up, share
+from missionplan.report.page import (
+    BLUE,
+    GREY,
+    ORANGE,
+    Drawing,
+    Figure,
+    Listing,
+    Page,
+    PageSection,
+    Table,
+    Terminal,
+    to_figure,
+)
+from missionplan.report.quantities import Unit, range_on, unit_for, value_on, with_error
+from missionplan.report.simulation.quantities import requirement_in_words
+from missionplan.report.wording import in_words, keys_in_words
+from missionplan.results.choosing.optimisation import Obstacle, Optimised, Tried
+
+
+def front_figure(found: Optimised) -> Figure | None:
+    """Draw P(success) against the cost of all that was tried and reached the mission's end."""
+    tried = _reached(found)
+    if not tried:
+        return None
+    figure = MatplotlibFigure(figsize=(6.0, 3.4))
+    draw_front(figure.subplots(), found)
+    figure.legend(loc="outside upper center", ncols=3)
+    return to_figure(
+        figure,
+        "optimise",
+        f"Probability of success against mean {found.aim} of the choices tried",
+        f"All choices tried, with {min(each.trials for each in tried)} trials or more.",
+    )
+
+
+def draw_front(axes: Axes, found: Optimised) -> None:
+    """Draw P(success) against the cost of all that was tried and reached the mission's end."""
+    tried = _reached(found)
+    if not tried:
+        return
+    unit = _unit_of_cost(found, tried)
+    chosen = [each for each in tried if each.values == found.chosen and found.feasible]
+    for label, marker, size, colour, members in (
+        ("misses a requirement", "o", 4, GREY, [each for each in tried if not each.feasible]),
+        ("meets all requirements", "o", 4, BLUE, [each for each in tried if each.feasible]),
+        ("chosen", "*", 14, ORANGE, chosen),
+    ):
+        if members:
+            x = [unit(_least(found, each)) for each in members]
+            y = [100.0 * each.success.value for each in members]
+            axes.plot(x, y, marker, color=colour, markersize=size, alpha=0.6 if marker == "o" else 1.0, label=label)
+    low = min(90.0, 100.0 * min(each.success.value for each in tried))
+    axes.set(xlabel=f"Mean {found.aim}{unit.axis}", ylabel="P(success) (%)")
+    axes.set_ylim(low - 0.05 * (100.0 - low), 100.0 + 0.05 * (100.0 - low))
+
+
+def _reached(found: Optimised) -> list[Tried]:
+    """Choices tried of which some trial reached the mission's end."""
+    return [each for each in found.tried if np.isfinite(_least(found, each))]
+
+
+def _unit_of_cost(found: Optimised, tried: Sequence[Tried]) -> Unit:
+    typical = float(np.median([_least(found, each) for each in tried]))
+    return unit_for("total", found.key, found.provenance.data, typical=typical)
+
+
+def _least(found: Optimised, each: Tried) -> float:
+    """Return the mean of what is to be least."""
+    return each.energy if found.aim == "energy" else each.duration
+
+
+_MOST_ROWS = 25
+
+
+def page(found: Optimised) -> Page:
+    """Build the page."""
+    return Page(
+        title=f"What to choose? {found.provenance.mission}",
+        answer=answer(found),
+        figure=front_figure(found),
+        numbers=_numbers(found),
+        sections=[section for part in _PARTS for section in part(found)],
+        verdict="good" if found.feasible else "bad",
+        rerun=_rerun(found),
+    )
+
+
+def terminal(found: Optimised) -> Terminal:
+    """Build the terminal's view: what is chosen."""
+    rows = [(_name(name), _shown(found, name, value)) for name, value in found.chosen.items()]
+    verdict, heading = ("good", "chosen") if found.feasible else ("bad", "nearest")
+    return Terminal(answer(found), ("", heading), rows, verdict)
+
+
+def answer(found: Optimised) -> str:
+    """Write the choice, what it costs and how it was checked, or which requirement is the obstacle and by how much."""
+    *some, last = [f"{_name(name)} {_shown(found, name, value)}" for name, value in found.chosen.items()]
+    values = f"{', '.join(some)} and {last}" if some else last
+    if not found.feasible:
+        return f"No choice tried meets all requirements. {_obstacle_words(found)} What comes nearest: {values}."
+    least = "energy" if found.aim == "energy" else "time"
+    sentences = [f"The least {least}, {_cost(found)}, is had with {values}."]
+    if found.checked is not None and found.fresh is not None:
+        trials, fresh = number(found.fresh.provenance.trials), percent(found.fresh.total.events["success"])
+        sentences.append(f"All requirements are met, on {trials} fresh trials too, of which {fresh} succeed.")
+    sailed = members_in_words(found.members, "succeeds")
+    return " ".join(filter(None, [*sentences, sailed, _binding_words(found)]))
+
+
+def _sailed(found: Optimised) -> Iterator[PageSection]:
+    note = "Each trial sails in one member of the ensemble; a row has the trials that sail in it."
+    yield from members_section(found.members, "mission", "success (95 % interval)", note)
+
+
+def _obstacle_words(found: Optimised) -> str:
+    if not found.obstacles:
+        return "Some meet them in the trials of the search, but none in both checks; more trials may tell."
+    alone = all(each.alone for each in found.obstacles)
+    parts = [
+        f"the {in_words(each.quantity)}, which is met with {percent(each.reached)}{' where all others are' * alone}, "
+        f"{100.0 * each.required:g}\u00a0% required{_would_do(found, each)}"
+        for each in found.obstacles
+    ]
+    if alone:
+        return f"The obstacle is {'; or '.join(parts)}."
+    return f"Dropping one requirement alone would not do. The choice that comes nearest misses {'; and '.join(parts)}."
+
+
+def _would_do(found: Optimised, each: Obstacle) -> str:
+    """Write with which bound it would be met: `` (21.2 W h instead of 15 W h would do)``."""
+    if not math.isfinite(each.would_do):
+        return ""
+    return f" ({_looser(found, each)} instead of {_limit(found, each)} would do)"
+
+
+def _looser(found: Optimised, each: Obstacle) -> str:
+    """Write the bound that would do, rounded away from the one that does not: one rounded towards it may not do."""
+    unit = _unit_of(found, each, each.would_do)
+    loosened = rounded_up if each.would_do > each.limit else rounded_down
+    return _with_unit(loosened(unit(each.would_do)), unit)
+
+
+def _limit(found: Optimised, each: Obstacle) -> str:
+    unit = _unit_of(found, each, each.limit)
+    return _with_unit(unit(each.limit), unit)
+
+
+def _unit_of(found: Optimised, each: Obstacle, value: float) -> Unit:
+    phase, _, key = each.column.rpartition(".")
+    return unit_for(phase, key, found.provenance.data, typical=value)
+
+
+def _with_unit(value: float, unit: Unit) -> str:
+    return f"{number(value)}{unit.suffix}" if math.isfinite(value) else "–"
+
+
+def _binding_words(found: Optimised) -> str:
+    buying = sorted((each for each in found.relaxations if each.saved > 0.0), key=lambda each: -each.saved)
+    if not buying and found.ruled_out is not None:
+        quantity, gain, _ = found.ruled_out
+        shown = _unit(found)
+        about = f"{number(shown(gain), shown(0.1 * gain))}{shown.suffix}"
+        words = f"without that on the {in_words(quantity)}, at least about {about} less would do"
+        return f"Relaxing any requirement by 1 % saves nothing at these steps; {words}."
+    if not buying:
+        return "No requirement binds: relaxing any by 1 % saves nothing."
+    first = buying[0]
+    saved = with_error(first.saved, first.error, _unit(found))
+    return f"The {in_words(first.quantity)} binds: with {first.change}, {saved} less would do."
+
+
+def _name(name: str) -> str:
+    return keys_in_words(name.split("+"))
+
+
+def _shown(found: Optimised, name: str, value: str) -> str:
+    """Write a value as people read it, a start by its time of day; `value` is as a script reads it."""
+    for axis in found.axes:
+        if axis.name == name:
+            return next((value_on(axis, i) for i in range(len(axis.values)) if axis.exact(i) == value), value)
+    return value
+
+
+def _unit(found: Optimised) -> Unit:
+    return unit_for("total", found.key, found.provenance.data, typical=_statistic(found).mean)
+
+
+def _statistic(found: Optimised) -> Statistic:
+    return found.checked.total.quantities[found.key] if found.checked else Statistic.of_constant(float("nan"), 1)
+
+
+def _cost(found: Optimised) -> str:
+    statistic = _statistic(found)
+    return with_error(statistic.mean, statistic.standard_error, _unit(found))
+
+
+def _numbers(found: Optimised) -> list[tuple[str, str]]:
+    numbers = [
+        ("Combinations to choose from", number(found.combinations)),
+        ("Trials of the search", number(found.search_trials)),
+    ]
+    if found.fresh is not None:
+        numbers.insert(0, ("P(success), fresh trials", percent(found.fresh.total.events["success"])))
+    return numbers
+
+
+def _choice(found: Optimised) -> Iterator[PageSection]:
+    rows = [
+        (
+            _name(axis.name),
+            _shown(found, axis.name, found.chosen[axis.name]),
+            range_on(axis, 0, len(axis.values) - 1),
+            _where(found, index),
+        )
+        for index, axis in enumerate(found.axes)
+    ]
+    heading = "The choice" if found.feasible else "The choice that comes nearest"
+    yield PageSection(heading, [Table(("", "chosen", "tried", ""), rows, text_columns=4)])
+
+
+def _where(found: Optimised, index: int) -> str:
+    """Say where a choice lies at a bound: the bound, not a requirement, may then decide."""
+    axis = found.axes[index]
+    if axis.numbers is None or len(axis.values) < 2:
+        return ""
+    at = [axis.exact(i) for i in range(len(axis.values))].index(found.chosen[axis.name])
+    return "at its bound" if at in (0, len(axis.values) - 1) else ""
+
+
+def _checks(found: Optimised) -> Iterator[PageSection]:
+    if found.checked is None or found.fresh is None:
+        return
+    rows = [
+        (
+            requirement_in_words(found.checked, item),
+            _required(item.required),
+            percent(item.probability),
+            percent(fresh.probability),
+        )
+        for item, fresh in zip(found.checked.requirements, found.fresh.requirements, strict=True)
+    ]
+    caption = f"Each with {number(found.provenance.trials)} trials; mission-optimised.yaml has the seed of the first."
+    columns = ("requirement", "required", "reached", "reached on fresh random numbers")
+    yield PageSection("It meets all requirements on fresh random numbers too", [Table(columns, rows, caption)])
+
+
+def _required(probability: float) -> str:
+    return f"{100.0 * probability:g}\u00a0%"
+
+
+def _relaxed(found: Optimised) -> Iterator[PageSection]:
+    if not found.relaxations:
+        return
+    rows = [
+        (
+            in_words(each.quantity),
+            each.change,
+            with_error(each.saved, each.error, _unit(found)) if each.saved else "nothing",
+            ", ".join(_shown(found, *item) for item in each.values.items()) if each.saved else "",
+        )
+        for each in found.relaxations
+    ]
+    columns = ("requirement", "relaxed", "saves", "with the choice")
+    caption = "Found from what was tried, and a few choices more, on the same random numbers, not by a new wide search."
+    binding = [each for each in found.relaxations if each.saved > 0.0]
+    heading = f"{len(binding)} requirement{'' if len(binding) == 1 else 's'} bind{'s' if len(binding) == 1 else ''}"
+    heading = heading if binding else "Relaxing any requirement by 1 % saves nothing"
+    yield PageSection(heading, [Table(columns, rows, caption, text_columns=2)])
+
+
+def _obstacles(found: Optimised) -> Iterator[PageSection]:
+    if found.obstacles:
+        rows = [
+            (
+                in_words(each.quantity),
+                _required(each.required),
+                percent(each.reached),
+                _limit(found, each),
+                _looser(found, each),
+            )
+            for each in found.obstacles
+        ]
+        columns = ("requirement", "required", "reached", "bound", "bound that would do")
+        caption = (
+            "Of the choice that comes nearest to each requirement among those that meet all others."
+            if all(each.alone for each in found.obstacles)
+            else "Of the choice that comes nearest to meeting all requirements."
+        )
+        yield PageSection("What stands in the way", [Table(columns, rows, caption)])
+
+
+def _front(found: Optimised) -> Iterator[PageSection]:
+    front = sorted((each for each in found.tried if each.on_front), key=lambda each: each.energy)
+    if front:
+        rows = [_row(found, each) for each in front[:_MOST_ROWS]]
+        columns = [*(_name(axis.name) for axis in found.axes), "P(success)", "energy", "duration", "requirements"]
+        more = f"The first {_MOST_ROWS} of {len(front)}; all are in front.csv." if len(front) > _MOST_ROWS else ""
+        yield PageSection(f"The front of what was tried has {len(front)} choices", [Table(columns, rows, more)])
+
+
+def _row(found: Optimised, each: Tried) -> list[str]:
+    values = [_shown(found, axis.name, each.values[axis.name]) for axis in found.axes]
+    energy, duration = (unit_for("total", key, found.provenance.data, typical=value) for key, value in _costs(each))
+    costs = [f"{number(energy(each.energy))}{energy.suffix}", f"{number(duration(each.duration))}{duration.suffix}"]
+    return [*values, share(each.success), *costs, "met" if each.feasible else "not met"]
+
+
+def _costs(each: Tried) -> tuple[tuple[str, float], tuple[str, float]]:
+    return ("energy_wh", each.energy), ("duration_s", each.duration)
+
+
+def _effort(found: Optimised) -> Iterator[PageSection]:
+    text = (
+        f"{number(found.search_trials)} trials searched the {number(found.combinations)} combinations, "
+        f"{number(found.check_trials)} more checked the choice, and {number(found.relaxation_trials)} were run with "
+        "relaxed requirements. "
+        "All choices have the same random numbers. Smooth surfaces (kriging) through the cost and the requirements of "
+        "what was tried say what to try next, with few trials and then with more; the best of a large lattice is not "
+        "guaranteed to be found."
+    )
+    yield PageSection("How it was found", [text, Listing("missionplan simulate mission-optimised.yaml")])
+
+
+def _rerun(found: Optimised) -> str:
+    choose = found.provenance.options.get("choose")
+    words = [f"--choose {shlex.quote(str(each))}" for each in (choose if isinstance(choose, list) else [])]
+    trials = f"--trials {found.provenance.trials} --seed {found.provenance.seed}"
+    return " ".join(["missionplan optimise mission.yaml", *words, f"--aim {found.aim}", trials])
+
+
+_PARTS = (_choice, _checks, _sailed, _relaxed, _obstacles, _front, _effort)
+
+
+PLOTS: Mapping[str, Drawing] = {"front": draw_front}
+"""Plots on given axes by name, the main one first."""

@@ -1,0 +1,334 @@
+"""Report of `score`: how well a mission as it stands predicts measured data."""
+
+import shlex
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+from matplotlib.ticker import MaxNLocator
+
+from missionplan.errors import InputError, Problem, counted, shown
+from missionplan.montecarlo.statistics import wilson
+from missionplan.report.axes import name_axis
+from missionplan.report.page import BLUE, GREY, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.quantities import quantity
+from missionplan.results.log_book.score import PIT_BINS, STATED, DatasetScore, Prediction, Score, pit_counts
+
+Q90 = 1.645
+"""Normal quantile: half the width of a 90 % interval in standard deviations."""
+
+
+def prediction_figure(each: DatasetScore) -> Figure:
+    """Draw what was measured with both predictions and their 90 % bands."""
+    legs = each.kind == "transit"
+    figure = MatplotlibFigure(figsize=(6.4, 4.4))
+    panels = figure.subplots(2, 1, sharex=True, sharey=not legs)
+    for axes, part in zip(panels, (0, 1), strict=True):
+        _panel(axes, each, part)
+    panels[0].set_xlabel("")
+    panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=9, frameon=False, ncols=3)
+    what = "Position errors of the legs" if legs else "Departures of the depths from what was expected"
+    return to_figure(
+        figure,
+        "predictions",
+        alt=f"{what} with the mission's predictions",
+        caption=f"{what} (points) and the mission's 90 % bands: blue one step ahead, grey without the past.",
+    )
+
+
+def draw_predictions(axes: Axes, score: Score, dataset: int = 0, part: int = 0) -> None:
+    """Draw a data set of the score, by its number.
+
+    Parameters
+    ----------
+    part : int
+        Of legs, 0 for errors east and 1 for north; of dives, 0 for one step ahead and 1 for all the way.
+    """
+    for given, most, key in ((dataset, len(score.datasets), "dataset"), (part, 2, "part")):
+        if not isinstance(given, int) or not 0 <= given < most:
+            raise InputError([Problem(f"given {shown(given)}, expected 0 to {most - 1}", key=key)])
+    _panel(axes, score.datasets[dataset], part)
+    axes.legend()
+
+
+def _panel(axes: Axes, each: DatasetScore, part: int) -> None:
+    if each.kind == "transit":
+        _leg_panel(axes, each, part)
+        axes.set_xlabel("Leg")
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    else:
+        _dive_panel(axes, each, list(each.predictions.values())[part], ("one step ahead", "all the way")[part])
+        axes.set_xlabel("Reading, dive after dive")
+
+
+def _leg_panel(axes: Axes, each: DatasetScore, axis: int) -> None:
+    rows = slice(axis, None, 2)
+    at = np.arange(each.groups) + 1
+    unit, word = (1000.0, "km") if np.max(np.abs(each.measured)) > 2000.0 else (1.0, "m")
+    for prediction, colour, label in ((each.whole, GREY, "all the way"), (each.one_step, BLUE, "one step ahead")):
+        mean, sd = prediction.mean[rows] / unit, prediction.sd[rows] / unit
+        axes.fill_between(at, mean - Q90 * sd, mean + Q90 * sd, color=colour, alpha=0.25, linewidth=0.0, label=label)
+    axes.plot(at, each.measured[rows] / unit, ".", color=ORANGE, markersize=4.0, label="measured")
+    name_axis(axes.yaxis, f"{('East', 'North')[axis]} error", word)
+
+
+def _dive_panel(axes: Axes, each: DatasetScore, prediction: Prediction, title: str) -> None:
+    at, left = np.arange(len(each.measured)) + 1, each.measured - prediction.mean
+    axes.fill_between(
+        at, -Q90 * prediction.sd, Q90 * prediction.sd, color=BLUE, alpha=0.25, linewidth=0.0, label="90 %"
+    )
+    axes.plot(at, left, ".", color=ORANGE, markersize=3.0, label="measured")
+    name_axis(axes.yaxis, "Error", "m")
+    axes.set_title(title, fontsize=9)
+
+
+def pit_figure(each: DatasetScore) -> Figure:
+    """Draw histograms of the probability integral transforms, which are flat where the predictions are right."""
+    figure = MatplotlibFigure(figsize=(6.4, 2.5))
+    panels = figure.subplots(1, 2, sharey=True)
+    expected = len(each.measured) / PIT_BINS
+    spread = 1.645 * np.sqrt(expected * (1.0 - 1.0 / PIT_BINS))
+    for axes, (title, prediction) in zip(
+        panels, (("one step ahead", each.one_step), ("all the way", each.whole)), strict=True
+    ):
+        at = (np.arange(PIT_BINS) + 0.5) / PIT_BINS
+        axes.bar(at, pit_counts(prediction.pit), width=0.9 / PIT_BINS, color=BLUE)
+        axes.axhspan(max(expected - spread, 0.0), expected + spread, color=GREY, alpha=0.25, linewidth=0.0)
+        axes.set_title(title, fontsize=9)
+        axes.set_xlabel("Probability of less")
+    panels[0].set_ylabel("Values")
+    return to_figure(
+        figure,
+        f"pit-{each.kind}-{_slug(each.name)}",
+        alt="Histograms of the probability integral transforms",
+        caption=(
+            "Where each value fell in its predicted distribution. Right predictions are flat; the grey band holds "
+            "90 % of independent bins. Heaps at both ends: intervals too narrow; a heap in the middle: too wide."
+        ),
+    )
+
+
+def _slug(name: str) -> str:
+    return "".join(letter if letter.isalnum() else "-" for letter in name.lower())[:40].strip("-")
+
+
+NAMES = {"one_step": "one step ahead", "whole": "all the way"}
+EXPLAINED = {
+    "one_step": "One step ahead: each {group} from those before it in the record, as the vehicle could.",
+    "whole": "All the way: every {group} from nothing of the record, as the plan must.",
+}
+GROUPS = {"transit": ("leg", "legs"), "descent": ("dive", "dives")}
+YARDSTICKS = {
+    "no_effects": "the mission without its effects",
+    "mean_of_past": "the mean of the past",
+    "last_leg": "the last {group}",
+    "random_walk": "a random walk seen through noise",
+    "vehicle": "the vehicle's own drift compensation",
+}
+SAME = 0.03
+"""Skills that are as good as one another."""
+_FAR = 0.15
+"""From 50 %, beyond which the coverage of the 50 % intervals is told too."""
+SHARES = ((0.8, "four fifths"), (2 / 3, "two thirds"), (0.5, "half"), (1 / 3, "a third"), (0.25, "a quarter"))
+
+
+def page(score: Score) -> Page:
+    """Build the page of a score."""
+    sections = [PageSection("All data sets", [_overview(score)])] if len(score.datasets) > 1 else []
+    for each in score.datasets:
+        sections += dataset_sections(each)
+    made = score.provenance
+    folders = made.options["datasets"]
+    named = [shlex.quote(str(path)) for path in (folders if isinstance(folders, list) else [])]
+    return Page(
+        title=f"How well {made.mission} predicts what was measured",
+        answer=answer(score),
+        figure=prediction_figure(score.datasets[0]),
+        numbers=_numbers(score.datasets[0]),
+        sections=sections,
+        verdict=_verdict(score),
+        rerun=f"missionplan score {shlex.quote(made.file)} {' '.join(named)} --seed {made.seed}",
+    )
+
+
+def terminal(score: Score) -> Terminal:
+    """Build the terminal's view: one row a data set and prediction, or the yardsticks of a single data set."""
+    table = _overview(score) if len(score.datasets) > 1 else _table(score.datasets[0])
+    return Terminal(answer(score), table.columns, table.rows, _verdict(score))
+
+
+def _verdict(score: Score) -> str:
+    """Bad where chance does not allow the coverage; good where, besides, the last leg or dive predicts no better."""
+    if not score.is_within_chance:
+        return "bad"
+    return "good" if all(each.one_step.skill("last_leg") > -SAME for each in score.datasets) else "undecided"
+
+
+def answer(score: Score) -> str:
+    """Say how well the next leg or dive is predicted, against the last one, and what the intervals hold."""
+    said = [f"{told(each)}{_not_held_out(each)}" for each in score.datasets[:3]]
+    if len(score.datasets) == 1:
+        words = f"This mission {said[0]}"
+    else:
+        words = " ".join(f"{each.name}: this mission {one}" for each, one in zip(score.datasets, said, strict=False))
+    if score.is_within_chance:
+        return f"{words} Nothing was fitted; chance allows the coverage of the 90 % intervals."
+    off = [
+        f"{NAMES[name]}" for each in score.datasets for name, p in each.predictions.items() if not p.is_within_chance
+    ]
+    return f"{words} Chance does not allow that coverage ({', '.join(dict.fromkeys(off))}): the intervals are wrong."
+
+
+def _not_held_out(each: DatasetScore) -> str:
+    """Say from how many legs or dives the mission has learned, if any."""
+    if not each.learned:
+        return ""
+    one, many = GROUPS[each.kind]
+    which = (
+        f"all {each.groups} {many}" if each.learned == each.groups else f"{counted(each.learned, one)} of {each.groups}"
+    )
+    return f" It has learned from {which} (learned_from): that is no prediction of data held out."
+
+
+def told(each: DatasetScore) -> str:
+    """Say how a data set was predicted, after the words "this mission"."""
+    one, many = GROUPS[each.kind]
+    ahead = each.one_step
+    held = f"its 90 % intervals hold {100.0 * ahead.coverage_90:.0f} % of {many}"
+    if abs(half := ahead.inside_50 / len(ahead.z) - 0.5) > _FAR:
+        held += f", its 50 % intervals {50.0 + 100.0 * half:.0f} %"
+    if not each.whole.is_within_chance:
+        held += f", without the past {100.0 * each.whole.coverage_90:.0f} %"
+    return f"predicts the next {one} to {_metres(ahead.rmse)}, {_against(ahead.skill('last_leg'), one)}; {held}."
+
+
+def _against(skill: float, one: str) -> str:
+    """Put a skill against the last leg in words."""
+    if abs(skill) < SAME:
+        return f"as well as the last {one} would"
+    if skill < -1.0:
+        return f"{1.0 - skill:.1f} times the error that the last {one} would give"
+    near = next((word for share, word in SHARES if abs(abs(skill) - share) < SAME), f"{100.0 * abs(skill):.0f} %")
+    return f"{near} {'better' if skill > 0.0 else 'worse'} than the last {one} would"
+
+
+def _metres(value: float) -> str:
+    return quantity(value / 1000.0, "km", ".2f") if value >= 100.0 else quantity(value, "m", ".3g")
+
+
+def _overview(score: Score) -> Table:
+    rows = [
+        [
+            each.name,
+            NAMES[name],
+            str(each.groups),
+            _metres(prediction.rmse),
+            f"{100.0 * prediction.skill('last_leg'):.0f} %",
+            f"{prediction.log_score:.2f}",
+            _held(prediction.inside_90, len(prediction.z)),
+            "yes" if prediction.is_within_chance else "no",
+        ]
+        for each in score.datasets
+        for name, prediction in each.predictions.items()
+    ]
+    columns = [
+        "Data set",
+        "Prediction",
+        "Groups",
+        "Error, rms",
+        "Skill against the last",
+        "Log score",
+        "In 90 %",
+        "Chance",
+    ]
+    return Table(columns, rows, "Groups are legs or dives.", text_columns=2)
+
+
+def _held(inside: int, count: int) -> str:
+    interval = wilson(inside, count)
+    return f"{100.0 * inside / count:.0f} % ({100.0 * interval.low:.0f} to {100.0 * interval.high:.0f})"
+
+
+def _numbers(each: DatasetScore) -> list[tuple[str, str]]:
+    one, _ = GROUPS[each.kind]
+    ahead = each.one_step
+    return [
+        (f"Error of the next {one}, rms", _metres(ahead.rmse)),
+        ("90 % intervals, one step ahead", _held(ahead.inside_90, len(ahead.z))),
+        ("90 % intervals, all the way", _held(each.whole.inside_90, len(each.whole.z))),
+    ]
+
+
+def _table(each: DatasetScore) -> Table:
+    one, many = GROUPS[each.kind]
+    rows = []
+    for name, prediction in each.predictions.items():
+        rows.append(
+            [
+                f"this mission, {NAMES[name]}",
+                _metres(prediction.rmse),
+                "",
+                f"{prediction.log_score:.2f}",
+                _metres(prediction.crps),
+                _held(prediction.inside_50, len(prediction.z)),
+                _held(prediction.inside_90, len(prediction.z)),
+            ]
+        )
+        bare = prediction.yardsticks["no_effects"]
+        if (bare.rmse, bare.log_score) != (prediction.rmse, prediction.log_score):  # the mission has effects
+            label = f"{YARDSTICKS['no_effects']}, {NAMES[name]}"
+            rows.append(_row(label, bare.rmse, prediction.skill("no_effects"), bare.log_score, bare.crps))
+    for name, other in each.one_step.yardsticks.items():
+        if name != "no_effects":
+            label = YARDSTICKS[name].format(group=one)
+            rows.append(_row(label, other.rmse, each.one_step.skill(name), other.log_score, other.crps))
+    caption = (
+        f"Skill: the part of a yardstick's error that the mission avoids, one step ahead but for the last row without "
+        f"effects. Log scores are means over {len(each.measured)} values (greater is better), CRPS likewise (less is "
+        f"better). Yardsticks predict {many} from those before, with the spread of their own errors so far."
+    )
+    columns = ["Prediction", "Error, rms", "Skill", "Log score", "CRPS", "In 50 %", "In 90 %"]
+    return Table(columns, rows, caption)
+
+
+def _row(label: str, rmse: float, skill: float, log_score: float, crps: float) -> list[str]:
+    return [label, _metres(rmse), f"{100.0 * skill:.0f} %", f"{log_score:.2f}", _metres(crps), "", ""]
+
+
+def dataset_sections(each: DatasetScore, name: str = "") -> list[PageSection]:
+    """Show the scores of a data set beside yardsticks; `name` stands for its own."""
+    name = name or each.name
+    one, _ = GROUPS[each.kind]
+    words = [EXPLAINED[name].format(group=one) + _chance(prediction) for name, prediction in each.predictions.items()]
+    words.append(_assumed(each.kind))
+    return [
+        PageSection(f"{name}: scores beside yardsticks", [_table(each), *words]),
+        PageSection(f"{name}: where in their distributions the values fell", [pit_figure(each)]),
+    ]
+
+
+def _chance(prediction: Prediction) -> str:
+    low, high = prediction.chance_90
+    return (
+        f" Its {100.0 * STATED:.0f} % intervals hold {100.0 * prediction.coverage_90:.0f} % of the values; were the "
+        f"mission true, chance would leave {100.0 * low:.0f} to {100.0 * high:.0f} %. Errors over their standard "
+        f"deviations have a mean of {prediction.z.mean():.2f} and a standard deviation of {prediction.z.std():.2f}."
+    )
+
+
+def _assumed(kind: str) -> str:
+    if kind == "transit":
+        return (
+            "Expected errors and their covariances come from the transit that simulate runs, along the legs as they "
+            "were logged. The past is taken in as if the expected errors were normal about their mean."
+        )
+    return (
+        "Expected depths come from the descent that simulate runs. Sensor, turbulence and scatter from dive to dive "
+        "are those that the diagnosis assumes. The past is taken in as if the expected depths were normal about "
+        "their mean."
+    )
+
+
+PLOTS: Mapping[str, Drawing] = {"predictions": draw_predictions}
+"""Plots on given axes by name, the main one first."""
