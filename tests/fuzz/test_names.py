@@ -84,6 +84,7 @@ CASES = [
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Glyph", "ignore:constrained_layout not applied")
 @pytest.mark.parametrize(("study", "name"), CASES)
 def test_hostile_names_do_no_harm(study, name, tmp_path):
     for number, names in enumerate(batches(name)):
