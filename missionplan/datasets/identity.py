@@ -30,11 +30,14 @@ NAMED = 8
 def leg_identities(data: "TransitData") -> tuple[str, ...]:
     """Return the hash of each leg: how long it took, and the triangle of fix, dead-reckoned position and next fix.
 
-    The three sides depend on no origin, no grid and no format of positions; when the leg began is left out, since a
-    log may count from any zero.
+    The three sides, and on which side of the way the next fix lies, depend on no origin, no grid and no format of
+    positions; when the leg began is left out, since a log may count from any zero.
     """
-    sides = [data.dead_reckoned - data.start, data.end - data.dead_reckoned, data.end - data.start]
-    columns = [_steps(data.under_way + data.surface, TIME), *(_steps(np.hypot(*side), LENGTH) for side in sides)]
+    way, error, made_good = data.dead_reckoned - data.start, data.end - data.dead_reckoned, data.end - data.start
+    length = np.hypot(*way)
+    across = (way[0] * error[1] - way[1] * error[0]) / np.where(length > 0.0, length, 1.0)
+    sides = [length, np.hypot(*error), np.hypot(*made_good), across]
+    columns = [_steps(data.under_way + data.surface, TIME), *(_steps(side, LENGTH) for side in sides)]
     return tuple(_hash("leg", row) for row in np.stack(columns, axis=1))
 
 
