@@ -2,16 +2,15 @@
 
 import itertools
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Generic, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, invalid
+from missionplan.mission.schema.section import FileSection, V, invalid
 from missionplan.mission.schema.site import Position
 from missionplan.mission.schema.transition import TransitionPhase
-from missionplan.montecarlo.distributions import Quantity
 
 _FORCE = QuantityParser("N", low=0.0, open_low=True)
 
@@ -30,7 +29,7 @@ class LegTableSection(FileSection):
 
 
 DMax = Annotated[
-    Annotated[q.PositiveLength, Tag("<length>")] | Annotated[LegTableSection, Tag("<table>")],
+    Annotated[q.PositiveLength[V], Tag("<length>")] | Annotated[LegTableSection, Tag("<table>")],
     Discriminator(lambda value: "<table>" if isinstance(value, LegTableSection) or _has_table(value) else "<length>"),
 ]
 
@@ -39,21 +38,21 @@ def _has_table(value: object) -> bool:
     return isinstance(value, dict) and "table" in value
 
 
-class TransitPhase(FileSection):
+class TransitPhase(FileSection, Generic[V]):
     """A transit by dead reckoning with surfacings; `speed` is nan where `shaft_rate` is given instead."""
 
     kind: Literal["transit"] = Field(default="transit", exclude=True)
     name: str = "transit"
-    start: Position | None = Field(default=None, alias="from")
-    to: Position
-    depth: q.Distance = 0.0
-    speed: q.PositiveSpeed = math.nan
-    shaft_rate: q.ShaftRate | None = None
-    d_max: DMax
-    arrival_radius: q.PositiveLength
+    start: Position[V] | None = Field(default=None, alias="from")
+    to: Position[V]
+    depth: q.Distance[V] = q.default(0.0)
+    speed: q.PositiveSpeed[V] = q.default(math.nan)
+    shaft_rate: q.ShaftRate[V] | None = None
+    d_max: DMax[V]
+    arrival_radius: q.PositiveLength[V]
 
     @model_validator(mode="after")
-    def _one_of_speed_and_shaft_rate(self) -> "TransitPhase":
+    def _one_of_speed_and_shaft_rate(self) -> Self:
         given = self.model_fields_set & {"speed", "shaft_rate"}
         if len(given) != 1:
             raise invalid("expected exactly one of speed and shaft_rate" if given else "missing", ("speed",))
@@ -66,34 +65,34 @@ DesignCurrent = Annotated[
 ]
 
 
-class MoorPhase(FileSection):
+class MoorPhase(FileSection, Generic[V]):
     """Anchor release, descent, hold, galvanic release and ascent."""
 
     kind: Literal["moor"] = Field(default="moor", exclude=True)
     name: str = "moor"
-    radius: q.PositiveLength
+    radius: q.PositiveLength[V]
     design_current: DesignCurrent | None = None
-    anchor_wet_weight: Annotated[Quantity | Literal["sized"], q.or_word(_FORCE, "sized")] = "sized"
-    line_length: q.PositiveLength
-    line_diameter: q.Distance = 0.0
-    line_stiffness: q.Stiffness | None = None
-    line_strength: q.Force | None = None
-    release_time: q.Duration = 0.0
-    hold: q.Duration = 0.0
-    galvanic_release: q.Duration = 0.0
+    anchor_wet_weight: Annotated[V | Literal["sized"], q.or_word(_FORCE, "sized")] = "sized"
+    line_length: q.PositiveLength[V]
+    line_diameter: q.Distance[V] = q.default(0.0)
+    line_stiffness: q.Stiffness[V] | None = None
+    line_strength: q.Force[V] | None = None
+    release_time: q.Duration[V] = q.default(0.0)
+    hold: q.Duration[V] = q.default(0.0)
+    galvanic_release: q.Duration[V] = q.default(0.0)
     carry_net_buoyancy: bool = False
     lateral: Literal["coupled", "uncoupled"] = "coupled"
 
 
-class PhaseEntry(FileSection):
+class PhaseEntry(FileSection, Generic[V]):
     """One item of `phases`: a single key, the kind of the phase."""
 
-    transit: TransitPhase | None = None
-    moor: MoorPhase | None = None
-    transition: TransitionPhase | None = None
+    transit: TransitPhase[V] | None = None
+    moor: MoorPhase[V] | None = None
+    transition: TransitionPhase[V] | None = None
 
     @model_validator(mode="after")
-    def _exactly_one(self) -> "PhaseEntry":
+    def _exactly_one(self) -> Self:
         if len(self.model_fields_set) != 1:
             raise invalid(f"expected one of the phases {', '.join(type(self).model_fields)} in each item")
         (kind,) = self.model_fields_set
@@ -102,9 +101,14 @@ class PhaseEntry(FileSection):
         return self
 
     @property
-    def phase(self) -> "Phase":
+    def kind(self) -> str:
+        """The key of the item."""
+        return self.phase.kind
+
+    @property
+    def phase(self) -> "Phase[V]":
         """The phase itself."""
         return next(phase for phase in (self.transit, self.moor, self.transition) if phase is not None)
 
 
-Phase = TransitPhase | MoorPhase | TransitionPhase
+Phase = TransitPhase[V] | MoorPhase[V] | TransitionPhase[V]

@@ -1,22 +1,21 @@
 """Where the mission is: origin, depth, water and current."""
 
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Generic, Literal, Self
 
 from pydantic import Discriminator, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, ReadBy, invalid
-from missionplan.montecarlo.distributions import Quantity
+from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid
 
 _FixedSignedSpeed = Annotated[float, ReadBy(QuantityParser("m/s", low=-12.0, high=12.0, fixed=True))]
 _LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
 Latitude = Annotated[float, ReadBy(_LATITUDE)]
-PositiveDuration = Annotated[Quantity, ReadBy(QuantityParser("s", low=0.0, open_low=True))]
+PositiveDuration = Annotated[V, ReadBy(QuantityParser("s", low=0.0, open_low=True))]
 Weight = Annotated[float, ReadBy(QuantityParser("", low=0.0, fixed=True))]
-SlopeAngle = Annotated[Quantity, ReadBy(QuantityParser("rad", low=0.0, high=1.0))]
+SlopeAngle = Annotated[V, ReadBy(QuantityParser("rad", low=0.0, high=1.0))]
 """Steeper than 57° is a cliff, on which nothing lies."""
 
 
@@ -27,24 +26,24 @@ class Geographic(FileSection):
     longitude: q.FixedAngle
 
 
-Planar = Annotated[tuple[q.Length, q.Length], Tag("<planar>")]
+Planar = Annotated[tuple[q.Length[V], q.Length[V]], Tag("<planar>")]
 Position = Annotated[
-    Planar | Annotated[Geographic, Tag("<geographic>")],
+    Planar[V] | Annotated[Geographic, Tag("<geographic>")],
     Discriminator(lambda value: "<geographic>" if isinstance(value, dict | Geographic) else "<planar>"),
 ]
 """East and north of the origin [m], or latitude and longitude."""
 
 
-class WaterSection(FileSection):
+class WaterSection(FileSection, Generic[V]):
     """Water, by temperature and practical salinity, or by density and viscosity."""
 
-    temperature: q.Temperature | None = None
-    salinity: q.Salinity | None = None
-    density: q.WaterDensity | None = None
-    viscosity: q.Viscosity | None = None
+    temperature: q.Temperature[V] | None = None
+    salinity: q.Salinity[V] | None = None
+    density: q.WaterDensity[V] | None = None
+    viscosity: q.Viscosity[V] | None = None
 
     @model_validator(mode="after")
-    def _one_pair(self) -> "WaterSection":
+    def _one_pair(self) -> Self:
         by_state = self.temperature is not None and self.salinity is not None
         by_value = self.density is not None and self.viscosity is not None
         given = sum(value is not None for value in (self.temperature, self.salinity, self.density, self.viscosity))
@@ -53,23 +52,23 @@ class WaterSection(FileSection):
         return self
 
 
-class CurrentLayer(FileSection):
+class CurrentLayer(FileSection, Generic[V]):
     """A layer of the current, from the layer above down to `down_to`; `toward` is clockwise from north."""
 
-    down_to: q.PositiveLength
-    speed: q.SignedSpeed
-    toward: q.Angle
+    down_to: q.PositiveLength[V]
+    speed: q.SignedSpeed[V]
+    toward: q.Angle[V]
 
 
-class ForecastError(FileSection):
+class ForecastError(FileSection, Generic[V]):
     """Error of a forecast on each axis: its standard deviation, and over what time and length it is forgotten."""
 
-    sigma: q.Speed
-    time: PositiveDuration
-    length: q.PositiveLength | None = None
+    sigma: q.Speed[V]
+    time: PositiveDuration[V]
+    length: q.PositiveLength[V] | None = None
 
 
-class CurrentFile(FileSection):
+class CurrentFile(FileSection, Generic[V]):
     """A current read from files: a CSV record, or the NetCDF field of an ocean model.
 
     `file` is a path, a pattern (``forecast-*.nc``) or an OPeNDAP address. `projection` is that of a field whose
@@ -85,7 +84,7 @@ class CurrentFile(FileSection):
     start: Moment | None = None
     projection: str | None = None
     outside: Literal["error", "hold", "zero"] = "error"
-    error: ForecastError | None = None
+    error: ForecastError[V] | None = None
 
     @property
     def members(self) -> tuple[str, ...]:
@@ -93,7 +92,7 @@ class CurrentFile(FileSection):
         return (self.file,) if isinstance(self.file, str) else self.file
 
     @model_validator(mode="after")
-    def _weighted(self) -> "CurrentFile":
+    def _weighted(self) -> Self:
         if isinstance(self.file, tuple) and len(self.file) < 2:
             raise invalid("an ensemble has two members or more; a single file is no list", ("file",))
         if self.weights is not None:
@@ -141,12 +140,12 @@ class TideSection(FileSection):
         return self
 
 
-class TidalCurrent(FileSection):
+class TidalCurrent(FileSection, Generic[V]):
     """A current forecast from tidal constituents; `outside`: above and below their depths; `error`: its error."""
 
     tide: TideSection
     outside: Literal["error", "hold", "zero"] = "error"
-    error: ForecastError | None = None
+    error: ForecastError[V] | None = None
 
 
 def _current_tag(value: object) -> str:
@@ -155,34 +154,31 @@ def _current_tag(value: object) -> str:
     return "<file>" if isinstance(value, dict | CurrentFile) else "<layers>"
 
 
-CurrentSource = Annotated[
-    Annotated[tuple[CurrentLayer, ...], Tag("<layers>")]
-    | Annotated[CurrentFile, Tag("<file>")]
-    | Annotated[TidalCurrent, Tag("<tide>")],
-    Discriminator(_current_tag),
-]
-
-
-class SlopeSection(FileSection):
+class SlopeSection(FileSection, Generic[V]):
     """Slope of the seafloor about the mooring; it falls `toward`, clockwise from north."""
 
-    angle: SlopeAngle
-    toward: q.Angle
+    angle: SlopeAngle[V]
+    toward: q.Angle[V]
 
 
-class Site(FileSection):
+class Site(FileSection, Generic[V]):
     """Site of the mission; `roughness` is z₀ of the seafloor, `chart` a file drawn behind the map."""
 
     origin: Geographic | None = None
-    depth: q.PositiveLength | None = None
-    water: WaterSection | None = None
-    current: CurrentSource = ()
-    slope: SlopeSection | None = None
-    roughness: q.PositiveLength | None = None
+    depth: q.PositiveLength[V] | None = None
+    water: WaterSection[V] | None = None
+    current: Annotated[
+        Annotated[tuple[CurrentLayer[V], ...], Tag("<layers>")]
+        | Annotated[CurrentFile[V], Tag("<file>")]
+        | Annotated[TidalCurrent[V], Tag("<tide>")],
+        Discriminator(_current_tag),
+    ] = ()
+    slope: SlopeSection[V] | None = None
+    roughness: q.PositiveLength[V] | None = None
     chart: str | None = None
 
     @model_validator(mode="after")
-    def _chart_has_a_place(self) -> "Site":
+    def _chart_has_a_place(self) -> Self:
         if self.chart is None:
             return self
         if not self.chart.lower().endswith((".json", ".geojson", ".tif", ".tiff")):

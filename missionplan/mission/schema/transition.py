@@ -1,13 +1,12 @@
 """The transition from survey speed to hover: derivatives, controls, tunnel thrusters, and the phase."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Generic, Literal
 
 from pydantic import Field, model_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, ReadBy, invalid
-from missionplan.montecarlo.distributions import Quantity
+from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid
 
 
 def _fixed(unit: str, low: float | None = 0.0, *, open_low: bool = False, high: float | None = None) -> ReadBy:
@@ -67,10 +66,10 @@ class DerivativesSection(FileSection):
         return self
 
 
-class CentreOfGravity(FileSection):
+class CentreOfGravity(FileSection, Generic[V]):
     """Centre of gravity from the centre of buoyancy."""
 
-    ahead: q.Length = 0.0
+    ahead: q.Length[V] = q.default(0.0)
     below: Annotated[float, _fixed("m", open_low=True)]
 
 
@@ -97,11 +96,11 @@ class ThrusterController(FileSection):
     pair_lead: _Time = 0.0
 
 
-class Manoeuvring(FileSection):
+class Manoeuvring(FileSection, Generic[V]):
     """Dynamics in the vertical plane, and controls."""
 
     inertia: Annotated[float, _fixed("kg*m^2", open_low=True)]
-    centre_of_gravity: CentreOfGravity
+    centre_of_gravity: CentreOfGravity[V]
     derivatives: DerivativesSection
     propeller: tuple[_Plain, _Plain, _Plain]
     speed_gain: _Positive
@@ -109,13 +108,13 @@ class Manoeuvring(FileSection):
     thruster_control: ThrusterController
 
 
-class TunnelThrusterSection(FileSection):
+class TunnelThrusterSection(FileSection, Generic[V]):
     """A tunnel thruster; `position` ahead of the centre of buoyancy."""
 
     name: str = "tunnel thruster"
     diameter: q.FixedLength
-    thrust_constant: Annotated[Quantity, ReadBy(QuantityParser("N*s^2", low=0.0, open_low=True))]
-    decay: q.PositiveNumber
+    thrust_constant: Annotated[V, ReadBy(QuantityParser("N*s^2", low=0.0, open_low=True))]
+    decay: q.PositiveNumber[V]
     position: _Lever = 0.0
     suction_gradient: Annotated[float, _fixed("")] = 0.0
     suction_offset: _Lever = 0.0
@@ -145,15 +144,15 @@ class TransitionGrid(FileSection):
         return self
 
 
-class TransitionPhase(FileSection):
+class TransitionPhase(FileSection, Generic[V]):
     """From survey speed to hover; `suction_moment`: whether the thrusters' suction pitches the vehicle."""
 
     kind: Literal["transition"] = Field(default="transition", exclude=True)
     name: str = "transition"
     start_speed: Annotated[float, _fixed("m/s", open_low=True)]
-    deceleration: Annotated[Quantity, Deceleration]
-    mid_speed: q.PositiveSpeed
-    steepness: q.PositiveSpeed
+    deceleration: Annotated[V, Deceleration]
+    mid_speed: q.PositiveSpeed[V]
+    steepness: q.PositiveSpeed[V]
     suction_moment: bool = True
     settle: _PositiveTime = 200.0
     sweep: TransitionGrid = TransitionGrid()

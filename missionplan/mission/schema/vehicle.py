@@ -1,128 +1,136 @@
 """Vehicle files: hull, sail, mass and buoyancy, anchor, energy. Everything in SI once validated."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Generic, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, Thruster
+from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, StaticThruster
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, invalid
-from missionplan.mission.schema.transition import Manoeuvring
-from missionplan.montecarlo.distributions import Quantity
+from missionplan.mission.schema.section import FileSection, V, invalid
+from missionplan.mission.schema.transition import Manoeuvring, TunnelThrusterSection
 
 _FORM_FACTOR = QuantityParser("", low=0.0, open_low=True)
 
 
-class HullSection(FileSection):
+class HullSection(FileSection, Generic[V]):
     """The egress vehicle's body: a cylinder with hemispherical ends."""
 
-    length: q.PositiveLength
-    diameter: q.PositiveLength
-    form_factor: Annotated[Quantity | Literal["briggs", "hoerner"], q.or_word(_FORM_FACTOR, "briggs", "hoerner")] = (
-        "briggs"
-    )
-    added_mass: q.Number | None = None
-    crossflow_drag: q.PositiveNumber | None = None
+    length: q.PositiveLength[V]
+    diameter: q.PositiveLength[V]
+    form_factor: Annotated[V | Literal["briggs", "hoerner"], q.or_word(_FORM_FACTOR, "briggs", "hoerner")] = "briggs"
+    added_mass: q.Number[V] | None = None
+    crossflow_drag: q.PositiveNumber[V] | None = None
 
 
-class SailSection(FileSection):
+class SailSection(FileSection, Generic[V]):
     """The sail, a small airfoil."""
 
-    chord: q.PositiveLength
-    span: q.PositiveLength
-    thickness: q.PositiveLength
+    chord: q.PositiveLength[V]
+    span: q.PositiveLength[V]
+    thickness: q.PositiveLength[V]
 
 
-class Front(FileSection):
+class Front(FileSection, Generic[V]):
     """Machined front of the anchor; `centre` from the anchor's tip."""
 
-    mass: q.Mass
-    density: q.Density
-    centre: q.Distance
+    mass: q.Mass[V]
+    density: q.Density[V]
+    centre: q.Distance[V]
 
 
-class Tube(FileSection):
+class Tube(FileSection, Generic[V]):
     """Tube between front and back; its length follows from the wet weight."""
 
-    mass_per_length: q.MassPerLength
-    density: q.Density
+    mass_per_length: q.MassPerLength[V]
+    density: q.Density[V]
 
 
-class Back(FileSection):
+class Back(FileSection, Generic[V]):
     """Machined back of the anchor; `centre_from_back` from the end of the tube."""
 
-    mass: q.Mass
-    density: q.Density
-    centre_from_back: q.Distance
+    mass: q.Mass[V]
+    density: q.Density[V]
+    centre_from_back: q.Distance[V]
 
 
-class TrimSection(FileSection):
+class TrimSection(FileSection, Generic[V]):
     """Trim ring; its mass and position follow from the wet weight."""
 
-    density: q.Density
+    density: q.Density[V]
 
 
-class ConstructionSection(FileSection):
+class ConstructionSection(FileSection, Generic[V]):
     """Parts and materials of the anchor."""
 
-    front: Front
-    tube: Tube
-    back: Back
-    trim: TrimSection
+    front: Front[V]
+    tube: Tube[V]
+    back: Back[V]
+    trim: TrimSection[V]
 
 
-class Anchor(FileSection):
+class Anchor(FileSection, Generic[V]):
     """The anchor, the vehicle's false nose until it is released."""
 
-    diameter: q.PositiveLength
-    drag_coefficient: q.PositiveNumber = 0.2
-    overlap_volume: q.Volume = 0.0
-    flooded_mass: q.Mass | None = None
-    added_mass: q.Mass | None = None
-    construction: ConstructionSection | None = None
-    holding_factor: q.PositiveNumber | None = None
-    flooding_time: q.Duration | None = None
+    diameter: q.PositiveLength[V]
+    drag_coefficient: q.PositiveNumber[V] = q.default(0.2)
+    overlap_volume: q.Volume[V] = q.default(0.0)
+    flooded_mass: q.Mass[V] | None = None
+    added_mass: q.Mass[V] | None = None
+    construction: ConstructionSection[V] | None = None
+    holding_factor: q.PositiveNumber[V] | None = None
+    flooding_time: q.Duration[V] | None = None
     premature_flooding: q.Probability = 0.0
 
 
-class Centre(FileSection):
+class Centre(FileSection, Generic[V]):
     """A centre of the egress vehicle: distance aft of the nose's tip, and below the axis."""
 
-    from_nose: q.Distance
-    below_axis: q.Length = 0.0
+    from_nose: q.Distance[V]
+    below_axis: q.Length[V] = q.default(0.0)
 
 
-class EnergyBudget(FileSection):
+class EnergyBudget(FileSection, Generic[V]):
     """Hotel load over all time, propulsion under way, each surfacing, and the energy in the battery."""
 
-    hotel: q.Power = 0.0
-    propulsive_efficiency: q.Efficiency = 0.45
-    surfacing: q.Energy = 0.0
-    capacity: q.Energy | None = None
+    hotel: q.Power[V] = q.default(0.0)
+    propulsive_efficiency: q.Efficiency[V] = q.default(0.45)
+    surfacing: q.Energy[V] = q.default(0.0)
+    capacity: q.Energy[V] | None = None
 
 
-class Vehicle(FileSection):
+def _kind(value: object) -> str:
+    tunnel = isinstance(value, TunnelThrusterSection) or (isinstance(value, dict) and "diameter" in value)
+    return "<tunnel>" if tunnel else "<static>"
+
+
+class Vehicle(FileSection, Generic[V]):
     """A vehicle file."""
 
     name: str = ""
-    hull: HullSection
-    sail: SailSection | None = None
-    appendage_factor: q.PositiveNumber = 1.0
-    mass: q.Mass | None = None
-    net_buoyancy: q.SignedForce = 0.0
-    centre_of_gravity: Centre | None = None
-    centre_of_buoyancy: Centre | None = None
-    anchor: Anchor | None = None
-    energy: EnergyBudget | None = Field(default=None)
-    manoeuvring: Manoeuvring | None = None
-    drag: MeasuredDrag | None = None
-    added_mass: MeasuredAddedMass | None = None
-    propulsion: Propulsion | None = None
-    thrusters: tuple[Thruster, ...] = ()
+    hull: HullSection[V]
+    sail: SailSection[V] | None = None
+    appendage_factor: q.PositiveNumber[V] = q.default(1.0)
+    mass: q.Mass[V] | None = None
+    net_buoyancy: q.SignedForce[V] = q.default(0.0)
+    centre_of_gravity: Centre[V] | None = None
+    centre_of_buoyancy: Centre[V] | None = None
+    anchor: Anchor[V] | None = None
+    energy: EnergyBudget[V] | None = Field(default=None)
+    manoeuvring: Manoeuvring[V] | None = None
+    drag: MeasuredDrag[V] | None = None
+    added_mass: MeasuredAddedMass[V] | None = None
+    propulsion: Propulsion[V] | None = None
+    thrusters: tuple[
+        Annotated[
+            Annotated[TunnelThrusterSection[V], Tag("<tunnel>")] | Annotated[StaticThruster[V], Tag("<static>")],
+            Discriminator(_kind),
+        ],
+        ...,
+    ] = ()
 
     @model_validator(mode="after")
-    def _both_centres(self) -> "Vehicle":
+    def _both_centres(self) -> Self:
         missing = [key for key in ("centre_of_gravity", "centre_of_buoyancy") if getattr(self, key) is None]
         if len(missing) == 1:
             raise invalid("missing; the centres of gravity and of buoyancy are given together", (missing[0],))

@@ -45,7 +45,7 @@ def known_keys(mission: Mission) -> set[str]:
             for phase in mission.phases:
                 _collect(phase, phase.name, found)
         elif name == "effect_list":
-            found |= {path for entry in mission.effects for path in entry.quantities()}
+            found |= {path for entry in mission.effects for path in entry.names}
         elif name not in ("sweep", "optimise", "requirements", "correlations"):
             _collect(value, name, found)
     return found
