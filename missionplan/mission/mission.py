@@ -102,9 +102,7 @@ class Mission(FileSection, Generic[V]):
         return cls.from_document(document, Path(), allow_outside=True, file=file)
 
     @classmethod
-    def from_document(
-        cls, document: Document, folder: Path, *, allow_outside: bool, file: str
-    ) -> "Mission":
+    def from_document(cls, document: Document, folder: Path, *, allow_outside: bool, file: str) -> "Mission":
         """Validate a document, whose included files are put in their places.
 
         Parameters

@@ -129,6 +129,13 @@ class Vehicle(FileSection, Generic[V]):
         ...,
     ] = ()
 
+    @property
+    def centres(self) -> tuple[Centre[V], Centre[V]] | None:
+        """Centres of gravity and of buoyancy; None where the file gives none."""
+        if self.centre_of_gravity is None or self.centre_of_buoyancy is None:
+            return None
+        return self.centre_of_gravity, self.centre_of_buoyancy
+
     @model_validator(mode="after")
     def _both_centres(self) -> Self:
         missing = [key for key in ("centre_of_gravity", "centre_of_buoyancy") if getattr(self, key) is None]
