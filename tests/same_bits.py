@@ -18,7 +18,17 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-OF_THE_RUN = {"elapsed_s", "version", "options", "identity", "libraries", "provenance", "created_utc", "schema"}
+OF_THE_RUN = {
+    "elapsed_s",
+    "version",
+    "options",
+    "identity",
+    "libraries",
+    "provenance",
+    "created_utc",
+    "schema",
+    "identity_parts",
+}
 """Keys that tell of the run and not of its answer."""
 FORMATS = ("csv", "json", "gpx", "geojson", "kml", "slocum", "moos", "neptus", "iver")
 SHIPPED = "autosub-transition", "estuary", "fig8", "anchor-design", "chesapeake"

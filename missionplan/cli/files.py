@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.running import checked_folder, deliver, progress_bar
+from missionplan.cli.running import deliver, progress_bar, report_folder
 from missionplan.cli.streams import note
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
@@ -79,19 +79,19 @@ def compare(
     simulate, of explore, or of optimise. Example: missionplan compare slow.yaml fast.yaml faster.yaml --trials 2000
     """
     read = [each / "summary.json" if each.is_dir() else each for each in compared]
-    folder = checked_folder(output, compared[-1].resolve().stem, "compare", read)
     from missionplan.studies.comparison.compare import compare
 
-    with progress_bar("compare", shown=not output.quiet) as progress:
-        found = compare(
-            *compared,
-            trials=trials,
-            seed=seed,
-            jobs=o.worker_count(jobs),
-            allow_outside=allow_outside,
-            progress=progress,
-        )
-    deliver(found, folder, output)
+    with report_folder(output, compared[-1].resolve().stem, "compare", read) as folder:
+        with progress_bar("compare", shown=not output.quiet) as progress:
+            found = compare(
+                *compared,
+                trials=trials,
+                seed=seed,
+                jobs=o.worker_count(jobs),
+                allow_outside=allow_outside,
+                progress=progress,
+            )
+        deliver(found, folder, output)
 
 
 _Files = Annotated[

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.running import checked_folder, deliver, progress_bar
+from missionplan.cli.running import deliver, progress_bar, report_folder
 from missionplan.errors import InputError, Problem, shown
 from missionplan.store.paths import exists, is_file
 
@@ -91,21 +91,21 @@ def import_(
         _quantity(dive_depth, "dive_depth", "m"),
         take_out_current,
     )
-    folder = checked_folder(output, "", "import", [path for path in paths if is_file(path)])
-    with progress_bar("import", shown=not quiet) as progress:
-        result = import_logs(
-            paths,
-            format=format,
-            kind=kind,  # type: ignore[arg-type]  # it is checked there
-            names=[*(map or ()), *entries],
-            cache=cache,
-            name=name,
-            shift_origin=_place(shift_origin),
-            rules=rules,
-            marks=mark or (),
-            progress=progress,
-        )
-    deliver(result, folder, output)
+    with report_folder(output, "", "import", [path for path in paths if is_file(path)]) as folder:
+        with progress_bar("import", shown=not quiet) as progress:
+            result = import_logs(
+                paths,
+                format=format,
+                kind=kind,  # type: ignore[arg-type]  # it is checked there
+                names=[*(map or ()), *entries],
+                cache=cache,
+                name=name,
+                shift_origin=_place(shift_origin),
+                rules=rules,
+                marks=mark or (),
+                progress=progress,
+            )
+        deliver(result, folder, output)
 
 
 def _quantity(text: str | None, key: str, unit: str) -> float | None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.running import Progress, checked_folder, deliver, run_study
+from missionplan.cli.running import Progress, deliver, report_folder, run_study
 from missionplan.errors import InputError
 
 if TYPE_CHECKING:
@@ -101,8 +101,8 @@ def identify(dataset: o.DatasetFolder, *, output: o.OutputOptions, allow_outside
     from missionplan.datasets.reading import dataset_files
     from missionplan.studies.identification.identify import identify
 
-    folder = checked_folder(output, dataset.resolve().name, "identify", dataset_files(dataset))
-    deliver(identify(dataset, allow_outside=allow_outside), folder, output)
+    with report_folder(output, dataset.resolve().name, "identify", dataset_files(dataset)) as folder:
+        deliver(identify(dataset, allow_outside=allow_outside), folder, output)
 
 
 def score(
@@ -143,5 +143,5 @@ def history(
     """
     from missionplan.studies.history.history import history
 
-    report = checked_folder(output, folder.resolve().name, "history")
-    deliver(history(folder), report, output)
+    with report_folder(output, folder.resolve().name, "history") as report:
+        deliver(history(folder), report, output)

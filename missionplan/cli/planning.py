@@ -1,19 +1,21 @@
 """Commands that plan: sweep-dmax, plan-legs, size-anchor, simulate, sweep-transition."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.resuming import BLOCKS, discard_blocks, last_unfinished, resume_hint
-from missionplan.cli.running import Progress, deliver, new_folder_name, progress_bar, run_study
+from missionplan.cli.resuming import run_resumable
+from missionplan.cli.running import Progress, run_study
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from missionplan.mission import Mission
     from missionplan.results.base import Result
+    from missionplan.results.simulation import Outcome
 
 REQUIREMENT_NOT_MET = 3
 
@@ -185,27 +187,23 @@ def simulate(
 
         run_study(mission, "simulate", study, output, allow_outside=allow_outside)
         return
-    from missionplan.mission import load
-    from missionplan.store.folder import check_holds_no_input, check_new_folder
-    from missionplan.studies.simulation.simulate import simulate
 
-    folder = output.out or (last_unfinished(mission.stem) if resume else new_folder_name(mission.stem, "simulate"))
-    check_new_folder(folder, force=output.force or resume)
-    loaded = load(mission, allow_outside=allow_outside)
-    check_holds_no_input(folder, loaded.sources)
-    if output.force and not resume:
-        discard_blocks(folder)
-    with resume_hint(folder, resumed=resume), progress_bar("simulate", shown=not output.quiet) as progress:
-        outcome = simulate(
+    def outcome_of(loaded: "Mission", kept: "Path", progress: Progress) -> "Outcome":
+        from missionplan.studies.simulation.simulate import simulate
+
+        return simulate(
             loaded,
             precision=precision,
-            checkpoint=folder / BLOCKS,
+            checkpoint=kept,
             resume=resume,
             keep_trials=keep_trials,
             progress=progress,
             **run.arguments(),
         )
-    deliver(outcome, folder, replace(output, force=True))
+
+    outcome = run_resumable(
+        mission, "simulate", outcome_of, output, allow_outside=allow_outside, resume=resume, keep=True
+    )
     if not outcome.requirements_met or not outcome.can_be_built:
         raise typer.Exit(REQUIREMENT_NOT_MET)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from missionplan.cli.options import OutputOptions
-from missionplan.cli.running import Progress, deliver, new_folder_name, progress_bar
+from missionplan.cli.running import Progress, deliver, progress_bar, report_folder
 from missionplan.cli.streams import note
 from missionplan.errors import InputError, Problem, RunError
 
@@ -20,11 +20,13 @@ BLOCKS = "blocks"
 """Folder of finished blocks inside a report folder."""
 
 
-def last_unfinished(stem: str, command: str = "simulate") -> Path:
-    """Find the newest report folder of a mission whose run of a command was cut short."""
+def last_unfinished(stem: str, command: str) -> Path:
+    """Find the newest report folder of a mission whose run of a command was cut short; one that still runs is none."""
+    from missionplan.store.folder import is_claimed
+
     parent = Path("reports") / stem
     for folder in sorted(parent.glob(f"{command}-*"), reverse=True):
-        if (folder / BLOCKS).is_dir() and not (folder / "report.html").exists():
+        if (folder / BLOCKS).is_dir() and not (folder / "report.html").exists() and not is_claimed(folder):
             return folder
     raise InputError([Problem("there is no unfinished run to resume", str(parent), hint="--out names its folder")])
 
@@ -72,20 +74,25 @@ def run_resumable(
     *,
     allow_outside: bool,
     resume: bool,
+    keep: bool = False,
 ) -> _Result:
-    """Load a mission, run a study that keeps its finished blocks in the report folder until it is done, and save it."""
-    from missionplan.mission import load
-    from missionplan.store.folder import check_holds_no_input, check_new_folder
+    """Load a mission, run a study that keeps its finished blocks in the report folder, and save it.
 
-    chosen = last_unfinished if resume else new_folder_name
-    folder = output.out or chosen(path.stem, command)
-    check_new_folder(folder, force=output.force or resume)
-    mission = load(path, allow_outside=allow_outside)
-    check_holds_no_input(folder, mission.sources)
-    if output.force and not resume:
-        discard_blocks(folder)
-    with resume_hint(folder, resumed=resume), progress_bar(command, shown=not output.quiet) as progress:
-        found = study(mission, folder / BLOCKS, progress)
-    discard_blocks(folder)  # of thousands of cells or choices
-    deliver(found, folder, replace(output, force=True))
-    return found
+    The blocks stay there if they are to be kept, so that the run can be extended, else until it is done.
+    """
+    from missionplan.mission import load
+    from missionplan.store.folder import check_holds_no_input
+
+    found = last_unfinished(path.stem, command) if resume and output.out is None else output.out
+    chosen = replace(output, out=found, force=output.force or resume)
+    with report_folder(chosen, path.stem, command) as folder:
+        mission = load(path, allow_outside=allow_outside)
+        check_holds_no_input(folder, mission.sources)
+        if output.force and not resume:
+            discard_blocks(folder)
+        with resume_hint(folder, resumed=resume), progress_bar(command, shown=not output.quiet) as progress:
+            result = study(mission, folder / BLOCKS, progress)
+        if not keep:
+            discard_blocks(folder)  # of thousands of cells or choices
+        deliver(result, folder, replace(output, force=True))
+    return result

@@ -3,7 +3,6 @@
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -37,11 +36,11 @@ def run_study(
     datasets: Sequence[Path] = (),
 ) -> "Result":
     """Load a mission, run a study of it, save the report, print and return the result; data sets are read besides."""
-    folder = checked_folder(output, path.stem, command)
-    mission = _loaded(path, datasets, folder, allow_outside=allow_outside)
-    with progress_bar(command, shown=not output.quiet) as progress:
-        result = study(mission, progress)
-    deliver(result, folder, output)
+    with report_folder(output, path.stem, command) as folder:
+        mission = _loaded(path, datasets, folder, allow_outside=allow_outside)
+        with progress_bar(command, shown=not output.quiet) as progress:
+            result = study(mission, progress)
+        deliver(result, folder, output)
     return result
 
 
@@ -73,19 +72,15 @@ def _loaded(path: Path, datasets: Sequence[Path], folder: Path, *, allow_outside
     return mission
 
 
-def checked_folder(output: OutputOptions, stem: str, command: str, inputs: Sequence[Path] = ()) -> Path:
-    """Choose the report folder of a command that starts now; refuse one that is not empty or holds its input."""
-    from missionplan.store.folder import check_holds_no_input, check_new_folder
+@contextmanager
+def report_folder(output: OutputOptions, stem: str, command: str, inputs: Sequence[Path] = ()) -> Iterator[Path]:
+    """Hold the report folder of a command that starts now; refuse one in use, not empty or holding its input."""
+    from missionplan.store.folder import check_holds_no_input, claimed, new_folder_name
 
-    folder = output.out or new_folder_name(stem, command)
-    check_new_folder(folder, force=output.force)
-    check_holds_no_input(folder, inputs)
-    return folder
-
-
-def new_folder_name(stem: str, command: str) -> Path:
-    """Name the report folder of a command that starts now."""
-    return Path("reports") / stem / f"{command}-{datetime.now(UTC):%Y%m%dT%H%M%SZ}"
+    folder = output.out or new_folder_name(Path("reports") / stem, command)
+    with claimed(folder, force=output.force):
+        check_holds_no_input(folder, inputs)
+        yield folder
 
 
 def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from missionplan.cli import options as o
-from missionplan.cli.running import checked_folder, deliver, progress_bar
+from missionplan.cli.running import deliver, progress_bar, report_folder
 
 
 def register(app: typer.Typer) -> None:
@@ -34,7 +34,7 @@ def tide(record: _Record, latitude: _Latitude = None, start: _Start = None, *, o
     """
     from missionplan.studies.tide.find_tide import tide as find_tide
 
-    folder = checked_folder(output, record.stem, "tide", [record])
-    with progress_bar("tide", shown=not output.quiet) as progress:
-        result = find_tide(record, latitude=latitude, start=start, progress=progress)
-    deliver(result, folder, output)
+    with report_folder(output, record.stem, "tide", [record]) as folder:
+        with progress_bar("tide", shown=not output.quiet) as progress:
+            result = find_tide(record, latitude=latitude, start=start, progress=progress)
+        deliver(result, folder, output)

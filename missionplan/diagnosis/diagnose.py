@@ -23,7 +23,7 @@ from missionplan.results.learned.diagnosis import Diagnosis, PlanGain
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.results.log_book.score import DatasetScore
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 
 Progress = Callable[[int, int], None]
 """Called with stages done, of how many."""
@@ -112,15 +112,14 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     stage()
     decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if wanted.plan else PlanGain()
     trial = _next_trial(explanations, found, judgement, scale, seed) if wanted.next_trial else None
-    provenance = Provenance(
-        command="diagnose",
-        mission=mission.name,
-        file=mission.file,
+    provenance = made_by(
+        "diagnose",
+        mission,
         seed=seed,
         trials=0,
         options={"dataset": str(dataset), "jobs": jobs, "next_trial": wanted.next_trial, "holdout": share},
-        elapsed_s=time.perf_counter() - started,
-        data=mission.raw,
+        started=started,
+        datasets=[dataset],
         notices=(*mission.notices(), *bound.data.notices, *forecast_notice(mission, found.best.causes)),
     )
     result = _result(provenance, bound, found, judgement, separated, decision, extended)

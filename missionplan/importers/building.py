@@ -57,7 +57,8 @@ class Reading:
         left = (f"{counted} file{'s were' if counted > 1 else ' was'} passed over",) if counted else ()
         told = (*self.track.notices, *notices, *left, _UTC)
         data = yaml.safe_load(mission) if mission else {}
-        return Provenance("import", self.name, "", 0, 0, self.options, elapsed, data, told)
+        inputs = {"logs": {each.name: each.sha256 for each in self.sources}}
+        return Provenance("import", self.name, "", 0, 0, self.options, elapsed, data, told, inputs)
 
     @property
     def source(self) -> str:

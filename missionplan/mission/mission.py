@@ -5,10 +5,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Generic, Literal, Self, TypeVar, cast
 
-from pydantic import Field, PrivateAttr, ValidationError, field_validator
+from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
 from missionplan.arrays import Scalars
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
+from missionplan.identity import digest_of_files
 from missionplan.mission.checks.correlations import check_correlations
 from missionplan.mission.checks.limits.ranges import Findings, check_effects, check_ranges
 from missionplan.mission.checks.limits.relations import check_relations
@@ -20,6 +21,7 @@ from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.mission_text import MissionText
 from missionplan.mission.editing.yaml_text import dumped
 from missionplan.mission.notices import notices
+from missionplan.mission.quantity_paths import phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import REMOTE, include_files
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
@@ -66,13 +68,41 @@ class Mission(FileSection, Generic[V]):
     _sources: tuple[Path, ...] = PrivateAttr(default=())
     _text: MissionText | None = PrivateAttr(default=None)
 
+    @field_validator("entries", mode="after")
+    @classmethod
+    def _key_phases(cls, entries: tuple[PhaseEntry, ...]) -> tuple[PhaseEntry, ...]:
+        keys = phase_keys([entry.phase.label for entry in entries])
+        return tuple(entry.keyed(key) for entry, key in zip(entries, keys, strict=True))
+
+    @field_validator("sweep", mode="after")
+    @classmethod
+    def _resolve_phase(cls, sweep: SweepSection, info: ValidationInfo) -> SweepSection:
+        keys = {entry.phase.label: entry.phase.name for entry in info.data.get("entries", ())}
+        return sweep.model_copy(update={"phase": keys.get(sweep.phase, sweep.phase)})
+
+    @field_validator("requirements", mode="after")
+    @classmethod
+    def _resolve_quantities(
+        cls, requirements: tuple[Requirement, ...], info: ValidationInfo
+    ) -> tuple[Requirement, ...]:
+        names = [entry.phase.label for entry in info.data.get("entries", ())]
+        return tuple(requirement.resolved(names) for requirement in requirements)
+
+    @field_validator("correlations", mode="after")
+    @classmethod
+    def _resolve_pairs(
+        cls, correlations: tuple[CorrelationSection, ...], info: ValidationInfo
+    ) -> tuple[CorrelationSection, ...]:
+        names = [entry.phase.label for entry in info.data.get("entries", ())]
+        return tuple(correlation.resolved(names) for correlation in correlations)
+
     @field_validator("effect_list", mode="plain")
     @classmethod
     def _read_effects(cls, value: object) -> EffectList:
         return read_effects(value)
 
     def __repr__(self) -> str:
-        phases = ", ".join(phase.name for phase in self.phases) or "none"
+        phases = ", ".join(phase.label for phase in self.phases) or "none"
         where = f" of {self.file}" if self.file else ""
         return f"<Mission {self.name!r}{where}: phases {phases}; {len(self.uncertain())} uncertain quantities>"
 
@@ -284,6 +314,19 @@ class Mission(FileSection, Generic[V]):
         """The file's own data with includes in place, as it is written to `mission.yaml` of a report."""
         return self._raw
 
+    def identified(self) -> dict[str, object]:
+        """Return `raw` with names and contents' SHA-256 in place of the paths of files: what a run of it depends on.
+
+        Raises
+        ------
+        InputError
+            When one of the files can no longer be read.
+        """
+        current, chart = (self.site.current, self.site.chart) if self.site else (None, None)
+        named = [*(current.members if isinstance(current, CurrentFile) else ()), *([chart] if chart else ())]
+        contents = {name: _by_contents(name) for name in named if not name.startswith(REMOTE)}
+        return {key: _replaced(value, contents) for key, value in self.raw.items()}
+
     def mapped(self, change: Callable[[str, Any], _New]) -> "Mission[_New]":
         """Return the mission with every quantity changed.
 
@@ -331,3 +374,19 @@ class Mission(FileSection, Generic[V]):
     def uncertain(self) -> dict[str, Distribution]:
         """Return the quantities that are distributions, by key path."""
         return {path: value for path, value in self.quantities().items() if isinstance(value, Distribution)}
+
+
+def _by_contents(name: str) -> str:
+    try:
+        return f"{Path(name).name} (SHA-256 {digest_of_files(matching(name))})"
+    except OSError as error:
+        raise InputError([Problem(f"cannot be read: {error.strerror or error}", name)]) from error
+
+
+def _replaced(value: object, texts: Mapping[str, str]) -> object:
+    """Return plain data with some of its texts replaced."""
+    if isinstance(value, Mapping):
+        return {key: _replaced(inner, texts) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_replaced(inner, texts) for inner in value]
+    return texts.get(value, value) if isinstance(value, str) else value

@@ -246,7 +246,7 @@ def _missing(mission: Mission[object], reason: str, needed: Mapping[str, object]
 
 def _named(phases: tuple[_Phase, ...], name: str | None, kind: str) -> _Phase:
     """Return the phase of that name, by default the first."""
-    found = {phase.name: phase for phase in phases}
+    found = {phase.name: phase for phase in phases} | {phase.label: phase for phase in phases}
     if name is None:
         return phases[0]
     if name not in found:

@@ -5,6 +5,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from missionplan.mission.quantity_paths import written_phases
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 from missionplan.results.plain_data import mapping, mappings
@@ -97,10 +98,11 @@ def unit_for(phase: str, key: str, data: Mapping[str, object], *, typical: float
 
 def _texts(phase: str, quantity: str, data: Mapping[str, object]) -> list[object]:
     """Quantities of the mission file whose unit suits, in order of preference."""
+    written = {each.key: each.name for each in written_phases(data)}
     requirements = [
         requirement.get("at_most", requirement.get("at_least"))
         for requirement in mappings(data.get("requirements"))
-        if requirement.get("quantity") == f"{phase}.{quantity}"
+        if requirement.get("quantity") == f"{written.get(phase, phase)}.{quantity}"
     ]
     section = _phase(phase, data)
     below = [_at(section, path) for path in _KEYS.get(quantity, ())]
@@ -110,11 +112,7 @@ def _texts(phase: str, quantity: str, data: Mapping[str, object]) -> list[object
 
 
 def _phase(name: str, data: Mapping[str, object]) -> Mapping[str, object]:
-    for entry in mappings(data.get("phases")):
-        for kind, section in entry.items():
-            if isinstance(section, Mapping) and section.get("name", kind) == name:
-                return section
-    return {}
+    return next((each.section for each in written_phases(data) if each.key == name), {})
 
 
 def _at(data: object, path: tuple[str, ...]) -> object:

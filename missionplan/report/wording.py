@@ -33,7 +33,8 @@ _PHRASES = {
 """Quantities and events of a phase whose names do not read as phrases."""
 _POINT_OR_UNDERSCORE = re.compile(r"\.(?!\d)|_")
 _EXPLAINED = re.compile(r"effects\[\d+\]\.one-of(?:\[(\d+)\]\.(.+))?")
-_WHOLES = ("vehicle", "site", "start", "total", "phases", "monte_carlo", "requirements")
+_PLACE = re.compile(r"phases\[(\d+)\]")
+_WHOLES = ("vehicle", "site", "start", "total", "monte_carlo", "requirements")
 """First parts of a dotted name that are no phase and read well before the rest: ``vehicle net buoyancy``."""
 
 
@@ -55,7 +56,13 @@ def in_words(name: str) -> str:
         return _spaced(quantity)
     if phase.partition("[")[0] in _WHOLES:
         return _PHRASES.get(quantity, _spaced(quantity))
-    return f"{_PHRASES.get(own, _spaced(own))} ({phase})"
+    return f"{_PHRASES.get(own, _spaced(own))} ({phase_in_words(phase)})"
+
+
+def phase_in_words(phase: str) -> str:
+    """Write what stands for a phase in key paths: its name, or ``phase 2`` where that is its place, ``phases[1]``."""
+    place = _PLACE.fullmatch(phase)
+    return f"phase {int(place[1]) + 1}" if place else phase
 
 
 def keys_in_words(keys: Sequence[str]) -> str:

@@ -8,6 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from functools import cached_property
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING, ClassVar
 import yaml
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.identity import Identity
 from missionplan.rendering import Plot, presenter, render
 from missionplan.store.folder import check_holds_no_input, new_folder, write_atomically
 from missionplan.store.paths import as_path
@@ -27,6 +29,10 @@ if TYPE_CHECKING:  # workers import this module: pandas takes half a second
 
 _rendering = threading.Lock()
 """Figures are drawn one at a time: Matplotlib is not made for threads."""
+SCHEMA = "missionplan/summary/1"
+"""Of `summary.json`: the number goes up when a key changes its meaning or goes."""
+_SAID_OTHERWISE = ("dataset", "datasets", "folder", "precision", "trials_run")
+"""Options whose contents are among the inputs, or that only chose the number of trials, which is."""
 _LIBRARIES = ("numpy", "scipy", "pandas", "matplotlib", "joblib", "pydantic", "pint")
 
 
@@ -52,6 +58,8 @@ class Provenance:
         The mission file's data with includes in place.
     notices : tuple of str
         Notes on the input: truncated distributions, values outside a model's range.
+    inputs : Mapping
+        What it depends on: plain data and digests of files by what they are; default: `data`.
     created : datetime
         When the study ended, UTC.
     """
@@ -65,11 +73,20 @@ class Provenance:
     elapsed_s: float
     data: Mapping[str, object]
     notices: tuple[str, ...] = ()
+    inputs: Mapping[str, object] = field(default_factory=dict)
     created: datetime = field(default_factory=lambda: datetime.now(UTC))
+
+    @cached_property
+    def identity(self) -> Identity:
+        """What the result depends on; not the paths by which it was named, nor where blocks were computed."""
+        options = {name: value for name, value in self.options.items() if name not in _SAID_OTHERWISE}
+        kept = {"command": self.command, **options, "trials": self.trials}
+        return Identity.of(self.inputs or {"data": self.data}, kept, self.seed)
 
     def summary(self) -> dict[str, object]:
         """Fields that every `summary.json` has."""
         return {
+            "schema": SCHEMA,
             "command": self.command,
             "mission": self.mission,
             "seed": self.seed,
@@ -81,6 +98,8 @@ class Provenance:
             "created_utc": self.created.isoformat(timespec="seconds"),
             "python": platform.python_version(),
             "libraries": {name: version(name) for name in _LIBRARIES},
+            "identity": self.identity.digest,
+            "identity_parts": self.identity.parts(),
             "notices": list(self.notices),
         }
 

@@ -44,7 +44,7 @@ class PhaseOutcome:
     Attributes
     ----------
     name, kind : str
-        As in the mission; the whole mission is ``total``.
+        As in key paths; the whole mission is ``total``.
     quantities : mapping of str to Statistic
         By the keys of `summary.json`, which end with the unit.
     events : mapping of str to Probability
@@ -53,6 +53,8 @@ class PhaseOutcome:
         Of the quantities.
     start, end : Statistic
         Mission time at which the phase began and ended, of the trials that reached it [s].
+    label : str
+        Name as the mission's file has it, for people to read.
     """
 
     name: str
@@ -62,6 +64,7 @@ class PhaseOutcome:
     histograms: Mapping[str, Histogram]
     start: Statistic
     end: Statistic
+    label: str
 
     def quantities_and_events(self) -> dict[str, object]:
         """Return the part of `summary.json` that phases and the whole mission have in common."""
@@ -95,7 +98,7 @@ class RequirementOutcome:
     Attributes
     ----------
     quantity : str
-        As the mission writes it, such as ``moor.offset``.
+        Such as ``moor.offset``.
     bound : 'at_most', 'at_least' or None
         None for an event.
     limit : float or None
@@ -110,6 +113,8 @@ class RequirementOutcome:
         Whether value ≥ required; whether the required probability lies inside the interval.
     trials : int
         From which the probability is taken.
+    written : str
+        The quantity as the mission's file has it, where a phase in it has a name that cannot serve in key paths.
     """
 
     quantity: str
@@ -121,6 +126,7 @@ class RequirementOutcome:
     met: bool
     undecided: bool
     trials: int = 0
+    written: str = ""
 
     @property
     def trials_to_decide(self) -> int | None:
@@ -136,7 +142,7 @@ class RequirementOutcome:
         """Return the entry of `summary.json`."""
         bound = {str(self.bound): self.limit} if self.bound else {}
         return {
-            "quantity": self.quantity,
+            "quantity": self.written or self.quantity,
             **bound,
             "required": self.required,
             "probability": self.probability.summary(),
@@ -258,7 +264,13 @@ class Outcome(Result):
         return {
             **self.provenance.summary(),
             "phases": [
-                {"name": phase.name, "kind": phase.kind, **phase.quantities_and_events()} for phase in self.phases
+                {
+                    "name": phase.label,
+                    **({"key": phase.name} if phase.name != phase.label else {}),
+                    "kind": phase.kind,
+                    **phase.quantities_and_events(),
+                }
+                for phase in self.phases
             ],
             "total": self.total.quantities_and_events(),
             "requirements": [requirement.summary() for requirement in self.requirements],
@@ -283,7 +295,7 @@ class Outcome(Result):
     def to_frame(self) -> pd.DataFrame:
         """One row per quantity of each phase and of the whole mission."""
         rows = [
-            {"phase": phase.name, "quantity": name, **statistic.summary(), "trials": statistic.count}
+            {"phase": phase.label, "quantity": name, **statistic.summary(), "trials": statistic.count}
             for phase in (*self.phases, self.total)
             for name, statistic in phase.quantities.items()
         ]

@@ -1,6 +1,5 @@
 """The site's current where a mission reads it from files."""
 
-import hashlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,19 +48,6 @@ def current_source(mission: Mission) -> CurrentFile | None:
     """Return what the mission says of its current's files; None where it reads none."""
     written = mission.site.current if mission.site else ()
     return written if isinstance(written, CurrentFile) else None
-
-
-def with_contents_named(text: str, mission: Mission) -> str:
-    """Return text about a mission with the contents of its current's files in place of their paths."""
-    written = current_source(mission)
-    for member in written.members if written else ():
-        if member.startswith(REMOTE):
-            continue
-        digest = hashlib.sha256()
-        for name in matching(member):
-            digest.update(Path(name).read_bytes())
-        text = text.replace(member, f"{Path(member).name} (SHA-256 {digest.hexdigest()})")
-    return text
 
 
 def is_netcdf(name: str) -> bool:

@@ -8,13 +8,11 @@ its arrays, followed by the SHA-256 of all that; ``run.json`` has the digest of 
 agree is computed again, with a warning in the log (which Python shows on standard error).
 """
 
-import difflib
 import hashlib
 import json
 import logging
 import zlib
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
 from io import BytesIO
 from pathlib import Path
 from zipfile import BadZipFile
@@ -23,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.errors import InputError, Problem, RunError
+from missionplan.identity import Identity, differences, digest_of
 from missionplan.montecarlo.parallel.pool import interrupts_deferred
 from missionplan.store.folder import write_atomically
 
@@ -32,41 +31,6 @@ _MAX_NAMED = 5
 """Damaged blocks that a warning names; the others are counted."""
 _log = logging.getLogger(__name__)
 Arrays = Mapping[str, NDArray[np.generic]]
-
-
-@dataclass(frozen=True)
-class Identity:
-    """What the blocks of a run depend on, apart from their number.
-
-    Attributes
-    ----------
-    mission : str
-        The resolved mission as text, with digests of the data files that it reads.
-    options : str
-        Options that change a block's content, one per line.
-    version : str
-        Of the program.
-    """
-
-    mission: str
-    options: str
-    version: str
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of all of it."""
-        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()
-
-    def differences(self, other: "Identity") -> str:
-        """Unified diff from `other`, the older one."""
-        parts = []
-        for name, old in asdict(other).items():
-            new = getattr(self, name)
-            lines = difflib.unified_diff(
-                old.splitlines(), new.splitlines(), f"{name} before", f"{name} now", "", "", 2, ""
-            )
-            parts += list(lines)
-        return "\n".join(parts)
 
 
 class Checkpoints:
@@ -103,7 +67,8 @@ class Checkpoints:
             self._check(before, identity, resume=resume)
         for stray in folder.glob(".block-*"):  # left by a write that was killed
             stray.unlink(missing_ok=True)
-        content = {**asdict(identity), "sha256": identity.digest}
+        whole = identity.whole()
+        content = {**whole, "sha256": digest_of(whole)}
         write_atomically(record, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
 
     def _check(self, before: bytes, identity: Identity, *, resume: bool) -> None:
@@ -118,7 +83,8 @@ class Checkpoints:
             message = "%s is damaged; the blocks beside it that say themselves that they are of this run are used"
             _log.warning(message, self._folder / "run.json")
         elif old != identity:
-            message = f"holds blocks of another run; this is the difference:\n{identity.differences(old)}"
+            lines = "\n".join(f"  {line}" for line in differences(old.whole(), identity.whole()))
+            message = f"holds the blocks of another run; nothing was changed. What differs:\n{lines}"
             raise InputError([Problem(message, shown)])
 
     def intact(self, blocks: Iterable[tuple[int, int]]) -> set[tuple[int, int]]:
@@ -181,9 +147,8 @@ class Checkpoints:
 def _read_identity(content: bytes) -> Identity | None:
     """Read ``run.json``; None where it does not agree with its digest."""
     try:
-        fields = json.loads(content)
-        digest = fields.pop("sha256")
-        old = Identity(**fields)
-        return old if old.digest == digest else None
+        whole = json.loads(content)
+        digest = whole.pop("sha256")
+        return Identity.from_whole(whole) if digest_of(whole) == digest else None
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return None

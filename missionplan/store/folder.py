@@ -1,11 +1,13 @@
-"""Report folders: written under a temporary name and renamed, never over existing files unless forced."""
+"""Report folders: one run's at a time, written under a temporary name and renamed, never over files unless forced."""
 
 import glob
 import os
 import shutil
 import tempfile
+import threading
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TextIO
 
@@ -21,6 +23,9 @@ _FILES = ("report.html", "summary.json", "mission.yaml")
 """Files of every report."""
 _OWNER = ".owner"
 """Locked in a folder while it is written."""
+_ATTEMPTS = 100
+_held: dict[Path, int] = {}
+"""Folders that this process holds, with the thread that does."""
 _LONGEST_NAME = 240
 """Bytes of a name that leave room for that of the temporary folder; file systems take 255."""
 
@@ -116,23 +121,97 @@ def check_holds_no_input(folder: Path, inputs: Iterable[Path]) -> None:
         raise InputError([Problem(message, str(path), hint=hint) for path in inside])
 
 
+def new_folder_name(parent: Path, command: str) -> Path:
+    """Name the report folder of a command that starts now; runs that start together get different ones."""
+    return parent / f"{command}-{datetime.now(UTC):%Y%m%dT%H%M%SZ}-{os.urandom(3).hex()}"
+
+
+@contextmanager
+def claimed(folder: Path, *, force: bool = False) -> Iterator[None]:
+    """Hold a report folder: meanwhile no other run may, in this process or another.
+
+    The lock, a hidden file beside the folder, ends with the process whatever ends it.
+
+    Raises
+    ------
+    InputError
+        When another run holds the folder, or `check_new_folder` refuses it. Nothing in it has been changed then.
+    RunError
+        When the lock cannot be written.
+    """
+    check_new_folder(folder, force=force)
+    place, me = folder.resolve(), threading.get_ident()
+    if _held.get(place) == me:
+        yield
+        return
+    made = [parent for parent in place.parents if not parent.exists()]
+    lock = _lock_beside(place, folder)
+    try:
+        check_new_folder(folder, force=force)  # a run that held it may just have ended
+        _held[place] = me
+        yield
+    finally:
+        _held.pop(place, None)
+        with suppress(OSError):
+            Path(lock.name).unlink()
+        lock.close()
+        for parent in made:  # where nothing was written they are empty
+            with suppress(OSError):
+                parent.rmdir()
+
+
+def is_claimed(folder: Path) -> bool:
+    """Whether a run holds a folder now."""
+    return not _is_free(_lock_file(folder.resolve()))
+
+
+def _lock_file(place: Path) -> Path:
+    return place.with_name(f".{place.name}.lock") if place.name else place / ".lock"
+
+
+def _lock_beside(place: Path, shown: Path) -> TextIO:
+    path = _lock_file(place)
+    for _ in range(_ATTEMPTS):
+        try:
+            place.parent.mkdir(parents=True, exist_ok=True)
+            lock = path.open("a")
+        except FileNotFoundError:  # a run that ended has removed a folder above that it had made
+            continue
+        except OSError as error:
+            raise RunError(f"cannot write in {place.parent}: {error.strerror or error}") from error
+        if not _locks(lock):
+            lock.close()
+            hint = "nothing was changed; wait for it, or name another folder"
+            raise InputError([Problem("another run is writing to this folder", str(shown), hint=hint)])
+        with suppress(OSError):
+            if path.stat().st_ino == os.fstat(lock.fileno()).st_ino:
+                return lock
+        lock.close()  # the run that held it has ended and removed it
+    raise RunError(f"cannot lock {path}: it is removed time and again")
+
+
 @contextmanager
 def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
     """Yield a temporary folder beside `folder`; on success it replaces `folder`, on failure it is removed.
 
     With `force`, files of the same name in an existing folder are replaced and others are kept.
     """
-    check_new_folder(folder, force=force)
+    with claimed(folder, force=force), _filled(folder) as temporary:
+        yield temporary
+
+
+@contextmanager
+def _filled(folder: Path) -> Iterator[Path]:
     target = folder.resolve() if folder.is_symlink() else folder  # a link stays one
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
         _remove_strays(target)
         temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}."))
     except OSError as error:
         raise RunError(f"cannot write in {target.parent}: {error.strerror or error}") from error
     try:
         temporary.chmod(0o755)
-        with (temporary / _OWNER).open("w") as lock, _locked(lock):
+        with (temporary / _OWNER).open("w") as lock:
+            _locks(lock)
             yield temporary
         (temporary / _OWNER).unlink()
         if target.is_dir() and any(target.iterdir()):
@@ -147,12 +226,17 @@ def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
         shutil.rmtree(temporary, ignore_errors=True)
 
 
-@contextmanager
-def _locked(file: TextIO) -> Iterator[None]:
-    """Hold a file's lock, which ends with the process whatever ends it."""
-    if fcntl is not None:
+def _locks(file: TextIO) -> bool:
+    """Lock an open file until it is closed; False where another process has. Some systems know no such locks."""
+    if fcntl is None:
+        return True
+    try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    yield
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        return True
+    return True
 
 
 def _remove_strays(folder: Path) -> None:
@@ -163,14 +247,16 @@ def _remove_strays(folder: Path) -> None:
 
 
 def _is_abandoned(owner: Path) -> bool:
-    if fcntl is None:  # where there are no such locks nothing is known
-        return False
+    """Whether a temporary folder's owner has ended; where there are no locks nothing is known."""
+    return fcntl is not None and owner.exists() and _is_free(owner)
+
+
+def _is_free(path: Path) -> bool:
     try:
-        with owner.open() as file:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        with path.open("r+") as file:
+            return _locks(file)
     except OSError:
-        return False
-    return True
+        return not path.exists()
 
 
 def _move_files(source: Path, target: Path) -> None:

@@ -1,10 +1,13 @@
-"""Arguments of the public functions: every wrong one at once, in Python's terms; the command line has its own."""
+"""What studies of a mission share: their arguments, every wrong one at once, and what their results come from."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import PurePath
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path, PurePath
 
 from missionplan.errors import InputError, Problem, shown
+from missionplan.identity import digest_of_files, running_program
 from missionplan.mission import Mission, as_mission
+from missionplan.results.base import Provenance
 
 MAX_JOBS = 10_000
 
@@ -52,7 +55,64 @@ def check_arguments(
     problems = [_wrong(name, value, expected) for name, value, is_right, expected in kinds if not is_right]
     if problems:
         raise InputError(problems)
+    running_program()  # as it is before anything is computed
     return as_mission(mission)
+
+
+def identified(mission: Mission) -> dict[str, object]:
+    """Return a mission as an input of an identity: trials and seed stand in it by themselves, as they were chosen."""
+    return {"mission": {key: value for key, value in mission.identified().items() if key != "monte_carlo"}}
+
+
+def identified_datasets(folders: Iterable[Path]) -> dict[str, object]:
+    """Return data sets as an input of an identity: the SHA-256 of each of their files."""
+    from missionplan.datasets.reading import dataset_files  # pandas: half a second
+
+    found = []
+    for folder in folders:
+        files = {str(path.relative_to(folder)): digest_of_files([path]) for path in dataset_files(folder)}
+        found.append({"name": folder.resolve().name, "files": files})
+    return {"datasets": found}
+
+
+def made_by(
+    command: str,
+    mission: Mission,
+    *,
+    seed: int,
+    trials: int,
+    options: Mapping[str, object],
+    started: float,
+    notices: Sequence[str] = (),
+    datasets: Sequence[Path] = (),
+) -> Provenance:
+    """Tell where the result of a study of a mission comes from.
+
+    Parameters
+    ----------
+    command : str
+    mission : Mission
+    seed, trials : int
+        As they were chosen, or what a search ran.
+    options : mapping
+    started : float
+        `time.perf_counter` at the study's beginning [s].
+    notices : sequence of str
+    datasets : sequence of Path
+        Folders that it read besides.
+    """
+    return Provenance(
+        command=command,
+        mission=mission.name,
+        file=mission.file,
+        seed=seed,
+        trials=trials,
+        options=options,
+        elapsed_s=time.perf_counter() - started,
+        data=mission.raw,
+        notices=tuple(notices),
+        inputs={**identified(mission), **(identified_datasets(datasets) if datasets else {})},
+    )
 
 
 def _choice(known: Sequence[object]) -> str:

@@ -1,14 +1,9 @@
-"""Missions whose plans the tests write and read back, and positions by another way than the package's own."""
+"""Missions whose plans are made in the tests."""
 
 from pathlib import Path
 
-import numpy as np
-from pyproj import Geod
-
 from missionplan.mission import Mission, load
-from missionplan.results.plan import Plan
 from missionplan.studies.init import init
-from missionplan.studies.mission_plan.build import mission_plan
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 TABLE = {
@@ -42,17 +37,3 @@ def starter(folder: Path) -> Mission:
 
 def by_table(changes: dict | None = None) -> Mission:
     return Mission.from_data({**TABLE, **(changes or {})}, file="table.yaml")
-
-
-def all_plans(folder: Path) -> dict[str, Plan]:
-    missions = {"chesapeake": chesapeake(), "starter": starter(folder), "table": by_table()}
-    return {name: mission_plan(mission) for name, mission in missions.items()}
-
-
-def metres_apart(plan: Plan, point, latitude: float, longitude: float) -> float:
-    """Distance [m] between a planned point, by azimuth and distance from the origin, and where a file has it [deg]."""
-    geod = Geod(ellps="WGS84")
-    origin = np.degrees(plan.origin)
-    azimuth, distance = np.degrees(np.arctan2(point.east, point.north)), np.hypot(point.east, point.north)
-    lon, lat, _ = geod.fwd(origin[1], origin[0], azimuth, distance)
-    return geod.inv(lon, lat, longitude, latitude)[2]

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from planned_missions import TABLE, by_table, chesapeake, starter
+from pyproj import Geod
 
 from missionplan.errors import InputError
 from missionplan.exporters.plan_json import plan_data, plan_json
@@ -35,6 +36,36 @@ def test_nominal_legs_are_those_of_d_max(plan):
     assert {np.degrees(leg.course) for leg in ingress.legs} == {90.0}
     assert {round(np.degrees(leg.course), 9) for leg in egress.legs} == {270.0}
     assert [leg.duration for leg in ingress.legs] == pytest.approx([350.0 / 1.5] * 4 + [200.0 / 1.5])
+
+
+def test_waypoints_lie_on_the_way_in_every_quadrant():
+    """From the start, which is not the origin: each waypoint a leg's length along the course from the one before."""
+    corners = [(300.0, -200.0), (-500.0, 400.0), (-900.0, -800.0), (700.0, -950.0), (1000.0, 100.0)]
+    first = {**TABLE["phases"][0]["transit"], "d_max": "330 m", "arrival_radius": "20 m"}
+    sides = [{**first, "name": f"side {n}", "to": [f"{x} m", f"{y} m"]} for n, (x, y) in enumerate(corners[1:])]
+    sides = [side if n == 0 else {key: side[key] for key in side if key != "from"} for n, side in enumerate(sides)]
+    sides[0]["from"] = ["300 m", "-200 m"]
+    found = mission_plan(by_table({"phases": [{"transit": side} for side in sides]}))
+    elapsed = 0.0
+    for transit, start, goal in zip(found.transits, corners[:-1], corners[1:], strict=True):
+        way = np.subtract(goal, start)
+        assert (transit.start.east, transit.start.north) == pytest.approx(start)
+        assert (transit.goal.east, transit.goal.north) == pytest.approx(goal)
+        assert transit.start.elapsed == pytest.approx(elapsed)
+        for number, leg in enumerate(transit.legs):
+            before = transit.waypoints[number]
+            moved = np.array([leg.east - before.east, leg.north - before.north])
+            assert leg.length == pytest.approx(np.hypot(*moved)) == min(330.0, np.hypot(*way) - 330.0 * number)
+            assert np.array([np.sin(leg.course), np.cos(leg.course)]) == pytest.approx(moved / leg.length)
+            assert moved / leg.length == pytest.approx(way / np.hypot(*way))
+            assert leg.duration == pytest.approx(leg.length / 1.25)
+            elapsed += leg.duration + 90.0 * (number > 0)
+            assert leg.elapsed == pytest.approx(elapsed)
+            azimuth, distance = np.degrees(np.arctan2(leg.east, leg.north)), np.hypot(leg.east, leg.north)
+            longitude, latitude, _ = Geod(ellps="WGS84").fwd(179.99, -17.5, azimuth, distance)
+            turn = np.remainder(np.degrees(leg.longitude) - longitude + 180.0, 360.0) - 180.0
+            assert (np.degrees(leg.latitude), turn) == pytest.approx((latitude, 0.0), abs=1e-6)
+        elapsed += 90.0
 
 
 def test_nominal_time_adds_legs_and_surfacings(plan):

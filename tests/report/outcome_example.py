@@ -106,6 +106,7 @@ def _phase(name, kind, quantities, events, start, end) -> PhaseOutcome:
         histograms={key: _histogram(values) for key, values in quantities.items()},
         start=RunningStatistic.of(start).statistic(),
         end=RunningStatistic.of(end).statistic(),
+        label=name,
     )
 
 

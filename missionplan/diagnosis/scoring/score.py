@@ -25,10 +25,9 @@ from missionplan.diagnosis.scoring.vehicle_filter import expected_by_vehicle
 from missionplan.diagnosis.scoring.yardsticks import Point, with_spread, yardsticks
 from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.results.base import Provenance
 from missionplan.results.log_book.score import STATED, DatasetScore, Prediction, Score, Yardstick
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 
 FALSE_ALARM = 0.05
 """Probability, at most, with which a mission that is true is said to be outside chance, all data sets together."""
@@ -77,15 +76,14 @@ def score(
             found.append(scored_record(read_record(folder, mission), mission, seed, level))
             if progress is not None:
                 progress(done + 1, len(folders))
-    provenance = Provenance(
-        command="score",
-        mission=mission.name,
-        file=mission.file,
+    provenance = made_by(
+        "score",
+        mission,
         seed=seed,
         trials=0,
         options={"datasets": [str(folder) for folder in folders]},
-        elapsed_s=time.perf_counter() - started,
-        data=mission.raw,
+        started=started,
+        datasets=folders,
         notices=(*mission.notices(), *dict.fromkeys(notice for each in found for notice in each.notices)),
     )
     return Score(provenance, tuple(found))

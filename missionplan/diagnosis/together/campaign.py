@@ -9,10 +9,9 @@ from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.kinds import KINDS
 from missionplan.errors import InputError
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.results.base import Provenance
 from missionplan.results.log_book.campaign import Campaign
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 
 ORDER = ("drag", "free-oscillation", "thruster", "propeller-transient", "summary", "descent", "transit")
 """Kinds of data in the order in which they are diagnosed: the tank, which measures a thing by itself, first."""
@@ -66,15 +65,14 @@ def diagnose_campaign(
         extended = Mission.from_data(one.extended, file=base.file)
         if progress is not None:
             progress(len(found), len(folders))
-    provenance = Provenance(
-        command="diagnose",
-        mission=base.name,
-        file=base.file,
+    provenance = made_by(
+        "diagnose",
+        base,
         seed=found[0].provenance.seed,
         trials=0,
         options={"datasets": [str(folder) for folder in folders], "jobs": jobs},
-        elapsed_s=time.perf_counter() - started,
-        data=base.raw,
+        started=started,
+        datasets=folders,
         notices=tuple(dict.fromkeys(notice for each in found for notice in each.provenance.notices)),
     )
     return Campaign(provenance, tuple(found))

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from missionplan.errors import KeyPath, LocalProblem
+from missionplan.errors import KeyPath, LocalProblem, shown
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import Phase, TransitPhase
 from missionplan.mission.schema.site import Geographic, Site
@@ -20,11 +20,11 @@ def check_phases(
 ) -> list[LocalProblem]:
     """List what is wrong with names, positions and speeds of the phases, and with the phase that is swept."""
     problems: list[LocalProblem] = []
-    counts = Counter(phase.name for phase in phases)
+    counts = Counter(phase.label for phase in phases)
     for index, phase in enumerate(phases):
         found: list[LocalProblem] = []
-        if phase.name == "total" or counts[phase.name] > 1:
-            found.append(LocalProblem(("name",), f"given {phase.name!r}; each phase needs a name of its own"))
+        if phase.label == "total" or counts[phase.label] > 1:
+            found.append(LocalProblem(("name",), f"given {shown(phase.label)}; each phase needs a name of its own"))
         if isinstance(phase, TransitPhase):
             found += _start(phase, is_first=index == 0)
             found += _positions(phase, site)

@@ -124,7 +124,7 @@ def quantity_unit(quantity: str, phases: Sequence[Phase | PhaseName]) -> str | N
         When the mission has no such phase, or the phase no such quantity.
     """
     kinds = {phase.name: phase.kind for phase in phases} | {"total": "total"}
-    phase, _, name = quantity.partition(".")
+    phase, _, name = quantity.rpartition(".")
     if phase not in kinds:
         hint = did_you_mean(phase, kinds, before="; ")
         raise QuantityError(f"given {phase!r}, expected a phase: {', '.join(kinds)}{hint}", ("quantity",))
@@ -147,7 +147,7 @@ def _with_bound(requirement: Requirement, phases: Sequence[Phase]) -> Requiremen
         With the keys of the requirement that are wrong.
     """
     unit = quantity_unit(requirement.quantity, phases)
-    owner, _, name = requirement.quantity.partition(".")
+    owner, _, name = requirement.quantity.rpartition(".")
     needed = _NEEDED.get(name, "name")
     if any(phase.name == owner and getattr(phase, needed) is None for phase in phases):
         raise QuantityError(f"{name} needs {needed} in {owner}", ("quantity",))

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pydantic import BaseModel
 
 from missionplan.errors import KeyPath, LocalProblem, did_you_mean, key_path
+from missionplan.mission.quantity_paths import phase_of_path, written_phases
 from missionplan.mission.reading.fields import fields_at, keys_of, section_in
 from missionplan.mission.schema.effect_list import ONE_OF
 from missionplan.mission.schema.phases import PhaseEntry
@@ -43,10 +44,9 @@ def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> li
     UnclearKeyError
         When it means nothing, or several things.
     """
-    names = phase_places(data)
-    for name in sorted(names, key=len, reverse=True):
-        if key.startswith(f"{name}."):
-            return [names[name] + _parts(key[len(name) + 1 :])]
+    named = phase_of_path(key, data)
+    if named is not None:
+        return [named[0].path + _parts(named[1])]
     path = _parts(key)
     if path[0] == "effects" and len(path) > 1 and isinstance(path[1], str):
         return [_effect_path(key, path, data.get("effects"), 1)]
@@ -55,19 +55,9 @@ def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> li
     if path[0] in keys_of(model):
         return [path]
     if len(path) > 1:
-        raise UnclearKeyError(key, "unknown key", did_you_mean(str(path[0]), [*keys_of(model), *names]))
+        known = [*keys_of(model), *(each.key for each in written_phases(data))]
+        raise UnclearKeyError(key, "unknown key", did_you_mean(str(path[0]), known))
     return _alone(key, data, model)
-
-
-def phase_places(data: Mapping[str, object]) -> dict[str, KeyPath]:
-    """Key path of each phase's section, by the phase's name, else its kind."""
-    found: dict[str, KeyPath] = {}
-    phases = data.get("phases")
-    for index, entry in enumerate(phases if isinstance(phases, list) else []):
-        for kind, section in entry.items() if isinstance(entry, dict) else ():
-            name = section.get("name", kind) if isinstance(section, dict) else kind
-            found.setdefault(str(name), ("phases", index, str(kind)))
-    return found
 
 
 def _parts(key: str) -> KeyPath:
@@ -125,10 +115,9 @@ def _alone(key: str, data: Mapping[str, object], model: type[BaseModel]) -> list
 def _in_phases(key: str, data: Mapping[str, object]) -> dict[str, list[KeyPath]]:
     """Paths of a key in the phases that may have it, by the kind of phase."""
     found: dict[str, list[KeyPath]] = {}
-    for path in phase_places(data).values():
-        kind = str(path[-1])
-        if key in fields_at((kind,), PhaseEntry):
-            found.setdefault(kind, []).append((*path, key))
+    for phase in written_phases(data):
+        if key in fields_at((phase.kind,), PhaseEntry):
+            found.setdefault(phase.kind, []).append((*phase.path, key))
     return found
 
 
@@ -165,7 +154,7 @@ def _has(data: object, path: Sequence[str | int]) -> bool:
 
 
 def _as_named(path: KeyPath, data: Mapping[str, object]) -> str:
-    for name, place in phase_places(data).items():
-        if path[: len(place)] == place:
-            return f"{name}.{key_path(path[len(place) :])}"
+    for phase in written_phases(data):
+        if path[: len(phase.path)] == phase.path:
+            return f"{phase.key}.{key_path(path[len(phase.path) :])}"
     return key_path(path)

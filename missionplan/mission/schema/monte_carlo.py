@@ -1,9 +1,11 @@
 """Trials of the Monte Carlo, correlations of the quantities drawn, and requirements."""
 
-from typing import Annotated
+from collections.abc import Sequence
+from typing import Annotated, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, PrivateAttr, field_validator
 
+from missionplan.mission.quantity_paths import resolved_path
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.section import FileSection
 from missionplan.montecarlo.draws import Correlation
@@ -28,6 +30,19 @@ class Requirement(FileSection):
     at_most: float | None = None
     at_least: float | None = None
 
+    _written: str = PrivateAttr(default="")
+
+    @property
+    def written(self) -> str:
+        """The quantity as the file has it."""
+        return self._written or self.quantity
+
+    def resolved(self, names: Sequence[str]) -> Self:
+        """Return the requirement with what stands for its phase in key paths, given the names of all phases."""
+        resolved = self.model_copy(update={"quantity": resolved_path(self.quantity, names, with_sections=False)})
+        resolved._written = self.written
+        return resolved
+
     @field_validator("at_most", "at_least", mode="plain")
     @classmethod
     def _as_written(cls, value: object) -> object:
@@ -39,6 +54,11 @@ class CorrelationSection(FileSection):
 
     between: tuple[str, str]
     rho: Annotated[float, Field(ge=-1.0, le=1.0)]
+
+    def resolved(self, names: Sequence[str]) -> Self:
+        """Return the correlation with what stands for phases in key paths, given the names of all phases."""
+        first, second = (resolved_path(path, names) for path in self.between)
+        return self.model_copy(update={"between": (first, second)})
 
     @property
     def pair(self) -> Correlation:

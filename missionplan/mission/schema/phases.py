@@ -8,7 +8,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, V, invalid
+from missionplan.mission.schema.section import FileSection, PhaseSection, V, invalid
 from missionplan.mission.schema.site import Position
 from missionplan.mission.schema.transition import TransitionPhase
 
@@ -38,7 +38,7 @@ def _has_table(value: object) -> bool:
     return isinstance(value, dict) and "table" in value
 
 
-class TransitPhase(FileSection, Generic[V]):
+class TransitPhase(PhaseSection, Generic[V]):
     """A transit by dead reckoning with surfacings; `speed` is nan where `shaft_rate` is given instead."""
 
     kind: Literal["transit"] = Field(default="transit", exclude=True)
@@ -65,7 +65,7 @@ DesignCurrent = Annotated[
 ]
 
 
-class MoorPhase(FileSection, Generic[V]):
+class MoorPhase(PhaseSection, Generic[V]):
     """Anchor release, descent, hold, galvanic release and ascent."""
 
     kind: Literal["moor"] = Field(default="moor", exclude=True)
@@ -99,6 +99,11 @@ class PhaseEntry(FileSection, Generic[V]):
         if getattr(self, kind) is None:
             raise invalid("given nothing, expected the keys of this phase", (kind,))
         return self
+
+    def keyed(self, key: str) -> Self:
+        """Return the item with another name of its phase in key paths."""
+        phase = self.phase
+        return self if phase.name == key else self.model_copy(update={phase.kind: phase.keyed(key)})
 
     @property
     def kind(self) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Self
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, PrivateAttr
 from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import no_info_plain_validator_function
 from typing_extensions import TypeVar
@@ -24,6 +24,27 @@ class FileSection(BaseModel):
     def __class_getitem__(cls, _: object) -> type[Self]:
         """Return the class itself: what its quantities are is told to the type checker alone."""
         return cls
+
+
+class PhaseSection(FileSection):
+    """A phase. Its `name` stands for it in key paths: as the file has it, or counted (`quantity_paths.phase_keys`)."""
+
+    name: str
+
+    _label: str | None = PrivateAttr(default=None)
+
+    @property
+    def label(self) -> str:
+        """Its name as the file has it, for people to read."""
+        return self.name if self._label is None else self._label
+
+    def keyed(self, key: str) -> Self:
+        """Return the phase with another name in key paths."""
+        if key == self.name:
+            return self
+        keyed = self.model_copy(update={"name": key})
+        keyed._label = self.label
+        return keyed
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid
+from missionplan.mission.schema.section import FileSection, PhaseSection, ReadBy, V, invalid
 
 
 def _fixed(unit: str, low: float | None = 0.0, *, open_low: bool = False, high: float | None = None) -> ReadBy:
@@ -144,7 +144,7 @@ class TransitionGrid(FileSection):
         return self
 
 
-class TransitionPhase(FileSection, Generic[V]):
+class TransitionPhase(PhaseSection, Generic[V]):
     """From survey speed to hover; `suction_moment`: whether the thrusters' suction pitches the vehicle."""
 
     kind: Literal["transition"] = Field(default="transition", exclude=True)

@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from missionplan.errors import InputError, MissionplanError, Problem, RunError
-from missionplan.montecarlo.parallel.fingerprint import fingerprint
+from missionplan.identity import Program, differences, running_program
 from missionplan.montecarlo.parallel.pool import interrupts_blocked
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def run_on_cluster(
     with _silent_loggers(), _connected(jobs, scheduler) as client:
         place = scheduler or "the local cluster"
         _check_workers(client, place)
-        proven, todo = _Proven(task, fingerprint()), deque(items)
+        proven, todo = _Proven(task, running_program()), deque(items)
         begun: deque[Future[Result]] = deque()  # in the order of the items
         try:
             while todo or begun:
@@ -74,18 +74,19 @@ class _Proven(Generic[Item, Result]):
     """A task that a worker refuses where its code is not the client's: workers may join during a run."""
 
     task: Callable[[Item], Result]
-    expected: str
+    expected: Program
 
     def __call__(self, item: Item) -> Result:
         """Run the task on an item."""
-        if (found := fingerprint()) != self.expected:
+        if (found := running_program()) != self.expected:
             worker = import_module("distributed").get_worker().address
             raise InputError([_other_code(worker, found, self.expected)])
         return self.task(item)
 
 
-def _other_code(worker: str, found: str, expected: str) -> Problem:
-    message = f"the worker {worker} runs missionplan {found}; here it is {expected}: install the same there"
+def _other_code(worker: str, found: Program, expected: Program) -> Problem:
+    differ = "; ".join(differences(found.parts(), expected.parts()))
+    message = f"the worker {worker} runs missionplan {found.version} with other code ({differ}): install the same there"
     return Problem(message, key="scheduler")
 
 
@@ -103,14 +104,14 @@ def _check_workers(client: "Client", place: str) -> None:
             message = f"the Dask scheduler at {place} has no workers; start some with: dask worker {place}"
             raise InputError([Problem(message, key="scheduler")])
         time.sleep(0.1)
-    expected, wrong = fingerprint(), []
+    expected, wrong = running_program(), []
     try:
-        client.run_on_scheduler(fingerprint)  # type: ignore[no-untyped-call]
+        client.run_on_scheduler(running_program)  # type: ignore[no-untyped-call]
     except Exception as error:  # it reads the tasks that it passes on
         words = str(error).splitlines()[0] if str(error) else ""
         message = f"the Dask scheduler at {place} cannot run missionplan: {type(error).__name__}: {words}"
         raise InputError([Problem(message, key="scheduler")]) from error
-    for worker, found in client.run(fingerprint, on_error="return").items():
+    for worker, found in client.run(running_program, on_error="return").items():
         if isinstance(found, BaseException):
             message = f"the worker {worker} cannot run missionplan: {type(found).__name__}: {found}"
             wrong.append(Problem(message, key="scheduler"))

@@ -16,6 +16,7 @@ from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import percent
 from missionplan.report.page import Figure, Page, Terminal
 from missionplan.report.plots import Drawing
+from missionplan.report.wording import phase_in_words
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing
 
@@ -26,7 +27,7 @@ def page(sizing: AnchorSizing) -> Page:
     """Build the page of a sizing."""
     anchor = sizing.to_build
     return Page(
-        title=f"Anchor for {sizing.phase}: {sizing.provenance.mission}",
+        title=f"Anchor for {phase_in_words(sizing.phase)}: {sizing.provenance.mission}",
         answer=answer(sizing),
         figure=_main_figure(anchor),
         numbers=[

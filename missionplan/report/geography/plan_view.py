@@ -8,6 +8,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.exporters.maps.geometry import circle
+from missionplan.report.wording import phase_in_words
 from missionplan.results.simulation import Outcome, Tracks
 
 SHARES = (0.5, 0.95)
@@ -63,7 +64,7 @@ def describe(ring: Ring) -> str:
     """Describe a ring: ``ingress: CEP 50 %, 7.1 m``."""
     share = "" if math.isnan(ring.share) else f" {100.0 * ring.share:.0f} %"
     radius = "" if ring.kind == "mooring ellipse" else f", {ring.radius:.3g} m"
-    return f"{ring.phase}: {ring.kind}{share}{radius}"
+    return f"{phase_in_words(ring.phase)}: {ring.kind}{share}{radius}"
 
 
 def finite(points: Array) -> Array:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 
 from missionplan.report.geography.plan_view import median_trial
+from missionplan.results.plan import PlannedMooring, PlannedTransit
 from missionplan.results.simulation import Outcome
 
 SAMPLES = 50
@@ -90,10 +91,14 @@ def _kind(phase: str, number: int) -> tuple[str, int]:
 
 def _depth(outcome: Outcome, phase: str) -> float | None:
     plan = outcome.plan
-    depths = {transit.name: transit.depth for transit in plan.transits} if plan else {}
-    depths |= {mooring.name: mooring.water_depth for mooring in plan.moorings} if plan else {}
-    depth = depths.get(phase, math.nan)
+    depths = {each.name: _planned_depth(each) for each in plan.phases} if plan else {}
+    label = next((each.label for each in outcome.phases if each.name == phase), phase)
+    depth = depths.get(label, math.nan)
     return round(depth, 3) if math.isfinite(depth) else None
+
+
+def _planned_depth(planned: PlannedTransit | PlannedMooring) -> float:
+    return planned.water_depth if isinstance(planned, PlannedMooring) else planned.depth
 
 
 def _utc(outcome: Outcome, time: float) -> str:

@@ -25,6 +25,7 @@ from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Listing, Page, PageSection, Terminal
 from missionplan.report.plots import Drawing
+from missionplan.report.wording import phase_in_words
 from missionplan.results.leg_length.legs import LegPlan
 
 _PERCENT = Unit("%", 0.01)
@@ -41,7 +42,7 @@ _APPROXIMATE = (
 def page(plan: LegPlan) -> Page:
     """Build the page of a plan of legs."""
     return Page(
-        title=f"Legs for {plan.phase}: {plan.provenance.mission}",
+        title=f"Legs for {phase_in_words(plan.phase)}: {plan.provenance.mission}",
         answer=answer(plan),
         figure=policy_figure(plan),
         numbers=_numbers(plan),

@@ -16,6 +16,7 @@ from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
 from missionplan.report.page import Page, PageSection, Table, Terminal
 from missionplan.report.plots import Drawing
+from missionplan.report.wording import phase_in_words
 from missionplan.results.explained import label
 from missionplan.results.leg_length.sweep import Sweep, SweepCurve
 
@@ -36,7 +37,7 @@ _FEWEST_FOR_TEETH = 12
 def page(sweep: Sweep) -> Page:
     """Build the page of a sweep."""
     return Page(
-        title=f"Maximum leg length for {sweep.phase}: {sweep.provenance.mission}",
+        title=f"Maximum leg length for {phase_in_words(sweep.phase)}: {sweep.provenance.mission}",
         answer=answer(sweep),
         figure=cost_figure(sweep),
         numbers=_numbers(sweep),

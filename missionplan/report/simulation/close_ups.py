@@ -12,6 +12,7 @@ from missionplan.arrays import Array
 from missionplan.report.geography.plan_view import Ring, finite, rings
 from missionplan.report.page import BLUE, GREEN, INK, PINK, SKY, YELLOW, Figure, to_figure
 from missionplan.report.simulation.figures import WIDTH
+from missionplan.report.wording import phase_in_words
 from missionplan.results.simulation import Outcome
 
 _COLOURS = {"arrival circle": GREEN, "mooring circle": YELLOW, "CEP": BLUE, "mooring ellipse": PINK}
@@ -34,7 +35,9 @@ def close_ups(outcome: Outcome) -> Figure | None:
     for axes, name in zip(panels, names, strict=True):
         _close_up(axes, outcome, name)
     _legend(figure, spare, {ring.kind for ring in rings(outcome)})
-    words = "; ".join(f"{ring.phase} {100 * ring.share:.0f} % within {ring.radius:.3g} m" for ring in drawn[:6])
+    words = "; ".join(
+        f"{phase_in_words(ring.phase)} {100 * ring.share:.0f} % within {ring.radius:.3g} m" for ring in drawn[:6]
+    )
     return to_figure(
         figure,
         "arrivals",
@@ -78,4 +81,6 @@ def _close_up(axes: Axes, outcome: Outcome, name: str) -> None:
             draw_ring(axes, ring, line, linewidth=1.4)
             reach = max(reach, float(np.abs(line).max()))
     limits = (-1.15 * reach, 1.15 * reach)
-    axes.set(xlim=limits, ylim=limits, aspect="equal", title=name, xlabel="east (m)", ylabel="north (m)")
+    axes.set(
+        xlim=limits, ylim=limits, aspect="equal", title=phase_in_words(name), xlabel="east (m)", ylabel="north (m)"
+    )

@@ -94,7 +94,7 @@ def timeline_figure(outcome: Outcome) -> Figure:
     figure = MatplotlibFigure(figsize=(WIDTH, 0.75 + 0.52 * len(phases)))
     draw_timeline(figure.add_subplot(), outcome)
     words = ", ".join(
-        f"{phase.name} from {number(unit(phase.start.p50))} to {number(unit(phase.end.p50))} {unit.name}"
+        f"{phase.label} from {number(unit(phase.start.p50))} to {number(unit(phase.end.p50))} {unit.name}"
         for phase in phases
     )
     return to_figure(
@@ -119,7 +119,7 @@ def draw_timeline(axes: Axes, outcome: Outcome) -> None:
     phases, unit = _reached(outcome), _timeline_unit(outcome)
     _draw_phases(axes, phases, unit)
     axes.set(yticks=range(len(phases)), xlabel=f"time since the start ({unit.name})", xlim=(0.0, None))
-    axes.set_yticklabels([textwrap.fill(phase.name, 16) for phase in phases])
+    axes.set_yticklabels([textwrap.fill(phase.label, 16) for phase in phases])
     axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
 

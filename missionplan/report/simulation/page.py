@@ -34,7 +34,7 @@ from missionplan.report.simulation.quantities import (
 )
 from missionplan.report.simulation.requirements import requirements_in_words, requirements_section, verdict
 from missionplan.report.simulation.sensitivities import sensitivity_sections
-from missionplan.report.wording import in_words
+from missionplan.report.wording import in_words, phase_in_words
 from missionplan.results.plain_data import mapping
 from missionplan.results.simulation import Outcome
 
@@ -71,7 +71,7 @@ def terminal(outcome: Outcome) -> Terminal:
     for phase in (*outcome.phases, outcome.total):
         events = [f"{in_words(name)} {share(probability)}" for name, probability in phase.events.items()]
         ranges = (range_in_words(outcome, phase, key) for key in ("duration_s", "energy_wh"))
-        rows.append((phase.name, events[0] if events else "", *ranges))
+        rows.append((phase.label, events[0] if events else "", *ranges))
     columns = ("phase", "of the trials", "those that end take (5–95 %)", "and use (5–95 %)")
     return Terminal(answer(outcome), columns, rows, verdict=verdict(outcome))
 
@@ -117,12 +117,12 @@ def _holds_in_words(outcome: Outcome) -> Iterator[str]:
         if not held.friction_given and dragged.value > _WORTH_TELLING:
             yield (
                 f"Not counted as failures: with an assumed holding factor of {held.friction:g} the anchor "
-                f"({held.phase}) drags in {share(dragged)} of the trials."
+                f"({phase_in_words(held.phase)}) drags in {share(dragged)} of the trials."
             )
         if not held.centres_given and grounded.value > _WORTH_TELLING:
             yield (
-                f"Not counted as failures: with its centres assumed the hull touches the seafloor ({held.phase}) in "
-                f"{share(grounded)} of the trials."
+                f"Not counted as failures: with its centres assumed the hull touches the seafloor "
+                f"({phase_in_words(held.phase)}) in {share(grounded)} of the trials."
             )
 
 
@@ -153,12 +153,12 @@ def _anchors_in_words(outcome: Outcome) -> Iterator[str]:
             events = next(phase.events for phase in outcome.phases if phase.name == anchor.phase)
             reached = percent(events["within_radius"])
             yield (
-                f"The anchor sized for the worst case of Eq. 1 ({anchor.phase}), {weight}, comes down within the "
-                f"radius in {reached} of the trials."
+                f"The anchor sized for the worst case of Eq. 1 ({phase_in_words(anchor.phase)}), {weight}, comes down "
+                f"within the radius in {reached} of the trials."
             )
         if anchor.failures:
             reasons = "; ".join(anchor.failures)
-            yield f"An anchor of {weight} ({anchor.phase}) cannot be built from its parts: {reasons}."
+            yield f"An anchor of {weight} ({phase_in_words(anchor.phase)}) cannot be built from its parts: {reasons}."
 
 
 def _success_in_words(outcome: Outcome) -> str:

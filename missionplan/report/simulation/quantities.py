@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from missionplan.montecarlo.statistics import Statistic, wilson
 from missionplan.report.display_units import Unit, si_per_unit, unit_for
 from missionplan.report.numbers import number, share, span
-from missionplan.report.wording import in_words
+from missionplan.report.wording import in_words, phase_in_words
 from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome, RequirementOutcome
 
 _FAILURES = {
@@ -68,7 +68,7 @@ def failure_in_words(step: str) -> str:
     """Write a step at which missions fail as a plural: ``missed arrivals (ingress)``."""
     phase, _, what = step.rpartition(": ")
     words = _FAILURES.get(what, f"“{what}”")
-    return f"{words} ({phase})" if phase else words
+    return f"{words} ({phase_in_words(phase)})" if phase else words
 
 
 def requirement_in_words(outcome: Outcome, requirement: RequirementOutcome) -> str:

@@ -21,7 +21,7 @@ from missionplan.report.simulation.quantities import (
     unit_of,
     worst_step,
 )
-from missionplan.report.wording import capitalised, in_words
+from missionplan.report.wording import capitalised, in_words, phase_in_words
 from missionplan.results.simulation import Outcome, PhaseOutcome
 
 _ALWAYS_DRAWN = {"moor": ("offset_m", "lowest_altitude_m", "nose_altitude_m"), "total": ("duration_s", "energy_wh")}
@@ -41,7 +41,7 @@ def tracks(outcome: Outcome) -> Iterator[PageSection]:
     """Draw the tracks from above, and where each phase ends about its goal; nothing where nothing moves over ground."""
     if all(radius == 0.0 for _, radius in outcome.tracks.targets.values()):
         return
-    rows = [(ring.phase, ring.kind, _share(ring), f"{ring.radius:.3g}") for ring in rings(outcome)]
+    rows = [(phase_in_words(ring.phase), ring.kind, _share(ring), f"{ring.radius:.3g}") for ring in rings(outcome)]
     caption = "Circles are about the goal; for an ellipse, the radius of the circle of equal area."
     table = Table(("phase", "line", "holds", "radius (m)"), rows, caption, text_columns=2)
     close = close_ups(outcome)

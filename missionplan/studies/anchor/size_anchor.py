@@ -21,7 +21,7 @@ from missionplan.studies.anchor.dive_trials import AnchorTrials, ParallelOptions
 from missionplan.studies.anchor.lightest_anchor import lightest_anchor
 from missionplan.studies.anchor.sizing import AnchorSizer
 from missionplan.studies.anchor.trim_check import trim_states
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.held_vehicle import held_vehicle
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.simulation.record_cover import check_cover
@@ -81,15 +81,13 @@ def size_anchor(
     except ValueError as error:
         raise InputError([Problem(str(error), mission.file, key="vehicle.anchor")]) from error
     options = {"probability": probability, "phase": phase, "jobs": jobs, "backend": backend, "scheduler": scheduler}
-    provenance = Provenance(
-        command="size-anchor",
-        mission=mission.name,
-        file=mission.file,
+    provenance = made_by(
+        "size-anchor",
+        mission,
         seed=seed,
         trials=trials,
         options=options,
-        elapsed_s=time.perf_counter() - started,
-        data=mission.raw,
+        started=started,
         notices=mission.notices(),
     )
     sizing = _anchor_sizing(provenance, sizer, anchor, probable, required)

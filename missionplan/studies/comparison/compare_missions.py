@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.errors import InputError, Problem
+from missionplan.identity import digest_of
 from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.reading.documents import load_document
 from missionplan.montecarlo.common_streams import CommonStreams
@@ -20,7 +21,7 @@ from missionplan.results.choosing.alternatives import DECIDES, Alternative, Alte
 from missionplan.results.choosing.axis import Aim
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.paths import as_path, is_folder
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, identified
 from missionplan.studies.comparison.mission_changes import differing_values
 from missionplan.studies.comparison.reported_choices import aim_of, check_kinds, reported_alternative
 from missionplan.studies.comparison.significance import standard_error_and_p_value
@@ -99,6 +100,7 @@ def compare_missions(
             options={"jobs": jobs},
             elapsed_s=time.perf_counter() - began,
             data={each.name: each.data for each in sources},
+            inputs={each.name: each.identified for each in sources},
         ),
         alternatives=tuple(
             entry if index == best else replace(entry, contrasts=_contrasts(entries, columns, index, best))
@@ -139,6 +141,11 @@ class _Source:
     path: Path
     mission: Mission | None
     summary: Mapping[str, object]
+
+    @property
+    def identified(self) -> object:
+        """What an identity takes it for."""
+        return identified(self.mission) if self.mission is not None else digest_of(self.summary)
 
     @property
     def data(self) -> object:

@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
+from missionplan.mission.quantity_paths import written_phases
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.results.comparison import ChangedValue
 from missionplan.results.task import DifferingValue
@@ -35,21 +36,14 @@ def _leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
     if isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _leaves(inner, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list) and path == "phases":
+        for phase in written_phases({"phases": value}):
+            yield from _leaves(phase.section, phase.key)
     elif isinstance(value, list):
         for index, inner in enumerate(value):
-            name = _phase_name(inner) if path == "phases" else None
-            yield from _leaves(name[1] if name else inner, name[0] if name else f"{path}[{index}]")
+            yield from _leaves(inner, f"{path}[{index}]")
     else:
         yield path, value
-
-
-def _phase_name(entry: object) -> tuple[str, object] | None:
-    """Name and section of an item of `phases`."""
-    if isinstance(entry, Mapping) and len(entry) == 1:
-        ((kind, section),) = entry.items()
-        if isinstance(section, Mapping):
-            return str(section.get("name", kind)), section
-    return None
 
 
 def _same(first: object, second: object) -> bool:

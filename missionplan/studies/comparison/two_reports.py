@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
+from missionplan.identity import digest_of
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.results.base import Provenance
 from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
@@ -56,6 +57,7 @@ def compare_reports(first: str | Path, second: str | Path) -> Comparison:
             elapsed_s=time.perf_counter() - began,
             data={"first": missions[0], "second": missions[1]},
             notices=_notices(runs),
+            inputs={"reports": [digest_of(summary) for summary in summaries]},
         ),
         compared=command,
         runs=runs,

@@ -3,19 +3,18 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.metadata import version
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.errors import InputError, MissionplanError, Problem
+from missionplan.identity import Identity
 from missionplan.mission import Mission
 from missionplan.montecarlo.common_streams import CommonStreams
-from missionplan.results.base import to_yaml
 from missionplan.results.choosing.axis import Axis
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.site_current import with_contents_named
-from missionplan.store.checkpoints import Identity
+from missionplan.studies.arguments import identified
 from missionplan.studies.exploration.key_paths import with_values
 from missionplan.studies.exploration.shared_current import SharedCurrent
 from missionplan.studies.nominal_dive import check_dives
@@ -63,6 +62,7 @@ class CellTask:
         How messages name the mission.
     """
 
+    COMMAND: ClassVar[str] = "explore"
     data: Mapping[str, object]
     cells: Sequence[Mapping[str, object]]
     current: SharedCurrent
@@ -72,10 +72,9 @@ class CellTask:
 
     def identity(self, mission: Mission, axes: Sequence[Axis]) -> Identity:
         """Everything that a finished block depends on; not how many trials there are."""
-        data = {key: value for key, value in mission.raw.items() if key != "monte_carlo"}
         values = [{"keys": axis.name, "values": list(axis.values)} for axis in axes]
-        options = to_yaml({"seed": self.seed, "columns": list(self.quantities), "vary": values})
-        return Identity(with_contents_named(to_yaml(data), mission), options, version("missionplan"))
+        options = {"command": self.COMMAND, "columns": list(self.quantities), "vary": values}
+        return Identity.of(identified(mission), options, self.seed)
 
     def mission(self, cell: int) -> Mission:
         """Return the mission of a cell; raises InputError where it is not valid."""

@@ -14,7 +14,6 @@ from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.parallel.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.base import Provenance
 from missionplan.results.choosing.axis import Aim, Axis
 from missionplan.results.choosing.exploration import Cell, Exploration
 from missionplan.results.members import MemberOutcome
@@ -22,7 +21,7 @@ from missionplan.scenario.currents.members import members_drawn, members_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.exploration.cell_run import CellRun, CellTrials
 from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask
 from missionplan.studies.exploration.findings import DURATION, ENERGY, cell_of, find_best
@@ -111,10 +110,9 @@ def explore(
     _check_any_runs(cells)
     best = find_best(cells, [each.columns for each in found], aim)
     return Exploration(
-        provenance=Provenance(
-            command="explore",
-            mission=mission.name,
-            file=mission.file,
+        provenance=made_by(
+            "explore",
+            mission,
             seed=seed,
             trials=trials,
             options={
@@ -122,8 +120,7 @@ def explore(
                 **{"aim": aim, "jobs": jobs, "only_best": only_best},
                 **{"quantity": list(quantities), "trials_run": raced.spent},
             },
-            elapsed_s=time.perf_counter() - started,
-            data=mission.raw,
+            started=started,
             notices=_notices(mission, plan),
         ),
         axes=axes,

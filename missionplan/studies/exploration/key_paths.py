@@ -9,14 +9,15 @@ from pydantic import BaseModel
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission
+from missionplan.mission.quantity_paths import phase_of_path, resolved_path
 
 _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 _WHOLES = ("vehicle", "start", "site.current", "site.water", "vehicle.anchor")
 """Keys that may be varied as a whole, besides those that hold one value."""
 
 
-def check_key(mission: Mission, key: str, option: str) -> None:
-    """Refuse a key that the mission does not know.
+def known_key(mission: Mission, key: str, option: str) -> str:
+    """Return the key path of a key that a person writes, with what stands for its phase.
 
     Parameters
     ----------
@@ -30,9 +31,9 @@ def check_key(mission: Mission, key: str, option: str) -> None:
     InputError
         With the nearest key.
     """
-    known = known_keys(mission)
+    known, key = known_keys(mission), resolved_path(key, [phase.label for phase in mission.phases])
     if key in known or _is_written(mission.raw, key):
-        return
+        return key
     hint = did_you_mean(key, known) or "such as start, ingress.speed, moor.line_length: key paths, phases by name"
     raise InputError([Problem(f"given the key {shown(key)}, which the mission does not have", key=option, hint=hint)])
 
@@ -111,16 +112,8 @@ def _parameters(effects: list[Any], name: str) -> Any:
 
 def _within(data: dict[str, object], key: str) -> tuple[Any, list[str]]:
     """Return the section in which a path begins, the phase's where it begins with the name of one, and its steps."""
-    for name, section in _phases(data):
-        if key.startswith(f"{name}."):
-            return section, _STEP.findall(key.removeprefix(f"{name}."))
-    return data, _STEP.findall(key)
-
-
-def _phases(data: Mapping[str, object]) -> list[tuple[str, Any]]:
-    entries = data.get("phases")
-    sections = [item for entry in entries for item in entry.items()] if isinstance(entries, list) else []
-    return [(str(section.get("name", kind)), section) for kind, section in sections if isinstance(section, dict)]
+    named = phase_of_path(key, data)
+    return (data, _STEP.findall(key)) if named is None else (named[0].section, _STEP.findall(named[1]))
 
 
 def _is_written(data: Mapping[str, object], key: str) -> bool:

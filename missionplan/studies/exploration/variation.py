@@ -15,7 +15,7 @@ from missionplan.mission.reading.documents import load_document
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
 from missionplan.results.choosing.axis import Axis
-from missionplan.studies.exploration.key_paths import check_key
+from missionplan.studies.exploration.key_paths import known_key
 
 MAX_CELLS = 5000
 OPTION = "vary"
@@ -64,9 +64,7 @@ def read_axis(mission: Mission, text: str) -> Axis:
     name, equals, values = (part.strip() for part in text.partition("="))
     if not equals or not values:
         raise _wrong(f"given {shown(text)}, expected KEY=FROM:TO:STEP or KEY=A,B,C", _EXAMPLE)
-    keys = tuple(key.strip() for key in name.split("+"))
-    for key in keys:
-        check_key(mission, key, OPTION)
+    keys = tuple(known_key(mission, key.strip(), OPTION) for key in name.split("+"))
     if keys == ("start",):
         return _times(mission, values)
     if keys == ("vehicle",):

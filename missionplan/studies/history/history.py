@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
+from missionplan.identity import digest_of
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.moments import moment_of
 from missionplan.results.base import Provenance
@@ -63,6 +64,7 @@ def history(folder: str | Path) -> History:
         options={"folder": str(root)},
         elapsed_s=time.perf_counter() - began,
         data={"folder": str(root), "reports": [report.place for report in reports]},
+        inputs={"reports": {report.place: digest_of(report.summary) for report in reports}},
     )
     return History(provenance, tuple(report.place for report in reports), tuple(_with_jumps(entries)), by_start)
 

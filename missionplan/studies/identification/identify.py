@@ -16,6 +16,7 @@ from missionplan.datasets.tank import (
 )
 from missionplan.results.base import Provenance
 from missionplan.results.learned.identification import Identification, TankAnalysis
+from missionplan.studies.arguments import identified_datasets
 from missionplan.studies.identification.drag import identify_drag
 from missionplan.studies.identification.oscillation import identify_oscillation
 from missionplan.studies.identification.propeller import identify_propeller
@@ -58,6 +59,7 @@ def identify(dataset: str | Path, *, allow_outside: bool = False) -> Identificat
         elapsed_s=time.perf_counter() - started,
         data=data.raw,
         notices=data.notices,
+        inputs=identified_datasets([Path(dataset)]),
     )
     return Identification(provenance, data.settings.kind, data.name, data.source, _headed(analysis))
 

@@ -17,7 +17,7 @@ from missionplan.results.explained import label
 from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase
 from missionplan.results.leg_length.legs import LegPlan
 from missionplan.scenario.currents.members import members_of, trials_of_each, under_each_member
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.leg_length.integral_equation import analytic_obstacle
 from missionplan.studies.leg_length.optimise_legs import Aim, LegAim, OptimisedLegs, optimise_legs
 from missionplan.studies.leg_length.paired_trials import AS_PLANNED
@@ -73,15 +73,13 @@ def plan_legs(
         tracks=task.tracks(),
         members=tuple(case for each, share in _members(task) for case in _cases(each, share, run)),
     )
-    provenance = Provenance(
-        command="plan-legs",
-        mission=mission.name,
-        file=mission.file,
+    provenance = made_by(
+        "plan-legs",
+        mission,
         seed=seed,
         trials=trials,
         options={"aim": aim, "jobs": jobs, "backend": backend, "scheduler": scheduler},
-        elapsed_s=time.perf_counter() - started,
-        data=mission.raw,
+        started=started,
         notices=(*mission.notices(), *_notices(scenario)),
     )
     return _leg_plan(provenance, scenario, wanted, best, evaluation)

@@ -16,11 +16,10 @@ from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.analytic.expectation import TransitExpectation
-from missionplan.results.base import Provenance
 from missionplan.results.leg_length.sweep import ExplainedSweep, Sweep, SweepCurve, SweepPoint
 from missionplan.results.members import MemberOutcome
 from missionplan.scenario.currents.members import members_of, trials_of_each, under_each_member
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.leg_length.cells import CellTotals, run_cells
 from missionplan.studies.leg_length.integral_equation import analytic_curve, analytic_obstacle
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
@@ -69,15 +68,13 @@ def sweep_dmax(
     analytic = {index: analytic_curve(scenario, index) for index in curves} if used != "monte-carlo" else {}
     how = _Run(jobs, backend, scheduler, progress)
     sampled = how.sampled(SweepTask(scenario, trials, seed))
-    provenance = Provenance(
-        command="sweep-dmax",
-        mission=mission.name,
-        file=mission.file,
+    provenance = made_by(
+        "sweep-dmax",
+        mission,
         seed=seed,
         trials=trials,
         options={"method": used, "jobs": jobs, "backend": backend, "scheduler": scheduler},
-        elapsed_s=time.perf_counter() - started,
-        data=mission.raw,
+        started=started,
         notices=mission.notices(),
     )
     sweep = Sweep(

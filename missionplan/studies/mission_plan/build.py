@@ -17,7 +17,7 @@ from missionplan.montecarlo.distributions import Distribution, Quantity, mean_of
 from missionplan.results.base import to_yaml
 from missionplan.results.plan import Plan, PlannedMooring, PlannedTransit, SurfacingRule, Waypoint
 from missionplan.scenario.scenario import Scenario, leg_table
-from missionplan.scenario.site_current import recorded_current, with_contents_named
+from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.mission_plan.durations import SHARE, TransitDurations, transit_durations
 from missionplan.studies.mission_plan.single_interval import SingleInterval, single_interval
 
@@ -50,7 +50,7 @@ def mission_plan(mission: Mission, *, seed: int | None = None, means: Scenario |
     origin = mission.site.origin if mission.site else None
     return Plan(
         mission=mission.name,
-        digest=hashlib.sha256(with_contents_named(to_yaml(mission.raw), mission).encode()).hexdigest(),
+        digest=hashlib.sha256(to_yaml(mission.identified()).encode()).hexdigest(),
         version=version("missionplan"),
         start=mission.start,
         origin=(origin.latitude, origin.longitude) if origin else None,
@@ -82,7 +82,7 @@ class _Builder:
             elif isinstance(phase, MoorPhase):
                 yield self._mooring(phase)
             else:
-                self.notes.append(f"{phase.name}, slowing down to hover, is no part of the course and is left out")
+                self.notes.append(f"{phase.label}, slowing down to hover, is no part of the course and is left out")
 
     def _transit(self, phase: TransitPhase[Scalars]) -> PlannedTransit:
         means = self._means
@@ -93,7 +93,7 @@ class _Builder:
         waypoints = tuple(self._waypoints(phase, durations))
         self._elapsed += float(means.surfacing_time) if len(waypoints) > 1 else 0.0
         return PlannedTransit(
-            name=phase.name,
+            name=phase.label,
             depth=float(phase.depth),
             speed=float(phase.speed),
             arrival_radius=float(phase.arrival_radius),
@@ -104,12 +104,12 @@ class _Builder:
 
     def _waypoints(self, phase: TransitPhase[Scalars], durations: TransitDurations) -> Iterator[Waypoint]:
         """Yield the start and the ends of the nominal legs (Briggs et al., Eqs. 18–20); moves on in place and time."""
-        means, name = self._means, phase.name
+        means = self._means
         goal, plan = means.position(phase.to), means.transit_plan(phase)
         vector = goal - self._place
         left = float(np.hypot(*vector))
         towards = vector / left if left > 0.0 else vector
-        yield self._waypoint(f"{name} 0", "start", math.nan, 0.0, (0.0, math.nan))
+        yield self._waypoint(f"{phase.label} 0", "start", math.nan, 0.0, (0.0, math.nan))
         for number in range(plan.max_legs):
             if left < SHORTEST_LEG:
                 break
@@ -120,9 +120,11 @@ class _Builder:
             self._elapsed += nominal + (float(means.surfacing_time) if number else 0.0)
             kind = "surfacing" if left >= SHORTEST_LEG else "arrival"
             course = math.atan2(towards[0], towards[1]) % (2.0 * math.pi)
-            yield self._waypoint(f"{name} {number + 1}", kind, course, length, (nominal, durations.leg(number)))
+            yield self._waypoint(f"{phase.label} {number + 1}", kind, course, length, (nominal, durations.leg(number)))
         if left >= SHORTEST_LEG:
-            message = f"given {plan.max_legs}, but {name} is {left:.4g} m from its goal after so many nominal legs"
+            message = (
+                f"given {plan.max_legs}, but {phase.label} is {left:.4g} m from its goal after so many nominal legs"
+            )
             raise InputError([Problem(message, means.mission.file, key="navigation.max_legs")])
         self._place = goal
 
@@ -164,7 +166,7 @@ class _Builder:
             return single_interval(self._means, phase, leg_table(table), self._seed)
         except InputError as error:
             reason = error.problems[0].message
-            self.notes.append(f"{phase.name}: no interval in place of the table could be compared with it ({reason})")
+            self.notes.append(f"{phase.label}: no interval in place of the table could be compared with it ({reason})")
             return SingleInterval(max(length for _, length in table.table), math.nan, math.nan)
 
     def _mooring(self, phase: MoorPhase[Scalars]) -> PlannedMooring:
@@ -176,7 +178,7 @@ class _Builder:
         times = [float(each) for each in (phase.release_time, phase.hold, phase.galvanic_release)]
         self._elapsed += sum(times) + float(means.surfacing_time)
         return PlannedMooring(
-            name=phase.name,
+            name=phase.label,
             east=float(self._place[0]),
             north=float(self._place[1]),
             latitude=latitude,

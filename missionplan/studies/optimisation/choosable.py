@@ -12,7 +12,7 @@ from missionplan.mission.reading.documents import Document, load_document
 from missionplan.mission.schema.sweep import ChoiceSection
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.results.choosing.axis import Axis
-from missionplan.studies.exploration.key_paths import check_key, with_values
+from missionplan.studies.exploration.key_paths import known_key, with_values
 from missionplan.studies.exploration.variation import NUMBER, read_axis, vehicles
 from missionplan.studies.optimisation.choices import Lattice
 
@@ -104,14 +104,13 @@ def _axis(mission: Mission, section: ChoiceSection) -> Axis:
 
 def _listed(mission: Mission, name: str, section: ChoiceSection) -> Axis:
     """Return the axis of a list; vehicles by the names of their files are read."""
-    for key in section.all_keys:
-        check_key(mission, key, OPTION)
+    keys = tuple(known_key(mission, key, OPTION) for key in section.all_keys)
     texts = [str(each) for each in section.choices]
     if section.all_keys == ("vehicle",) and all(isinstance(each, str) for each in section.choices):
         return vehicles(mission, texts)
     if all(NUMBER.fullmatch(text) for text in texts):
         return read_axis(mission, f"{name}={','.join(texts)}")
-    return Axis(section.all_keys, section.choices, tuple(_label(each) for each in section.choices))
+    return Axis(keys, section.choices, tuple(_label(each) for each in section.choices))
 
 
 def _text(value: object) -> str:

@@ -29,6 +29,8 @@ Columns = Mapping[str, NDArray[np.generic]]
 class ChoiceTask(CellTask):
     """Runs a block of a choice; an anchor that its parts cannot make is no choice."""
 
+    COMMAND = "optimise"
+
     def scenario(self, cell: int) -> Scenario:
         """Return the mission of a choice at its means, checked."""
         mission = self.mission(cell)

@@ -17,7 +17,7 @@ from missionplan.results.choosing.optimisation import Obstacle, Optimised, Relax
 from missionplan.results.simulation import Outcome
 from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.exploration.cells import SUCCESS
 from missionplan.studies.exploration.findings import AIM_COLUMNS
 from missionplan.studies.exploration.key_paths import with_values
@@ -94,15 +94,13 @@ def optimise(
     folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
     store = Checkpoints(folder, task.identity(mission, lattice.axes), resume=resume) if folder else None
     run = _Run(Evaluations(mission, lattice, task, jobs, store), demands, least, seed, trials, progress)
-    provenance = Provenance(
-        command="optimise",
-        mission=mission.name,
-        file=mission.file,
+    provenance = made_by(
+        "optimise",
+        mission,
         seed=seed,
         trials=trials,
         options={"aim": least, "choose": list(choose), "jobs": jobs},
-        elapsed_s=0.0,
-        data=mission.raw,
+        started=started,
         notices=mission.notices(),
     )
     found = run.find(provenance)

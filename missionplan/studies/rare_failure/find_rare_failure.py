@@ -21,7 +21,7 @@ from missionplan.results.base import Provenance
 from missionplan.results.rare_failure import RareFailure
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.rare_failure.driven_trials import (
     BATCH,
@@ -116,15 +116,13 @@ def find_rare_failure(
                 progress(spent + len(batches) * task.trials, spent + count * task.trials)
             if len(batches) >= FEWEST_BATCHES and _estimate(batches).variation <= aim:
                 break
-    provenance = Provenance(
-        command="simulate",
-        mission=mission.name,
-        file=mission.file,
+    provenance = made_by(
+        "simulate",
+        mission,
         seed=seed,
         trials=PLAIN_TRIALS + pilot.trials + sum(batch.trials for batch in batches),
         options={"rare": event, "trials": trials, "jobs": jobs, "backend": backend, "precision": precision},
-        elapsed_s=time.perf_counter() - started,
-        data=mission.raw,
+        started=started,
         notices=(*input_notices(mission, means), *_notices(pilot, batches, aim)),
     )
     return _result(provenance, wanted, pilot, batches, usual)

@@ -38,9 +38,9 @@ KEY_FIGURES = {
     "total": ("duration_s", "energy_wh", "success"),
 }
 """Quantities and events whose sensitivities are computed, by kind of phase."""
-LIMIT = "limit "
+LIMIT = "limit:"
 """How the names of counts begin that say how many trials met a limit of the world."""
-EXPLAINED = "explained "
+EXPLAINED = "explained:"
 """How the names of counts and statistics begin that are of the trials in which an explanation holds."""
 
 

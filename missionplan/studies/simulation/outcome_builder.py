@@ -79,7 +79,10 @@ class OutcomeBuilder:
         phases, spans = self.mission.phases, itertools.pairwise(clocks)
         return Outcome(
             provenance=provenance,
-            phases=tuple(self._phase(phase.name, phase.kind, *span) for phase, span in zip(phases, spans, strict=True)),
+            phases=tuple(
+                replace(self._phase(phase.name, phase.kind, *span), label=phase.label)
+                for phase, span in zip(phases, spans, strict=True)
+            ),
             total=self._phase("total", "total", clocks[0], clocks[-1]),
             requirements=self._requirements(),
             attrition=self._attrition(),
@@ -127,6 +130,7 @@ class OutcomeBuilder:
             histograms={quantity: histogram_from_sketch(running) for quantity, running in own.items()},
             start=start,
             end=end,
+            label=name,
         )
 
     def _requirements(self) -> tuple[RequirementOutcome, ...]:
@@ -146,6 +150,7 @@ class OutcomeBuilder:
             met=probability.value >= required,
             undecided=probability.low <= required <= probability.high,
             trials=self.totals.counts[f"requirement {index}"].trials,
+            written=requirement.written,
         )
 
     def _attrition(self) -> tuple[Attrition, ...]:

@@ -3,22 +3,21 @@
 import time
 from collections.abc import Generator, Sequence
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
 
+from missionplan.identity import Identity
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, block_count, block_size
-from missionplan.results.base import Provenance, to_yaml
 from missionplan.results.overdue import Overdue
 from missionplan.results.simulation import Outcome
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.site_current import recorded_current, with_contents_named
-from missionplan.store.checkpoints import Checkpoints, Identity
+from missionplan.scenario.site_current import recorded_current
+from missionplan.store.checkpoints import Checkpoints
 from missionplan.store.paths import as_path
 from missionplan.store.trials_table import TrialsTable
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, identified, made_by
 from missionplan.studies.mission_plan.build import plan_if_any
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.overdue.overdue import overdue
@@ -107,15 +106,13 @@ def simulate(
     _check_record(means, merged)
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
     options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
-    provenance = Provenance(
-        command="simulate",
-        mission=mission.name,
-        file=mission.file,
+    provenance = made_by(
+        "simulate",
+        mission,
         seed=seed,
         trials=merged.totals.trials,
         options=options,
-        elapsed_s=time.perf_counter() - started,
-        data=mission.raw,
+        started=started,
         notices=(*notices, *run_notices(merged, goal)),
     )
     table = run.table.parquet() if run.table else None
@@ -195,7 +192,5 @@ def simulate_block(mission: Mission, *, seed: int, block: int, trials: int = BLO
 
 def _identity(task: BlockTask) -> Identity:
     """Everything that a finished block depends on; not how many blocks there are."""
-    data = {key: value for key, value in task.means.mission.raw.items() if key != "monte_carlo"}
-    text = with_contents_named(to_yaml(data), task.means.mission)
-    options = f"seed: {task.seed}\nkeep_trials: {task.keep_trials}\n"
-    return Identity(text, options, version("missionplan"))
+    options = {"command": "simulate", "keep_trials": task.keep_trials}
+    return Identity.of(identified(task.means.mission), options, task.seed)

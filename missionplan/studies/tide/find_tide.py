@@ -10,6 +10,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
+from missionplan.identity import digest_of_files
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
 from missionplan.physics.tides import DAY
@@ -90,6 +91,7 @@ def tide(
             elapsed_s=time.perf_counter() - began,
             data={},
             notices=_notices(measured, enough),
+            inputs={"record": digest_of_files([path])},
         ),
         depths=tuple(depths),
         latitude=north,

@@ -16,11 +16,10 @@ from missionplan.phases.transition.plan import Manoeuvre, TransitionVehicle
 from missionplan.phases.transition.simulation import simulate_transition
 from missionplan.physics.tunnel_thruster import hover_power, revolutions_for
 from missionplan.physics.vehicle_dynamics import level_trim
-from missionplan.results.base import Provenance
 from missionplan.results.transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.transition import manoeuvre, transition_vehicle
-from missionplan.studies.arguments import check_arguments
+from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.transition.grid_runs import SAMPLE, GridRuns, time_history
 
 LOWEST_SPEED = 0.3
@@ -63,15 +62,13 @@ def sweep_transition(
 
     runs = dict(zip(variants, run_blocks(run_variant, list(variants), progress=progress), strict=True))
     unassisted = _unassisted(vehicle, planned, grid, time_step)
-    provenance = Provenance(
-        command="sweep-transition",
-        mission=mission.name,
-        file=mission.file,
+    provenance = made_by(
+        "sweep-transition",
+        mission,
         seed=mission.monte_carlo.seed,
         trials=0,
         options={"phase": transition.name, "time_step": time_step},
-        elapsed_s=time.perf_counter() - started,
-        data=mission.raw,
+        started=started,
         notices=mission.notices(),
     )
     deceleration, steepness, mid_speed = shown = (grid.shown_deceleration, grid.shown_steepness, grid.shown_mid_speed)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.studies.exploration.key_paths import check_key, known_keys, with_values
+from missionplan.studies.exploration.key_paths import known_key, known_keys, with_values
 from missionplan.studies.exploration.variation import read_axis, steps
 
 MISSIONS = Path(__file__).parents[3] / "missions"
@@ -73,8 +73,8 @@ def test_a_parameter_of_an_explanation_is_varied_by_the_path_that_reports_give_i
     doubtful = estuary.with_(effects=[{"one-of": explanations}])
     key = "effects[0].one-of[0].compass-bias.angle"
     assert key in known_keys(doubtful)
-    check_key(doubtful, key, "--vary")
+    known_key(doubtful, key, "--vary")
     changed = doubtful.with_(with_values(doubtful.raw, {key: "0.1 rad"}))
     assert changed.quantities()[key] == 0.1
     with pytest.raises(InputError, match=r"did you mean effects\[0\]\.one-of\[0\]\.compass-bias\.angle"):
-        check_key(doubtful, "effects[0].one-of[0].compas-bias.angle", "--vary")
+        known_key(doubtful, "effects[0].one-of[0].compas-bias.angle", "--vary")

@@ -210,7 +210,9 @@ def test_a_tide_turns_during_the_mission(tmp_path):
 
     times = range(0, 28801, 60)
     mission = chesapeake(tmp_path, STEADY | csv(tmp_path, tide, times=times))
-    block = run_block(Scenario.at_means(mission, recorded_current(mission)).sampled(seed=1, block=0, size=1), 1, 0, 1, tracked=1)
+    block = run_block(
+        Scenario.at_means(mission, recorded_current(mission)).sampled(seed=1, block=0, size=1), 1, 0, 1, tracked=1
+    )
     ingress, moor = block.phases[:2]
     egress = block.phases[2]
 
