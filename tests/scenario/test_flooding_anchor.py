@@ -41,7 +41,8 @@ def test_flooding_takes_time_and_leaves_other_draws_alone():
 def test_a_vehicle_file_without_a_time_is_told_what_it_would_cost():
     silent, told = (Scenario.at_means(mission) for mission in (chesapeake(), chesapeake(flooding_time="0 s")))
     notice = flooding_notice(silent, silent.moor())
-    assert "5 s of flooding" in notice and "1.4 s longer" in notice
+    assert "5 s of flooding" in notice
+    assert "1.4 s longer" in notice
     assert flooding_notice(told, told.moor()) == ""
 
 
