@@ -14,10 +14,10 @@ from functools import cache
 from importlib.metadata import entry_points, version
 from importlib.util import find_spec
 
+from missionplan.packages import PLUGINS
+
 LIBRARIES = ("numpy", "scipy", "pandas", "pint", "gsw", "pyproj", "utide")
 """Whose versions may change the numbers; Python's own sums changed with 3.12."""
-_PLUGINS = ("missionplan.effects", "missionplan.importers")
-"""Entry points by which other packages add code."""
 _OF_THE_MACHINE = ("jobs", "backend", "scheduler")
 """Options that say where blocks are computed: no number depends on them."""
 _SHOWN = 12
@@ -55,7 +55,7 @@ class Program:
 @cache
 def running_program() -> Program:
     """Identify the code of this process, as it was when first asked: a plug-in's is found without running it."""
-    entries = [entry for group in _PLUGINS for entry in entry_points(group=group)]
+    entries = [entry for group in PLUGINS for entry in entry_points(group=group)]
     plugins = sorted({entry.module.partition(".")[0] for entry in entries})
     return Program(
         version("missionplan"),

@@ -117,6 +117,8 @@ def _print_valid(found: "Validated") -> None:
     if found.problems:
         return
     typer.echo(f"{found.path}: {found.summary}")
+    for value in found.values:
+        typer.echo(f"  {value}")
     for row in found.table:
         typer.echo(f"  {row}")
     for notice in found.notices:

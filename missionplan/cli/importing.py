@@ -35,7 +35,12 @@ _Shift = Annotated[
     str | None, typer.Option(metavar="LAT,LON", help="Move the first fix to a made-up place.", show_default=False)
 ]
 _Shortest = Annotated[
-    str | None, typer.Option(metavar="TIME", help="Shortest leg that counts; default: 15 min.", show_default=False)
+    str | None,
+    typer.Option(
+        metavar="TIME",
+        help="Shortest leg that counts; default: half of a leg as planned or usual, 15 min at most.",
+        show_default=False,
+    ),
 ]
 _Gap = Annotated[
     str | None, typer.Option(metavar="TIME", help="Longest gap in a leg; default: 120 s.", show_default=False)
@@ -50,6 +55,11 @@ _TakeOut = Annotated[
 _Mark = Annotated[
     list[str] | None, typer.Option(metavar="TIME", help="When an anchor separated (dives); may be repeated.")
 ]
+_Vehicle = Annotated[str | None, typer.Option(help="Vehicle, where the files are of several.", show_default=False)]
+_Deployment = Annotated[
+    str | None, typer.Option(help="Deployment, where the files are of several: its name or date.", show_default=False)
+]
+_Strict = Annotated[bool, typer.Option("--strict", help="Stop at a damaged file instead of passing it over.")]
 _Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
 _Json = Annotated[
     bool, typer.Option("--json", help="Print the summary as JSON on standard output, and nothing else there.")
@@ -70,6 +80,9 @@ def import_(
     dive_depth: _DiveDepth = None,
     take_out_current: _TakeOut = False,
     mark: _Mark = None,
+    vehicle: _Vehicle = None,
+    deployment: _Deployment = None,
+    strict: _Strict = False,
     force: _Force = False,
     as_json: _Json = False,
     quiet: o.Quiet = False,
@@ -103,6 +116,9 @@ def import_(
                 shift_origin=_place(shift_origin),
                 rules=rules,
                 marks=mark or (),
+                vehicle=vehicle,
+                deployment=deployment,
+                is_strict=strict,
                 progress=progress,
             )
         deliver(result, folder, output)

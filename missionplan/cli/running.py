@@ -2,14 +2,15 @@
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stdout
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from missionplan.cli.options import OutputOptions
 from missionplan.cli.streams import answering, note, remark
-from missionplan.errors import InputError, Problem, attempted
+from missionplan.errors import InputError, MissionplanError, Problem, RunError, attempted
+from missionplan.packages import blamed_plugin
 
 if TYPE_CHECKING:
     from rich.progress import Task
@@ -152,7 +153,29 @@ def _print_result(result: "Result") -> None:
 
 @contextmanager
 def progress_bar(label: str, *, shown: bool) -> Iterator[Progress]:
-    """Show a bar with rate and time left on standard error; yields what a study calls with (done, total)."""
+    """Show a bar with rate and time left on standard error; yields what a study calls with (done, total).
+
+    What plug-ins print meanwhile goes to standard error too, and their errors tell of them.
+
+    Raises
+    ------
+    RunError
+        When the code of a plug-in fails.
+    """
+    try:
+        with redirect_stdout(sys.stderr), _bar(label, shown=shown) as progress:
+            yield progress
+    except MissionplanError:
+        raise
+    except Exception as error:
+        plugin = blamed_plugin(error)
+        if plugin is None:
+            raise
+        raise RunError(f"the plug-in {plugin} failed: {type(error).__name__}: {error}") from error
+
+
+@contextmanager
+def _bar(label: str, *, shown: bool) -> Iterator[Progress]:
     if not shown or not sys.stderr.isatty():
         yield None
         return

@@ -1,5 +1,6 @@
 """Dive logs: depth against time."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -8,12 +9,13 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
+from missionplan.datasets.identity import as_other, listed, repeated
 from missionplan.datasets.reading import DatasetFormat, RawDataset, read_dataset
 from missionplan.datasets.records import DescentData, MeasuredDive
 from missionplan.datasets.runs import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs
 from missionplan.datasets.table import Columns, problems_at
 from missionplan.datasets.times import EPOCH_SCALE
-from missionplan.errors import Problem, did_you_mean
+from missionplan.errors import Problem, counted, did_you_mean
 from missionplan.mission import Mission
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.section import FileSection
@@ -69,8 +71,17 @@ def read_descent(folder: Path, mission: Mission) -> DescentData:
     over = [problem for dive in known for check in _CHECKS for problem in check(dive, raw.file)]
     settings = raw.checked([*undated, *problems, *incomplete, *over])
     unused = [f"{column} is not used by the diagnosis of depths" for column in IGNORED if column in raw.table]
-    notices = (*raw.notices, *unused)
-    return DescentData(raw.name, raw.source, raw.file, tuple(known), settings.noise.depth, notices)
+    kept, again = _counted_once(known)
+    return DescentData(raw.name, raw.source, raw.file, kept, settings.noise.depth, (*raw.notices, *unused, *again))
+
+
+def _counted_once(dives: Sequence[MeasuredDive]) -> tuple[tuple[MeasuredDive, ...], tuple[str, ...]]:
+    """Leave out dives that repeat another of the file, with the same anchor, line and site, and say which."""
+    first = repeated([(dive.identity, dive.wet_weight, dive.line_length, dive.site_depth) for dive in dives]).tolist()
+    pairs = zip(dives, first, strict=True)
+    again = [as_other(dive.name, dives[place].name) for k, (dive, place) in enumerate(pairs) if place < k]
+    notice = f"{counted(len(again), 'dive')} of {len(dives)} stand in the file before, and count once: {listed(again)}"
+    return tuple(dives[place] for place in dict.fromkeys(first)), (notice,) if again else ()
 
 
 def _from_separations(

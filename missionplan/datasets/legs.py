@@ -8,12 +8,13 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
+from missionplan.datasets.identity import as_other, listed, repeated
 from missionplan.datasets.leg_checks import MIN_LEGS, NEEDED, check_legs
 from missionplan.datasets.reading import DatasetFormat, DatasetSettings, read_dataset
 from missionplan.datasets.records import TransitData
 from missionplan.datasets.table import Columns
 from missionplan.datasets.times import EPOCH_SCALE
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, Problem, counted
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema import quantities as q
@@ -77,7 +78,8 @@ def read_transit(folder: Path, mission: Mission) -> TransitData:
     """
     raw = read_dataset(folder, TRANSIT)
     raw = replace(raw, table=raw.table.rename(columns=dict(zip(STAMPS, TIMES, strict=True))))
-    settings = raw.checked(check_legs(raw.table, raw.file))
+    numbers = [name for name in raw.table if name not in TRANSIT.columns.text]
+    settings = raw.checked(check_legs(raw.table.drop_duplicates(numbers), raw.file))
     notices = list(raw.notices)
     legs = _in_order(raw.table, notices)
     start, reckoned, end, origin = _positions(legs, mission, notices, raw.file)
@@ -103,7 +105,7 @@ def read_transit(folder: Path, mission: Mission) -> TransitData:
         epoch,
         _leg_fix_sd(legs),
     )
-    return _without_wrong_fixes(data)
+    return _without_wrong_fixes(_counted_once(data))
 
 
 def _leg_fix_sd(legs: pd.DataFrame) -> Array | None:
@@ -156,6 +158,31 @@ def _epoch(t_start: Array, mission: Mission, notices: list[str]) -> float | None
     return float(t_start.min())
 
 
+def _counted_once(data: TransitData) -> TransitData:
+    """Leave out legs that repeat another of the log, under another name or in another run."""
+    first = repeated(data.identities)
+    again = np.flatnonzero(first < np.arange(data.n))
+    if not len(again):
+        return data
+    names = listed([as_other(data.labels[leg], data.labels[first[leg]]) for leg in again])
+    notice = f"{counted(len(again), 'leg')} of {data.n} stand in the log before, and count once: {names}"
+    kept = data.subset(np.unique(first))
+    return replace(enough(kept, "of their own"), notices=(*data.notices, notice))
+
+
+def enough(kept: TransitData, which: str, needed: str = NEEDED) -> TransitData:
+    """Return the legs that are left of a log.
+
+    Raises
+    ------
+    InputError
+        When they are fewer than `MIN_LEGS`: `which` they are, and what is needed.
+    """
+    if kept.n < MIN_LEGS:
+        raise InputError(f"{kept.name}: {counted(kept.n, 'leg')} {which}, too few: {needed}")
+    return kept
+
+
 def _without_wrong_fixes(data: TransitData) -> TransitData:
     """Leave out legs whose error neither water nor vehicle can explain.
 
@@ -171,9 +198,6 @@ def _without_wrong_fixes(data: TransitData) -> TransitData:
     wrong = (size > IMPOSSIBLE_SPEED) & (size > OUTLIER * np.median(size))
     if not wrong.any():
         return data
-    names = ", ".join(data.labels[wrong][:8])
+    names = listed(data.labels[wrong].tolist())
     notice = f"legs left out as wrong fixes (errors above {IMPOSSIBLE_SPEED:g} m/s, far from all others): {names}"
-    kept = data.subset(~wrong)
-    if kept.n < MIN_LEGS:
-        raise InputError(f"{data.name}: {kept.n} legs remain without wrong fixes, too few: {NEEDED}")
-    return replace(kept, notices=(*data.notices, notice))
+    return replace(enough(data.subset(~wrong), "without wrong fixes"), notices=(*data.notices, notice))

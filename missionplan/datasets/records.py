@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.datasets.identity import dive_identity, leg_identities
 
 TOUCHDOWN_MARGIN = 0.12
 """Share of the vehicle's depth at touchdown that is cut off above it."""
@@ -64,6 +65,11 @@ class TransitData:
     def n(self) -> int:
         """Number of legs."""
         return len(self.t_start)
+
+    @property
+    def identities(self) -> tuple[str, ...]:
+        """Hash of each leg."""
+        return leg_identities(self)
 
     @property
     def middle(self) -> Array:
@@ -131,6 +137,11 @@ class MeasuredDive:
     wet_weight: float
     line_length: float
     site_depth: float
+
+    @property
+    def identity(self) -> str:
+        """Hash of the dive."""
+        return dive_identity(self.t, self.depth)
 
     @property
     def deepest_fitted(self) -> float:

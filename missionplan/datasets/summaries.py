@@ -1,13 +1,15 @@
 """Summaries of dives: a few numbers a test, as papers print them."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.datasets.identity import row_identities, row_texts, written_once
 from missionplan.datasets.reading import DatasetFormat, RawDataset, read_dataset
 from missionplan.datasets.runs import DEEPEST, DiveConditions, DivesSettings, conditions_of_runs
 from missionplan.datasets.table import Columns, problems_at
@@ -65,6 +67,15 @@ class SummaryData:
     tests: tuple[TestSummary, ...]
     notices: tuple[str, ...]
 
+    @property
+    def identities(self) -> tuple[str, ...]:
+        """Hash of each test."""
+        return row_identities("summary", _numbers_of(self.tests))
+
+    def subset(self, keep: NDArray[np.bool_]) -> "SummaryData":
+        """Keep some of the tests."""
+        return replace(self, tests=tuple(test for test, is_kept in zip(self.tests, keep, strict=True) if is_kept))
+
 
 def read_summary(folder: Path, mission: Mission) -> SummaryData:
     """Read a data set of kind ``summary``.
@@ -87,7 +98,16 @@ def read_summary(folder: Path, mission: Mission) -> SummaryData:
     raw.checked([*_check_quantities(raw), *incomplete, *_check_speeds(raw, conditions)])
     notices = list(raw.notices)
     tests = [_test(name, _numbers(run), conditions[name], notices) for name, run in runs.items()]
-    return SummaryData(raw.name, raw.source, tuple(test for test in tests if test.quantities), tuple(notices))
+    tests = [test for test in tests if test.quantities]
+    once = written_once(_numbers_of(tests))
+    if not once.all():
+        notices.append(f"the tests stand {len(once) // once.sum()} times over, and count once")
+    return SummaryData(raw.name, raw.source, tuple(tests), tuple(notices)).subset(once)
+
+
+def _numbers_of(tests: Sequence[TestSummary]) -> list[str]:
+    """Quantities and values of each test, as text."""
+    return [" ".join(row_texts([test.quantities, test.values])) for test in tests]
 
 
 def _check_quantities(raw: RawDataset[DivesSettings]) -> list[Problem]:

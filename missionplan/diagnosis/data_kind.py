@@ -34,6 +34,11 @@ class Dataset(Protocol):
         """Treatments the reader should know of."""
         ...
 
+    @property
+    def identities(self) -> tuple[str, ...]:
+        """Hashes of its legs, dives or runs."""
+        ...
+
 
 class DataKind(ABC):
     """A kind of measured data; an instance is one data set of the kind, bound to a mission.
@@ -58,6 +63,11 @@ class DataKind(ABC):
     mission: Mission
     data: Dataset
     model: Model
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the mission has learned from all of these data: they teach it nothing more."""
+        return set(self.data.identities) <= set(self.mission.learned_from)
 
     @property
     def direct_measurements(self) -> Mapping[str, DirectMeasurement]:

@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 from missionplan.datasets.reading import files_outside
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, with_found
+from missionplan.diagnosis.extended_mission import having_learned
 from missionplan.diagnosis.forecast_error import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.judgement import Judgement, judge
@@ -31,6 +32,7 @@ Progress = Callable[[int, int], None]
 SEPARATED = 2
 """Rivals for which a next measurement is sought."""
 STAGES = 8
+NO_TRIAL = "no further trial is valued: that needs data which the mission has not learned from"
 
 
 def diagnose(
@@ -101,17 +103,20 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
     explanations = weighed(mission, dataset, seed, jobs, part)
     bound = explanations[0].bound
     stage()
-    found = as_reported(bound, run_pipeline(bound.model, lambda what, done, of: stage(), jobs), jobs)
+    is_new = not bound.is_known
+    found = as_reported(bound, run_pipeline(bound.model, lambda what, done, of: stage(), jobs, search=is_new), jobs)
+    found = found if is_new else found.without_learning(bound.known)
     judgement = judge(bound, found, jobs)
     scale = judgement.coverage.scale if judgement.coverage is not None else 1.0
     explanations = with_found(explanations, found, jobs)
-    believed = hypotheses(explanations, found, judgement, scale)
-    extended = mission_in_doubt(believed)
+    believed = hypotheses(explanations, found, judgement, scale) if is_new else ()
+    extended = having_learned(mission_in_doubt(believed) if is_new else mission.raw, bound.data.identities)
     stage()
     separated = _separated(bound, found, judgement, jobs)
     stage()
-    decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if wanted.plan else PlanGain()
-    trial = _next_trial(explanations, found, judgement, scale, seed) if wanted.next_trial else None
+    decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if wanted.plan and is_new else PlanGain()
+    trial = _next_trial(explanations, found, judgement, scale, seed) if wanted.next_trial and is_new else None
+    untold = () if is_new or not wanted.next_trial else (NO_TRIAL,)
     provenance = made_by(
         "diagnose",
         mission,
@@ -120,7 +125,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
         options={"dataset": str(dataset), "jobs": jobs, "next_trial": wanted.next_trial, "holdout": share},
         started=started,
         datasets=[dataset],
-        notices=(*mission.notices(), *bound.data.notices, *forecast_notice(mission, found.best.causes)),
+        notices=(*mission.notices(), *bound.data.notices, *forecast_notice(mission, found.best.causes), *untold),
     )
     result = _result(provenance, bound, found, judgement, separated, decision, extended)
     last = None if share is None else _score_of_rest(dataset, share, mission, extended, seed)
@@ -173,6 +178,7 @@ def _result(
         failures={"+".join(failure.causes): failure.reason for failure in found.selection.failed},
         residuals=residuals,
         extended=extended,
+        learned_from=() if bound.is_known else bound.data.identities,
     )
 
 

@@ -124,6 +124,8 @@ def weighed(
 ) -> tuple[Weighed, ...]:
     """Lay a data set, or a part of it, against each explanation of a mission, the likeliest after the data first.
 
+    Data that the mission has learned from leave the explanations as probable as they were.
+
     Raises
     ------
     InputError
@@ -134,8 +136,8 @@ def weighed(
     each = explained_missions(mission)
     bound = [bind_dataset(dataset, explained.mission, seed) for explained in each]
     bound = bound if part is None else [part(one) for one in bound]
-    if len(each) == 1:
-        return (Weighed(each[0], bound[0], None, 1.0),)
+    if len(each) == 1 or bound[0].is_known:
+        return tuple(Weighed(one, data, None, one.prior) for one, data in zip(each, bound, strict=True))
     fits = [fitted(one.model, [((), ())], jobs)[0] for one in bound]
     logs = np.array([_log_weight(explained, fit) for explained, fit in zip(each, fits, strict=True)])
     if not np.any(np.isfinite(logs)):

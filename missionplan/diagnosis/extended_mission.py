@@ -5,6 +5,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 
 from missionplan.effects import CATALOGUE
+from missionplan.mission.mission import MOST_LEARNED
 from missionplan.montecarlo.draws import Correlation
 from missionplan.results.learned.evidence import ParameterEstimate
 
@@ -40,6 +41,13 @@ def extended_mission(
     if isinstance(error, dict) and "sigma" in error and "sigma_v_m_s" in calibration:
         error["sigma"] = f"{calibration['sigma_v_m_s']:.4g} m/s"
     return mission
+
+
+def having_learned(extended: Mapping[str, object], identities: Sequence[str]) -> dict[str, object]:
+    """Write into a mission's data that it has learned from measurements, by their hashes, the last `MOST_LEARNED`."""
+    before = extended.get("learned_from")
+    learned = dict.fromkeys([*(before if isinstance(before, list) else []), *identities])
+    return {**extended, **({"learned_from": list(learned)[-MOST_LEARNED:]} if learned else {})}
 
 
 def _with_correlations(given: object, found: Sequence[Correlation], effects: Collection[str]) -> list[object]:

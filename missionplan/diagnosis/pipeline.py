@@ -1,7 +1,7 @@
 """The method from end to end on any model of data: select causes, score them held out, test what is left, judge."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -15,7 +15,7 @@ from missionplan.diagnosis.inference.posterior import credible_set, posteriors
 from missionplan.diagnosis.inference.selection import Candidate, Progress, Selection, no_progress, select
 from missionplan.diagnosis.verdict import Claim, claim, verdict
 from missionplan.montecarlo.parallel.mapping import parallel_map
-from missionplan.results.learned.evidence import Causes, Discrepancy, Verdict
+from missionplan.results.learned.evidence import Causes, Discrepancy, ParameterEstimate, Verdict
 
 SCORED = 3
 """Sets whose held-out gain is measured, at most."""
@@ -69,8 +69,15 @@ class PipelineResult:
     base_discrepancy: Discrepancy
     outlying_groups: OutlyingGroups
 
+    def without_learning(self, known: tuple[ParameterEstimate, ...]) -> "PipelineResult":
+        """Return what was found with the mission's own effects as they were known before."""
+        base = replace(self.selection.base, given=known, correlations=())
+        return replace(self, selection=replace(self.selection, base=base), best=base)
 
-def run_pipeline(model: Model, progress: Progress = no_progress, jobs: int = 1) -> PipelineResult:
+
+def run_pipeline(
+    model: Model, progress: Progress = no_progress, jobs: int = 1, *, search: bool = True
+) -> PipelineResult:
     """Diagnose a model of a data set.
 
     Parameters
@@ -81,8 +88,10 @@ def run_pipeline(model: Model, progress: Progress = no_progress, jobs: int = 1) 
         Called with what is being done.
     jobs : int
         Processes.
+    search : bool
+        Whether causes are looked for; else the base model alone is tested.
     """
-    selection = select(model, progress, jobs)
+    selection = select(model, progress, jobs, search=search)
     held_out = _held_out(model, selection, progress, jobs)
     found = _sampled(model, selection, tuple(held_out), jobs)
     sampled = {causes: each.log_evidence for causes, each in found.items()}

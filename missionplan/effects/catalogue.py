@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from types import MappingProxyType
+from typing import cast
 
 from missionplan.effects import (
     added_mass,
@@ -39,6 +40,7 @@ from missionplan.effects import (
 )
 from missionplan.effects.entry_checks import catalogue_problems, entry_problems
 from missionplan.effects.info import EffectInfo, Instrument, Phase, Scatter
+from missionplan.packages import PluginError, load_plugin
 
 _FILES = (
     drag_bias,
@@ -114,9 +116,11 @@ def with_plugins(own: Sequence[EffectInfo], plugins: Iterable[EntryPoint]) -> Ca
     origins = dict.fromkeys((info.id for info in own), "missionplan")
     for plugin in plugins:
         try:
-            loaded = plugin.load()
-            added = [loaded] if isinstance(loaded, EffectInfo) else list(loaded)
+            loaded = load_plugin(plugin)
+            added = [loaded] if isinstance(loaded, EffectInfo) else list(cast("Iterable[EffectInfo]", loaded))
             problems = _plugin_problems(accepted, added)
+        except PluginError as error:
+            added, problems = [], [str(error)]
         except Exception as error:  # whatever somebody else's code raises does no harm here
             added, problems = [], [f"{type(error).__name__}: {error}"]
         if problems:

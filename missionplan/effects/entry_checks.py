@@ -1,13 +1,17 @@
 """Checks of the catalogue's entries: what an entry must declare, and which entries cannot stand together."""
 
 import inspect
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import is_dataclass
 
 from missionplan.effects.info import Effect, EffectInfo, TankEffect
 from missionplan.effects.oscillation import MODULATION_PARAMETERS, Oscillation
+from missionplan.errors import shown
 from missionplan.phases.hooks import DescentEffect, MarkovProcess, TransitEffect
 
+_ID = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+_PARAMETER = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _TANK_HOOKS = {
     "drag": {"descent": "lone_drag_factor", "tank": "drag_factor"},
     "free-oscillation": {"descent": "mass_factor", "tank": "damping"},
@@ -22,6 +26,8 @@ _BASES = {"transit": TransitEffect, "descent": DescentEffect, "tank": TankEffect
 
 def entry_problems(info: EffectInfo) -> list[str]:
     """Return what is wrong with one entry, in words; empty when it can be used."""
+    if wrong := [*_name_problems(info)]:
+        return wrong
     if info.phase not in _BASES:
         return [f"phase {info.phase!r} is none of {', '.join(_BASES)}"]
     base = _BASES[info.phase]
@@ -34,6 +40,15 @@ def entry_problems(info: EffectInfo) -> list[str]:
         return _covariance_problems(info)
     undeclared = _is_random(info) and not info.is_modulated
     return ['an effect that is random from leg to leg must declare part="covariance"'] if undeclared else []
+
+
+def _name_problems(info: EffectInfo) -> Iterator[str]:
+    """Names by which mission files call the effect and its parameters: parts of key paths."""
+    if not _ID.fullmatch(info.id):
+        yield f"id {shown(info.id)}: expected words of small letters and digits, joined by hyphens"
+    for name in info.parameters:
+        if not _PARAMETER.fullmatch(name):
+            yield f"parameter {shown(name)}: expected words of small letters and digits, joined by underscores"
 
 
 def _field_problems(info: EffectInfo) -> Iterator[str]:

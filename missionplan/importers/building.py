@@ -102,7 +102,7 @@ def transit_data(reading: Reading, rules: LegRules) -> ImportedData:
         can_show=prospects(parts.legs, found),
         next_commands=(f"missionplan diagnose {mission_file} .", f"missionplan simulate {mission_file}"),
         figures=_figures(parts, found),
-        lines=_lines(reading.track, parts, found),
+        lines=_lines(parts, found),
     )
 
 
@@ -144,7 +144,18 @@ def _of_current(parts: CutTrack, rules: LegRules) -> tuple[str, ...]:
 def _rounded(table: pd.DataFrame) -> pd.DataFrame:
     """Round to what logs hold: centimetres, milliseconds, and 1 cm of latitude."""
     digits = {name: 7 if name.startswith(("lat_", "lon_")) else 3 for name in table.columns}
-    return table.round({**digits, "heading_deg": 1, "max_depth_m": 2, "surface_s": 1, "lag_dr_end_s": 1, "rpm": 1})
+    return table.round(
+        {
+            **digits,
+            "heading_deg": 1,
+            "depth_m": 2,
+            "dr_sd_m": 1,
+            "max_depth_m": 2,
+            "surface_s": 1,
+            "lag_dr_end_s": 1,
+            "rpm": 1,
+        }
+    )
 
 
 def _rejected(parts: CutTrack) -> pd.DataFrame:
@@ -166,11 +177,12 @@ def _figures(parts: CutTrack, found: LegNumbers) -> dict[str, float]:
         "fix_sd_m": found.fix_sd,
         "record_s": found.record,
         "max_depth_m": found.depth,
+        "made_reckoning_sd_m": float(parts.legs["dr_sd_m"].median()) if parts.is_made else float("nan"),
         "current_in_reckoning": parts.current.share if parts.current else float("nan"),
     }
 
 
-def _lines(track: Track, parts: CutTrack, found: LegNumbers) -> TrackLines:
+def _lines(parts: CutTrack, found: LegNumbers) -> TrackLines:
     latitude, longitude = float(np.radians(found.latitude)), float(np.radians(found.longitude))
     origin = Geographic.model_construct(latitude=latitude, longitude=longitude)
 
@@ -188,13 +200,13 @@ def _lines(track: Track, parts: CutTrack, found: LegNumbers) -> TrackLines:
         places[:, there] = to_plane(latitude[there], longitude[there], origin)
         return places
 
-    step = max(len(track.depth) // _DRAWN, 1)
+    step = max(len(parts.depth) // _DRAWN, 1)
     return TrackLines(
         fixes=plane(parts.fixes.good),
         rejected=plane(parts.fixes.rejected),
         reckoned=tuple(plane(line) for line in parts.reckoned),
         leg_starts=of_dives("start"),
         leg_ends=np.stack([of_dives("dr_end"), of_dives("end")]),
-        depth_t=track.depth.t[::step],
-        depth=track.depth.values[::step],
+        depth_t=parts.depth.t[::step],
+        depth=parts.depth.values[::step],
     )

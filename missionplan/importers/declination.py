@@ -10,11 +10,12 @@ from typing import Protocol
 import numpy as np
 
 from missionplan.importers.track import Series, Track
+from missionplan.packages import how_to_install
 
 WRONG = 1.5
 """Difference from the model beyond which a vehicle's declination is called wrong [deg]: the model's own error is about
 0.5 deg, vehicles round to whole degrees."""
-_INSTALL = "pip install 'missionplan[magnetic]' to check it"
+_INSTALL = f"{how_to_install('magnetic')} to check it"
 
 
 class _Declination(Protocol):

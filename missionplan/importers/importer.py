@@ -11,6 +11,7 @@ from types import ModuleType
 from missionplan.errors import InputError, Problem
 from missionplan.importers.mapping import MappedName
 from missionplan.importers.track import Track
+from missionplan.packages import how_to_install
 
 DAMAGED = (OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticError, TypeError, zlib.error)
 """Errors by which libraries say that a file is damaged."""
@@ -36,6 +37,20 @@ class ReadOptions:
     cache: Path | None = None
 
 
+@dataclass(frozen=True)
+class Identity:
+    """Whose log a file is, as far as it or its name says.
+
+    Attributes
+    ----------
+    vehicle, deployment : str
+        Nothing where it is not told.
+    """
+
+    vehicle: str = ""
+    deployment: str = ""
+
+
 @dataclass
 class SourceLog:
     """Keeps what became of each file while a reader works.
@@ -48,11 +63,14 @@ class SourceLog:
         Files that were.
     progress : callable or None
         Called with the number of files done and of all.
+    is_strict : bool
+        Whether a damaged file ends the import.
     """
 
     passed_over: list[Problem] = field(default_factory=list)
     read: list[Path] = field(default_factory=list)
     progress: Callable[[int, int], None] | None = None
+    is_strict: bool = False
 
     def each(self, files: Sequence[Path]) -> Iterator[Path]:
         """Yield the files, with the progress shown."""
@@ -79,12 +97,17 @@ class SourceLog:
             raise
         except PartlyReadError as error:
             self.read.append(path)
-            self.passed_over.append(Problem(f"read in part: {error}", str(path)))
+            self._note(Problem(f"read in part: {error}", str(path)))
         except (*DAMAGED, damaged) as error:
             words = str(error).strip().splitlines() or [type(error).__name__]
-            self.passed_over.append(Problem(f"passed over: {words[0][:200]}", str(path)))
+            self._note(Problem(f"passed over: {words[0][:200]}", str(path)))
         else:
             self.read.append(path)
+
+    def _note(self, problem: Problem) -> None:
+        if self.is_strict:
+            raise InputError([problem])
+        self.passed_over.append(problem)
 
 
 @dataclass(frozen=True)
@@ -103,6 +126,8 @@ class Importer:
         From files, options and a log of what became of each file to a track.
     is_guessed : bool
         Whether files are read by it without `--format`.
+    identify : callable or None
+        From a path to the vehicle and the deployment that a file is of; may raise as a reader does.
     """
 
     name: str
@@ -110,6 +135,7 @@ class Importer:
     recognises: Callable[[Path, bytes], bool]
     read: Callable[[Sequence[Path], ReadOptions, SourceLog], Track]
     is_guessed: bool = True
+    identify: Callable[[Path], Identity] | None = None
 
 
 def needed_module(name: str, extra: str, format_name: str) -> ModuleType:
@@ -123,6 +149,6 @@ def needed_module(name: str, extra: str, format_name: str) -> ModuleType:
     try:
         return import_module(name)
     except ImportError:
-        hint = f"pip install 'missionplan[{extra}]'"
+        hint = how_to_install(extra)
         message = f"the format {format_name} needs the package {name.partition('.')[0]}, which is not installed"
         raise InputError([Problem(message, hint=hint)]) from None

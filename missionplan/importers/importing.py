@@ -2,7 +2,8 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from datetime import UTC, datetime
 from pathlib import Path, PurePath
 from typing import Literal
 
@@ -11,11 +12,11 @@ from missionplan.importers.building import Reading, transit_data
 from missionplan.importers.declination import with_declination
 from missionplan.importers.descents import descent_data, read_marks
 from missionplan.importers.formats import known_importers
-from missionplan.importers.importer import ReadOptions, SourceLog
+from missionplan.importers.importer import Identity, ReadOptions, SourceLog
 from missionplan.importers.legs.rules import LegRules
 from missionplan.importers.mapping import read_mapping
 from missionplan.importers.shifting import shifted
-from missionplan.importers.sources import find_sources
+from missionplan.importers.sources import find_sources, of_one
 from missionplan.importers.track import Track
 from missionplan.results.imported import ImportedData, SourceEntry
 from missionplan.store.paths import as_path
@@ -34,6 +35,9 @@ def import_logs(
     shift_origin: tuple[float, float] | None = None,
     rules: LegRules | None = None,
     marks: Sequence[str] = (),
+    vehicle: str | None = None,
+    deployment: str | None = None,
+    is_strict: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> ImportedData:
     """Make a data set of a vehicle's logs.
@@ -58,13 +62,17 @@ def import_logs(
         For legs.
     marks : sequence of str
         Times at which an anchor separated, ISO 8601 or seconds since 1970, for dives.
+    vehicle, deployment : str, optional
+        Which to read, where the files are of several; a deployment may be the date it began, 2026-05-01.
+    is_strict : bool
+        Whether a damaged file ends the import; else it is named and passed over.
     progress : callable, optional
         Called with the number of files done and of all.
 
     Raises
     ------
     InputError
-        When a source is missing, of no known format, or holds no dives between fixes.
+        When a source is missing, of no known format or of several vehicles, or holds no dives between fixes.
     """
     began, rules = time.perf_counter(), rules or LegRules()
     if kind not in KINDS:
@@ -73,25 +81,58 @@ def import_logs(
     mapping = read_mapping(names)
     several = [sources] if isinstance(sources, str | PurePath) else sources
     paths = [as_path(each, "sources") for each in several]
-    found = find_sources(paths, known_importers(), format, otherwise="track" if mapping else None)
-    log = SourceLog(progress=progress)
+    importers, left_out = known_importers()
+    if left_out and format not in (None, *importers):
+        raise InputError([Problem(f"no format of the name {shown(format)}", key="format"), *left_out])
+    found = find_sources(paths, importers, format, otherwise="track" if mapping else None)
+    found, identity = of_one(found, vehicle, deployment)
+    log = SourceLog(progress=progress, is_strict=is_strict)
     options = ReadOptions(mapping, None if cache is None else as_path(cache, "cache"))
     track = found.importer.read([each.path for each in found.files], options, log)
     if not log.read:
         raise InputError([*log.passed_over, *found.passed_over])
-    track = with_declination(track)
+    track = with_declination(_of_one_deployment(track, None if identity.deployment else deployment))
+    track = replace(track, notices=(*track.notices, *map(str, left_out)))
     if shift_origin is not None:
         track = shifted(track, *shift_origin)
     read = set(log.read)
     reading = Reading(
         track=track,
-        name=name or track.name,
+        name=name or _name(track, identity),
         sources=tuple(SourceEntry(each.path.name, each.checksum) for each in found.files if each.path in read),
         passed_over=tuple(str(each) for each in (*log.passed_over, *found.passed_over)),
         options=_options(track, kind, rules, names, shift_origin),
         began=began,
     )
     return transit_data(reading, rules) if kind == "transit" else descent_data(reading, read_marks(marks))
+
+
+def _of_one_deployment(track: Track, begun: str | None) -> Track:
+    """Keep one deployment of a track: they are told apart by a long silence.
+
+    Raises
+    ------
+    InputError
+        With the list, when there are several and none, or none of them, is chosen.
+    """
+    spans = track.deployments()
+    if len(spans) < 2 and begun is None:
+        return track
+    parts = {f"{datetime.fromtimestamp(part.fixes.t[0], UTC):%Y-%m-%d}": part for part in
+             (track.within(*span) for span in spans)}  # fmt: skip
+    if begun is not None and begun in parts:
+        return parts[begun]
+    listed = ", ".join(f"{date} ({len(part.fixes)} fixes)" for date, part in parts.items()) or "none"
+    message = f"deployments, by the date of their first fix: {listed}"
+    if begun is not None:
+        message = f"no deployment {shown(begun)}; {message}"
+    hint = f"choose one with --deployment {next(iter(parts), 'DATE')}"
+    raise InputError([Problem(message, key="deployment", hint=hint)])
+
+
+def _name(track: Track, identity: Identity) -> str:
+    """Name of a data set: the vehicle's make and its own, and the deployment's."""
+    return ", ".join(filter(None, (" ".join(filter(None, (track.name, identity.vehicle))), identity.deployment)))
 
 
 def _options(

@@ -4,12 +4,13 @@ import gzip
 import hashlib
 import os
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from missionplan.errors import InputError, Problem, did_you_mean
-from missionplan.importers.importer import Importer
+from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.importers.importer import DAMAGED, Identity, Importer
 from missionplan.store.paths import check_name, is_file, is_folder
 
 _HEAD = 4096
@@ -81,6 +82,61 @@ def find_sources(
     name, found = next(iter(chosen.items()))
     files, repeated = _each_once(found)
     return Sources(importers[name], tuple(files), (*passed_over, *repeated))
+
+
+def of_one(found: Sources, vehicle: str | None, deployment: str | None) -> tuple[Sources, Identity]:
+    """Keep the files of one vehicle and deployment; those that tell neither are taken for its own.
+
+    Parameters
+    ----------
+    found : Sources
+    vehicle, deployment : str or None
+        As chosen; a deployment that no file names may be a date, which the caller looks for.
+
+    Raises
+    ------
+    InputError
+        With the list, when files of several are given and none is chosen, or one that is not there.
+    """
+    identify = found.importer.identify
+    if identify is None:
+        return found, Identity()
+    known = {each: _identity(identify, each.path) for each in found.files}
+    vehicle = _chosen("vehicle", vehicle, {each: known[each].vehicle for each in known}, is_open=False)
+    known = {each: one for each, one in known.items() if _same(one.vehicle, vehicle)}
+    is_dated = bool(deployment) and not any(one.deployment for one in known.values())
+    named = _chosen("deployment", deployment, {each: known[each].deployment for each in known}, is_open=is_dated)
+    kept = tuple(each for each, one in known.items() if _same(one.deployment, named))
+    return replace(found, files=kept), Identity(vehicle, "" if is_dated else named)
+
+
+def _identity(identify: Callable[[Path], Identity], path: Path) -> Identity:
+    try:
+        return identify(path)
+    except DAMAGED:
+        return Identity()  # the reader will say what is wrong with it
+
+
+def _chosen(key: str, wanted: str | None, names: Mapping[SourceFile, str], *, is_open: bool) -> str:
+    counts = Counter(name for name in names.values() if name)
+    if is_open:
+        return ""
+    if wanted is not None:
+        match = next((name for name in counts if name.lower() == wanted.lower()), None)
+        if match is None:
+            hint = did_you_mean(wanted, counts) or f"there is {', '.join(counts) or 'none that is named'}"
+            raise InputError([Problem(f"no {key} {shown(wanted)} in these files", key=key, hint=hint)])
+        return match
+    if len(counts) > 1:
+        listed = ", ".join(f"{name} ({count} file{'s' if count > 1 else ''})" for name, count in sorted(counts.items()))
+        first = sorted(counts)[0]
+        message = f"logs of {len(counts)} {key}s: {listed}"
+        raise InputError([Problem(message, key=key, hint=f"choose one with --{key}, such as --{key} '{first}'")])
+    return next(iter(counts), "")
+
+
+def _same(name: str, wanted: str) -> bool:
+    return not name or not wanted or name == wanted
 
 
 def _all_files(given: Sequence[Path]) -> list[Path]:

@@ -1,7 +1,9 @@
 """What a reader makes of a source: a track with fixes, dead-reckoned positions and what else was logged."""
 
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from dataclasses import fields as dataclass_fields
+from itertools import pairwise
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +11,8 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 
 _NONE = np.empty(0)
+SILENCE = 30.0 * 86400.0
+"""Time without any reading that lies between two deployments [s]."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +35,11 @@ class Series:
         if not len(self):
             return np.full(np.shape(t), np.nan)
         return np.asarray(np.interp(t, self.t, self.values))
+
+    def held(self, t: Array) -> Array:
+        """Values at times [s] that hold until the next reading, as states do; nan before the first."""
+        found = np.searchsorted(self.t, t, side="right") - 1
+        return np.where(found >= 0, self.values[np.maximum(found, 0)], np.nan) if len(self) else np.full(len(t), np.nan)
 
     def latest(self, t: float, oldest: float) -> float:
         """Return the last value at or before `t` that is not older than `oldest`; nan where there is none [s]."""
@@ -93,7 +102,7 @@ class Fixes:
     satellites : array
         Number in use.
     valid : array
-        1 where the log calls the fix valid, 0 where not. It decides only where no quality was logged.
+        1 where the log calls the fix valid, 0 where not, nan where it says neither.
     """
 
     t: Array
@@ -177,8 +186,12 @@ class Track:
     breaks : tuple of Break
     marks : tuple of float
         Moments that the log marks as the separation of an anchor, since 1970 [s].
-    shortest : float
-        Shortest leg that counts by default [s].
+    shortest : float or None
+        Shortest leg that counts by default [s]; None for half of the vehicle's usual dive, 15 min at most.
+    planned : float or None
+        Time from one surfacing to the next by the plan beside the logs [s].
+    at_surface : Series
+        1 where the vehicle's own state says that it is at the surface, else 0.
     notices : tuple of str
         What the reader noticed.
     """
@@ -199,5 +212,35 @@ class Track:
     current_north: Series = field(default_factory=Series)
     breaks: tuple[Break, ...] = ()
     marks: tuple[float, ...] = ()
-    shortest: float = 900.0
+    shortest: float | None = None
+    planned: float | None = None
+    at_surface: Series = field(default_factory=Series)
+
+    def within(self, start: float, end: float) -> "Track":
+        """Keep what was logged from `start` on and before `end` [s]; a quantity logged once is for all times."""
+        kept = self.fixes[(self.fixes.t >= start) & (self.fixes.t < end)]
+        parts: dict[str, Any] = {
+            each.name: part.within(start, np.nextafter(end, -np.inf))
+            for each in dataclass_fields(self)
+            if isinstance(part := getattr(self, each.name), Series) and len(part) > 1
+        }
+        breaks = tuple(each for each in self.breaks if start <= each.t < end)
+        marks = tuple(each for each in self.marks if start <= each < end)
+        return replace(self, fixes=kept, reckoned=self.reckoned.within(start, end), breaks=breaks, marks=marks, **parts)
+
+    def deployments(self) -> list[tuple[float, float]]:
+        """Times between which the vehicle was in use: from a first fix on to the last before a long silence [s].
+
+        A single fix is none: a receiver whose clock is not set yet dates it in another year.
+        """
+        t = np.sort(np.concatenate([self.fixes.t, self.depth.t]))
+        ends = np.flatnonzero(np.diff(t) > SILENCE)
+        edges = [-np.inf, *(0.5 * (t[ends] + t[ends + 1])), np.inf]
+        pairs = list(pairwise(edges))
+        return [
+            (begin, end)
+            for begin, end in pairs
+            if len(self.fixes.t[(self.fixes.t >= begin) & (self.fixes.t < end)]) > 1
+        ]
+
     notices: tuple[str, ...] = ()

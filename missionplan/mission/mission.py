@@ -3,7 +3,7 @@
 import copy
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Generic, Literal, Self, TypeVar, cast
+from typing import Annotated, Any, Generic, Literal, Self, TypeVar, cast
 
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
@@ -31,7 +31,8 @@ from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarlo, Requirement
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
-from missionplan.mission.schema.section import FileSection, V
+from missionplan.mission.schema.section import FileSection, Identity, V
+from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
 from missionplan.mission.schema.site import CurrentFile, Site
 from missionplan.mission.schema.sweep import OptimiseSection, SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
@@ -42,6 +43,8 @@ from missionplan.store.folder import write_atomically
 from missionplan.store.paths import as_path, exists, matching
 
 _New = TypeVar("_New")
+MOST_LEARNED = 5000
+"""Legs, dives and runs that a mission keeps in mind, the last ones: half of what a file may hold."""
 
 
 class Mission(FileSection, Generic[V]):
@@ -61,6 +64,7 @@ class Mission(FileSection, Generic[V]):
     requirements: tuple[Requirement, ...] = ()
     correlations: tuple[CorrelationSection, ...] = ()
     effect_list: EffectList[V] = Field(default=EffectList(), alias="effects")
+    learned_from: Annotated[tuple[Identity, ...], Field(max_length=MOST_LEARNED)] = ()
 
     _raw: dict[str, object] = PrivateAttr(default_factory=dict)
     _file: str = PrivateAttr(default="")
@@ -296,8 +300,12 @@ class Mission(FileSection, Generic[V]):
 
     @property
     def budget(self) -> EnergyBudget[V] | None:
-        """Energy budget: the mission's own, else the vehicle's."""
-        return self.energy or (self.vehicle.energy if self.vehicle else None)
+        """Energy budget in force, key by key: the mission's, else the vehicle's, else the default."""
+        return joined(self.energy, self.vehicle.energy if self.vehicle else None)
+
+    def values_in_force(self) -> tuple[ValueInForce, ...]:
+        """Return what is in force of every key that mission and vehicle may both give, and where it is from."""
+        return tuple(values_in_force(self.raw))
 
     @property
     def file(self) -> str:
@@ -344,7 +352,9 @@ class Mission(FileSection, Generic[V]):
                 )
             elif name == "effect_list":
                 inside[name] = self.effect_list.mapped(change)
-            elif name not in ("sweep", "optimise"):
+            elif name in SHARED:
+                inside[name] = changed(joined(value, getattr(self.vehicle, name, None)), name, change)
+            elif name not in ("sweep", "optimise", "learned_from"):
                 inside[name] = changed(value, name, change)
         return cast("Mission[_New]", self.model_copy(update=inside))
 
@@ -357,11 +367,15 @@ class Mission(FileSection, Generic[V]):
         return self.mapped(lambda _, quantity: mean_of(quantity))
 
     def quantities(self) -> dict[str, V]:
-        """Return every quantity by its name, its key path with phases by name: ``site.current[0].speed`` [SI]."""
+        """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI].
+
+        Those of a section that mission and vehicle share are named as the mission's: ``energy.hotel``.
+        """
         found: dict[str, V] = {}
 
         def note(name: str, value: Any) -> Any:
-            found[name] = value
+            if name_in_force(name) == name:
+                found[name] = value
             return value
 
         self.mapped(note)

@@ -9,7 +9,7 @@ from missionplan.errors import KeyPath, key_path
 SECTIONS = frozenset(
     {
         *("name", "start", "units", "vehicle", "site", "navigation", "phases", "sweep", "optimise", "monte_carlo"),
-        *("energy", "requirements", "correlations", "effects", "total"),
+        *("energy", "requirements", "correlations", "effects", "learned_from", "total"),
     }
 )
 """First parts of key paths that stand for no phase: the sections of a mission file, and the whole mission."""

@@ -27,6 +27,10 @@ _PHRASES = {
     "nose_down_time": "time from the taut line to nose down",
     "depth_lost": "depth lost in the pitch-over",
     "line_parts": "parting of the line",
+    "energy.hotel": "hotel load",
+    "energy.propulsive_efficiency": "propulsive efficiency",
+    "energy.surfacing": "energy of a surfacing",
+    "energy.capacity": "energy in the battery",
     "touchdown_speed": "speed at touchdown",
     "holding_margin": "least holding margin of the anchor",
 }
@@ -34,7 +38,7 @@ _PHRASES = {
 _POINT_OR_UNDERSCORE = re.compile(r"\.(?!\d)|_")
 _EXPLAINED = re.compile(r"effects\[\d+\]\.one-of(?:\[(\d+)\]\.(.+))?")
 _PLACE = re.compile(r"phases\[(\d+)\]")
-_WHOLES = ("vehicle", "site", "start", "total", "monte_carlo", "requirements")
+_WHOLES = ("vehicle", "site", "start", "total", "monte_carlo", "requirements", "energy")
 """First parts of a dotted name that are no phase and read well before the rest: ``vehicle net buoyancy``."""
 
 

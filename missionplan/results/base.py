@@ -18,6 +18,7 @@ import yaml
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.identity import Identity
+from missionplan.packages import how_to_install
 from missionplan.rendering import Plot, presenter, render
 from missionplan.store.folder import check_holds_no_input, new_folder, write_atomically
 from missionplan.store.paths import as_path
@@ -252,9 +253,7 @@ def to_grid(frame: "pd.DataFrame", dimensions: Sequence[str], unit: Mapping[str,
     try:
         import_module("xarray")
     except ImportError as error:
-        raise InputError(
-            [Problem("needs xarray", key="to_xarray", hint="pip install 'missionplan[netcdf]'")]
-        ) from error
+        raise InputError([Problem("needs xarray", key="to_xarray", hint=how_to_install("netcdf"))]) from error
     grid = frame.set_index(list(dimensions)).to_xarray()
     for name, words in unit.items():
         if name in grid.variables:

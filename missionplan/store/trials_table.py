@@ -10,8 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.errors import InputError, Problem
-
-_MISSING = "needs pyarrow: pip install 'missionplan[parquet]'"
+from missionplan.packages import how_to_install
 
 
 class TrialsTable:
@@ -28,7 +27,7 @@ class TrialsTable:
         try:
             import_module("pyarrow")
         except ImportError as error:
-            raise InputError([Problem(_MISSING, key="keep_trials")]) from error
+            raise InputError([Problem(f"needs pyarrow: {how_to_install('parquet')}", key="keep_trials")]) from error
         self._content = io.BytesIO()
         self._writer: Any = None
 

@@ -12,7 +12,7 @@ from missionplan.importers.geodesy import displacement, moved
 from missionplan.importers.legs.cutting import cut
 from missionplan.importers.legs.fixes import judge_fixes
 from missionplan.importers.legs.rules import LegRules
-from missionplan.importers.track import Break, Fixes, Series, fixes, positions, series
+from missionplan.importers.track import Break, Series, fixes, positions, series
 
 RULES = LegRules()
 
@@ -107,18 +107,22 @@ def test_the_vehicles_own_current_is_recognised_and_taken_out():
     np.testing.assert_allclose(velocity_errors(unused.legs), 0.0, atol=0.003)
 
 
-def test_fixes_count_by_their_quality_and_not_by_their_flag():
+def test_a_flag_goes_before_a_count_and_neighbours_before_a_dilution():
     log = made(legs=4)
     good = log.track.fixes
-    flagged = Fixes(*(getattr(good, name) for name in ("t", "latitude", "longitude", "accuracy", "hdop", "satellites")),
-                    valid=np.zeros(len(good)))  # fmt: skip
-    assert not judge_fixes(flagged).reasons
-    poor = replace(flagged, hdop=np.where(np.arange(len(good)) == 9, 20.0, 1.0))
-    found = judge_fixes(poor)
-    assert found.reasons == ("dilution of precision above 8",)
-    assert found.rejected.t.tolist() == [good.t[9]]
-    unknown = replace(flagged, hdop=np.full(len(good), np.nan))
-    assert len(judge_fixes(unknown).good) == 0
+    n, ninth = len(good), np.arange(len(good)) == 9
+    counted = replace(good, valid=np.ones(n), satellites=np.zeros(n))
+    assert not judge_fixes(counted).reasons
+    flagged = replace(good, valid=np.where(ninth, 0.0, 1.0), satellites=np.full(n, 9.0))
+    assert judge_fixes(flagged).reasons == ("not valid by its flag",)
+    diluted = replace(good, hdop=np.where(ninth, 20.0, 1.0))
+    assert not judge_fixes(diluted).reasons  # the fix a minute before confirms it
+    alone = replace(diluted, t=np.where(np.arange(n) > 9, good.t + 600.0, good.t) + np.where(ninth, 300.0, 0.0))
+    assert judge_fixes(alone).reasons == ("dilution of precision above 8",)
+    few = replace(good, satellites=np.where(ninth, 2.0, 9.0), latitude=good.latitude + np.where(ninth, 0.002, 0.0))
+    assert judge_fixes(few).reasons == ("fewer than 4 satellites",)
+    uncounted = replace(good, satellites=np.zeros(n))
+    assert not judge_fixes(uncounted).reasons
 
 
 def test_the_accuracy_of_a_fix_goes_with_its_leg():
@@ -170,9 +174,17 @@ def test_a_restart_at_the_surface_spoils_nothing():
 
 def test_short_legs_do_not_count_and_are_told():
     log = made(legs=3, duration=800.0)
-    found = cut(log.track, RULES)
+    found = cut(log.track, LegRules(shortest=900.0))
     assert found.dives["reason"].tolist() == ["shorter than 15 min (13.3 min)"] * 3
     assert (cut(log.track, LegRules(shortest=600.0)).dives["ok"] == 1).all()
+
+
+def test_short_is_what_is_short_for_the_plan_or_for_the_vehicle():
+    log = made(legs=3, duration=800.0)
+    assert (cut(log.track, RULES).dives["ok"] == 1).all()
+    assert (cut(replace(log.track, planned=1200.0), RULES).dives["ok"] == 1).all()
+    assert (cut(replace(log.track, planned=1800.0), RULES).dives["ok"] == 0).all()
+    assert (cut(replace(log.track, shortest=1800.0), RULES).dives["ok"] == 0).all()
 
 
 def test_a_fix_logged_late_ends_no_leg_and_is_told():

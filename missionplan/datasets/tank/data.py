@@ -2,13 +2,15 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array
+from missionplan.datasets.identity import ROW_BY_ROW, row_identities, row_texts, table_identity, written_once
 from missionplan.datasets.reading import DatasetFormat, RawDataset, dataset_kind, read_dataset, read_named_table
 from missionplan.datasets.table import Columns, CsvTable, problems_at
 from missionplan.datasets.tank.drag import DRAG, DragSettings
@@ -49,6 +51,8 @@ class TankData:
         Columns ignored, rows left out.
     raw : mapping
         Data of ``dataset.yaml``.
+    identities : tuple of str
+        Hash of each row; one of the whole where rows are moments of a record in time, or many.
     """
 
     name: str
@@ -59,6 +63,16 @@ class TankData:
     compared: dict[str, Array] | None
     notices: tuple[str, ...]
     raw: Mapping[str, object]
+    identities: tuple[str, ...] = ()
+
+    def subset(self, keep: NDArray[np.bool_]) -> "TankData":
+        """Keep some of the rows, each of which has a hash of its own."""
+        return replace(
+            self,
+            columns={name: column[keep] for name, column in self.columns.items()},
+            labels={name: np.array(words)[keep].tolist() for name, words in self.labels.items()},
+            identities=tuple(np.array(self.identities)[keep].tolist()),
+        )
 
     @property
     def density(self) -> float:
@@ -99,7 +113,8 @@ def read_tank_data(folder: str | Path) -> TankData:
     problems = [*_at_rest(raw), *_unmoved(raw)]
     compared = _compared(folder, raw, form.columns, problems)
     settings = raw.checked(problems)
-    columns, labels = _split(raw.table)
+    rows, identities, notices = _counted_once(form.kind, raw.table)
+    columns, labels = _split(rows)
     return TankData(
         raw.name,
         raw.source,
@@ -107,9 +122,23 @@ def read_tank_data(folder: str | Path) -> TankData:
         columns,
         labels,
         _split(compared.rows)[0] if compared is not None else None,
-        (*raw.notices, *(compared.notices if compared is not None else ())),
+        (*raw.notices, *notices, *(compared.notices if compared is not None else ())),
         raw.document.data,
+        identities,
     )
+
+
+def _counted_once(kind: str, rows: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...], tuple[str, ...]]:
+    """Rows of a table, once where it stands several times over; their hashes; and a notice of it."""
+    columns, labels = _split(rows)
+    told: dict[str, Array | list[str]] = {**columns, **{name: words for name, words in labels.items() if name != "run"}}
+    texts = row_texts([told[name] for name in sorted(told)])
+    once = np.ones(len(texts), dtype=bool) if "t_s" in columns else written_once(texts)
+    notices = () if once.all() else (f"the rows stand {len(once) // once.sum()} times over, and count once",)
+    texts = [text for text, keep in zip(texts, once, strict=True) if keep]
+    is_whole = "t_s" in columns or len(texts) > ROW_BY_ROW
+    identities = (table_identity(kind, texts),) if is_whole else row_identities(kind, texts)
+    return rows[once], identities, notices
 
 
 def _at_rest(raw: RawDataset[Settings]) -> list[Problem]:

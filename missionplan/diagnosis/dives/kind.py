@@ -18,6 +18,7 @@ from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
 from missionplan.diagnosis.dives.tables import descent_misfit, descent_residuals, descent_shares
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.mission import Mission
 from missionplan.results.learned.diagnosis import PlanGain
@@ -40,7 +41,7 @@ class DescentKind(DataKind):
         """Read the dives and bind the mission's first mooring to them."""
         measured = read_descent(folder, mission)
         check_leaves_surface(measured, mission)
-        data = prepare_dives(measured)
+        data = unlearned(prepare_dives(measured), mission)
         return cls(kind, mission, data, descent_model(data, mission))
 
     @property

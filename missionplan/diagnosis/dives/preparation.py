@@ -1,7 +1,7 @@
 """Dive logs as they are fitted: without bottom contact, with the noise estimated, averaged in bins."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +61,8 @@ class DiveLog:
         Weight of each in its bin's mean.
     wet_weight, line_length, site_depth : float
         Of this dive [N, m, m].
+    identity : str
+        Hash of the dive as it was logged.
     """
 
     name: str
@@ -73,6 +75,7 @@ class DiveLog:
     wet_weight: float
     line_length: float
     site_depth: float
+    identity: str = ""
 
 
 @dataclass(frozen=True)
@@ -93,6 +96,15 @@ class PreparedDives:
     source: str
     dives: tuple[DiveLog, ...]
     notices: tuple[str, ...]
+
+    @property
+    def identities(self) -> tuple[str, ...]:
+        """Hash of each dive."""
+        return tuple(log.identity for log in self.dives)
+
+    def subset(self, keep: NDArray[np.bool_]) -> "PreparedDives":
+        """Keep some of the dives."""
+        return replace(self, dives=tuple(log for log, is_kept in zip(self.dives, keep, strict=True) if is_kept))
 
 
 def prepare_dives(data: DescentData) -> PreparedDives:
@@ -135,7 +147,8 @@ def _prepare(dive: MeasuredDive, stated: float | None, notices: list[str]) -> Di
     if gap > 0.2 * float(np.ptp(t)) and gap > 5.0 * float(np.median(np.diff(t))):
         notices.append(f"{dive.name}: a gap of {gap:.1f} s in the log")
     noise = max(stated or 0.0, estimate_noise(t, depth))
-    return binned(dive.name, t, depth, noise, dive.wet_weight, dive.line_length, dive.site_depth)
+    log = binned(dive.name, t, depth, noise, dive.wet_weight, dive.line_length, dive.site_depth)
+    return replace(log, identity=dive.identity)
 
 
 def levels_off_at(t: Array, depth: Array) -> float:

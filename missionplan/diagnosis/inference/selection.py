@@ -91,7 +91,7 @@ class Selection:
     catalogue: int
 
 
-def select(model: Model, progress: Progress = no_progress, jobs: int = 1) -> Selection:
+def select(model: Model, progress: Progress = no_progress, jobs: int = 1, *, search: bool = True) -> Selection:
     """Fit the base model, every cause alone, and pairs and triples about the best.
 
     Parameters
@@ -102,6 +102,8 @@ def select(model: Model, progress: Progress = no_progress, jobs: int = 1) -> Sel
         Called with what is being done.
     jobs : int
         Processes that fit.
+    search : bool
+        Whether causes are looked for; else the base model alone is fitted.
 
     Raises
     ------
@@ -111,16 +113,18 @@ def select(model: Model, progress: Progress = no_progress, jobs: int = 1) -> Sel
     base = fitted(model, [((), ())])[0]
     if isinstance(base, FailedFit):
         raise RunError(f"the base model cannot be fitted: {base.reason}")
-    search = _Search(model, base)
+    if not search:
+        return Selection(base, (), (), (), len(model.candidates))
+    tried = _Search(model, base)
     frontier: Sequence[Candidate] = [Candidate(base, 0.0)]
     for size in range(1, MOST_CAUSES + 1):
-        wanted = search.extensions(frontier, size)
+        wanted = tried.extensions(frontier, size)
         progress(f"fitting sets of {size}", 0, len(wanted))
-        search.fit(wanted, jobs)
-        frontier = search.frontier(size)
-        if search.is_over(frontier):
+        tried.fit(wanted, jobs)
+        frontier = tried.frontier(size)
+        if tried.is_over(frontier):
             break
-    return search.selection()
+    return tried.selection()
 
 
 class _Search:

@@ -12,6 +12,7 @@ from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.legs.constancy import not_constant
 from missionplan.diagnosis.legs.extended_mission import extended_transit_mission, widened
 from missionplan.diagnosis.legs.headings import inseparable
@@ -39,7 +40,7 @@ class TransitKind(DataKind):
     @classmethod
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the legs and bind the mission's first transit to them."""
-        model = transit_model(read_transit(folder, mission), mission, seed)
+        model = transit_model(unlearned(read_transit(folder, mission), mission), mission, seed)
         return cls(kind, mission, model.data, model)
 
     @property

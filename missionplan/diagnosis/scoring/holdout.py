@@ -12,6 +12,7 @@ from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.kind import DescentKind
 from missionplan.diagnosis.dives.model_factory import descent_model
 from missionplan.diagnosis.dives.preparation import MIN_DIVES, PreparedDives
+from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.legs.kind import TransitKind
 from missionplan.diagnosis.legs.model_factory import transit_model
 from missionplan.diagnosis.scoring.score import read_record, scored_record
@@ -37,6 +38,8 @@ def first_part(bound: DataKind, share: float, seed: int) -> DataKind:
     InputError
         When it is not a share, a part is too short, or the data are neither legs nor dives.
     """
+    if bound.is_known:
+        raise InputError("holdout: the mission has learned from all of these data (learned_from): none is held out")
     if isinstance(bound, TransitKind):
         legs, _ = _split_legs(bound.data, share)
         return TransitKind(bound.kind, bound.mission, legs, transit_model(legs, bound.mission, seed))
@@ -65,7 +68,11 @@ def score_last_part(
         Of the draws.
     """
     record = read_record(folder, base)
-    last = _split_legs(record, share)[1] if isinstance(record, TransitData) else _split_dives(record, share)[1]
+    last: TransitData | PreparedDives
+    if isinstance(record, TransitData):
+        _, last = _split_legs(unlearned(record, base), share)
+    else:
+        _, last = _split_dives(unlearned(record, base), share)
     return scored_record(replace(last, notices=()), Mission.from_data(extended, file=base.file), seed)
 
 

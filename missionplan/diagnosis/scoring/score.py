@@ -15,6 +15,7 @@ from missionplan.datasets.reading import dataset_kind, files_outside
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.dives.model_factory import check_leaves_surface
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
+from missionplan.diagnosis.learned_data import learned
 from missionplan.diagnosis.scoring.chance import intervals, one_step_coverages, whole_coverages
 from missionplan.diagnosis.scoring.dives import dive_ensemble
 from missionplan.diagnosis.scoring.ensemble import Ensemble
@@ -73,7 +74,10 @@ def score(
     found = []
     with threadpool_limits(limits=1), files_outside(allowed=allow_outside):
         for done, folder in enumerate(folders):
-            found.append(scored_record(read_record(folder, mission), mission, seed, level))
+            record = read_record(folder, mission)
+            found.append(
+                replace(scored_record(record, mission, seed, level), learned=int(learned(record, mission).sum()))
+            )
             if progress is not None:
                 progress(done + 1, len(folders))
     provenance = made_by(

@@ -12,6 +12,7 @@ from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.dives.tables import descent_shares
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.diagnosis.summaries.model import SummaryModel
 from missionplan.diagnosis.summaries.model_factory import summary_model
@@ -35,7 +36,7 @@ class SummaryKind(DataKind):
     @classmethod
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the tests and bind the mission's first mooring to them."""
-        data = read_summary(folder, mission)
+        data = unlearned(read_summary(folder, mission), mission)
         return cls(kind, mission, data, summary_model(data, mission))
 
     @property

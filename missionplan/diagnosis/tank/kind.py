@@ -10,6 +10,7 @@ import pandas as pd
 from missionplan.datasets.tank import TANK_FORMATS, TankData
 from missionplan.diagnosis.data_kind import DataKind
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.diagnosis.learned_data import unlearned
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
 from missionplan.diagnosis.tank.data import read_tank
 from missionplan.diagnosis.tank.extended_mission import extended_tank_mission
@@ -37,7 +38,7 @@ class TankKind(DataKind):
     @classmethod
     def bind(cls, kind: str, folder: Path, mission: Mission, seed: int) -> Self:
         """Read the data and bind the base model of their kind to them."""
-        data = read_tank(folder)
+        data = unlearned(read_tank(folder), mission)
         forward = tank_forward(data, mission)
         given = given_in_tank(data, mission, forward.candidates)
         return cls(kind, mission, data, TankModel(forward, given=given, alternatives=exclusive_groups("tank")))

@@ -14,12 +14,12 @@ from missionplan.errors import InputError, Problem
 from missionplan.exporters.header import header, one_interval
 from missionplan.exporters.maps.geometry import Origin, circle, course_line, longitudes_latitudes, parts
 from missionplan.exporters.rows import Cell, rows
+from missionplan.packages import how_to_install
 from missionplan.results.plan import Plan, PlannedMooring
 
 TITLE = "GeoPackage"
 NEEDS_ORIGIN = True
 
-_MISSING = "needs pyogrio: pip install 'missionplan[gpkg]'"
 _POINT, _LINE, _POLYGON, _MULTI = 1, 2, 3, 3
 """Types of geometry in well-known binary, and what is added for several parts (OGC 06-103r4, table 6)."""
 
@@ -40,7 +40,7 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     try:
         import_module("pyogrio")
     except ImportError as error:
-        raise InputError([Problem(_MISSING, key="to")]) from error
+        raise InputError([Problem(f"needs pyogrio: {how_to_install('gpkg')}", key="to")]) from error
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{stem}.gpkg"
         _waypoints(path, plan)

@@ -1,17 +1,27 @@
 """Dives between two fixes: where a leg may be."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.importers.legs.rules import Depths
-from missionplan.importers.track import Fixes, Series
+from missionplan.importers.track import Fixes, Series, Track
 
 _SILENT = 60.0
 """Time without a fix that is a dive where no depth was logged [s]."""
 _NEAR = 300.0
 """How far from a reading its depth is taken for that of a fix [s]."""
+_AT_FIX = 60.0
+"""How far from a fix a reading still tells what the gauge reads at the surface [s]."""
+_FEWEST = 3
+"""Readings at the surface that tell it."""
+_ABOVE = 1.0
+"""How far above the surface's reading waves reach [m]."""
+_SHARE_ABOVE = 0.01
+"""Share of all readings that may lie further above: more of them show that it was no surface."""
+_SEVERAL = 10.0
+"""Length of a hole in the log over that of a usual dive from which many may hide in it."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +38,8 @@ class Candidate:
         Depth that the log has at the time of the fix before: large where that fix was logged late [m].
     surfaced : float
         When the vehicle came to the surface [s]; the time of the fix after where that is not known.
+    reckoned_to : float
+        Until when positions are of this dive [s]: that of the fix after, or of surfacing where it was logged late.
     """
 
     before: int
@@ -35,34 +47,89 @@ class Candidate:
     max_depth: float
     depth_at_fix: float
     surfaced: float
+    reckoned_to: float
 
 
-def find_candidates(fixes: Fixes, depth: Series, depths: Depths) -> list[Candidate]:
+def from_surface(track: Track, good: Fixes) -> Track:
+    """Count depths downwards from what the gauge reads at the surface, and say so where that is not near 0.
+
+    The surface is known by the vehicle's own state, else by its fixes, which it takes there.
+    """
+    depth = track.depth
+    if not len(depth):
+        return track
+    notices = []
+    if float(np.quantile(depth.values, 0.05)) < -max(2.0, 2.0 * float(np.quantile(depth.values, 0.95))):
+        depth = replace(depth, values=-depth.values)
+        notices.append("depths are logged as heights, less than 0 under water: their sign was turned")
+    zero = _surface_reading(depth, track.at_surface, good)
+    if abs(zero) > _ABOVE:
+        depth = replace(depth, values=depth.values - zero)
+        notices.append(f"the depth gauge reads {zero:.1f} m at the surface: depths count from there")
+    return replace(track, depth=depth, notices=(*track.notices, *notices))
+
+
+def _surface_reading(depth: Series, at_surface: Series, good: Fixes) -> float:
+    """What the gauge reads at the surface [m]; 0 where that is not known.
+
+    A fix may be logged late, when the vehicle is deep: the lower quartile of the readings at fixes counts, if
+    nearly none lie above it.
+    """
+    by_state = depth.values[at_surface.held(depth.t) == 1.0] if len(at_surface) else np.empty(0)
+    if len(by_state) >= _FEWEST:
+        return float(np.median(by_state))
+    at_fix = _depth_near(depth, good.t, _AT_FIX)
+    known = at_fix[np.isfinite(at_fix)]
+    if len(known) < _FEWEST:
+        return 0.0
+    zero = float(np.quantile(known, 0.25))
+    return zero if np.mean(depth.values < zero - _ABOVE) < _SHARE_ABOVE else 0.0
+
+
+def find_candidates(fixes: Fixes, depth: Series, depths: Depths, longest_gap: float) -> list[Candidate]:
     """Find the dives between consecutive fixes.
 
-    A fix cannot be taken under water: one that is logged while the vehicle is deep was taken before the dive, and
-    ends none.
+    A fix cannot be taken under water: one that is logged while the vehicle is deep was taken before that dive, and
+    ends one only if the vehicle had been at the surface in between. A hole in the log that is longer than several
+    dives is told as one, for nothing is known of what happened in it.
     """
     if not len(depth):
         gaps = np.flatnonzero(np.diff(fixes.t) >= _SILENT)
-        return [Candidate(int(k), int(k) + 1, np.nan, np.nan, float(fixes.t[k + 1])) for k in gaps]
-    at_fix = _depth_near(depth, fixes.t)
-    found = []
+        ends = [float(fixes.t[k + 1]) for k in gaps]
+        return [Candidate(int(k), int(k) + 1, np.nan, np.nan, t, t) for k, t in zip(gaps, ends, strict=True)]
+    at_fix = _depth_near(depth, fixes.t, _NEAR)
+    found, holes = [], []
     for k in range(len(fixes) - 1):
-        during = depth.within(float(fixes.t[k]), float(fixes.t[k + 1]))
+        start, end = float(fixes.t[k]), float(fixes.t[k + 1])
+        during = depth.within(start, end)
         deepest = float(during.values.max()) if len(during) else np.nan
-        if deepest >= depths.dive and not at_fix[k + 1] > depths.surface:
-            surfaced = _surfaced(during, depths, float(fixes.t[k + 1]))
-            found.append(Candidate(k, k + 1, deepest, float(at_fix[k]), surfaced))
-    return found
+        is_late = bool(at_fix[k + 1] > depths.surface)
+        before = _before_last_descent(during, depths, longest_gap) if is_late else during
+        if deepest >= depths.dive and len(before) and before.values.max() >= depths.dive:
+            surfaced = _surfaced(before, depths, end)
+            found.append(Candidate(k, k + 1, deepest, float(at_fix[k]), surfaced, surfaced if is_late else end))
+        else:
+            hole = float(np.diff(np.concatenate([[start], during.t, [end]])).max())
+            holes.append((hole, Candidate(k, k + 1, deepest, float(at_fix[k]), end, end)))
+    usual = float(np.median([fixes.t[each.after] - fixes.t[each.before] for each in found] or [np.inf]))
+    found += [each for hole, each in holes if hole > _SEVERAL * usual]
+    return sorted(found, key=lambda each: each.before)
 
 
-def _depth_near(depth: Series, t: Array) -> Array:
-    """Depth at some times [m]; nan far from any reading, before the first and after the last."""
+def _depth_near(depth: Series, t: Array, near: float) -> Array:
+    """Depth at some times [m]; nan farther than `near` from any reading, before the first and after the last."""
     after = np.searchsorted(depth.t, t)
     before, after = np.maximum(after - 1, 0), np.minimum(after, len(depth) - 1)
     away = np.minimum(np.abs(depth.t[before] - t), np.abs(depth.t[after] - t))
-    return np.asarray(np.where((away <= _NEAR) & (t >= depth.t[0]) & (t <= depth.t[-1]), depth.at(t), np.nan))
+    return np.asarray(np.where((away <= near) & (t >= depth.t[0]) & (t <= depth.t[-1]), depth.at(t), np.nan))
+
+
+def _before_last_descent(during: Series, depths: Depths, longest_gap: float) -> Series:
+    """Readings before the descent that a late fix stands in: up to the last one at the surface, or to a hole."""
+    ends = np.flatnonzero(during.values <= depths.surface)
+    holes = np.flatnonzero(np.diff(during.t) > longest_gap)
+    last = max([int(each[-1]) for each in (ends, holes) if len(each)], default=-1)
+    return Series(during.t[: last + 1], during.values[: last + 1])
 
 
 def _surfaced(during: Series, depths: Depths, fix: float) -> float:

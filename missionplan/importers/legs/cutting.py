@@ -5,16 +5,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
+from scipy.integrate import trapezoid
 
 from missionplan.arrays import Array
 from missionplan.importers.geodesy import displacement, moved
-from missionplan.importers.legs.candidates import Candidate, find_candidates
+from missionplan.importers.legs.candidates import Candidate, find_candidates, from_surface
 from missionplan.importers.legs.fixes import UNSTATED_SD, JudgedFixes, judge_fixes
 from missionplan.importers.legs.judging import judge
-from missionplan.importers.legs.made_reckoning import can_be_made, made_reckoning, true_from_logged
+from missionplan.importers.legs.made_reckoning import can_be_made, made_doubt, made_reckoning, true_from_logged
 from missionplan.importers.legs.rules import LegRules, depths_of, longest_gap
 from missionplan.importers.legs.vehicle_current import VehicleCurrent, current_in_reckoning
-from missionplan.importers.track import Positions, Track
+from missionplan.importers.track import Positions, Series, Track
 
 _STANDS_STILL = 1.0
 """Way that a position which stands still makes at most [m]."""
@@ -24,7 +25,8 @@ _LATEST_START = 120.0
 """How long after a fix its dead-reckoned position still shows whether the fix was taken in [s]."""
 LEG_COLUMNS = (
     "leg", "t_start", "t_end", "t_start_s", "t_end_s", "lat_start", "lon_start", "lat_dr_end", "lon_dr_end",
-    "lat_end", "lon_end", "surface_s", "speed_m_s", "heading_deg", "fix_sd_m", "max_depth_m", "lag_dr_end_s",
+    "lat_end", "lon_end", "surface_s", "speed_m_s", "heading_deg", "fix_sd_m", "dr_sd_m", "depth_m", "max_depth_m",
+    "lag_dr_end_s",
     "declination_deg", "rpm", "ok", "reason",
 )  # fmt: skip
 """Of the table of legs; those from `lat_dr_end` on are blank where a dive has no dead-reckoned end."""
@@ -38,20 +40,26 @@ class CutTrack:
     ----------
     dives : DataFrame
         Every dive between two fixes, with `LEG_COLUMNS`.
+    depth : Series
+        Below what the gauge reads at the surface [m].
     fixes : JudgedFixes
     reckoned : tuple of Positions
         Of each dive, as used.
     current : VehicleCurrent or None
         What the dead reckoning holds of a current that the vehicle estimated.
+    is_made : bool
+        Whether the dead reckoning was made here, and is not the vehicle's own.
     reckoning : str
         Where the dead-reckoned positions come from, in words.
     notices : tuple of str
     """
 
     dives: pd.DataFrame
+    depth: Series
     fixes: JudgedFixes
     reckoned: tuple[Positions, ...]
     current: VehicleCurrent | None
+    is_made: bool
     reckoning: str
     notices: tuple[str, ...]
 
@@ -64,23 +72,27 @@ class CutTrack:
 def cut(track: Track, rules: LegRules) -> CutTrack:
     """Cut a track into legs, and say of every dive whether it counts and why not."""
     fixes = judge_fixes(track.fixes)
-    depths = depths_of(track.depth, rules)
-    candidates = find_candidates(fixes.good, track.depth, depths)
-    reckoned, how, notices = _reckoned(track, fixes, candidates)
+    told = len(track.notices)
+    track = from_surface(track, fixes.good)
+    depths, gap = depths_of(track.depth, rules), longest_gap(track.depth, rules)
+    candidates = find_candidates(fixes.good, track.depth, depths, gap)
+    is_made, reckoned, how, notices = _reckoned(track, fixes, candidates)
     current = current_in_reckoning(track, fixes.good, candidates, reckoned)
     if current is not None and rules.take_out_current:
         reckoned = [current.taken_out(line) for line in reckoned]
         how += ", with the vehicle's estimate of the current taken out"
-    rows = [_row(track, fixes, *each) for each in zip(candidates, reckoned, strict=True)]
+    rows = [_row(track, fixes, *each, is_made) for each in zip(candidates, reckoned, strict=True)]
     dives = pd.DataFrame(rows, columns=[*LEG_COLUMNS[1:-2], "depth_at_fix_m"])
     dives.insert(0, "leg", np.arange(1, len(dives) + 1))
-    dives["reason"] = judge(dives, track, reckoned, rules, longest_gap(track.depth, rules), depths)
+    dives["reason"] = judge(dives, track, reckoned, rules, gap, depths)
     dives["ok"] = (dives["reason"] == "").astype(int)
-    notices += [*_of_late_fixes(dives, depths.surface), *_of_old_ends(dives)]
-    return CutTrack(dives, fixes, tuple(reckoned), current, how, tuple(notices))
+    notices = [*track.notices[told:], *notices, *_of_late_fixes(dives, depths.surface), *_of_old_ends(dives)]
+    return CutTrack(dives, track.depth, fixes, tuple(reckoned), current, is_made, how, tuple(notices))
 
 
-def _reckoned(track: Track, fixes: JudgedFixes, candidates: list[Candidate]) -> tuple[list[Positions], str, list[str]]:
+def _reckoned(
+    track: Track, fixes: JudgedFixes, candidates: list[Candidate]
+) -> tuple[bool, list[Positions], str, list[str]]:
     """Dead-reckoned positions of each dive, where they come from, and what is to be said of them."""
     own = [track.reckoned.within(*_span(fixes, each)) for each in candidates]
     still = [_stands_still(line) for line in own]
@@ -88,17 +100,17 @@ def _reckoned(track: Track, fixes: JudgedFixes, candidates: list[Candidate]) -> 
         by = "with speed" if len(track.speed) else "with pitch and depth rate"
         why = track.reckoning if not len(track.reckoned) else "the vehicle's position stands still under water"
         made = [_made(track, fixes, each) for each in candidates]
-        return made, f"made from heading, {by}", [f"{why}: dead reckoning was made from heading, {by}"]
+        return True, made, f"made from heading, {by}", [f"{why}: dead reckoning was made from heading, {by}"]
     shifted = _offset_where_fixes_are_ignored(own, fixes, candidates)
     if shifted is None:
-        return own, track.reckoning, []
+        return False, own, track.reckoning, []
     notice = "the vehicle's position goes on across its fixes: each leg's is moved to start at the fix"
-    return shifted, f"{track.reckoning}, each leg moved to start at its fix", [notice]
+    return False, shifted, f"{track.reckoning}, each leg moved to start at its fix", [notice]
 
 
 def _span(fixes: JudgedFixes, candidate: Candidate) -> tuple[float, float]:
-    """Time after the fix before a dive and time of the fix after it [s]."""
-    return float(np.nextafter(fixes.good.t[candidate.before], np.inf)), float(fixes.good.t[candidate.after])
+    """Time after the fix before a dive, and until when positions are dead-reckoned from it [s]."""
+    return float(np.nextafter(fixes.good.t[candidate.before], np.inf)), candidate.reckoned_to
 
 
 def _stands_still(line: Positions) -> bool:
@@ -147,7 +159,7 @@ def _moved_by(line: Positions, east: float, north: float) -> dict[str, Array]:
     return {"latitude": latitude, "longitude": longitude}
 
 
-def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions) -> tuple[object, ...]:
+def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions, is_made: bool) -> tuple[object, ...]:
     good = fixes.good
     start, end = float(good.t[dive.before]), float(good.t[dive.after])
     has_end = len(line) > 0
@@ -158,7 +170,8 @@ def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions) -> 
         line.latitude[-1] if has_end else np.nan, line.longitude[-1] if has_end else np.nan,
         good.latitude[dive.after], good.longitude[dive.after], end - dive.surfaced,
         _mean_speed(track, line, start, dive.surfaced, under_way), _mean_heading(track, start, dive.surfaced),
-        sd if np.isfinite(sd) else UNSTATED_SD, dive.max_depth, end - line.t[-1] if has_end else np.nan,
+        sd if np.isfinite(sd) else UNSTATED_SD, made_doubt(track, line, end) if is_made else np.nan,
+        _mean_depth(track, start, dive.surfaced), dive.max_depth, end - line.t[-1] if has_end else np.nan,
         float(true_from_logged(track, np.array([start]))[0]) if len(track.declination) else np.nan,
         _mean_rpm(track, start, dive.surfaced),
         dive.depth_at_fix,
@@ -178,6 +191,14 @@ def _mean_speed(track: Track, line: Positions, start: float, end: float, under_w
         return float("nan")
     steps = np.hypot(*displacement(line.latitude[:-1], line.longitude[:-1], line.latitude[1:], line.longitude[1:]))
     return float(steps.sum() / min(max(line.t[-1] - line.t[0], 1.0), under_way))
+
+
+def _mean_depth(track: Track, start: float, end: float) -> float:
+    """Mean depth under way over time [m]; nan where none was logged."""
+    logged = track.depth.within(start, end)
+    if len(logged) < 2:
+        return float("nan")
+    return max(float(trapezoid(logged.values, logged.t) / (logged.t[-1] - logged.t[0])), 0.0)
 
 
 def _mean_rpm(track: Track, start: float, end: float) -> float:

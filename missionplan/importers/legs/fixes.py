@@ -1,4 +1,4 @@
-"""Which fixes count, by what their quality says and not by their flag, and how accurate they are."""
+"""Which fixes count, by their flags, their neighbours and their stated quality, and how accurate they are."""
 
 from dataclasses import dataclass
 
@@ -25,6 +25,11 @@ _ALLOWED = 30.0
 _WINDOW = 5
 """Fixes about one, itself included, whose median it is compared with."""
 _ROUNDS = 20
+_CONFIRMS = 120.0
+"""Time within which a good fix confirms another [s]."""
+_DRIFT = 1.5
+"""Drift at the surface that it allows for [m/s]."""
+_FLAGGED = "not valid by its flag"
 
 
 @dataclass(frozen=True)
@@ -53,6 +58,7 @@ def judge_fixes(fixes: Fixes) -> JudgedFixes:
     good = reasons == ""
     jumps = _jumps(fixes[good])
     reasons[np.flatnonzero(good)[jumps]] = f"farther from its neighbours than {FASTEST:g} m/s explains"
+    reasons[_confirmed(fixes, reasons == "") & (reasons != _FLAGGED)] = ""
     good = reasons == ""
     return JudgedFixes(fixes[good], fix_sd(fixes[good]), fixes[~good], tuple(str(each) for each in reasons[~good]))
 
@@ -64,14 +70,33 @@ def fix_sd(fixes: Fixes) -> Array:
 
 
 def _reasons_of_quality(fixes: Fixes) -> NDArray[np.object_]:
+    """What speaks against fixes: the flag, else a bad quality; a count of satellites only where there is no flag.
+
+    A count that is never enough for a fix was not logged.
+    """
     reasons = np.full(len(fixes), "", dtype=object)
-    known = np.isfinite(fixes.accuracy) | np.isfinite(fixes.hdop) | np.isfinite(fixes.satellites)
     with np.errstate(invalid="ignore"):
-        reasons[(fixes.valid == 0.0) & ~known] = "not valid by its flag, and no quality was logged"
-        reasons[fixes.satellites < FEWEST_SATELLITES] = f"fewer than {FEWEST_SATELLITES} satellites"
+        few = (fixes.satellites < FEWEST_SATELLITES) & ~(fixes.valid == 1.0)
+        counted = np.any(fixes.satellites >= FEWEST_SATELLITES)
+        reasons[few & counted] = f"fewer than {FEWEST_SATELLITES} satellites"
         reasons[(fixes.hdop > WORST_HDOP) | (fixes.hdop <= 0.0)] = f"dilution of precision above {WORST_HDOP:g}"
         reasons[(fixes.accuracy > WORST_ACCURACY)] = f"stated accuracy worse than {WORST_ACCURACY:g} m"
+        reasons[fixes.valid == 0.0] = _FLAGGED
     return reasons
+
+
+def _confirmed(fixes: Fixes, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Fixes that lie where the good one nearest in time has them, but for the scatter and the drift since."""
+    which = np.flatnonzero(good)
+    if not len(which):
+        return np.zeros(len(fixes), dtype=bool)
+    after = np.clip(np.searchsorted(fixes.t[which], fixes.t), 0, len(which) - 1)
+    before = np.maximum(after - 1, 0)
+    away = [np.abs(fixes.t[which[each]] - fixes.t) for each in (before, after)]
+    nearest = which[np.where(away[0] < away[1], before, after)]
+    apart = np.hypot(*displacement(fixes.latitude[nearest], fixes.longitude[nearest], fixes.latitude, fixes.longitude))
+    elapsed = np.minimum(*away)
+    return np.asarray((elapsed <= _CONFIRMS) & (apart <= _ALLOWED + _DRIFT * elapsed))
 
 
 def _jumps(fixes: Fixes) -> NDArray[np.bool_]:

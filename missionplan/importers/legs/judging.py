@@ -14,6 +14,10 @@ FASTEST_UNDER_WATER = 6.0
 """Speed between dead-reckoned positions beyond which the position has jumped [m/s]."""
 _JUMP = 50.0
 """Distance of such a jump at least [m]."""
+_SILENT = 3600.0
+"""Time without a reading in which a vehicle may have dived again [s]."""
+LONG_ENOUGH = 900.0
+"""Time from fix to fix from which a leg counts, however long the others are [s]."""
 LEAST_SHARE = 0.4
 """Part of a leg's time that its dead reckoning has to cover."""
 IMPOSSIBLE = 3.0
@@ -46,7 +50,7 @@ def judge(
     reasons = []
     starts, ends, pauses = (dives[name].to_numpy() for name in ("t_start_s", "t_end_s", "surface_s"))
     errors = _errors(dives)
-    shortest = rules.shortest if rules.shortest is not None else track.shortest
+    shortest = _shortest_of(rules, track, ends - starts)
     for k, line in enumerate(reckoned):
         start, end = float(starts[k]), float(ends[k])
         missing = _missing_end(start, end, line)
@@ -56,12 +60,24 @@ def judge(
             missing,
             _interrupted(track, start, end, depths.surface),
             _gap(track, line, start, end - float(pauses[k]), longest_gap, depths.surface),
+            _gap_at_surface(track, end - float(pauses[k]), end),
             _jump(line),
             _short(end - start, shortest),
             "" if missing else _impossible(float(errors[k])),
         )
         reasons.append("; ".join(filter(None, checks)))
     return reasons
+
+
+def _shortest_of(rules: LegRules, track: Track, durations: Array) -> float:
+    """Shortest leg that counts [s]: as given, else the reader's own, else half of a leg as planned, or as usual."""
+    if rules.shortest is not None:
+        return rules.shortest
+    if track.planned is not None:
+        return 0.5 * track.planned
+    if track.shortest is not None:
+        return track.shortest
+    return min(LONG_ENOUGH, 0.5 * float(np.median(durations))) if len(durations) else LONG_ENOUGH
 
 
 def _missing_end(start: float, end: float, line: Positions) -> str:
@@ -93,6 +109,13 @@ def _gap(track: Track, line: Positions, start: float, surfaced: float, longest: 
         read = np.append(start, line.t)
     gap = float(np.diff(np.append(read, surfaced)).max(initial=0.0))
     return f"a gap in the log ({gap:.0f} s)" if gap > longest else ""
+
+
+def _gap_at_surface(track: Track, surfaced: float, end: float) -> str:
+    """Where nothing was logged between surfacing and the fix for so long that the vehicle may have dived again."""
+    read = np.concatenate([track.depth.within(surfaced, end).t, track.reckoned.within(surfaced, end).t])
+    gap = float(np.diff(np.concatenate([[surfaced], np.sort(read), [end]])).max())
+    return f"nothing was logged before the fix ({gap:.0f} s)" if gap > _SILENT else ""
 
 
 def _jump(line: Positions) -> str:

@@ -3,11 +3,17 @@
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.importers.geodesy import moved
+from missionplan.importers.geodesy import displacement, moved
 from missionplan.importers.track import Positions, Series, Track
 
 LEAST_PITCH = 8.0
 """Pitch below which depth rate over its tangent is no speed [deg]; the last speed is kept."""
+ATTACK = 3.0
+"""Angle of attack that is neglected [deg]: 2 to 4 deg for gliders (Merckelbach, Smeed and Griffiths 2010)."""
+SPEED_ERROR = 0.05
+"""Error of a logged speed over it, which logs do not tell: assumed."""
+HEADING_ERROR = 0.035
+"""Error of a compass [rad], 2 deg, which logs do not tell: assumed."""
 LEAST_DEPTH = 2.0
 """Depth above which waves, not the glide, change the depth [m]: no way is made there."""
 FASTEST_GLIDE = 2.0
@@ -19,7 +25,9 @@ def can_be_made(track: Track) -> bool:
     return bool(len(track.heading) and (len(track.speed) or (len(track.pitch) and len(track.depth))))
 
 
-def made_reckoning(track: Track, start: float, end: float, latitude: float, longitude: float) -> Positions:
+def made_reckoning(
+    track: Track, start: float, end: float, latitude: float, longitude: float, attack: float = 0.0
+) -> Positions:
     """Reckon from a fix on to just before the next.
 
     The speed is the logged one, else the rate of the depth over the tangent of the pitch: the angle of attack is
@@ -32,16 +40,42 @@ def made_reckoning(track: Track, start: float, end: float, latitude: float, long
         Times of the two fixes [s].
     latitude, longitude : float
         Of the first [deg].
+    attack : float
+        Angle of attack [deg]: the path is steeper than the pitch by it.
     """
     t = _times(track, start, end)
     if len(t) < 2:
         return Positions()
     steps, middle = np.diff(t), 0.5 * (t[1:] + t[:-1])
     heading = _mean_heading(track, t)
-    speed = track.speed.at(middle) if len(track.speed) else _glide_speed(track, t)
+    speed = track.speed.at(middle) if len(track.speed) else _glide_speed(track, t, attack)
     east = np.append(0.0, np.cumsum(speed * np.sin(heading) * steps))
     north = np.append(0.0, np.cumsum(speed * np.cos(heading) * steps))
     return Positions(t, *moved(latitude, longitude, east, north))
+
+
+def made_doubt(track: Track, line: Positions, end: float) -> float:
+    """Standard deviation of the end of a made reckoning [m]: by the angle of attack, or the speed, and the heading.
+
+    Parameters
+    ----------
+    track : Track
+    line : Positions
+        As made.
+    end : float
+        Time of the fix after the dive [s].
+    """
+    if len(line) < 2:
+        return float("nan")
+    first = float(line.latitude[0]), float(line.longitude[0])
+    way = float(np.hypot(*displacement(*first, line.latitude[-1], line.longitude[-1])))
+    if len(track.speed):
+        along = SPEED_ERROR * way
+    else:
+        steeper = made_reckoning(track, float(line.t[0]), end, *first, attack=ATTACK)
+        along = float(np.hypot(*displacement(
+            steeper.latitude[-1], steeper.longitude[-1], line.latitude[-1], line.longitude[-1])))  # fmt: skip
+    return float(np.hypot(along, HEADING_ERROR * way))
 
 
 def _times(track: Track, start: float, end: float) -> Array:
@@ -71,13 +105,13 @@ def true_from_logged(track: Track, t: Array) -> Array:
     return track.declination.at(t)
 
 
-def _glide_speed(track: Track, t: Array) -> Array:
+def _glide_speed(track: Track, t: Array, attack: float) -> Array:
     """Horizontal speed between readings of the depth [m/s]."""
     depth, pitch = track.depth.at(t), track.pitch.at(t)
     sink = np.abs(np.diff(depth) / np.diff(t))
     slope = np.abs(0.5 * (pitch[1:] + pitch[:-1]))  # of the signed ones: the turn of a yo is flat
     steep = slope > LEAST_PITCH
-    speed = np.where(steep, sink / np.tan(np.radians(np.where(steep, slope, 45.0))), np.nan)
+    speed = np.where(steep, sink / np.tan(np.radians(np.where(steep, slope + attack, 45.0))), np.nan)
     known = np.maximum.accumulate(np.where(steep, np.arange(len(speed)), -1))
     held = np.where(known >= 0, speed[np.maximum(known, 0)], 0.0)
     deep = 0.5 * (depth[1:] + depth[:-1]) > LEAST_DEPTH

@@ -161,4 +161,4 @@ def _depth(found: dict[str, Samples]) -> Series:
     return known if len(known) else series(found["Depth"]["t"], found["Depth"]["depth"])
 
 
-IMPORTER = Importer("imc", "DUNE/LSTS LSF logs (imcpy)", recognises, read)
+IMPORTERS = (Importer("imc", "DUNE/LSTS LSF logs (imcpy)", recognises, read),)

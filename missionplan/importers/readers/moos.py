@@ -1,112 +1,217 @@
-"""MOOS: `alog` files of pLogger, with the variables named by `--map`."""
+"""MOOS: `alog` files of pLogger, with the variables named by `--map`.
+
+Lines are not in the order of time, and mail is repeated when a client registers. Times count from LOGSTART, which is
+the clock times MOOSTimeWarp. Format: MOOS-IvP, ivp/src/app_alogscan and the documentation of pLogger. The plan is the
+helm's behaviour file, of which pLogger keeps a copy beside the log (`*._bhv`).
+"""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.importers.importer import Importer, ReadOptions, SourceLog
+from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog
 from missionplan.importers.mapping import QUANTITIES, MappedName, mapped
 from missionplan.importers.sourcefiles.channels import ChannelStore, Samples
-from missionplan.importers.sourcefiles.columns import clock_jumps
 from missionplan.importers.sourcefiles.conversions import unit_factor
 from missionplan.importers.sourcefiles.plane import origin_of, plane_positions
 from missionplan.importers.track import Break, Fixes, Positions, Track, fixes, positions
 
 _USUAL = {
-    "lat": "GPS_LATITUDE",
-    "lon": "GPS_LONGITUDE",
-    "dr_lat": "NAV_LAT",
-    "dr_lon": "NAV_LONG",
-    "dr_x": "NAV_X",
-    "dr_y": "NAV_Y",
-    "depth": "NAV_DEPTH",
-    "heading_true": "NAV_HEADING",
-    "pitch": "NAV_PITCH[rad]",
-    "speed": "NAV_SPEED",
-    "hdop": "GPS_HDOP",
-    "satellites": "GPS_SAT",
+    "lat": ("GPS_LATITUDE", "GPS_LAT"),
+    "lon": ("GPS_LONGITUDE", "GPS_LONG", "GPS_LON"),
+    "dr_lat": ("NAV_LAT", "NAV_LATITUDE"),
+    "dr_lon": ("NAV_LONG", "NAV_LON", "NAV_LONGITUDE"),
+    "dr_x": ("NAV_X",),
+    "dr_y": ("NAV_Y",),
+    "depth": ("NAV_DEPTH",),
+    "heading_true": ("NAV_HEADING",),
+    "pitch": ("NAV_PITCH[rad]",),
+    "speed": ("NAV_SPEED",),
+    "hdop": ("GPS_HDOP",),
+    "satellites": ("GPS_SAT", "GPS_SATS", "GPS_NUM_SATS", "GPS_SATELLITES"),
 }
-_LOG_START = re.compile(rb"%%\s*LOGSTART\s+([\d.]+)")
+_REPORTED = {"dr_lat": "LAT", "dr_lon": "LON", "dr_x": "X", "dr_y": "Y", "depth": "DEP", "heading_true": "HDG",
+             "speed": "SPD"}  # fmt: skip
+"""Parts of the vehicle's own node report, which stand for what is not logged by itself."""
+_REPORT = b"NODE_REPORT_LOCAL"
+_LOG_START = re.compile(rb"%%\s*LOG ?START\s+([\d.eE+]+)")
+_OPENED = re.compile(rb"%%\s*FILE OPENED ON\s+(\w+ +\w+ +\d+ +\d+:\d+:\d+ +\d+)")
+_COMMUNITY = re.compile(rb"\sMOOSDB_(\w+)")
+_PERIOD = re.compile(r"BHV_PeriodicSurface\b.*?\{(.*?)\}", re.DOTALL)
+_HEAD = 65536
+_NEAR = 2.0 * 86400.0
+"""Difference of two clocks that are the same: zones of time [s]."""
+_FIRST, _LAST = 946684800.0, 4102444800.0
+"""Years 2000 and 2100: dates between them are possible [s]."""
 
 
 def recognises(path: Path, head: bytes) -> bool:
     """Whether a file is an `alog`."""
-    return path.suffix == ".alog" or (head.startswith(b"%%") and _LOG_START.search(head) is not None)
+    return path.suffix.lower() == ".alog" or (head.startswith(b"%%") and _LOG_START.search(head) is not None)
+
+
+def identity(path: Path) -> Identity:
+    """Community of the database that was logged."""
+    with path.open("rb") as stream:
+        found = _COMMUNITY.search(stream.read(_HEAD))
+    return Identity(found[1].decode() if found else "")
 
 
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     """Read `alog` files as one track."""
-    names = {quantity: mapped(quantity, name) for quantity, name in _USUAL.items()} | dict(options.names)
+    names = _names(options.names)
     store = ChannelStore()
-    breaks: list[Break] = []
-    for path in log.each(sorted(files)):
+    starts: dict[Path, tuple[float, float]] = {}
+    for path in files:
         with log.reading(path):
-            breaks += _add(store, path, {each.name: quantity for quantity, each in names.items()})
-    found = _fixes(store, names)
+            starts[path] = _head(path)
+    log.read.clear()  # each is noted again when it is read
+    in_order = sorted(starts, key=lambda path: starts[path])
+    shift, notices = _date(*starts[in_order[0]]) if in_order else (0.0, ())
+    breaks: list[Break] = []
+    for number, path in enumerate(log.each(in_order)):
+        with log.reading(path):
+            began = _add(store, path, names, starts[path][0] + shift)
+            breaks += [Break(began, "the log was begun anew", at_surface_too=False)] if number else []
+    found = _fixes(store)
+    used = [pair for pair in (("dr_lat", "dr_lon"), ("dr_x", "dr_y")) if pair[0] in store]
     return Track(
-        name=files[0].stem,
+        name=f"MOOS {files[0].stem}",
         format="moos",
         fixes=found,
-        reckoned=_reckoned(store, names, found),
-        reckoning="the vehicle's own (" + ", ".join(_used(store, names)) + ")"
-        if _used(store, names)
+        reckoned=_reckoned(store, options.names, found),
+        reckoning=f"the vehicle's own ({', '.join(_told(names, each) for each in used[0])})"
+        if used
         else "none is logged",
-        depth=store.series("depth", _factor(names, "depth")),
-        pitch=store.series("pitch", _factor(names, "pitch")),
+        depth=store.series("depth", _factor(options.names, "depth")),
+        pitch=store.series("pitch", _factor(options.names, "pitch", "rad")),
         heading=store.series("heading_true" if "heading_true" in store else "heading"),
         heading_from="true" if "heading_true" in store else "magnetic",
-        speed=store.series("speed", _factor(names, "speed")),
+        speed=store.series("speed", _factor(options.names, "speed")),
         declination=store.series("declination"),
         breaks=tuple(breaks),
         marks=tuple(float(t) for t in store.series("mark").t),
+        planned=_planned(files),
+        notices=notices,
     )
 
 
-def _add(store: ChannelStore, path: Path, wanted: Mapping[str, str]) -> list[Break]:
-    """Read one file; its times count from LOGSTART."""
+def _names(given: Mapping[str, MappedName]) -> dict[bytes, str]:
+    """Quantities by the variable's name in capitals; what is given takes the place of the usual ones."""
+    usual = {mapped(quantity, name).name: quantity for quantity, names in _USUAL.items() for name in names
+             if quantity not in given}  # fmt: skip
+    return {name.upper().encode(): quantity for name, quantity in usual.items()} | {
+        each.name.upper().encode(): quantity for quantity, each in given.items()
+    }
+
+
+def _told(names: Mapping[bytes, str], quantity: str) -> str:
+    return next(name.decode() for name, each in names.items() if each == quantity)
+
+
+def _head(path: Path) -> tuple[float, float]:
+    """LOGSTART of a file, and when it was opened by the computer's clock; nan where that is no date.
+
+    Raises
+    ------
+    ValueError
+        When it has no LOGSTART.
+    """
+    with path.open("rb") as stream:
+        head = stream.read(_HEAD)
+    found, opened = _LOG_START.search(head), _OPENED.search(head)
+    if found is None:
+        raise ValueError("no LOGSTART in its head: its times count from nothing known")
+    try:
+        words = " ".join((opened[1] if opened else b"").decode().split())
+        clock = datetime.strptime(f"{words} +0000", "%a %b %d %H:%M:%S %Y %z").timestamp()
+    except ValueError:
+        return float(found[1]), np.nan
+    return float(found[1]), clock if _FIRST < clock < _LAST else np.nan
+
+
+def _date(start: float, opened: float) -> tuple[float, tuple[str, ...]]:
+    """What turns the first file's LOGSTART, and with it all others, into seconds since 1970, and what is said of it.
+
+    Under time warp LOGSTART is the clock times the warp, and so are all times within the log.
+    """
+    warp = start / opened if np.isfinite(opened) else 1.0
+    if abs(start - opened) > _NEAR and abs(start / max(round(warp, 1), 0.1) - opened) <= _NEAR:
+        warp = round(warp, 1)
+        return start / warp - start, (
+            f"the log runs under a time warp of {warp:g}: times count from when it was begun",
+        )
+    if _FIRST < start < _LAST:
+        return 0.0, ()
+    notice = (
+        f"LOGSTART, {start:.0f} s, is no date (a time warp that is not told): times count from the log's start, as if "
+        "that were 1970-01-01"
+    )
+    return -start, (notice,)
+
+
+def _add(store: ChannelStore, path: Path, names: Mapping[bytes, str], start: float) -> float:
+    """Read one file; returns when it begins [s]."""
     samples: dict[str, Samples] = {}
-    names = {name.encode(): quantity for name, quantity in wanted.items()}
-    start, times = None, Samples(["t"])
     with path.open("rb") as stream:
         for line in stream:
-            if line.startswith(b"%"):
-                found = _LOG_START.match(line)
-                start = float(found[1]) if found else start
-                continue
             cells = line.split(None, 3)
-            if len(cells) < 4 or cells[1] not in names:
+            if len(cells) < 4 or line.startswith(b"%"):
                 continue
+            name = cells[1].upper()
             try:
-                t, value = float(cells[0]), float(cells[3])
+                if name in names:
+                    samples.setdefault(names[name], Samples(["t", "value"])).add(float(cells[0]), float(cells[3]))
+                elif name == _REPORT:
+                    for quantity, value in _of_report(cells[3]):
+                        samples.setdefault(f"report {quantity}", Samples(["t", "value"])).add(float(cells[0]), value)
             except ValueError:
                 continue
-            samples.setdefault(names[cells[1]], Samples(["t", "value"])).add(t, value)
-            times.add(t)
-    if start is None:
-        raise ValueError("no LOGSTART in its head: its times count from nothing known")
+    for quantity in _REPORTED:
+        reported = samples.pop(f"report {quantity}", None)
+        if reported is not None:
+            samples.setdefault(quantity, reported)
     if not samples:
-        raise ValueError(f"none of the variables {', '.join(sorted(wanted))}")
+        raise ValueError(f"none of the variables {', '.join(sorted(each.decode() for each in names))}")
     for quantity, each in samples.items():
         store.add(quantity, each["t"] + start, each["value"])
-    return clock_jumps(times["t"] + start)
+    return start + min(float(each["t"].min()) for each in samples.values())
 
 
-def _factor(names: Mapping[str, MappedName], quantity: str) -> float:
-    unit, wanted = names[quantity].unit, QUANTITIES[quantity]
-    return 1.0 if unit == wanted or not wanted else unit_factor(unit, wanted)
+def _of_report(text: bytes) -> Iterator[tuple[str, float]]:
+    pairs = dict(part.strip().split("=", 1) for part in text.decode("latin-1").upper().split(",") if "=" in part)
+    for quantity, name in _REPORTED.items():
+        if name in pairs:
+            yield quantity, float(pairs[name])
 
 
-def _fixes(store: ChannelStore, names: Mapping[str, MappedName]) -> Fixes:
+def _planned(files: Sequence[Path]) -> float | None:
+    """Period of the helm's surfacing by the behaviour files beside the logs [s]: the shortest of them."""
+    folders = dict.fromkeys(path.parent for path in files)
+    plans = [each for folder in folders for each in folder.iterdir() if each.name.endswith(("bhv", "bhv++"))]
+    text = "\n".join(plan.read_text("utf-8", errors="replace") for plan in sorted(plans))
+    bodies = _PERIOD.findall(re.sub(r"//.*", "", text))
+    periods = [
+        float(each[1]) for body in bodies if (each := re.search(r"^\s*period\s*=\s*([\d.]+)", body, re.MULTILINE))
+    ]
+    return min((each for each in periods if each > 0.0), default=None)
+
+
+def _factor(given: Mapping[str, MappedName], quantity: str, usual: str = "") -> float:
+    unit, wanted = given[quantity].unit if quantity in given else usual, QUANTITIES[quantity]
+    return 1.0 if not unit or unit == wanted or not wanted else unit_factor(unit, wanted)
+
+
+def _fixes(store: ChannelStore) -> Fixes:
     """Fixes: latitude and longitude are published one after the other, each joins the longitude nearest in time."""
-    t, latitude = store.joined("lat")
-    longitude = _nearest(store, "lon", t)
-    quality = {name: _nearest(store, key, t) for name, key in (("hdop", "hdop"), ("satellites", "satellites"))}
-    return fixes(
-        t, latitude, longitude, **quality, accuracy=_nearest(store, "hacc", t), valid=_nearest(store, "valid", t)
-    )
+    known = store.series("lat")
+    quality = {name: _nearest(store, key, known.t) for name, key in
+               (("hdop", "hdop"), ("satellites", "satellites"), ("accuracy", "hacc"), ("valid", "valid"))}  # fmt: skip
+    return fixes(known.t, known.values, _nearest(store, "lon", known.t), **quality)
 
 
 def _nearest(store: ChannelStore, name: str, t: Array, within: float = 1.0) -> Array:
@@ -120,17 +225,12 @@ def _nearest(store: ChannelStore, name: str, t: Array, within: float = 1.0) -> A
     return np.where(np.abs(known.t[best] - t) <= within, known.values[best], np.nan)
 
 
-def _used(store: ChannelStore, names: Mapping[str, MappedName]) -> list[str]:
-    pair = ("dr_lat", "dr_lon") if "dr_lat" in store else ("dr_x", "dr_y") if "dr_x" in store else ()
-    return [names[each].name for each in pair]
-
-
-def _reckoned(store: ChannelStore, names: Mapping[str, MappedName], found: Fixes) -> Positions:
+def _reckoned(store: ChannelStore, given: Mapping[str, MappedName], found: Fixes) -> Positions:
     if "dr_lat" in store:
-        t, latitude = store.joined("dr_lat")
-        return positions(t, latitude, _nearest(store, "dr_lon", t))
-    t, east = store.joined("dr_x")
-    return plane_positions(t, east, _nearest(store, "dr_y", t), found, origin_of(names.get("origin")))
+        north = store.series("dr_lat")
+        return positions(north.t, north.values, _nearest(store, "dr_lon", north.t))
+    east = store.series("dr_x")
+    return plane_positions(east.t, east.values, _nearest(store, "dr_y", east.t), found, origin_of(given.get("origin")))
 
 
-IMPORTER = Importer("moos", "MOOS alog, variables by --map", recognises, read)
+IMPORTERS = (Importer("moos", "MOOS alog, variables by --map", recognises, read, identify=identity),)

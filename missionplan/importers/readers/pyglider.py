@@ -31,4 +31,4 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     raise InputError([Problem(message, str(path), hint="import the vehicle's raw logs") for path in files])
 
 
-IMPORTER = Importer("pyglider", "pyglider's time series, refused: they hold no dead reckoning", recognises, read)
+IMPORTERS = (Importer("pyglider", "pyglider's time series, refused: they hold no dead reckoning", recognises, read),)

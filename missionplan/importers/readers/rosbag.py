@@ -159,4 +159,4 @@ def _time(stamp: _Stamp, logged: int) -> float:
     return stamp.sec + 1e-9 * stamp.nanosec if stamp.sec else 1e-9 * logged
 
 
-IMPORTER = Importer("rosbag", "ROS 1 and 2 bags (rosbags), topics by --map", recognises, read)
+IMPORTERS = (Importer("rosbag", "ROS 1 and 2 bags (rosbags), topics by --map", recognises, read),)

@@ -1,6 +1,8 @@
-"""SeaExplorer gliders: `gli` logs, text with semicolons, plain or packed by gzip.
+"""SeaExplorer gliders: `gli` logs, text with separators, plain or packed by gzip.
 
-The position stands still under water: it repeats the last fix. A fix is a row with a new position.
+The position stands still under water, or is dead-reckoned where the column `DeadReckoning` is 1. A fix is a row with a
+new position that is not. `NavState` 116 is "at the surface, acquiring GPS and transmitting" (codes as in the package
+oceglider: 100 descending, 105 set up, 110 inflecting down, 115 surfacing, 116, 117 ascending, 118 inflecting up).
 """
 
 import gzip
@@ -12,20 +14,39 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.importers.importer import Importer, ReadOptions, SourceLog
+from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog
 from missionplan.importers.sourcefiles.columns import ColumnStore
-from missionplan.importers.sourcefiles.conversions import ddmm_to_degrees
-from missionplan.importers.track import Track, fixes, series
+from missionplan.importers.sourcefiles.conversions import angles, plain_numbers
+from missionplan.importers.track import Positions, Series, Track, fixes, positions, series
 
-_NEEDED = ("Timestamp", "Lat", "Lon", "Depth")
-_USED = (*_NEEDED, "Heading", "Declination", "Pitch", "NavState")
-_HEAD = re.compile(rb"\s*Timestamp;NavState;")
-_TIME = "%d/%m/%Y %H:%M:%S"
+_COLUMNS = {
+    "time": ("timestamp", "time", "date"),
+    "lat": ("lat", "latitude", "nav_latitude"),
+    "lon": ("lon", "longitude", "nav_longitude"),
+    "depth": ("depth", "nav_depth"),
+    "heading": ("heading",),
+    "pitch": ("pitch",),
+    "declination": ("declination",),
+    "state": ("navstate", "nav_resource"),
+    "reckoned": ("deadreckoning", "dead_reckoning"),
+}
+"""Names of the columns in small letters, as firmware versions have them."""
+_NEEDED = ("time", "lat", "lon", "depth")
+_HEAD = re.compile(rb"\s*\"?timestamp\"?\s*([;,\t|])\s*\"?nav_?state", re.IGNORECASE)
+_NAME = re.compile(r"([A-Za-z]+\d+)\.(\d+)\.")
+_TIMES = ("%d/%m/%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S.%f", "%Y-%m-%d %H:%M:%S", "%Y-%m-%d %H:%M:%S.%f")
+_AT_SURFACE = 116.0
 
 
 def recognises(path: Path, head: bytes) -> bool:
     """Whether a file is a `gli` log."""
-    return bool(_HEAD.match(head)) and b"Heading" in head
+    return bool(_HEAD.match(head.removeprefix(b"\xef\xbb\xbf"))) and b"heading" in head.lower()
+
+
+def identity(path: Path) -> Identity:
+    """Vehicle and mission that the name of a file tells, such as ``sea035.10.gli.sub.12.gz``."""
+    found = _NAME.match(path.name)
+    return Identity(found[1].upper(), f"mission {int(found[2])}") if found else Identity()
 
 
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
@@ -34,20 +55,30 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     for path in log.each(sorted(files, key=_number)):
         with log.reading(path):
             store.add(_columns(path))
-    t = store["t"]
-    latitude, longitude = store["lat"], store["lon"]
-    new = np.append(True, (np.diff(latitude) != 0.0) | (np.diff(longitude) != 0.0)) if len(t) else np.empty(0, bool)
-    declination = series(t, store["declination"])
+    t, latitude, longitude = store["t"], store["lat"], store["lon"]
+    by_itself = store["reckoned"] == 1.0
+    state = store["state"]
+    begins = bool(len(t)) and state[0] == _AT_SURFACE  # else the first row repeats a fix of before the log
+    moved = np.append(begins, (np.diff(latitude) != 0.0) | (np.diff(longitude) != 0.0))[: len(t)]
+    back = np.append(False, by_itself[:-1])[: len(t)]  # the first fix after dead reckoning may be the place itself
+    new = (moved | back) & ~by_itself
+    own = positions(t[by_itself], latitude[by_itself], longitude[by_itself]) if by_itself.any() else Positions()
     return Track(
-        name=_vehicle(files),
+        name="SeaExplorer",
         format="seaexplorer",
         fixes=fixes(t[new], latitude[new], longitude[new]),
-        reckoning="the vehicle's position stands still under water",
+        reckoned=own,
+        reckoning="the vehicle's own (DeadReckoning is 1)"
+        if len(own)
+        else "the vehicle's position stands still under water",
         depth=series(t, store["depth"]),
         pitch=series(t, store["pitch"]),
         heading=series(t, store["heading"]),
         heading_from="magnetic",
-        declination=declination,
+        declination=series(t, store["declination"]),
+        at_surface=series(t, np.where(np.isfinite(state), (state == _AT_SURFACE).astype(float), np.nan))
+        if (state == _AT_SURFACE).any()
+        else Series(),
         breaks=store.breaks,
     )
 
@@ -58,36 +89,40 @@ def _number(path: Path) -> tuple[str, int, str]:
     return str(path.parent), int(numbers[-1]) if numbers else 0, path.name
 
 
-def _vehicle(files: Sequence[Path]) -> str:
-    found = re.match(r"([A-Za-z]+\d+)\.(\d+)\.", files[0].name)
-    return f"SeaExplorer {found[1].upper()}, mission {found[2]}" if found else "SeaExplorer"
-
-
 def _columns(path: Path) -> dict[str, Array]:
     with gzip.open(path, "rb") if path.suffix == ".gz" else path.open("rb") as stream:
+        head = stream.readline()
+        separator = next((each for each in (";", "\t", "|", ",") if each.encode() in head), ";")
+        stream.seek(0)
         table = pd.read_csv(
-            stream, sep=";", usecols=lambda name: name.strip() in _USED, encoding="latin-1", low_memory=False
-        )
-    table.columns = [str(name).strip() for name in table.columns]
+            stream, sep=separator, usecols=lambda name: _role(name) is not None, encoding="latin-1", dtype=str,
+            keep_default_na=False, on_bad_lines="skip",
+        )  # fmt: skip
+    table = table.rename(columns={name: _role(str(name)) for name in table})
     missing = [name for name in _NEEDED if name not in table]
     if missing:
         raise ValueError(f"no column {', '.join(missing)}: not a gli log, or a damaged one")
-    times = pd.to_datetime(table["Timestamp"], format=_TIME, errors="coerce", utc=True)
-    seconds = (times - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy()
-    latitude, longitude = (ddmm_to_degrees(_numbers(table, name)) for name in ("Lat", "Lon"))
-    held = {"depth": "Depth", "heading": "Heading", "pitch": "Pitch", "declination": "Declination"}
+    given = {str(name): plain_numbers(table[name]) for name in table if name not in ("time", "lat", "lon")}
     return {
-        "t": np.asarray(seconds, dtype=float),
-        "lat": latitude,
-        "lon": longitude,
-        **{name: _numbers(table, column) for name, column in held.items()},
+        "t": _seconds(table["time"]),
+        "lat": angles(table["lat"], "ddmm"),
+        "lon": angles(table["lon"], "ddmm"),
+        **given,
     }
 
 
-def _numbers(table: pd.DataFrame, name: str) -> Array:
-    if name not in table:
-        return np.full(len(table), np.nan)
-    return np.asarray(pd.to_numeric(table[name], errors="coerce"), dtype=float)
+def _role(name: str) -> str | None:
+    word = name.strip().strip('"').lower().removeprefix("ï»¿")
+    return next((role for role, names in _COLUMNS.items() if word in names), None)
 
 
-IMPORTER = Importer("seaexplorer", "SeaExplorer gli logs, plain or packed by gzip", recognises, read)
+def _seconds(words: "pd.Series[str]") -> Array:
+    """Times since 1970 [s], by the pattern that fits most of them."""
+    found = [pd.to_datetime(words.str.strip(), format=each, errors="coerce", utc=True) for each in _TIMES]
+    best = max(found, key=lambda each: int(each.notna().sum()))
+    return np.asarray((best - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy(), dtype=float)
+
+
+IMPORTERS = (
+    Importer("seaexplorer", "SeaExplorer gli logs, plain or packed by gzip", recognises, read, identify=identity),
+)

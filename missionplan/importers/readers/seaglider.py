@@ -1,78 +1,134 @@
-"""Seagliders: netCDF files of the basestation, one a dive.
+"""Seagliders: netCDF files of the basestation, one a dive, and OceanGliders OG1 netCDF, a deployment in one file.
 
-Dead reckoning is that of the basestation's hydrodynamic model, whose displacements are summed from the fix before the
-dive. Each file has three fixes: two before the dive, one after it.
+Dead reckoning is that of the basestation's hydrodynamic model: displacements from reading to reading, which are summed
+from each fix on. They lie along the dimension of the CTD, or of the vehicle's own readings, by the version of the
+basestation. In OG1 a file's own flag `DEAD_RECKONING` goes before them. Descriptions: the basestation3 of the
+University of Washington (BaseNetCDF) and the OG1 format of OceanGliders (oceangliderscommunity/OG-format-user-manual).
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.importers.geodesy import moved
-from missionplan.importers.importer import Importer, ReadOptions, SourceLog
-from missionplan.importers.sourcefiles.netcdf import MAGIC, epoch_seconds, numbers, opened, variable_names
+from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog
+from missionplan.importers.legs.fixes import judge_fixes
+from missionplan.importers.sourcefiles.netcdf import MAGIC, Variables, opened, variable_names
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
 
-if TYPE_CHECKING:
-    from xarray import Dataset
-
-_MARKS = {"log_gps_lat", "north_displacement"}
-_RECKONING = "the basestation's hydrodynamic model (displacements from the fix before the dive)"
+_SEAGLIDER = {"log_gps_lat", "log_gps_lon"}
+_OG1 = {"latitude_gps", "longitude_gps"}
+_BY_MODEL = "the hydrodynamic model (displacements from the last fix)"
+_BY_SLOPE = "the glide slope model (displacements from the last fix)"
+_NONE = "the files hold no dead reckoning"
+_DEPTH = ("depth", "sea_water_pressure")
 
 
 @dataclass(frozen=True)
-class DiveFile:
-    """One dive of a glider whose displacements are summed from a fix."""
+class _Part:
+    """What one file holds.
+
+    Attributes
+    ----------
+    fixes : Fixes
+    ways : tuple of array
+        Times since 1970 [s] and displacements east and north since the reading before [m], shape (n,) each.
+    reckoned : Positions
+        That the file itself calls dead-reckoned.
+    reckoning : str
+        Where ways or positions come from; nothing where there are none.
+    """
 
     fixes: Fixes
+    ways: tuple[Array, Array, Array]
     reckoned: Positions
+    reckoning: str
     depth: Series
     pitch: Series
     heading: Series
     speed: Series
     declination: Series
+    at_surface: Series = field(default_factory=Series)
 
 
-def recognises(path: Path, head: bytes) -> bool:
-    """Whether a file is one of a basestation's dives."""
-    return path.suffix == ".nc" and head.startswith(MAGIC) and variable_names(path, "seaglider") >= _MARKS
+def _recognises(marks: set[str], name: str, path: Path, head: bytes) -> bool:
+    return head.startswith(MAGIC) and variable_names(path, name) >= marks
 
 
-def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
+def _identity(path: Path) -> Identity:
+    """Vehicle and deployment that a file names."""
+    with opened(path, "seaglider") as data:
+        file = Variables(data)
+        trajectory = file.text("trajectory", "id")
+        vehicle = file.text("platform_serial_number", "platform_id", "glider", "wmo_identifier", "wmo_id")
+        title = file.text("sg_cal_mission_title") or _mission_of(file.text("title"))
+        in_og1 = file.find("latitude_gps") is not None
+    deployment = re.sub(r"_(delayed|R|D|realtime|rt|adjusted)$", "", trajectory) if in_og1 else title
+    return Identity(_glider(vehicle) or re.split(r"_", trajectory)[0], deployment)
+
+
+def _glider(name: str) -> str:
+    """Write 561, SG561 and sg561 alike."""
+    digits = re.fullmatch(r"(?:sg)?\s*0*(\d{2,4})", name, re.IGNORECASE)
+    return f"SG{int(digits[1]):03d}" if digits else name
+
+
+def _mission_of(title: str) -> str:
+    found = re.search(r"during (.+?)(?: deployed on|$)", title)
+    return found[1] if found else ""
+
+
+def _read(
+    format_name: str,
+    part_of: Callable[[Variables], _Part],
+    files: Sequence[Path],
+    options: ReadOptions,
+    log: SourceLog,
+) -> Track:
     """Read the files of all dives as one track."""
-    dives: list[DiveFile] = []
+    parts: list[_Part] = []
+    dives: dict[str, Path] = {}
     for path in log.each(sorted(files)):
-        with log.reading(path), opened(path, "seaglider") as data:
-            dives.append(_dive(data))
-    return joined_dives(dives, _vehicle(files), "seaglider", _RECKONING)
+        with log.reading(path), opened(path, format_name) as data:
+            file = Variables(data)
+            dive = file.text("dive_number") if format_name == "seaglider" else file.text("id")
+            if dive and dive in dives:
+                raise ValueError(f"holds dive {dive} again, which {dives[dive].name} holds")
+            parts.append(part_of(file))
+            dives[dive] = path
+    return _joined(parts, "Seaglider" if format_name == "seaglider" else "OG1 glider", format_name)
 
 
-def joined_dives(dives: Sequence[DiveFile], name: str, format_name: str, reckoning: str) -> Track:
-    """Make one track of all dives."""
+def _joined(parts: Sequence[_Part], name: str, format_name: str) -> Track:
+    """Make one track of all files, with displacements summed from the fixes that count."""
 
     def all_of(quantity: str) -> Series:
-        parts: list[Series] = [getattr(dive, quantity) for dive in dives]
-        return series(_concatenated([each.t for each in parts]), _concatenated([each.values for each in parts]))
+        found: list[Series] = [getattr(part, quantity) for part in parts]
+        return series(_concatenated([each.t for each in found]), _concatenated([each.values for each in found]))
 
-    reckoned = [dive.reckoned for dive in dives]
+    every = _all_fixes([part.fixes for part in parts])
+    ways = [_concatenated([part.ways[k] for part in parts]) for k in range(3)]
+    reckoned = [summed(judge_fixes(every).good, *ways), *(part.reckoned for part in parts)]
     return Track(
         name=name,
         format=format_name,
-        fixes=_all_fixes([dive.fixes for dive in dives]),
+        fixes=every,
         reckoned=positions(
             *(_concatenated([getattr(each, axis) for each in reckoned]) for axis in ("t", "latitude", "longitude"))
         ),
-        reckoning=reckoning,
+        reckoning="; ".join(dict.fromkeys(part.reckoning for part in parts if part.reckoning)) or _NONE,
         depth=all_of("depth"),
         pitch=all_of("pitch"),
         heading=all_of("heading"),
         heading_from="magnetic",
         speed=all_of("speed"),
         declination=all_of("declination"),
+        at_surface=all_of("at_surface"),
     )
 
 
@@ -85,40 +141,68 @@ def _all_fixes(parts: Sequence[Fixes]) -> Fixes:
     return fixes(**columns)
 
 
-def reckoned_from(t: Array, east: Array, north: Array, latitude: float, longitude: float) -> Positions:
-    """Sum displacements between readings from a position on."""
-    place = moved(latitude, longitude, np.cumsum(np.nan_to_num(east)), np.cumsum(np.nan_to_num(north)))
-    return positions(t, *place)
+def summed(good: Fixes, t: Array, east: Array, north: Array) -> Positions:
+    """Sum displacements from each fix to the next.
+
+    Parameters
+    ----------
+    good : Fixes
+        That count.
+    t, east, north : array, shape (n,)
+        Times since 1970 [s], in any order, and displacements since the reading before [m].
+    """
+    timed = np.flatnonzero(np.isfinite(t) & np.isfinite(east) & np.isfinite(north))
+    t, first = np.unique(t[timed], return_index=True)
+    east, north = (each[timed][first] for each in (east, north))
+    if not len(good) or not len(t):
+        return Positions()
+    since = np.searchsorted(good.t, t, side="right") - 1
+    at_fix = np.searchsorted(t, good.t, side="right") - 1
+    way = []
+    for step in (east, north):
+        total = np.append(0.0, np.cumsum(step))
+        way.append((total[1:] - total[at_fix + 1][np.maximum(since, 0)])[since >= 0])
+    since, t = since[since >= 0], t[since >= 0]
+    return positions(t, *moved(good.latitude[since], good.longitude[since], *way))
 
 
-def _dive(data: "Dataset") -> DiveFile:
-    t, latitude, longitude = (numbers(data, f"log_gps_{name}") for name in ("time", "lat", "lon"))
-    if len(t) < 3:
-        raise ValueError("fewer than three fixes: the dive was not completed")
-    times = epoch_seconds(data, "time")
-    east, north = numbers(data, "east_displacement"), numbers(data, "north_displacement")
-    in_cm = "horz_speed" in data and str(data["horz_speed"].attrs.get("units", "")).startswith("cm")
-    engineering = times if len(numbers(data, "eng_head")) == len(times) else np.empty(0)
-    return DiveFile(
+def _dive(file: Variables) -> _Part:
+    latitude = file.find("log_gps_lat")
+    longitude = file.find("log_gps_lon")
+    if latitude is None or longitude is None or np.count_nonzero(np.isfinite(file.numbers(latitude))) < 2:
+        raise ValueError("fewer than two fixes: the dive was not completed")
+    quality = {
+        name: _positive(file.like(file.find(f"log_gps_{logged}"), latitude))
+        for name, logged in (("accuracy", "hpe"), ("hdop", "hdop"), ("satellites", "n_satellites"))
+    }
+    variation = file.find("log_gps_magvar")
+    ways, how = _ways(file)
+    return _Part(
         fixes=fixes(
-            t,
-            latitude,
-            longitude,
-            accuracy=_positive(numbers(data, "log_gps_hpe", "log_gps_lat")),
-            hdop=_positive(numbers(data, "log_gps_hdop", "log_gps_lat")),
-            satellites=_positive(numbers(data, "log_gps_n_satellites", "log_gps_lat")),
+            file.clock(latitude),
+            file.in_unit(latitude, "deg"),
+            file.in_unit(longitude, "deg"),
+            valid=file.validity(latitude),
+            **quality,
         ),
-        reckoned=reckoned_from(times, east, north, float(latitude[1]), float(longitude[1])),
-        depth=series(times, numbers(data, "depth", "time")),
-        pitch=_if_as_long(engineering, numbers(data, "eng_pitchAng")),
-        heading=_if_as_long(engineering, numbers(data, "eng_head")),
-        speed=series(times, (0.01 if in_cm else 1.0) * numbers(data, "horz_speed", "time")),
-        declination=series(t, numbers(data, "log_gps_magvar", "log_gps_lat")),
+        ways=ways,
+        reckoned=Positions(),
+        reckoning=how,
+        depth=file.series(file.find("depth", "eng_depth", "ctd_depth", "ctd_pressure", standard=_DEPTH), "m"),
+        pitch=file.series(file.find("eng_pitchAng", "pitch"), "deg"),
+        heading=file.series(file.find("eng_head", "heading"), "deg"),
+        speed=Series() if how else file.series(file.find("horz_speed", "horz_speed_gsm"), "m/s"),
+        declination=file.series(variation, "deg"),
     )
 
 
-def _if_as_long(t: Array, values: Array) -> Series:
-    return series(t, values) if len(t) == len(values) else Series()
+def _ways(file: Variables) -> tuple[tuple[Array, Array, Array], str]:
+    """Displacements on the clock of their own dimension, of the better of two models, and which it is."""
+    for ending, how in (("", _BY_MODEL), ("_gsm", _BY_SLOPE)):
+        east, north = (file.find(f"{axis}_displacement{ending}") for axis in ("east", "north"))
+        if east is not None and north is not None and np.isfinite(file.numbers(east)).any():
+            return (file.clock(east), file.in_unit(east, "m"), file.like(north, east)), how
+    return (np.empty(0), np.empty(0), np.empty(0)), ""
 
 
 def _positive(values: Array) -> Array:
@@ -126,9 +210,67 @@ def _positive(values: Array) -> Array:
     return np.where(values > 0.0, values, np.nan)
 
 
-def _vehicle(files: Sequence[Path]) -> str:
-    name = files[0].stem
-    return f"Seaglider {name[1:4]}" if name[:1] == "p" and name[1:].isdigit() else "Seaglider"
+def _deployment(file: Variables) -> _Part:
+    latitude, longitude = file.find("latitude_gps"), file.find("longitude_gps")
+    if latitude is None or longitude is None:
+        raise ValueError("no fixes (LATITUDE_GPS, LONGITUDE_GPS)")
+    t = file.clock(latitude)
+    ways, how = _ways(file)
+    own = _flagged(file)
+    if len(own):
+        ways, how = (np.empty(0), np.empty(0), np.empty(0)), "the file's own, where DEAD_RECKONING is 1"
+    phase = file.find("phase")
+    return _Part(
+        fixes=fixes(t, file.numbers(latitude), file.numbers(longitude), valid=file.validity(latitude)),
+        ways=ways,
+        reckoned=own,
+        reckoning=how,
+        depth=file.series(file.find("depth", "depth_z", "glider_depth", "pres", standard=_DEPTH), "m"),
+        pitch=file.series(file.find("pitch", "glider_pitch", standard=("platform_pitch", "platform_pitch_fore_up")),
+                          "deg"),
+        heading=file.series(file.find("heading", "glider_heading", standard=("platform_orientation",)), "deg"),
+        speed=Series() if how else file.series(file.find("glider_horz_velo_model"), "m/s"),
+        declination=file.series(file.find("magnetic_declination"), "deg"),
+        at_surface=_drifting(file, phase),
+    )  # fmt: skip
 
 
-IMPORTER = Importer("seaglider", "Seaglider basestation netCDF, one file a dive", recognises, read)
+def _flagged(file: Variables) -> Positions:
+    """Positions that the file calls dead-reckoned."""
+    flag = file.find("dead_reckoning")
+    latitude, longitude = (file.find(name, standard=(name,)) for name in ("latitude", "longitude"))
+    if flag is None or latitude is None or longitude is None:
+        return Positions()
+    own = file.like(flag, latitude) == 1.0
+    t = np.where(own, file.clock(latitude), np.nan)
+    return positions(t, file.numbers(latitude), file.like(longitude, latitude))
+
+
+def _drifting(file: Variables, phase: str | None) -> Series:
+    """Whether the phase is that of surface drift, by the values that the variable explains."""
+    if phase is None:
+        return Series()
+    meanings, values = file.attribute(phase, "flag_meanings"), file.attribute(phase, "flag_values")
+    words = re.split(r"[\s,]+", meanings.lower())
+    codes = [float(each) for each in re.findall(r"-?\d+", values)]
+    at_surface = [code for code, word in zip(codes, words, strict=False) if "surface" in word]
+    found = file.series(phase, "")
+    return Series(found.t, np.isin(found.values, at_surface).astype(float)) if at_surface else Series()
+
+
+IMPORTERS = (
+    Importer(
+        "seaglider",
+        "Seaglider basestation netCDF, one file a dive",
+        partial(_recognises, _SEAGLIDER, "seaglider"),
+        partial(_read, "seaglider", _dive),
+        identify=_identity,
+    ),
+    Importer(
+        "og1",
+        "OceanGliders OG1 netCDF",
+        partial(_recognises, _OG1, "og1"),
+        partial(_read, "og1", _deployment),
+        identify=_identity,
+    ),
+)

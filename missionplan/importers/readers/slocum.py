@@ -5,6 +5,7 @@ position is the vehicle's own dead reckoning, `m_lat` and `m_lon`; a fix is a ne
 """
 
 import math
+import re
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +15,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
-from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module
+from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog, needed_module
 from missionplan.importers.sourcefiles.channels import ChannelStore
 from missionplan.importers.track import Break, Fixes, Positions, Track, fixes, positions
 
@@ -30,6 +31,7 @@ _HEADER = 8192
 """Bytes within which the header of a file ends."""
 _BAR = 10.0
 """Depth over pressure in the sea, to 1 % [m/bar]."""
+_NAME = re.compile(r"(.+)-\d{4}-\d{3}-\d+-\d+$")
 _DEGREES = math.degrees(1.0)
 SHORTEST = 1800.0
 """Shortest leg that counts by default [s]: decimated files hold a dead-reckoned position only every few minutes."""
@@ -38,6 +40,14 @@ SHORTEST = 1800.0
 def recognises(path: Path, head: bytes) -> bool:
     """Whether a file is one of a Slocum's, by its name or its first line."""
     return path.suffix[1:].lower() in (*_FLIGHT, *_SCIENCE) or head.startswith(b"dbd_label:")
+
+
+def identity(path: Path) -> Identity:
+    """Vehicle that a file's header names, ``full_filename: maria-2022-164-7-0``; its own name where it is packed."""
+    with path.open("rb") as stream:
+        found = re.search(rb"full_filename:\s*(\S+)", stream.read(_HEADER))
+    matched = _NAME.match(found[1].decode("latin-1") if found else path.stem)
+    return Identity(matched[1] if matched else "")
 
 
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
@@ -53,7 +63,7 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
         hint = "name the folder of the .cac files with --cache"
         raise InputError([Problem("no list of its sensors was found", log.passed_over[0].file, hint=hint)])
     return Track(
-        name=_vehicle(files),
+        name="Slocum glider",
         format="slocum",
         fixes=_fixes(store),
         reckoned=_positions(store),
@@ -136,8 +146,8 @@ def _restarts(store: ChannelStore) -> list[Break]:
     return [Break(float(since.t[k + 1]), "a new mission was started", at_surface_too=False) for k in again]
 
 
-def _vehicle(files: Sequence[Path]) -> str:
-    return f"Slocum glider {files[0].name.split('-')[0]}" if "-" in files[0].name else "Slocum glider"
-
-
-IMPORTER = Importer("slocum", "Slocum dbd, mbd, sbd and their science files (dbdreader, GPL-3)", recognises, read)
+IMPORTERS = (
+    Importer(
+        "slocum", "Slocum dbd, mbd, sbd and their science files (dbdreader, GPL-3)", recognises, read, identify=identity
+    ),
+)

@@ -7,7 +7,6 @@ one position alone has the vehicle's own: dead-reckoned under water, and fixes a
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -20,14 +19,11 @@ from missionplan.importers.legs.rules import LegRules, depths_of
 from missionplan.importers.mapping import QUANTITIES, MappedName
 from missionplan.importers.sourcefiles.columns import ColumnStore
 from missionplan.importers.sourcefiles.conversions import angles, quantities, times, unit_factor
-from missionplan.importers.sourcefiles.netcdf import MAGIC, epoch_seconds, numbers, opened
+from missionplan.importers.sourcefiles.netcdf import MAGIC, Variables, opened
 from missionplan.importers.sourcefiles.plane import origin_of, plane_positions
 from missionplan.importers.sourcefiles.position_files import add_gpx, add_nmea, empty_fixes, is_gpx, is_nmea
 from missionplan.importers.sourcefiles.text_tables import text_chunks
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 _ANGLES = ("lat", "lon", "dr_lat", "dr_lon")
 _NO_COLUMNS = ("origin", "gps", "odometry")
@@ -79,7 +75,7 @@ def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> list[dic
     columns = {quantity: each for quantity, each in names.items() if quantity not in _NO_COLUMNS}
     if head.startswith(MAGIC):
         with opened(path, "track") as data:
-            return [_of_netcdf(data, columns)]
+            return _of_netcdf(Variables(data), columns)
     wanted = [each.name for each in columns.values()]
     return [_of_text(chunk, columns) for chunk in text_chunks(path, wanted)]
 
@@ -99,23 +95,29 @@ def _of_text(chunk: pd.DataFrame, columns: Mapping[str, MappedName]) -> dict[str
     return found
 
 
-def _of_netcdf(data: "Dataset", columns: Mapping[str, MappedName]) -> dict[str, Array]:
-    missing = [each.name for each in columns.values() if each.name not in data]
+def _of_netcdf(file: Variables, columns: Mapping[str, MappedName]) -> list[dict[str, Array]]:
+    """Variables as named, a part for each dimension that they lie along, with that dimension's clock."""
+    found = {quantity: file.find(each.name) for quantity, each in columns.items()}
+    missing = [columns[quantity].name for quantity, name in found.items() if name is None]
     if missing:
-        raise ValueError(f"no variable {', '.join(missing)}; it has {', '.join(sorted(map(str, data.variables))[:20])}")
-    found = {"t": _netcdf_times(data, columns["time"])}
-    for quantity, each in columns.items():
-        if quantity != "time":
-            found[quantity] = numbers(data, each.name) * _netcdf_factor(quantity, each.unit)
-    if len({len(values) for values in found.values()}) > 1:
-        raise ValueError("its variables differ in length: name those along one dimension")
-    return found
+        raise ValueError(f"no variable {', '.join(missing)}; it has {', '.join(sorted(file)[:20])}")
+    names = {quantity: name for quantity, name in found.items() if name is not None}
+    parts: dict[str, dict[str, Array]] = {}
+    for quantity, name in names.items():
+        if quantity == "time":
+            continue
+        part = parts.setdefault(file.dimension(name), {})
+        if "t" not in part:
+            is_same = file.dimension(names["time"]) == file.dimension(name)
+            part["t"] = _netcdf_times(file, names["time"], columns["time"].unit) if is_same else file.clock(name)
+        part[quantity] = file.numbers(name) * _netcdf_factor(quantity, columns[quantity].unit)
+    return list(parts.values())
 
 
-def _netcdf_times(data: "Dataset", name: MappedName) -> Array:
-    if " since " in str(data[name.name].attrs.get("units", "")):
-        return epoch_seconds(data, name.name)
-    return times(pd.Series(data[name.name].values.astype(str)), "epoch" if name.unit == "iso" else name.unit)
+def _netcdf_times(file: Variables, name: str, unit: str) -> Array:
+    if " since " in file.unit(name):
+        return file.epoch(name)
+    return times(pd.Series(file.numbers(name).astype(str)), "epoch" if unit == "iso" else unit)
 
 
 def _netcdf_factor(quantity: str, unit: str) -> float:
@@ -219,4 +221,4 @@ def _split(track: Track, own: Positions) -> Track:
     )
 
 
-IMPORTER = Importer("track", "tables and NetCDF with --map, GPX, NMEA", recognises, read)
+IMPORTERS = (Importer("track", "tables and NetCDF with --map, GPX, NMEA", recognises, read),)

@@ -1,14 +1,20 @@
-"""NetCDF files, opened without decoding, and their variables as plain arrays."""
+"""NetCDF files: variables by name, alias or standard name, each along its own dimension with that dimension's clock."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import lru_cache
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.errors import InputError
 from missionplan.importers.importer import needed_module
+from missionplan.importers.sourcefiles.conversions import unit_factor
+from missionplan.importers.track import Series, series
 from missionplan.moments import since
 
 if TYPE_CHECKING:
@@ -16,41 +22,176 @@ if TYPE_CHECKING:
 
 MAGIC = (b"CDF", b"\x89HDF")
 """First bytes of NetCDF 3 and 4 files."""
+_METRES_A_DBAR = 1.0
+"""Depth over pressure in the sea, to 1 % [m/dbar]."""
+_GOOD_FLAGS = (1.0, 2.0, 5.0, 8.0)
+"""Quality flags (OceanSITES, reference table 2) of values that are good, probably good, changed or interpolated."""
+_BAD_FLAGS = (3.0, 4.0)
+_SUFFIX = re.compile(r"(?<=[a-z])\s*-\s*1\b")
 
 
 @contextmanager
 def opened(path: Path, format_name: str) -> Iterator["Dataset"]:
-    """Open a file without decoding times or masks."""
+    """Open a file without decoding times."""
     xarray = needed_module("xarray", "netcdf", format_name)
     needed_module("netCDF4", "netcdf", format_name)
     with xarray.open_dataset(path, engine="netcdf4", decode_times=False, cache=False) as data:
         yield data
 
 
-def variable_names(path: Path, format_name: str) -> set[str]:
-    """Names of the variables of a file; none where it cannot be read."""
+def variable_names(path: Path, format_name: str) -> frozenset[str]:
+    """Names of the variables of a file, in small letters; none where it cannot be read."""
+    return _names(path, path.stat().st_mtime_ns, format_name)
+
+
+@lru_cache(maxsize=4096)
+def _names(path: Path, _modified: int, format_name: str) -> frozenset[str]:
     try:
         with opened(path, format_name) as data:
-            return {str(name) for name in data.variables}
+            return frozenset(str(name).lower() for name in data.variables)
     except (OSError, ValueError, RuntimeError):
-        return set()
+        return frozenset()
 
 
-def numbers(data: "Dataset", name: str, like: str | None = None) -> Array:
-    """Values of a variable as floats; nan of the length of `like` where the file lacks it."""
-    if name in data:
-        return np.atleast_1d(np.asarray(data[name].values, dtype=float))
-    return np.full(data[like].size if like else 0, np.nan)
+class Variables:
+    """Variables of a file.
 
-
-def epoch_seconds(data: "Dataset", name: str) -> Array:
-    """Times of a variable in seconds since 1970, by its units (``days since 2010-01-01``).
-
-    Raises
-    ------
-    ValueError
-        When its units are no times.
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Opened without decoding times.
     """
-    attributes = data[name].attrs
-    zero, length = since(str(attributes.get("units", "")), str(attributes.get("calendar", "")))
-    return np.asarray(zero + numbers(data, name) * length)
+
+    def __init__(self, data: "Dataset") -> None:
+        self._data = data
+        self._by_name = {str(name).lower(): str(name) for name in data.variables}
+
+    def find(self, *names: str, standard: Sequence[str] = ()) -> str | None:
+        """Find a variable by one of its names, else by a standard name; capitals do not count.
+
+        Of several with the standard name, the one of the shortest name: ``depth`` rather than ``ctd_depth``.
+        """
+        for name in names:
+            if name.lower() in self._by_name:
+                return self._by_name[name.lower()]
+        fitting = [
+            name
+            for name in self._by_name.values()
+            if self._data[name].size > 1 and str(self._data[name].attrs.get("standard_name", "")).lower() in standard
+        ]
+        return min(fitting, key=len, default=None)
+
+    def numbers(self, name: str | None) -> Array:
+        """Values as floats in one row; none where the file lacks the variable."""
+        if name is None:
+            return np.empty(0)
+        values = np.atleast_1d(self._data[name].values)
+        if values.dtype.kind in "SU":  # flags are often characters
+            words = values.astype(str).ravel()
+            return np.array([float(word) if word.strip().isdigit() else np.nan for word in words])
+        return np.asarray(values, dtype=float).ravel()
+
+    def in_unit(self, name: str | None, wanted: str) -> Array:
+        """Values in a unit, by the variable's own; a pressure becomes a depth."""
+        return self.numbers(name) * (_factor(self.unit(name), wanted) if name else 1.0)
+
+    def unit(self, name: str | None) -> str:
+        """Unit that a variable states; nothing where it states none."""
+        return str(self._data[name].attrs.get("units", "")).strip() if name else ""
+
+    def like(self, name: str | None, other: str) -> Array:
+        """Values of a variable where another's stand; nan where it is missing or lies along another dimension."""
+        if name is None or self.dimension(name) != self.dimension(other):
+            return np.full(self._data[other].size, np.nan)
+        return self.numbers(name)
+
+    def dimension(self, name: str) -> str:
+        """Dimension of a variable: the longest one, as those of length 1 are no axis."""
+        sizes = {str(each): size for each, size in self._data[name].sizes.items()}
+        return max(sizes, key=lambda each: sizes[each], default="")
+
+    def clock(self, name: str) -> Array:
+        """Times of a variable's values since 1970 [s], along its own dimension.
+
+        Several clocks may lie along one: the one that shares a part of its name with the variable is its own, else
+        the one of the shortest name.
+
+        Raises
+        ------
+        ValueError
+            When no time lies along its dimension.
+        """
+        along = self.dimension(name)
+        clocks = [
+            each
+            for each in self._by_name.values()
+            if self.dimension(each) == along and self._data[each].size == self._data[name].size and self._is_time(each)
+        ]
+        if not clocks:
+            raise ValueError(f"no time lies along the dimension {along} of {name}")
+        return self.epoch(max(clocks, key=lambda each: (_shared(each, name), -len(each))))
+
+    def epoch(self, name: str) -> Array:
+        """Times of a variable since 1970 [s], by its units (``days since 2010-01-01``)."""
+        attributes = self._data[name].attrs
+        zero, length = since(str(attributes.get("units", "")), str(attributes.get("calendar", "")))
+        return np.asarray(zero + self.numbers(name) * length)
+
+    def series(self, name: str | None, unit: str) -> Series:
+        """Readings of a variable in a unit on its own clock; none where it is missing or has no clock."""
+        if name is None:
+            return Series()
+        try:
+            t = self.clock(name)
+        except ValueError:
+            return Series()
+        return series(t, self.in_unit(name, unit))
+
+    def validity(self, name: str | None) -> Array:
+        """1 where the quality flag of a variable calls it good, 0 where bad, nan where it says neither."""
+        flag = self.find(f"{name}_qc") if name else None
+        if name is None or flag is None:
+            return np.full(self._data[name].size if name else 0, np.nan)
+        values = self.like(flag, name)
+        return np.where(np.isin(values, _GOOD_FLAGS), 1.0, np.where(np.isin(values, _BAD_FLAGS), 0.0, np.nan))
+
+    def text(self, *names: str) -> str:
+        """Text of a variable or, failing that, of an attribute of the file; nothing where it has neither."""
+        found = self.find(*names)
+        if found is not None and self._data[found].size:
+            value = self._data[found].values.ravel()
+            word = value[0] if len(value) == 1 else b"".join(value) if value.dtype.kind == "S" else value[0]
+            return (word.decode("utf-8", "replace") if isinstance(word, bytes) else str(word)).strip()
+        attributes = {str(key).lower(): value for key, value in self._data.attrs.items()}
+        return next((str(attributes[name.lower()]).strip() for name in names if name.lower() in attributes), "")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._by_name.values())
+
+    def attribute(self, name: str, of: str) -> str:
+        """An attribute of a variable; nothing where it has none."""
+        return str(self._data[name].attrs.get(of, ""))
+
+    def _is_time(self, name: str) -> bool:
+        return " since " in self.unit(name)
+
+
+def _shared(clock: str, name: str) -> int:
+    """Number of the words in a row that a clock's name begins or ends with, as the variable's does."""
+    own, other = clock.lower().split("_"), name.lower().split("_")
+    ends = ((own, other), (own[::-1], other[::-1]))
+    return max(sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(*pair, strict=False))) for pair in ends)
+
+
+def _factor(unit: str, wanted: str) -> float:
+    """Factor from a unit as files write it; 1 where it states none that is known."""
+    if not unit or unit == wanted:
+        return 1.0
+    if wanted == "m" and unit.lower() in ("dbar", "decibar", "decibars"):
+        return _METRES_A_DBAR
+    if wanted == "m" and unit.lower() in ("bar", "bars"):
+        return 10.0 * _METRES_A_DBAR
+    try:
+        return unit_factor(_SUFFIX.sub("^-1", unit), wanted)
+    except InputError:
+        return 1.0

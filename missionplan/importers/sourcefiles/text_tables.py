@@ -14,6 +14,8 @@ _ROWS = 200_000
 """Rows that are held as text at a time."""
 _PREFACE = 60
 """Lines among which the header is looked for."""
+_LONGEST = 60
+"""Characters of a name that a message shows."""
 _SEPARATORS = (",", ";", "\t", "|")
 
 
@@ -64,16 +66,23 @@ def _opened(path: Path) -> Iterator[IO[str]]:
         yield stream
 
 
+def _cells(line: str, separator: str) -> list[str]:
+    """Split a line; one with a cell longer than any name is none of names."""
+    try:
+        return line.split() if separator == r"\s+" else next(csv.reader([line], delimiter=separator), [])
+    except csv.Error:
+        return []
+
+
 def _header(path: Path, columns: Sequence[str]) -> tuple[int, str]:
     """Line of the header, from 0, and the separator that shows all columns there."""
     seen: list[str] = []
     with _opened(path) as stream:
         for number, line in zip(range(_PREFACE), stream, strict=False):
             for separator in (*_SEPARATORS, r"\s+"):
-                cells = line.split() if separator == r"\s+" else next(csv.reader([line], delimiter=separator), [])
-                names = [cell.strip() for cell in cells]
+                names = [cell.strip() for cell in _cells(line, separator)]
                 if set(columns) <= set(names):
                     return number, separator
                 seen = max(seen, names, key=len)
     missing = [name for name in columns if name not in seen]
-    raise ValueError(f"no column {', '.join(missing)}; it has {', '.join(seen[:20])}")
+    raise ValueError(f"no column {', '.join(missing)}; it has {', '.join(name[:_LONGEST] for name in seen[:20])}")

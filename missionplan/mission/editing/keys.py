@@ -10,6 +10,7 @@ from missionplan.mission.quantity_paths import phase_of_path, written_phases
 from missionplan.mission.reading.fields import fields_at, keys_of, section_in
 from missionplan.mission.schema.effect_list import ONE_OF
 from missionplan.mission.schema.phases import PhaseEntry
+from missionplan.mission.schema.shared_sections import is_in_force, name_in_force, overridden
 
 _PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")
 _OF_EXPLANATIONS = ((), ("probability",), ("effects",), ("correlations",))
@@ -52,6 +53,9 @@ def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> li
         return [_effect_path(key, path, data.get("effects"), 1)]
     if path[0] == "effects" and ONE_OF in path[2:3] and path[4:5] not in _OF_EXPLANATIONS:
         return [_effect_path(key, path, _explained(path, data), 4)]
+    if overridden(path, data):
+        said = name_in_force(key)
+        raise UnclearKeyError(key, f"changes nothing: the mission's own {said} goes before it", f"did you mean {said}?")
     if path[0] in keys_of(model):
         return [path]
     if len(path) > 1:
@@ -99,7 +103,7 @@ def _alone(key: str, data: Mapping[str, object], model: type[BaseModel]) -> list
     """Paths of a key given alone: in phases of one kind, or in one section; what the mission has goes first."""
     phases = _in_phases(key, data)
     sections = list(_in_sections(key, model, ()))
-    present = [path for path in sections if _has(data, path[:-1])]
+    present = [path for path in sections if _has(data, path[:-1]) and is_in_force(path, data)]
     groups = [*phases.values(), *([path] for path in present or ([] if phases else sections))]
     if len(groups) == 1:
         return groups[0]

@@ -8,6 +8,7 @@ from pydantic import Field, PrivateAttr, field_validator
 from missionplan.mission.quantity_paths import resolved_path
 from missionplan.mission.schema import quantities as q
 from missionplan.mission.schema.section import FileSection
+from missionplan.mission.schema.shared_sections import name_in_force
 from missionplan.montecarlo.draws import Correlation
 
 
@@ -56,8 +57,8 @@ class CorrelationSection(FileSection):
     rho: Annotated[float, Field(ge=-1.0, le=1.0)]
 
     def resolved(self, names: Sequence[str]) -> Self:
-        """Return the correlation with what stands for phases in key paths, given the names of all phases."""
-        first, second = (resolved_path(path, names) for path in self.between)
+        """Return the correlation with names as quantities have them, given the names of all phases."""
+        first, second = (name_in_force(resolved_path(path, names)) for path in self.between)
         return self.model_copy(update={"between": (first, second)})
 
     @property

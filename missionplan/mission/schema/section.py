@@ -1,15 +1,16 @@
 """Base of every section of a mission file, and the errors that its validators raise."""
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, PrivateAttr
 from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import no_info_plain_validator_function
 from typing_extensions import TypeVar
 
-from missionplan.errors import KeyPath, LocalProblem
+from missionplan.errors import KeyPath, LocalProblem, shown
 from missionplan.montecarlo.distributions import Quantity
 
 V = TypeVar("V", covariant=True, default=Quantity)
@@ -65,6 +66,17 @@ class ReadBy:
     def __get_pydantic_core_schema__(self, source: object, handler: object) -> CoreSchema:
         """Return pydantic's schema of the field."""
         return no_info_plain_validator_function(self.read)
+
+
+def _read_identity(value: object) -> str:
+    if isinstance(value, str) and IDENTITY.fullmatch(value):
+        return value
+    raise invalid(f"given {shown(value)}, expected a hash that diagnose has written: 16 hexadecimal digits, in quotes")
+
+
+IDENTITY = re.compile(r"[0-9a-f]{16}")
+Identity = Annotated[str, ReadBy(_read_identity)]
+"""Hash of a leg, dive or run; see `datasets.identity`."""
 
 
 def invalid(message: str, below: KeyPath = ()) -> PydanticCustomError:

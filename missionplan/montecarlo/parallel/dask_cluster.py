@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 from missionplan.errors import InputError, MissionplanError, Problem, RunError
 from missionplan.identity import Program, differences, running_program
 from missionplan.montecarlo.parallel.pool import interrupts_blocked
+from missionplan.packages import how_to_install
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -150,7 +151,7 @@ def _connected(jobs: int, scheduler: str | None) -> "Iterator[Client]":
     try:
         distributed = import_module("distributed")
     except ImportError as error:
-        message = "dask needs dask.distributed: pip install 'missionplan[dask]'"
+        message = f"dask needs dask.distributed: {how_to_install('dask')}"
         raise InputError([Problem(message, key="backend")]) from error
     client: Client | None = None
     if scheduler is None:

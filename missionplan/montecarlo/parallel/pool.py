@@ -76,6 +76,7 @@ def _end_with(parent: int) -> None:
             time.sleep(_WATCH_INTERVAL)
         os._exit(1)  # whatever the worker is doing
 
+    sys.stdout = sys.stderr  # what a plug-in prints is no part of an answer
     if sys.platform != "win32":  # where a process keeps the number of a parent that is gone
         threading.Thread(target=watch, daemon=True).start()
 

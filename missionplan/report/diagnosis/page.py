@@ -99,6 +99,9 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
     named = found_causes(diagnosis.causes, claimed_parameters(diagnosis))
     left = resemblance(diagnosis.discrepancy)
     structured = diagnosis.discrepancy.axis is not None
+    if not diagnosis.learned_from:
+        left_over = f" As it stands it leaves something in them: that {left}." if structured else ""
+        return f"Nothing new: the mission has learned from all of these data, which count once.{left_over}"
     if diagnosis.verdict == "adequate":
         best, asks = diagnosis.best, "nothing in them asks for a cause"
         if best is not None and best.score > WORTH_TELLING:
@@ -193,6 +196,8 @@ def _next_words(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.outlying_groups:
         listed = ", ".join(f"{group} (p = {p_value:.1g})" for group, p_value in diagnosis.outlying_groups)
         words.append(f"Check these parts of the record, which the rest does not predict: {listed}. A wrong label?")
+    if not diagnosis.learned_from:
+        return ["Plan on with the mission as it is: mission.yaml in this folder is the same. Diagnose new data."]
     if diagnosis.verdict == "adequate":
         words.append(_KEEP_KNOWN if diagnosis.confirmed or diagnosis.explanations else _KEEP)
     if diagnosis.verdict == "unexplained":

@@ -1,5 +1,6 @@
 """Page of an import: what was made of the logs, what the legs can and cannot show, and what to type next."""
 
+import math
 import shlex
 from collections.abc import Mapping
 
@@ -51,6 +52,12 @@ def answer(result: ImportedData) -> str:
     counted = f"{result.counted} of {len(result.dives)} {things} count"
     if result.kind != "transit":
         return f"{counted}."
+    doubt = result.figures["made_reckoning_sd_m"]
+    if math.isfinite(doubt):
+        return (
+            f"The logs hold no dead reckoning: it was {result.reckoning}, and is in doubt by {doubt:.0f} m a leg "
+            f"(median). {counted} as legs."
+        )
     return f"{counted} as legs; dead reckoning: {result.reckoning}."
 
 

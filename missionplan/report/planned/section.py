@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 
+from missionplan.mission.schema.shared_sections import values_in_force
 from missionplan.report.page import Block, PageSection, Table
 from missionplan.report.planned.site_map import site_map
 from missionplan.report.planned.values import value_in_words
@@ -37,7 +38,7 @@ _NAMES = {
     "roughness": "roughness of the seafloor",
 }
 """Keys that say more in other words."""
-_VEHICLE = ("name", "hull", "mass", "net_buoyancy", "line", "anchor", "energy")
+_VEHICLE = ("name", "hull", "mass", "net_buoyancy", "line", "anchor")
 _ANCHOR = ("diameter", "drag_coefficient", "holding_factor", "flooding_time", "flooded_mass")
 """Keys of the vehicle and of its anchor that are shown; the file has the others."""
 
@@ -47,7 +48,7 @@ def planned_sections(provenance: Provenance) -> list[PageSection]:
     data = provenance.data
     if not isinstance(data.get("phases"), list | tuple):
         return []
-    rows = [*_site(data), *_navigation(data), *_vehicle(data), *_phases(data), *_effects(data)]
+    rows = [*_site(data), *_navigation(data), *_vehicle(data), *_shared(data), *_phases(data), *_effects(data)]
     table = Table(
         ("", ""),
         [(capitalised(name), value) for name, value in rows],
@@ -128,8 +129,14 @@ def _vehicle(data: Mapping[str, object]) -> Iterator[Row]:
             yield "hull", _hull(mapping(value))
         else:
             yield _named(key), value_in_words(value)
-    if "energy" in data:
-        yield "energy of the mission", value_in_words(data["energy"])
+
+
+def _shared(data: Mapping[str, object]) -> Iterator[Row]:
+    """Write what is in force of the keys that mission and vehicle may both give, and where it is from."""
+    for each in values_in_force(data):
+        value = "none" if each.value is None else value_in_words(each.value)
+        instead = "" if each.overridden is None else f", not the vehicle's {value_in_words(each.overridden)}"
+        yield in_words(".".join(map(str, each.path))), f"{value} ({each.source}{instead})"
 
 
 def _hull(hull: Mapping[str, object]) -> str:

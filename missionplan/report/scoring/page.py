@@ -3,6 +3,7 @@
 import shlex
 from collections.abc import Mapping
 
+from missionplan.errors import counted
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.page import Page, PageSection, Table, Terminal
 from missionplan.report.plots import Drawing
@@ -63,7 +64,7 @@ def _verdict(score: Score) -> str:
 
 def answer(score: Score) -> str:
     """Say how well the next leg or dive is predicted, against the last one, and what the intervals hold."""
-    said = [told(each) for each in score.datasets[:3]]
+    said = [f"{told(each)}{_not_held_out(each)}" for each in score.datasets[:3]]
     if len(score.datasets) == 1:
         words = f"This mission {said[0]}"
     else:
@@ -74,6 +75,17 @@ def answer(score: Score) -> str:
         f"{NAMES[name]}" for each in score.datasets for name, p in each.predictions.items() if not p.is_within_chance
     ]
     return f"{words} Chance does not allow that coverage ({', '.join(dict.fromkeys(off))}): the intervals are wrong."
+
+
+def _not_held_out(each: DatasetScore) -> str:
+    """Say from how many legs or dives the mission has learned, if any."""
+    if not each.learned:
+        return ""
+    one, many = GROUPS[each.kind]
+    which = (
+        f"all {each.groups} {many}" if each.learned == each.groups else f"{counted(each.learned, one)} of {each.groups}"
+    )
+    return f" It has learned from {which} (learned_from): that is no prediction of data held out."
 
 
 def told(each: DatasetScore) -> str:

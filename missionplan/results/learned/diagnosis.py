@@ -111,6 +111,8 @@ class Diagnosis(Result):
         What is in doubt, as that mission carries it; empty where nothing is.
     last_part : DatasetScore or None
         The extended mission's score on the part of the record that was held out of everything, where one was.
+    learned_from : tuple of str
+        Hash of each leg, dive or run that was new to the mission.
     """
 
     report: ClassVar[str] = "missionplan.report.diagnosis.page"
@@ -146,6 +148,7 @@ class Diagnosis(Result):
     next_trial: NextTrial | None = None
     explanations: tuple[ExplanationOdds, ...] = ()
     last_part: DatasetScore | None = None
+    learned_from: tuple[str, ...] = ()
 
     @property
     def best(self) -> RankedSet | None:
@@ -184,6 +187,7 @@ class Diagnosis(Result):
             "next_measurements": [entry.summary() for entry in self.next_measurements],
             "decision": self.decision.summary(),
             "calibration": dict(self.calibration),
+            "learned_from": list(self.learned_from),
             "untestable": dict(self.untestable),
             "failures": dict(self.failures),
             "extended_mission": "mission.yaml",

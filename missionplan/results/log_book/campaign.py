@@ -49,7 +49,8 @@ class Campaign(Result):
         """By effect that the extended mission has learned of, the data sets that had a say in it."""
         found: dict[str, list[str]] = {}
         for each, name in zip(self.diagnoses, self.names, strict=True):
-            for effect in dict.fromkeys((*each.causes, *(p.effect for p in each.confirmed))):
+            had_a_say = (*each.causes, *(p.effect for p in each.confirmed)) if each.learned_from else ()
+            for effect in dict.fromkeys(had_a_say):
                 found.setdefault(effect, []).append(name)
         return {effect: tuple(names) for effect, names in found.items()}
 

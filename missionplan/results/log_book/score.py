@@ -142,6 +142,8 @@ class DatasetScore:
     effective : float
         Effective number of draws of the sizes of random errors at the end of the record.
     notices : tuple of str
+    learned : int
+        Legs or dives from which the mission has learned: to it they are no data held out.
     """
 
     name: str
@@ -154,6 +156,7 @@ class DatasetScore:
     whole: Prediction
     effective: float
     notices: tuple[str, ...] = ()
+    learned: int = 0
 
     @property
     def predictions(self) -> dict[str, Prediction]:
@@ -172,6 +175,7 @@ class DatasetScore:
             "kind": self.kind,
             "unit": "m",
             "groups": self.groups,
+            "learned_from": self.learned,
             "values": len(self.measured),
             "within_chance": self.is_within_chance,
             "effective_draws": self.effective,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission.reading.includes import REMOTE
+from missionplan.packages import how_to_install
 from missionplan.phases.fields.gridded_current import GriddedCurrent
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.attributes import FieldAttributeError, tidied
@@ -72,7 +73,7 @@ def opened(names: Sequence[str], shown: str) -> Iterator[FieldFiles]:
     try:
         import xarray  # noqa: F401
     except ImportError:
-        hint = "pip install 'missionplan[netcdf]'"
+        hint = how_to_install("netcdf")
         raise InputError([Problem("reading NetCDF needs xarray and netCDF4", shown, hint=hint)]) from None
     with ExitStack() as stack:
         yield FieldFiles([stack.enter_context(_opened(name)) for name in names], shown)

@@ -39,7 +39,7 @@ def _leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
     elif isinstance(value, list) and path == "phases":
         for phase in written_phases({"phases": value}):
             yield from _leaves(phase.section, phase.key)
-    elif isinstance(value, list):
+    elif isinstance(value, list) and path != "learned_from":
         for index, inner in enumerate(value):
             yield from _leaves(inner, f"{path}[{index}]")
     else:
@@ -62,4 +62,6 @@ def _same(first: object, second: object) -> bool:
 
 
 def _shown(value: object) -> str:
+    if isinstance(value, list):
+        return f"{len(value)} legs, dives or runs"
     return "" if value is None else str(value)

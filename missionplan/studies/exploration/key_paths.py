@@ -10,10 +10,13 @@ from pydantic import BaseModel
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission
 from missionplan.mission.quantity_paths import phase_of_path, resolved_path
+from missionplan.mission.schema.shared_sections import name_in_force, overridden
 
 _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 _WHOLES = ("vehicle", "start", "site.current", "site.water", "vehicle.anchor")
 """Keys that may be varied as a whole, besides those that hold one value."""
+_OF_THE_RUN = ("monte_carlo", "sweep", "optimise", "requirements", "correlations", "units", "name")
+"""Sections that no choice of a mission can lie in."""
 
 
 def known_key(mission: Mission, key: str, option: str) -> str:
@@ -31,6 +34,12 @@ def known_key(mission: Mission, key: str, option: str) -> str:
     InputError
         With the nearest key.
     """
+    if _STEP.findall(key)[:1] in [[name] for name in _OF_THE_RUN]:
+        raise InputError([Problem(f"given the key {shown(key)}, which says how the mission is computed", key=option)])
+    if overridden(tuple(key.split(".")), mission.raw):
+        said = name_in_force(key)
+        message = f"given the key {shown(key)}, which changes nothing: the mission's own {said} goes before it"
+        raise InputError([Problem(message, key=option, hint=f"did you mean {said}?")])
     known, key = known_keys(mission), resolved_path(key, [phase.label for phase in mission.phases])
     if key in known or _is_written(mission.raw, key):
         return key
@@ -47,9 +56,9 @@ def known_keys(mission: Mission) -> set[str]:
                 _collect(phase, phase.name, found)
         elif name == "effect_list":
             found |= {path for entry in mission.effects for path in entry.names}
-        elif name not in ("sweep", "optimise", "requirements", "correlations"):
+        elif name not in _OF_THE_RUN:
             _collect(value, name, found)
-    return found
+    return found | {".".join(map(str, each.path)) for each in mission.values_in_force()}
 
 
 def _collect(value: object, path: str, found: set[str]) -> None:

@@ -121,9 +121,11 @@ def _in_one_unit(matches: Sequence["re.Match[str]"]) -> tuple[list[float], str]:
 
 def steps(first: float, last: float, step: float) -> list[float]:
     """Return the numbers from the first in steps, to the last where a step meets it."""
+    if not all(map(math.isfinite, (first, last, step, last - first))):
+        raise _wrong(f"given steps of {step:g} from {first:g} to {last:g}, expected numbers that a computer can hold")
     if step == 0.0 or (last - first) / step < 0.0:
         raise _wrong(f"steps of {step:g} never lead from {first:g} to {last:g}")
-    count = math.floor((last - first) / step + 1e-9)
+    count = math.floor(min((last - first) / step + 1e-9, 1e15))
     if count >= MAX_CELLS:
         raise _wrong(f"makes {count + 1} cells, expected at most {MAX_CELLS}")
     return [first + index * step for index in range(count + 1)]

@@ -3,7 +3,7 @@
 import json
 import math
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,8 +14,12 @@ from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.moments import moment_of
 from missionplan.results.base import Provenance
 from missionplan.results.log_book.history import History, Learned, State
-from missionplan.results.plain_data import mappings, real
+from missionplan.results.plain_data import mapping, mappings, real
 from missionplan.store.paths import as_path
+
+MAX_BYTES = 20_000_000
+"""Of a summary."""
+NUMBERS = ("value", "sd", "low", "high")
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,12 @@ class _Report:
     place: str
     summary: Mapping[str, object]
     start: str
+
+    @property
+    def learned_from(self) -> frozenset[str] | None:
+        """Hashes of the legs, dives and runs that were new to its mission; None where the report does not say."""
+        hashes = self.summary.get("learned_from")
+        return frozenset(map(str, hashes)) if isinstance(hashes, list) else None
 
     @property
     def created(self) -> str:
@@ -50,7 +60,8 @@ def history(folder: str | Path) -> History:
     root = as_path(folder, "folder")
     if not root.is_dir():
         raise InputError([Problem("no such folder", str(root))])
-    reports = _reports(root)
+    reports, foreign = _reports(root)
+    reports, notices = _counted_once(reports)
     by_start = all(report.start for report in reports)
     reports.sort(key=lambda report: (_moment(report.start if by_start else report.created), report.place))
     entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
@@ -64,23 +75,57 @@ def history(folder: str | Path) -> History:
         options={"folder": str(root)},
         elapsed_s=time.perf_counter() - began,
         data={"folder": str(root), "reports": [report.place for report in reports]},
+        notices=(*foreign, *notices),
         inputs={"reports": {report.place: digest_of(report.summary) for report in reports}},
     )
-    return History(provenance, tuple(report.place for report in reports), tuple(_with_jumps(entries)), by_start)
+    known = {report.place: report.learned_from or frozenset() for report in reports}
+    return History(provenance, tuple(known), tuple(_with_jumps(entries, known)), by_start)
 
 
-def _reports(root: Path) -> list[_Report]:
-    """Read every report of `diagnose` below a folder.
+def _reports(root: Path) -> tuple[list[_Report], tuple[str, ...]]:
+    """Read every report of `diagnose` below a folder; notices name what is none.
 
     Raises
     ------
     InputError
-        When there is none, or one cannot be read.
+        When there is none that can be read.
     """
     places = sorted(path.parent for path in root.rglob("diagnosis.json") if (path.parent / "summary.json").is_file())
     if not places:
         raise InputError([Problem("holds no report of diagnose (summary.json beside diagnosis.json)", str(root))])
-    return [report for place in places if (report := _read(place, root)) is not None]
+    found: list[_Report | None] = []
+    problems: list[Problem] = []
+    for place in places:
+        try:
+            found.append(_read(place, root))
+        except InputError as error:
+            problems += error.problems
+    reports = [report for report in found if report is not None]
+    if problems and not reports:
+        raise InputError(problems)
+    return reports, tuple(f"left out: {problem}" for problem in problems)
+
+
+def _counted_once(reports: Sequence[_Report]) -> tuple[list[_Report], tuple[str, ...]]:
+    """Leave out reports that learned nothing new, or the same as one made later; name them and those that overlap."""
+    kept: list[_Report] = []
+    notices = []
+    for report in sorted(reports, key=lambda each: (_moment(each.created), each.place), reverse=True):
+        own = report.learned_from
+        same = next((other for other in kept if own is not None and other.learned_from == own), None)
+        if own == frozenset() or same is not None:
+            why = "nothing new" if same is None else f"the same data as {same.place}, which was made later"
+            notices.append(f"{report.place} learned from {why}, and is left out")
+            continue
+        shared = [(other, len(own & (other.learned_from or set()))) for other in kept] if own else []
+        notices += [
+            f"{report.place} and {other.place} learned from {count} legs, dives or runs in common: none tells "
+            "of a change against the other"
+            for other, count in shared
+            if count
+        ]
+        kept.append(report)
+    return kept, tuple(notices)
 
 
 def _read(place: Path, root: Path) -> _Report | None:
@@ -89,19 +134,31 @@ def _read(place: Path, root: Path) -> _Report | None:
     Raises
     ------
     InputError
-        When its summary is no JSON of a diagnosis.
+        When its summary is no JSON of a diagnosis, or its mission cannot be read.
     """
     file = place / "summary.json"
     try:
-        summary = json.loads(read_text(file, str(file)))
-    except ValueError as error:
+        summary = json.loads(read_text(file, str(file), max_bytes=MAX_BYTES))
+    except (ValueError, RecursionError) as error:
         raise InputError([Problem(f"is no JSON: {error}", str(file))]) from None
     if isinstance(summary, dict) and "datasets" in summary:
         return None
-    if not isinstance(summary, dict) or not isinstance(summary.get("ranking"), list):
+    if not isinstance(summary, dict) or not isinstance(summary.get("ranking"), list) or not _can_be_told(summary):
         raise InputError([Problem("is not the summary of a diagnosis", str(file))])
     mission = load_document(place / "mission.yaml").data if (place / "mission.yaml").is_file() else {}
-    return _Report(place.relative_to(root).as_posix(), summary, str(mission.get("start") or ""))
+    return _Report(place.relative_to(root).as_posix(), summary, str(mapping(mission).get("start") or ""))
+
+
+def _can_be_told(summary: Mapping[str, object]) -> bool:
+    """Whether every parameter of a summary has names and finite numbers."""
+    listed = [each for entry in mappings(summary["ranking"])[:1] for each in mappings(entry.get("parameters"))]
+    told = [(each, each) for each in listed]
+    told += [(each, mapping(each.get("posterior"))) for each in mappings(summary.get("confirmed"))]
+    return all(
+        all(isinstance(named.get(key), str) for key in ("effect", "name"))
+        and all(math.isfinite(real(value.get(key))) for key in NUMBERS)
+        for named, value in told
+    )
 
 
 def _moment(text: str) -> datetime:
@@ -141,7 +198,7 @@ def _was_known(summary: Mapping[str, object], effect: str) -> bool:
 def _entry(
     report: _Report, moment: str, named: Mapping[str, object], value: Mapping[str, object], state: State
 ) -> Learned:
-    numbers = {key: real(value.get(key)) for key in ("value", "sd", "low", "high")}
+    numbers = {key: real(value.get(key)) for key in NUMBERS}
     return Learned(
         report=report.place,
         mission=str(report.summary.get("mission", "")),
@@ -155,14 +212,15 @@ def _entry(
     )
 
 
-def _with_jumps(entries: list[Learned]) -> Iterator[Learned]:
-    """Add how far each value found anew lies from the one before."""
+def _with_jumps(entries: list[Learned], known: Mapping[str, frozenset[str]]) -> Iterator[Learned]:
+    """Add how far each value found anew lies from the one before, where they share no data; `known` are a report's."""
     last: dict[tuple[str, str], Learned] = {}
     for entry in entries:
         before = last.get(entry.key)
         last[entry.key] = entry
         spread = 0.0 if before is None else math.hypot(entry.sd, before.sd)
-        if before is None or entry.state != "found" or not spread > 0.0:
+        shared = before is not None and known[entry.report] & known[before.report]
+        if before is None or shared or entry.state != "found" or not spread > 0.0:
             yield entry  # a posterior has its prior in it: their difference is not that of two measurements
         else:
             yield replace(entry, jump=(entry.value - before.value) / spread)

@@ -15,6 +15,8 @@ from missionplan.datasets.tank.propeller import PROPELLER_TRANSIENT
 from missionplan.datasets.tank.thruster import THRUSTER
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission
+from missionplan.mission.mission import MOST_LEARNED
+from missionplan.mission.schema.section import IDENTITY
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.studies.schemas.effects import effects
 from missionplan.studies.schemas.sections import TEXT_OR_NUMBER, Sections
@@ -39,6 +41,12 @@ _DEPENDENT: Mapping[tuple[str, str], Schema] = {
     ("SweepGrid", "to"): TEXT_OR_NUMBER,
 }
 """Keys whose unit follows from others."""
+_LEARNED: Schema = {
+    "type": "array",
+    "items": {"type": "string", "pattern": f"^{IDENTITY.pattern}$"},
+    "maxItems": MOST_LEARNED,
+    "description": "hashes of what the effects were learned from, as diagnose writes them",
+}
 
 
 def schema(kind: Kind) -> dict[str, object]:
@@ -65,7 +73,7 @@ def schema(kind: Kind) -> dict[str, object]:
 
 def _of_model(model: type[BaseModel]) -> Schema:
     listed, definitions = effects()
-    sections = Sections({**_DEPENDENT, ("Mission", "effects"): listed})
+    sections = Sections({**_DEPENDENT, ("Mission", "effects"): listed, ("Mission", "learned_from"): _LEARNED})
     top = sections.written(model)
     if model is Mission:
         properties = top["properties"]

@@ -15,6 +15,7 @@ from missionplan.datasets.csv_cells import check_file, read_cells, read_header
 from missionplan.datasets.times import epoch_of
 from missionplan.errors import InputError, Problem, did_you_mean
 from missionplan.moments import is_since, utc
+from missionplan.packages import how_to_install
 from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, speed_factor, tidied
 
 if TYPE_CHECKING:
@@ -155,7 +156,7 @@ def _read_netcdf(path: Path) -> CurrentRecord:
     try:
         import xarray
     except ImportError:
-        hint = "pip install 'missionplan[netcdf]'"
+        hint = how_to_install("netcdf")
         raise InputError([Problem("reading NetCDF needs xarray and netCDF4", str(path), hint=hint)]) from None
     try:
         with xarray.open_dataset(path, decode_times=False) as dataset:

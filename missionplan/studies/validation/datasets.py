@@ -58,7 +58,7 @@ def validated_dataset(path: Path, missions: Sequence[Mission]) -> Validated:
         summary = f"valid data set of kind {kind}."
         if kind in TANK_FORMATS:
             read_tank_data(path)
-            return Validated(path, summary, (Readiness("identify"), Readiness("diagnose")))
+            return Validated(path, summary, table=(Readiness("identify"), Readiness("diagnose")))
         alone = DIAGNOSED[kind](path, Mission.from_data(_STAND_IN)).notices
     except InputError as error:
         return Validated(path, problems=error.problems)
@@ -69,8 +69,8 @@ def validated_dataset(path: Path, missions: Sequence[Mission]) -> Validated:
         except InputError as error:
             lacking = tuple(f"{problem.key}: {problem.message} ({mission.file})" for problem in error.problems)
         else:
-            return Validated(path, summary, _readiness(kind, ()), notices)
-    return Validated(path, summary, _readiness(kind, lacking), alone)
+            return Validated(path, summary, table=_readiness(kind, ()), notices=notices)
+    return Validated(path, summary, table=_readiness(kind, lacking), notices=alone)
 
 
 def _readiness(kind: str, lacking: tuple[str, ...]) -> tuple[Readiness, ...]:

@@ -54,7 +54,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
     )
     summary = f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
     summary += cover_in_words(mission, means.recorded)
-    return Validated(path, summary, table, tuple(notices) or mission.notices())
+    return Validated(path, summary, mission.values_in_force(), table, tuple(notices) or mission.notices())
 
 
 def _origin(mission: Mission) -> str:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
+from missionplan.mission.schema.shared_sections import ValueInForce
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,8 @@ class Validated:
     path : Path
     summary : str
         What it is.
+    values : tuple of ValueInForce
+        Of a mission, what is in force of the keys that its vehicle file may give too.
     table : tuple of Readiness
         What it is good for.
     notices : tuple of str
@@ -48,6 +51,7 @@ class Validated:
 
     path: Path
     summary: str = ""
+    values: tuple[ValueInForce, ...] = ()
     table: tuple[Readiness, ...] = ()
     notices: tuple[str, ...] = ()
     problems: tuple[Problem, ...] = ()

@@ -78,3 +78,19 @@ def test_a_parameter_of_an_explanation_is_varied_by_the_path_that_reports_give_i
     assert changed.quantities()[key] == 0.1
     with pytest.raises(InputError, match=r"did you mean effects\[0\]\.one-of\[0\]\.compass-bias\.angle"):
         known_key(doubtful, "effects[0].one-of[0].compas-bias.angle", "--vary")
+
+
+@pytest.mark.parametrize(
+    "values", ["1e308:1e309:1e307 m/s", "1:inf:1 m/s", "-1.7e308:1.7e308:1e300 m/s", "1:2:1e-320 m/s"]
+)
+def test_steps_beyond_all_numbers_are_refused(estuary, values):
+    with pytest.raises(InputError, match="expected"):
+        read_axis(estuary, f"ingress.speed={values}")
+
+
+@pytest.mark.parametrize(
+    "key", ["monte_carlo.seed", "monte_carlo.trials", "sweep.phase", "requirements[0].probability", "name"]
+)
+def test_how_a_mission_is_computed_is_no_choice(estuary, key):
+    with pytest.raises(InputError, match="says how the mission is computed"):
+        read_axis(estuary, f"{key}=1,2,3")

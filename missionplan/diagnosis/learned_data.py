@@ -1,0 +1,90 @@
+"""What a mission has learned from already is not counted again: such legs, dives and runs are left out of data."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missionplan.datasets.identity import listed
+from missionplan.datasets.legs import enough
+from missionplan.datasets.records import TransitData
+from missionplan.datasets.summaries import SummaryData
+from missionplan.datasets.tank import TankData
+from missionplan.diagnosis.dives.preparation import MIN_DIVES, PreparedDives
+from missionplan.errors import InputError, counted
+from missionplan.mission import Mission
+
+Data = TypeVar("Data", TransitData, PreparedDives, SummaryData, TankData)
+NEW = "that the mission has not learned from"
+WHOLE = "lay all of them against the mission as it was before it had learned from the others"
+
+
+def unlearned(data: Data, mission: Mission) -> Data:
+    """Return the part of a data set that a mission has not learned from, with a notice of what was left out.
+
+    Where it has learned from everything, all is returned: such data can be laid against the mission, but teach nothing.
+
+    Parameters
+    ----------
+    data : TransitData, PreparedDives, SummaryData or TankData
+    mission : Mission
+        Its `learned_from` is what it has learned from.
+
+    Raises
+    ------
+    InputError
+        When too little is new.
+    """
+    known = learned(data, mission)
+    if not known.any():
+        return data
+    noun, names = _groups(data)
+    if known.all():
+        words = (
+            f"the mission has learned from {_all(len(known), noun)} already (learned_from): nothing is learned again"
+        )
+        return replace(data, notices=(*data.notices, words))
+    left_out = listed([name for name, is_known in zip(names, known, strict=True) if is_known])
+    words = (
+        f"{counted(int(known.sum()), noun)} of {len(known)} from which the mission has learned already (learned_from) "
+        f"count once, and are left out: {left_out}"
+    )
+    part = data.subset(~known)
+    _check_enough(part)
+    return replace(part, notices=(*data.notices, words))
+
+
+def learned(data: TransitData | PreparedDives | SummaryData | TankData, mission: Mission) -> NDArray[np.bool_]:
+    """Return from which legs, dives or runs of a data set a mission has learned."""
+    return np.isin(np.array(data.identities, dtype=str), np.array(mission.learned_from, dtype=str))
+
+
+def _all(count: int, noun: str) -> str:
+    return f"this {noun}" if count == 1 else f"all {count} {noun}s"
+
+
+def _groups(data: TransitData | PreparedDives | SummaryData | TankData) -> tuple[str, Sequence[str]]:
+    """What the parts of a data set are, and their names."""
+    if isinstance(data, TransitData):
+        return "leg", data.labels.tolist()
+    if isinstance(data, PreparedDives):
+        return "dive", [log.name for log in data.dives]
+    if isinstance(data, SummaryData):
+        return "test", [test.name for test in data.tests]
+    whole = len(data.identities) == 1
+    return "record" if whole else "row", [str(k + 1) for k in range(len(data.identities))]
+
+
+def _check_enough(data: TransitData | PreparedDives | SummaryData | TankData) -> None:
+    """Refuse legs and dives of which too few are new.
+
+    Raises
+    ------
+    InputError
+    """
+    if isinstance(data, TransitData):
+        enough(data, NEW, WHOLE)
+    if isinstance(data, PreparedDives) and len(data.dives) < MIN_DIVES:
+        raise InputError(f"{data.name}: {counted(len(data.dives), 'dive')} {NEW}, too few: {WHOLE}")
