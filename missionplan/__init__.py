@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from missionplan.studies.tide.find_tide import tide
     from missionplan.studies.transition.sweep_transition import sweep_transition
     from missionplan.studies.validation.validate import validate
+    from missionplan.verification import verify
 
 __version__ = version("missionplan")
 
@@ -69,6 +70,7 @@ __all__ = [
     "sweep_transition",
     "tide",
     "validate",
+    "verify",
 ]
 
 _MODULES = {
@@ -96,6 +98,7 @@ _MODULES = {
     "sweep_transition": "missionplan.studies.transition.sweep_transition",
     "tide": "missionplan.studies.tide.find_tide",
     "validate": "missionplan.studies.validation.validate",
+    "verify": "missionplan.verification",
 }
 """Module of each public name, imported when the name is first used."""
 _ALIASES = {"import_log": "import_logs"}

@@ -138,7 +138,7 @@ def digest_of_files(paths: Iterable[str | os.PathLike[str]]) -> str:
 
 def differences(before: Mapping[str, object], now: Mapping[str, object]) -> list[str]:
     """Name in what the parts of two programs or identities differ (also as `Identity.whole`), a line each."""
-    old, new = dict(_leaves(before)), dict(_leaves(now))
+    old, new = dict(leaves(before)), dict(leaves(now))
     paths = [path for path in dict.fromkeys((*old, *new)) if old.get(path) != new.get(path)]
     lines = [f"{_words(path)}: was {_shown(old, path)}, now {_shown(new, path)}" for path in paths]
     if not lines and digest_of(before) != digest_of(now):
@@ -146,13 +146,14 @@ def differences(before: Mapping[str, object], now: Mapping[str, object]) -> list
     return lines
 
 
-def _leaves(value: object, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], object]]:
+def leaves(value: object, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], object]]:
+    """Yield each value of plain data that holds no others, with the keys that lead to it."""
     if isinstance(value, Mapping) and value:
         for key, inner in value.items():
-            yield from _leaves(inner, (*path, str(key)))
+            yield from leaves(inner, (*path, str(key)))
     elif isinstance(value, list | tuple) and value:
         for number, inner in enumerate(value):
-            yield from _leaves(inner, (*path, f"[{number}]"))
+            yield from leaves(inner, (*path, f"[{number}]"))
     elif path and value not in ({}, []):
         yield path, value
 

@@ -78,6 +78,7 @@ CALLS: dict[str, Callable[[], object]] = {
         a_sea_trial() / "mission.yaml", [a_sea_trial() / "sea-trial"], plan=False
     ),
     "history": lambda: missionplan.history(a_diagnosis()),
+    "verify": lambda: missionplan.verify(a_report()),
     "score": lambda: missionplan.score(a_sea_trial() / "mission.yaml", a_sea_trial() / "sea-trial"),
     "tide": lambda: missionplan.tide(a_record(), latitude="50 deg", start="2026-05-01T00:00:00Z"),
 }

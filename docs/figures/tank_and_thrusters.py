@@ -14,9 +14,8 @@ from missionplan.physics import propeller_example as example
 from missionplan.physics import propulsion, tank
 from missionplan.physics import tunnel_thruster as tunnel
 from missionplan.report import identification as pictures
-from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, PageSection, style, to_figure
+from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, style, to_figure
 from missionplan.report.transition.figures import all_figures
-from missionplan.report.typesetting import typeset_section
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.transition.sweep_transition import sweep_transition
 
@@ -102,8 +101,7 @@ def main() -> None:
             figures += [("avila-", pictures.panel_figure(panel)) for panel in analysis.panels]
         sweep = sweep_transition(missionplan.load(MISSIONS / "autosub-transition.yaml"))
         figures += [("transition-", figure) for figure in all_figures(sweep)]
-    drawn = typeset_section(PageSection("", [figure for _, figure in figures])).blocks
-    for (prefix, _), figure in zip(figures, drawn, strict=True):
+    for prefix, figure in figures:
         (HERE / f"{prefix}{figure.name}.svg").write_text(figure.svg, encoding="utf-8")
 
 

@@ -1,5 +1,6 @@
 """`reports`: what was computed so far, and one of the reports opened; `schema`: what files may hold, for editors."""
 
+import sys
 import textwrap
 import webbrowser
 from pathlib import Path
@@ -7,12 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from missionplan.cli import options as o
+from missionplan.cli.running import progress_bar
 from missionplan.cli.streams import note
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
     from missionplan.store.reports import ReportEntry
 
+OTHER_BITS = 3
+"""Exit status of `verify` where other bits come out."""
 _WIDTH = 80
 _LINES = 3
 """Of an answer."""
@@ -27,6 +32,7 @@ def register(app: typer.Typer) -> None:
     """Add the command."""
     app.command()(reports)
     app.command()(schema)
+    app.command()(verify)
 
 
 def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
@@ -49,6 +55,43 @@ def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
     typer.echo(str(page))
     if not webbrowser.open(page.resolve().as_uri()):
         note("No browser could be started: open that file in one.")
+
+
+_Report = Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder.", show_default=False)]
+_All = Annotated[bool, typer.Option("--all", help="All blocks of simulate, and every number that follows from them.")]
+_Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON on standard output.")]
+
+
+def verify(
+    report: _Report,
+    all_blocks: _All = False,
+    jobs: o.Jobs = 0,
+    allow_outside: o.AllowOutside = False,
+    as_json: _Json = False,
+    quiet: o.Quiet = False,
+) -> None:
+    """Compute some blocks of a report again, and say whether the same bits come out here, and if not, what differs.
+
+    Reports of studies that keep no blocks are computed again as a whole. Exit status 3: other bits come out.
+    """
+    from missionplan.verification import verify
+
+    with progress_bar("verify", shown=not quiet) as progress:
+        found = verify(
+            report,
+            all_blocks=all_blocks,
+            jobs=o.worker_count(jobs),
+            allow_outside=allow_outside,
+            progress=progress,
+        )
+    if as_json:
+        from missionplan.results.base import to_json
+
+        sys.stdout.write(to_json(found.summary()))
+    elif not quiet:
+        typer.echo(str(found))
+    if not found.same:
+        raise typer.Exit(OTHER_BITS)
 
 
 _Kind = Annotated[str, typer.Argument(metavar="KIND", help="mission, vehicle or dataset.", show_default=False)]

@@ -87,7 +87,7 @@ def report_folder(output: OutputOptions, stem: str, command: str, inputs: Sequen
 def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
     drawing = _drawing_in_parallel()
-    from missionplan.report.crew.conversion import in_units, units_of, using_units
+    from missionplan.report.quantities import using_units
 
     with using_units(output.system):
         with drawing:
@@ -102,10 +102,8 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     if not output.quiet:
         from missionplan.report.typesetting import typeset
 
-        with using_units(output.system):
-            units = units_of(result.provenance.data)
         for notice in result.provenance.notices:
-            remark(f"Note: {in_units(typeset(notice), units) if units else typeset(notice)}")
+            remark(f"Note: {typeset(notice)}")
     note(f"Report: {folder / 'report.html'}")
 
 

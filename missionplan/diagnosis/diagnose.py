@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -122,7 +122,7 @@ def _diagnose(mission: Mission, dataset: Path, seed: int, jobs: int, wanted: _Wa
         mission,
         seed=seed,
         trials=0,
-        options={"dataset": str(dataset), "jobs": jobs, "next_trial": wanted.next_trial, "holdout": share},
+        options={"dataset": str(dataset), "jobs": jobs, **asdict(wanted)},
         started=started,
         datasets=[dataset],
         notices=(*mission.notices(), *bound.data.notices, *forecast_notice(mission, found.best.causes), *untold),

@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from math import inf
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from missionplan.arrays import Array, Scalars
 from missionplan.effects.finding import Finding
 from missionplan.phases.hooks import DescentEffect, TransitEffect
@@ -297,3 +300,26 @@ class EffectInfo:
         """
         given = {name: parameter.default for name, parameter in self.parameters.items()} | dict(values)
         return self.effect(**{self.parameters[name].field or name: value for name, value in given.items()})
+
+    @property
+    def neutral(self) -> dict[str, float]:
+        """Parameters at which the effect does nothing, whatever the others are: its strengths, else its sizes."""
+        strengths = [name for name, parameter in self.parameters.items() if parameter.scale > 0.0]
+        sizes = [name for name, parameter in self.parameters.items() if parameter.default in (0.0, inf)]
+        return {name: self.parameters[name].default for name in strengths or sizes}
+
+    def make_where(self, values: Mapping[str, Scalars], held: NDArray[np.bool_]) -> Effect:
+        """Build the effect as it acts in some of the trials: in the others its parameters are neutral.
+
+        Parameters
+        ----------
+        values : mapping
+            Floats or arrays over the trials, shape (n,).
+        held : array of bool, shape () or (n,)
+        """
+        if held.all() or self.phase == "tank":
+            return self.make(values)
+        if not held.any():
+            return TransitEffect() if self.phase == "transit" else DescentEffect()
+        acting = {name: np.where(held, values.get(name, nil), nil) for name, nil in self.neutral.items()}
+        return self.make({**values, **acting})

@@ -1,7 +1,7 @@
 """Draws of a mission's named quantities for one block of trials, with correlations."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import chain
 
 import numpy as np
@@ -35,14 +35,22 @@ class JointDistribution:
         Names of those that are correlated, in alphabetical order.
     factor : array, shape (k, k)
         Cholesky factor of their correlations.
+    streams : mapping of str to str
+        Names of the streams of those that have another one than their own.
     """
 
     marginals: Mapping[str, Distribution]
     correlated: Sequence[str]
     factor: Array
+    streams: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, quantities: Mapping[str, Quantity], correlations: Sequence[Correlation]) -> "JointDistribution":
+    def of(
+        cls,
+        quantities: Mapping[str, Quantity],
+        correlations: Sequence[Correlation],
+        streams: Mapping[str, str] | None = None,
+    ) -> "JointDistribution":
         """Select the distributions among the quantities; pairs without a correlation are independent.
 
         Raises
@@ -51,7 +59,7 @@ class JointDistribution:
             With everything that is wrong with the correlations (see `correlation_problems`).
         """
         marginals = {name: quantity for name, quantity in quantities.items() if isinstance(quantity, Distribution)}
-        return cls(marginals, *correlation_factor(quantities, correlations))
+        return cls(marginals, *correlation_factor(quantities, correlations), streams or {})
 
     def draw(self, seed: int, block: int, size: int = BLOCK) -> dict[str, Array]:
         """Draw each quantity once per trial.
@@ -73,14 +81,17 @@ class JointDistribution:
         """Draw each quantity once per trial from a source of normals; as `draw`."""
         mixed: dict[str, Array] = {}
         if self.correlated:
-            independent = np.stack([source.once(name) for name in self.correlated])
+            independent = np.stack([self._normals(source, name) for name in self.correlated])
             # einsum, not BLAS: the bits must not depend on the number of BLAS threads
             mixed = dict(zip(self.correlated, np.einsum("ij,jt->it", self.factor, independent), strict=True))
         drawn = {}
         for name, marginal in self.marginals.items():
-            normals = mixed[name] if name in mixed else source.once(name)
+            normals = mixed[name] if name in mixed else self._normals(source, name)
             drawn[name] = marginal.from_normal(normals[:size])
         return drawn
+
+    def _normals(self, source: NormalSource, name: str) -> Array:
+        return source.once(self.streams.get(name, name))
 
 
 def correlation_factor(

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Protocol
 
 import matplotlib as mpl
 from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.text import Text
 
-from missionplan.report.crew.drawing import draw_in_units
+from missionplan.report.axes import draw_in_units, set_ticks
 from missionplan.report.html.readings import Slider, name_series, readings
+from missionplan.report.typesetting import typeset
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,7 +24,7 @@ SVG_DPI = 72
 """Dots per inch at which SVG is drawn."""
 
 
-class Drawing(Protocol):
+class DrawnFigure(Protocol):
     """A figure as drawn: SVG text, and what the page's script reads off it, as JSON (`html.readings`)."""
 
     @property
@@ -54,6 +56,9 @@ def draw(figure: "Figure", slider: Slider | None = None) -> Drawn:
     """Draw a figure in the style and the units that are set."""
     FigureCanvasSVG(figure)
     draw_in_units(figure.axes)
+    set_ticks(figure.axes)
+    for text in figure.findobj(Text):
+        text.set_text(typeset(text.get_text()))
     figure.set_dpi(SVG_DPI)
     if (layout := figure.get_layout_engine()) is not None:  # saving would draw the whole figure twice for its sake
         layout.execute(figure)
@@ -65,12 +70,12 @@ def draw(figure: "Figure", slider: Slider | None = None) -> Drawn:
     return Drawn(buffer.getvalue(), readings(figure, series, slider))
 
 
-Draw = Callable[["Figure", Slider | None], Drawing]
+Draw = Callable[["Figure", Slider | None], DrawnFigure]
 """Draws a figure, or has it drawn."""
 _chosen: ContextVar[Draw] = ContextVar("draw", default=draw)
 
 
-def drawing_of(figure: "Figure", slider: Slider | None = None) -> Drawing:
+def drawing_of(figure: "Figure", slider: Slider | None = None) -> DrawnFigure:
     """Draw a figure in the way that is chosen: here, or in another process."""
     return _chosen.get()(figure, slider)
 

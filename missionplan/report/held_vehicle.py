@@ -9,7 +9,9 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.patches import Polygon
 
 from missionplan.arrays import Array
+from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, SKY, Block, Figure, PageSection, Table, to_figure
+from missionplan.report.quantities import quantity
 from missionplan.results.mooring.held_vehicle import HeldState, HeldVehicle
 
 _CAP = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 24)
@@ -19,8 +21,9 @@ def hold_section(held: HeldVehicle) -> PageSection:
     """Present how the vehicle stands on its line."""
     worst = held.states[-1]
     heading = (
-        f"In the {worst.current} ({worst.speed:.2f}\u00a0m/s) the nose stands {worst.nose_altitude:.1f}\u00a0m above "
-        f"the bottom, {worst.excursion:.1f}\u00a0m from the anchor, which {_holds_in_words(worst)}"
+        f"In the {worst.current} ({quantity(worst.speed, 'm/s', '.2f')}) the nose stands "
+        f"{quantity(worst.nose_altitude, 'm', '.1f')} above "
+        f"the bottom, {quantity(worst.excursion, 'm', '.1f')} from the anchor, which {_holds_in_words(worst)}"
     )
     blocks: list[Block] = [hold_figure(held), _numbers(held), *held.remedies, *_assumptions(held)]
     return PageSection(heading, blocks)
@@ -45,15 +48,15 @@ def _assumptions(held: HeldVehicle) -> Iterator[str]:
 
 
 _ROWS: tuple[tuple[str, Callable[[HeldState], str]], ...] = (
-    ("Current at the anchor", lambda state: f"{state.speed:.3f} m/s"),
-    ("Nose above the seafloor", lambda state: f"{state.nose_altitude:.2f} m"),
-    ("Tail above the seafloor", lambda state: f"{state.tail_altitude:.2f} m"),
-    ("Nose from the anchor", lambda state: f"{state.excursion:.2f} m"),
+    ("Current at the anchor", lambda state: quantity(state.speed, "m/s", ".3f")),
+    ("Nose above the seafloor", lambda state: quantity(state.nose_altitude, "m", ".2f")),
+    ("Tail above the seafloor", lambda state: quantity(state.tail_altitude, "m", ".2f")),
+    ("Nose from the anchor", lambda state: quantity(state.excursion, "m", ".2f")),
     ("Pitch, nose down", lambda state: f"{math.degrees(state.pitch):.0f} °"),
     ("Line from the vertical, at the anchor", lambda state: f"{math.degrees(state.line_angle):.0f} °"),
-    ("Line tension at the nose", lambda state: f"{state.tension_at_nose:.2f} N"),
-    ("Line tension at the anchor", lambda state: f"{state.tension_at_anchor:.2f} N"),
-    ("Anchor's own drag", lambda state: f"{state.anchor_drag:.2f} N"),
+    ("Line tension at the nose", lambda state: quantity(state.tension_at_nose, "N", ".2f")),
+    ("Line tension at the anchor", lambda state: quantity(state.tension_at_anchor, "N", ".2f")),
+    ("Anchor's own drag", lambda state: quantity(state.anchor_drag, "N", ".2f")),
     ("Holding factor that it needs", lambda state: _needed(state.friction_needed)),
     ("Holding margin", lambda state: f"{state.holding_margin:.2f}"),
     ("Wet weight of this size that just holds", lambda state: _weight(state.least_weight)),
@@ -63,7 +66,9 @@ _ROWS: tuple[tuple[str, Callable[[HeldState], str]], ...] = (
 def _numbers(held: HeldVehicle) -> Table:
     states = _apart(held)
     rows = [(label, *map(cell, states)) for label, cell in _ROWS]
-    caption = f"With an anchor of {held.anchor_weight:.3g}\u00a0N wet and a holding factor of {held.friction:g}."
+    caption = (
+        f"With an anchor of {quantity(held.anchor_weight, 'N', '.3g')} wet and a holding factor of {held.friction:g}."
+    )
     return Table(("", *(state.current for state in states)), rows, caption)
 
 
@@ -78,7 +83,7 @@ def _needed(friction: float) -> str:
 
 
 def _weight(weight: float) -> str:
-    return f"{weight:.1f} N" if math.isfinite(weight) else "none holds"
+    return quantity(weight, "N", ".1f") if math.isfinite(weight) else "none holds"
 
 
 def hold_figure(held: HeldVehicle) -> Figure:
@@ -101,11 +106,13 @@ def hold_figure(held: HeldVehicle) -> Figure:
     )
     axes.text(left + 0.27 * (right - left), 1.16 * top, "current", va="center", fontsize=9)
     axes.set(xlim=(left, right), ylim=(low, 1.25 * top), aspect="equal")
-    axes.set(xlabel="Downstream of the anchor (m)", ylabel="Above the anchor (m)")
+    name_axis(axes.xaxis, "Downstream of the anchor", "m")
+    name_axis(axes.yaxis, "Above the anchor", "m")
     figure.legend(loc="outside lower center", ncols=2)
     listed = "; ".join(
-        f"{state.current} of {state.speed:.2f} m/s: nose {state.nose_altitude:.1f} m above the bottom and "
-        f"{state.excursion:.1f} m downstream, tail {state.tail_altitude:.1f} m above it"
+        f"{state.current} of {quantity(state.speed, 'm/s', '.2f')}: nose "
+        f"{quantity(state.nose_altitude, 'm', '.1f')} above the bottom and "
+        f"{quantity(state.excursion, 'm', '.1f')} downstream, tail {quantity(state.tail_altitude, 'm', '.1f')} above it"
         for state in held.states
     )
     return to_figure(
@@ -145,7 +152,7 @@ def _draw_state(axes: Axes, held: HeldVehicle, state: HeldState, colour: str) ->
     axis = (np.array(state.tail) - nose) / held.length
     turn = np.array([axis, [-axis[1], axis[0]]])
     outline = nose + _capsule(held.length, 0.5 * held.diameter) @ turn
-    label = f"{state.current}, {state.speed:.2f} m/s"
+    label = f"{state.current}, {quantity(state.speed, 'm/s', '.2f')}"
     axes.add_patch(Polygon(outline, closed=True, facecolor=colour, linewidth=0.0, zorder=4, label=label))
 
 

@@ -16,6 +16,7 @@ from missionplan.report.page import (
     ORANGE,
     PINK,
     Block,
+    Drawing,
     Figure,
     Listing,
     Page,
@@ -24,7 +25,6 @@ from missionplan.report.page import (
     Terminal,
     to_figure,
 )
-from missionplan.report.plots import Drawing
 from missionplan.report.wording import capitalised
 from missionplan.results.base import to_yaml
 from missionplan.results.learned.identification import (

@@ -1,13 +1,10 @@
-"""Numbers as people read them: rounded to what their standard error supports."""
+"""Numbers as people read them: rounded to what their standard error supports, with one minus sign and thin spaces."""
 
 import math
 
-from missionplan.montecarlo.statistics import Probability, Statistic
-from missionplan.report.display_units import Unit
+from missionplan.montecarlo.statistics import Probability
 
-NARROW_SPACE = "\u202f"
-
-
+NARROW_SPACE, MINUS = "\u202f", "\u2212"
 _LEAST_SPREAD = 3e-5
 """Spread over the value below which it is left out: no model of a vehicle is true to five digits."""
 
@@ -41,36 +38,6 @@ def rounded_up(value: float) -> float:
 def rounded_down(value: float) -> float:
     """Round to three digits, never to more."""
     return -rounded_up(-value)
-
-
-def with_error(value: float, error: float, unit: Unit) -> str:
-    """Write ``21.3 ± 0.4 ft``; `value` and `error` in the key's unit."""
-    value, error = unit(value), unit(error)
-    if not math.isfinite(value):
-        return "–"
-    if not has_spread(value, error):
-        return number(value) + unit.suffix
-    return f"{number(value, error)}\u00a0±\u00a0{_grouped(error, _decimals(error))}{unit.suffix}"
-
-
-def length_in_words(metres: float) -> str:
-    """Write ``747 m`` or ``1.26 km``."""
-    return f"{metres / 1000.0:.2f}\u00a0km" if metres >= 1000.0 else f"{metres:.0f}\u00a0m"
-
-
-def time_in_words(seconds: float) -> str:
-    """Write ``85 s`` or ``18.2 min``."""
-    return f"{seconds:.0f}\u00a0s" if seconds < 90.0 else f"{seconds / 60.0:.1f}\u00a0min"
-
-
-def span(statistic: Statistic, unit: Unit) -> tuple[str, str, str]:
-    """Write the 5, 50 and 95 % points with the digits that their errors support and their spread needs.
-
-    The standard error of the 5 % and 95 % points of a normal sample is 2.1 times the mean's.
-    """
-    digits = unit(max(0.2 * statistic.sd, 2.1 * statistic.standard_error))
-    low, middle, high = (number(unit(value), digits) for value in (statistic.p05, statistic.p50, statistic.p95))
-    return low, middle, high
 
 
 def percent(probability: Probability) -> str:
@@ -122,8 +89,22 @@ def _grouped(value: float, decimals: int, *, strip: bool = False) -> str:
     text = f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
     if strip and "." in text:
         text = text.rstrip("0").rstrip(".")
-    whole, point, rest = text.lstrip("-").partition(".")
-    if len(whole) > 4:
+    return set_number(text)
+
+
+def set_number(text: str) -> str:
+    """Set a number: a minus sign, none before zero, thin spaces between groups of three, powers of ten raised."""
+    number, _, exponent = text.partition("e")
+    sign = number[:1] if number[:1] in "+-" else ""
+    whole, point, rest = number.removeprefix(sign).partition(".")
+    if len(whole) > 4 and whole.isdigit():
         whole = f"{int(whole):,}".replace(",", NARROW_SPACE)
-    sign = "−" if text.startswith("-") and float(text) != 0.0 else ""
-    return sign + whole + point + rest
+    if sign == "-":
+        sign = MINUS if float(text) else ""
+    power = f"·10{raised(str(int(exponent)))}" if exponent else ""
+    return f"{sign}{whole}{point}{rest}{power}"
+
+
+def raised(exponent: str) -> str:
+    """Write an exponent in superscripts: ``⁻⁶``."""
+    return exponent.translate(str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))

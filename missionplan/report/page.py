@@ -1,10 +1,10 @@
 """The parts of a report; `html` renders them as one self-contained page."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from missionplan.report.drawn import Drawing, drawing_of
+from missionplan.report.drawn import DrawnFigure, drawing_of
 from missionplan.report.html.readings import Slider
 
 if TYPE_CHECKING:
@@ -25,12 +25,16 @@ BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, GREY = (
 """Okabe–Ito colours, in the order of the figure style's cycle."""
 
 
+Drawing = Callable[..., None]
+"""Draws one plot of a result: called with axes, the result, and options of the plot's own."""
+
+
 @dataclass(frozen=True)
 class Figure:
     """A figure: file name without suffix, drawing, alternative text for readers who cannot see it, and a caption."""
 
     name: str
-    drawing: Drawing
+    drawing: DrawnFigure
     alt: str
     caption: str = ""
 

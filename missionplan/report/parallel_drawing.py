@@ -12,9 +12,9 @@ from loky import ProcessPoolExecutor
 from loky.backend.reduction import dumps
 
 from missionplan.montecarlo.parallel.pool import interrupts_deferred, result_of, running_pool
-from missionplan.report.crew.conversion import drawing_in, drawn_units
-from missionplan.report.drawn import Drawing, Drawn, draw, drawing_by, style
+from missionplan.report.drawn import Drawn, DrawnFigure, draw, drawing_by, style
 from missionplan.report.html.readings import Slider
+from missionplan.report.quantities import reader_system, reading_in
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,14 +41,14 @@ class _Parallel:
     executor: ProcessPoolExecutor
     pending: "list[Future[Drawn]]" = field(default_factory=list)
 
-    def drawing_of(self, figure: "Figure", slider: Slider | None) -> Drawing:
+    def drawing_of(self, figure: "Figure", slider: Slider | None) -> DrawnFigure:
         self.pending[:] = [future for future in self.pending if not future.done()]
         if len(self.pending) >= AT_ONCE:
             return draw(figure, slider)
         content = bytes(dumps((figure, slider)))
         try:
             with interrupts_deferred():
-                future = self.executor.submit(_drawn, content, drawn_units())
+                future = self.executor.submit(_drawn, content, reader_system())
         except BrokenExecutor:
             return draw(figure, slider)
         self.pending.append(future)
@@ -84,5 +84,5 @@ class _DrawnElsewhere:
 def _drawn(content: bytes, units: str) -> Drawn:
     """Draw a pickled figure in the project's style."""
     figure, slider = pickle.loads(content)
-    with style(), drawing_in(units):
+    with style(), reading_in(units):
         return draw(figure, slider)

@@ -1,17 +1,24 @@
-"""Find the module that presents a result, and render the result with it."""
+"""Find the module that presents a result, and render the result with it: as a page, for a terminal, as plots."""
 
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
 from importlib import import_module
-from typing import Protocol, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
-from missionplan.rendering import Rendered
-from missionplan.report.crew.conversion import drawing_in, in_units, units_of
-from missionplan.report.crew.pages import page_in_units, section_in_units, terminal_in_units
+from missionplan.rendering import Plot, Rendered
+from missionplan.report.axes import draw_in_units
 from missionplan.report.drawn import style
 from missionplan.report.html.rendering import render_page
-from missionplan.report.page import Page, Terminal
+from missionplan.report.page import Block, Drawing, Figure, Listing, Page, PageSection, Table, Terminal
 from missionplan.report.planned.section import planned_sections
-from missionplan.report.typesetting import typeset, typeset_page, typeset_section, typeset_terminal
+from missionplan.report.quantities import reading_in, units_of
+from missionplan.report.typesetting import typeset
 from missionplan.results.base import Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 class ReportModule(Protocol):
@@ -24,27 +31,90 @@ class ReportModule(Protocol):
         """Build the view for a terminal."""
 
 
+@contextmanager
+def shown_as_asked(result: Result) -> Iterator[None]:
+    """Draw in the style of the reports, and write quantities in the units of the run, or of the result's mission."""
+    with style(), reading_in(units_of(result.provenance.data)):
+        yield
+
+
 def render_report(result: Result) -> Rendered:
     """Render a result as one self-contained page, its figures, and files for other programs."""
     made = result.provenance
-    units = units_of(made.data)
-    with style(), drawing_in(units):
+    with shown_as_asked(result):
         page, planned = _module(result).page(result), planned_sections(made)
-        page, planned = typeset_page(page), [typeset_section(section) for section in planned]
-    notices = [typeset(notice) for notice in made.notices]
-    if units:
-        page = page_in_units(page, units)
-        planned = [section_in_units(section, units) for section in planned]
-        notices = [in_units(notice, units) for notice in notices]
-    return render_page(page, planned, made, notices)
+        page = typeset_page(page)
+        return render_page(page, _sections(planned), made, [typeset(notice) for notice in made.notices])
 
 
 def terminal_view(result: Result) -> Terminal:
     """Present a result for a terminal."""
-    shown = typeset_terminal(_module(result).terminal(result))
-    units = units_of(result.provenance.data)
-    return terminal_in_units(shown, units) if units else shown
+    with reading_in(units_of(result.provenance.data)):
+        shown = _module(result).terminal(result)
+    columns, rows = _cells(shown.columns), [_cells(row) for row in shown.rows]
+    return replace(shown, sentence=typeset(shown.sentence), columns=columns, rows=rows)
+
+
+def drawings_of(result: Result) -> Mapping[str, Drawing]:
+    """Return the drawings of a result by name, the main one first; none where it has none."""
+    return cast("Mapping[str, Drawing]", getattr(_module(result), "PLOTS", {}))
+
+
+def plots_of(result: Result) -> dict[str, Plot]:
+    """Return the plots of a result by name, the main one first."""
+    return {name: partial(_plot, result, draw) for name, draw in drawings_of(result).items()}
+
+
+def _plot(result: Result, draw: Drawing, *, ax: "Axes | None" = None, **options: object) -> "Axes":
+    """Draw on axes, or on new ones of pyplot's, in the style of the reports."""
+    with shown_as_asked(result):
+        if ax is None:
+            import matplotlib.pyplot as plt
+
+            _, ax = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
+        others = set(ax.figure.axes) - {ax}
+        draw(ax, result, **options)
+        draw_in_units(axes for axes in ax.figure.axes if axes not in others)
+    return ax
 
 
 def _module(result: Result) -> ReportModule:
     return cast(ReportModule, import_module(result.report))
+
+
+def typeset_page(page: Page) -> Page:
+    """Set the texts of a page; listings stay as a program takes them."""
+    return replace(
+        page,
+        title=typeset(page.title),
+        answer=typeset(page.answer),
+        figure=_figure(page.figure) if page.figure else None,
+        numbers=[(typeset(label), typeset(value)) for label, value in page.numbers],
+        sections=_sections(page.sections),
+    )
+
+
+def _sections(sections: Iterable[PageSection]) -> list[PageSection]:
+    return [
+        replace(each, heading=typeset(each.heading), blocks=[_block(block) for block in each.blocks])
+        for each in sections
+    ]
+
+
+def _block(block: Block) -> Block:
+    if isinstance(block, Listing):
+        return block
+    if isinstance(block, Figure):
+        return _figure(block)
+    if isinstance(block, Table):
+        rows = [_cells(row) for row in block.rows]
+        return replace(block, columns=_cells(block.columns), rows=rows, caption=typeset(block.caption))
+    return typeset(block)
+
+
+def _figure(figure: Figure) -> Figure:
+    return replace(figure, alt=typeset(figure.alt), caption=typeset(figure.caption))
+
+
+def _cells(cells: Sequence[str]) -> list[str]:
+    return [typeset(cell) for cell in cells]

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from missionplan.report.display_units import split_key
+from missionplan.report.quantities import split_key
 
 _PHRASES = {
     "velocity_error.along": "velocity error along the track",

@@ -22,7 +22,6 @@ from missionplan.phases.hooks import DescentEffect, TransitEffect
 from missionplan.phases.transit.plan import VelocityError
 from missionplan.physics.vehicle_drag import VehicleDrag
 from missionplan.physics.water import Water, sea_water
-from missionplan.scenario.held_effects import where_held
 from missionplan.scenario.propulsion import PropelledVehicle
 from missionplan.scenario.vehicle import propeller, vehicle_drag
 
@@ -134,9 +133,11 @@ class DrawnMission:
         return tuple(effect for effect in self._effects if isinstance(effect, TransitEffect))
 
     @property
-    def transit_effect_places(self) -> tuple[str, ...]:
-        """First parts of the key paths of their parameters, in the same order."""
-        return tuple(entry.place for entry in self.mission.effects if CATALOGUE[entry.effect].phase == "transit")
+    def transit_effect_streams(self) -> tuple[str, ...]:
+        """Names of the streams of their random numbers, in the same order."""
+        streams = self.mission.effect_list.streams()
+        transit = (entry for entry in self.mission.effects if CATALOGUE[entry.effect].phase == "transit")
+        return tuple(streams[entry.place] for entry in transit)
 
     @cached_property
     def descent_effects(self) -> tuple[DescentEffect, ...]:
@@ -199,12 +200,11 @@ class DrawnMission:
     def _held(self, entry: EffectEntry[Scalars]) -> Effect:
         """Make an effect, of an explanation for the trials in which that holds."""
         info = CATALOGUE[entry.effect]
-        effect = info.make(entry.parameters)
         if entry.explanation is None:
-            return effect
+            return info.make(entry.parameters)
         place, number = entry.explanation
         (which,) = (doubt.which for doubt in self.drawn.doubts if doubt.place == place)
-        return where_held(effect, np.asarray(which) == number)
+        return info.make_where(entry.parameters, np.asarray(which) == number)
 
     def under_explanations(self) -> Iterator[Self]:
         """Yield the mission under each combination of the explanations that are likely enough to plan for."""

@@ -79,7 +79,14 @@ class Scenario(DrawnMission):
 
     @cached_property
     def _joint(self) -> JointDistribution:
-        return JointDistribution.of(self.mission.quantities(), self.mission.correlated)
+        listed = self.mission.effect_list
+        streams = {
+            f"{place}.{key}": f"{name}.{key}"
+            for entry in listed.entries
+            for place, name in ((entry.place, listed.streams()[entry.place]),)
+            for key in entry.parameters
+        }
+        return JointDistribution.of(self.mission.quantities(), self.mission.correlated, streams)
 
     def _with_shaft_speeds(self) -> "Scenario":
         """Add the speeds of the transits that give a shaft rate."""
@@ -187,7 +194,9 @@ class Scenario(DrawnMission):
         way, covariance = navigation.drift_compensation, navigation.velocity_error.covariance
         if way == "filter":
             drawn = self.sampled(seed=0, block=PRIOR)
-            in_doubt = bool(self.mission.doubts)  # at the means one explanation holds
+            in_doubt = any(
+                len(doubt.probabilities) > 1 for doubt in self.mission.doubts
+            )  # at the means one explanation holds
             fix_error = float(np.sqrt(np.mean(np.square(drawn.fix_sd))) if in_doubt else np.mean(self.fix_sd))
             model = drift_model(
                 drawn._drift_sample(drawn.transit(phase.name)),

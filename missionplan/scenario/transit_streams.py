@@ -29,7 +29,7 @@ def transit_normals(scenario: Scenario, phase: TransitPhase[Scalars], source: No
         velocity=legs("velocity_error"),
         fix_on_surfacing=legs("fix_on_surfacing"),
         fix_on_diving=legs("fix_on_diving"),
-        effects=[legs(place) for place in scenario.transit_effect_places],
+        effects=[legs(name) for name in scenario.transit_effect_streams],
     )
 
 

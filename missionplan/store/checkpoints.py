@@ -111,17 +111,10 @@ class Checkpoints:
 
     def read(self, block: int, size: int) -> dict[str, NDArray[np.generic]] | None:
         """Return a finished block; None when there is none that agrees with its checksum, the run and its name."""
-        try:
-            content = self._path(block, size).read_bytes()
-            arrays, checksum = content[:-_CHECKSUM_BYTES], content[-_CHECKSUM_BYTES:]
-            if hashlib.sha256(arrays).digest() != checksum:
-                return None
-            with np.load(BytesIO(arrays), allow_pickle=False) as file:
-                if (str(file["digest"]), *file["block"].tolist()) != (self._digest, block, size):
-                    return None
-                return {name: file[name] for name in file.files if name not in ("digest", "block")}
-        except _UNREADABLE:
+        arrays = read_block(self._folder, block, size)
+        if arrays is None or str(arrays.pop("digest")) != self._digest:
             return None
+        return arrays
 
     def write(self, block: int, size: int, arrays: Arrays) -> None:
         """Save a finished block.
@@ -141,7 +134,26 @@ class Checkpoints:
             write_atomically(self._path(block, size), content.getvalue() + checksum)
 
     def _path(self, block: int, size: int) -> Path:
-        return self._folder / f"block-{block:07d}-{size}.npz"
+        return _block_file(self._folder, block, size)
+
+
+def read_block(folder: Path, block: int, size: int) -> dict[str, NDArray[np.generic]] | None:
+    """Return a finished block of whatever run, with its ``digest``; None where it is damaged or not there."""
+    try:
+        content = _block_file(folder, block, size).read_bytes()
+        arrays, checksum = content[:-_CHECKSUM_BYTES], content[-_CHECKSUM_BYTES:]
+        if hashlib.sha256(arrays).digest() != checksum:
+            return None
+        with np.load(BytesIO(arrays), allow_pickle=False) as file:
+            if file["block"].tolist() != [block, size]:
+                return None
+            return {name: file[name] for name in file.files if name != "block"}
+    except _UNREADABLE:
+        return None
+
+
+def _block_file(folder: Path, block: int, size: int) -> Path:
+    return folder / f"block-{block:07d}-{size}.npz"
 
 
 def _read_identity(content: bytes) -> Identity | None:

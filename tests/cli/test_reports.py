@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from shutil import copytree
 
 import pytest
 
@@ -19,11 +20,18 @@ def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True)
 
 
-@pytest.fixture
-def made(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("made")
     for seed in (1, 2):
         result = missionplan.sweep_dmax(MISSIONS / "fig8.yaml", method="analytic", seed=seed)
-        result.save(tmp_path / "reports" / "fig8" / f"sweep-dmax-{seed}")
+        result.save(folder / f"sweep-dmax-{seed}")
+    return folder
+
+
+@pytest.fixture
+def made(tmp_path: Path, two: Path) -> Path:
+    copytree(two, tmp_path / "reports" / "fig8")
     return tmp_path
 
 

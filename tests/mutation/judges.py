@@ -24,10 +24,22 @@ TABLE = {
     "scenario": ["scenario", "montecarlo/test_streams_drawn.py", "studies/simulation", "phases/mooring"],
     "scenario/currents": ["scenario/currents", "phases/test_field_lookups.py"],
     "studies/mission_plan": ["exporters"],
+    "studies/optimisation": [
+        "studies/optimisation/test_against_brute_force.py",
+        "studies/optimisation/test_search.py",
+        "studies/optimisation/test_optimise.py",
+    ],
+    "studies/exploration": [
+        "studies/exploration/test_shared_current.py",
+        "studies/optimisation/test_against_brute_force.py",
+        "studies/exploration",
+    ],
+    "studies/overdue": ["studies/overdue/test_times_of_the_sheet.py", "studies/overdue"],
+    "studies/held_vehicle.py": ["scenario/test_held_vehicle.py", "studies/test_standing_vehicle.py"],
     "phases/fields": ["phases/test_field_lookups.py", "scenario/currents"],
     "mission/geodesy.py": ["exporters", "mission"],
 }
-"""By the beginning of a module's path, the longest that fits; folders and files of `tests`."""
+"""By the beginning of a module's path, the longest that fits; folders and files of `tests`, the quickest first."""
 
 
 def judges(module: str, tests: Path) -> list[str]:

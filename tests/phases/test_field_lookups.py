@@ -40,6 +40,16 @@ def test_packed_cells_hold_the_linear_interpolation(seed):
         np.testing.assert_allclose(packed, plain, atol=3e-6)
 
 
+def test_each_depth_has_a_slice_of_its_own():
+    """One depth for all places, however near the one before, is each place's depth looked up alone; also asked anew."""
+    even, uneven = field(NORTH), field(np.append(NORTH[:-1], NORTH[-1] + 1e6))
+    place = np.stack((np.linspace(10.0, 1700.0, 9), np.linspace(-350.0, 150.0, 9)))
+    for current in (even, uneven):
+        for depth in (3.0, 3.04, 3.4, 2.96, 3.0, 0.004, 0.0, 11.996, *np.linspace(1.0, 1.3, 40), 3.04):
+            alike, each = (current.velocity(1000.0, deep, place) for deep in (depth, np.full(9, depth)))
+            np.testing.assert_allclose(alike, each, atol=3e-6)
+
+
 def test_cells_beside_land_are_judged_by_their_columns():
     wet = np.ones((NORTH.size, EAST.size), dtype=bool)
     wet[:, 4:] = False

@@ -59,7 +59,7 @@ def test_a_chart_is_drawn_behind_the_site(tmp_path, name, write):
     assert f"Chart: {name}; not for navigation." in drawn.caption
     assert len(drawn.svg) > len(plain.svg)
     assert ("data:image/png" in drawn.svg) == (name == "chart.tif")
-    assert ("10 m" in drawn.svg) == (name == "coast.geojson")
+    assert ("10\u00a0m" in drawn.svg) == (name == "coast.geojson")
 
 
 def test_names_stand_on_white_before_a_picture_in_colours_of_their_own(tmp_path):
@@ -69,7 +69,7 @@ def test_names_stand_on_white_before_a_picture_in_colours_of_their_own(tmp_path)
         drawn, plain = site_map(data), site_map({**data, "site": {"origin": data["site"]["origin"]}})
     assert re.search(r"fill: #ffffff; opacity: 0.8", drawn.svg)
     assert "opacity: 0.8" not in plain.svg
-    scale = drawn.svg[drawn.svg.index(">200 m<") - 300 : drawn.svg.index(">200 m<")]
+    scale = drawn.svg[drawn.svg.index(">200\u00a0m<") - 300 : drawn.svg.index(">200\u00a0m<")]
     assert "#222222" not in scale
 
 

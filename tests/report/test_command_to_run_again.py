@@ -38,7 +38,7 @@ def test_it_makes_the_same_numbers(tmp_path, monkeypatch, study):
 
 
 def test_trials_of_the_mission_are_not_told_twice():
-    made = missionplan.size_anchor(load(MISSION), trials=TRIALS).provenance
+    made = missionplan.sweep_dmax(load(MISSION), trials=TRIALS).provenance
     assert f"--trials {TRIALS}" in rerun_command(made)
     assert "--trials" not in rerun_command(replace(made, trials=made.data["monte_carlo"]["trials"]))
 

@@ -1,6 +1,8 @@
-"""Reports in the units of the crew: texts, columns, a whole page, and files that stay in SI."""
+"""Reports in the units of the reader: quantities, columns, axes, a whole page, and files that stay in SI."""
 
+import html
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -10,57 +12,68 @@ from matplotlib.figure import Figure
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
-from missionplan.report.crew.conversion import column_in_units, drawing_in, in_units, row_in_units, using_units
-from missionplan.report.crew.drawing import draw_in_units, round_length
+from missionplan.report.axes import draw_in_units, name_axis, round_length
 from missionplan.report.page import to_figure
+from missionplan.report.quantities import as_written, quantity, reader_unit, reading_in, span_of, using_units
 from missionplan.report.render import render_report, terminal_view
+from missionplan.studies.anchor.size_anchor import size_anchor
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 
 @pytest.mark.parametrize(
-    ("text", "system", "expected"),
+    ("value", "unit", "form", "system", "expected"),
     [
-        ("350\u00a0m", "imperial", "1148\u00a0ft"),
-        ("75 ft", "metric", "22.9\u00a0m"),
-        ("7.41\u00a0km", "nautical", "4.001\u00a0nmi"),
-        ("0.4 ± 0.1\u00a0kn", "metric", "0.21 ± 0.05\u00a0m/s"),
-        ("1.5 m/s", "nautical", "2.9\u00a0kn"),
-        ("11.8\u00a0N wet", "imperial", "2.65\u00a0lbf wet"),
-        ("−3 to 12 m", "imperial", "−10 to 39\u00a0ft"),
-        ("40 m", "nautical", "40 m"),
-        ("3 min, 20 mm, 4 m², 0.5 N m, 8 kg/m³, 12 W h", "imperial", "3 min, 20 mm, 4 m², 0.5 N m, 8 kg/m³, 12 W h"),
-        ("(0 m, 700 m)", "imperial", "(0\u00a0ft, 2297\u00a0ft)"),
+        (350.0, "m", ".0f", "imperial", "1148\u00a0ft"),
+        (75.0, "ft", ".0f", "metric", "22.9\u00a0m"),
+        (7.41, "km", ".2f", "nautical", "4.001\u00a0nmi"),
+        (1.5, "m/s", ".1f", "nautical", "2.9\u00a0kn"),
+        (11.8, "N", ".1f", "imperial", "2.65\u00a0lbf"),
+        (40.0, "m", ".0f", "nautical", "40\u00a0m"),
+        (-3.0, "m", ".0f", "imperial", "−10\u00a0ft"),
+        (20.0, "mm", ".0f", "imperial", "20\u00a0mm"),
+        (0.3, "N", "+.2f", "", "+0.30\u00a0N"),
+        (float("nan"), "m", ".1f", "imperial", "–"),
     ],
 )
-def test_quantities_of_a_text(text, system, expected):
-    assert in_units(text, system) == expected
+def test_a_quantity_is_written_once_in_the_units_of_the_reader(value, unit, form, system, expected):
+    with reading_in(system):
+        assert quantity(value, unit, form) == expected
 
 
 @given(st.floats(0.1, 9000.0), st.integers(0, 3), st.sampled_from(["imperial", "nautical", "metric"]))
 def test_a_converted_length_is_the_same_length(metres, decimals, system):
     written = f"{metres:.{decimals}f}"
-    number, unit = in_units(f"{written} m", system).replace("\u202f", "").replace("\u00a0", " ").split()
+    with reading_in(system):
+        words = as_written(written, "m")
+    number, unit = words.replace("\u202f", "").replace("\u00a0", " ").split()
     size = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "mi": 1609.344, "nmi": 1852.0}[unit]
     last = size * 10.0 ** -len(number.partition(".")[2])
     assert abs(float(number) * size - float(written)) <= 0.5001 * last + 1e-9
     assert last <= 2.1 * 10.0**-decimals + 1e-9 or size > 900.0
 
 
-def test_a_column_is_converted_whole_or_not_at_all():
-    assert column_in_units("radius (m)", ["15", "4.25 ± 0.10", "–"], "imperial") == (
-        "radius (ft)", ["49", "13.94 ± 0.33", "–"],
-    )  # fmt: skip
-    assert column_in_units("half axes (m)", ["18 (circle)", "5"], "imperial")[0] == "half axes (m)"
+def test_a_range_and_a_column_have_one_unit():
+    with reading_in("imperial"):
+        assert span_of(0.0, 700.0, "m", ".0f") == "0 to 2297\u00a0ft"
+        unit = reader_unit("m", 15.0)
+        assert [unit.axis, *(unit.cell(each, ".2f") for each in (15.0, 4.25, None))] == [" (ft)", "49.21", "13.94", "–"]
 
 
-def test_spread_and_points_of_a_row_have_the_unit_of_its_quantity():
-    heads = ["quantity", "mean", "sd", "5\u00a0%", "trials"]
-    assert row_in_units(heads, ["offset", "30.5 ± 0.3\u00a0m", "3.05", "–", "12"], "imperial") == [
-        "offset", "30.5 ± 0.3\u00a0m", "10.01", "–", "12",
-    ]  # fmt: skip
-    assert row_in_units(heads, ["duration", "30.5\u00a0s", "3.05", "1", "12"], "imperial")[2] == "3.05"
+def test_names_of_missions_and_phases_are_no_quantities():
+    data = dict(load(MISSIONS / "anchor-design.yaml").raw)
+    data |= {"name": "Dive 30 m at 2 kn", "units": "imperial"}
+    (entry,) = data["phases"]
+    data["phases"] = [{"moor": {**entry["moor"], "name": "5 m line"}}]
+    found = size_anchor(Mission.from_data(data), trials=50)
+    page = html.unescape(re.sub(r"<pre.*?</pre>", "", render_report(found).html, flags=re.DOTALL)).replace(
+        "\u00a0", " "
+    )
+    assert "Dive 30 m at 2 kn" in page
+    assert "5 m line" in page
+    assert not re.search(r"98 ft at|16 ft line", page)
+    assert " lbf wet" in terminal_view(found).sentence.replace("\u00a0", " ")
 
 
 def test_a_mission_or_the_run_chooses_the_units_and_the_summary_stays_in_si():
@@ -74,9 +87,9 @@ def test_a_mission_or_the_run_chooses_the_units_and_the_summary_stays_in_si():
         k: v for k, v in plain.summary().items() if k not in unlike
     }
     with using_units("imperial"):
-        html = render_report(plain).html
-    assert "\u00a0mi" in html
-    assert "--units imperial" in html
+        page = render_report(plain).html
+    assert "\u00a0mi" in page
+    assert "--units imperial" in page
     assert "nmi" in json.dumps(plain.provenance.data)
 
 
@@ -84,9 +97,11 @@ def drawn(system: str, *, highest: float, aspect: str = "auto"):
     figure = Figure(layout="constrained")
     axes = figure.add_subplot()
     axes.plot([0.0, 700.0, 1400.0], [0.0, highest / 2.0, highest], label="to 300 m")
-    axes.set(xlabel="east (m)", ylabel="north (m)", xlim=(0.0, 1852.0), ylim=(0.0, highest), aspect=aspect)
+    name_axis(axes.xaxis, "east", "m")
+    name_axis(axes.yaxis, "north", "m")
+    axes.set(xlim=(0.0, 1852.0), ylim=(0.0, highest), aspect=aspect)
     axes.legend()
-    with drawing_in(system):
+    with reading_in(system):
         return axes, to_figure(figure, "figure", "")
 
 
@@ -104,7 +119,7 @@ def test_axes_have_round_numbers_in_the_units_of_the_crew_and_so_has_the_script(
     assert panel["x"] == {"lim": [0.0, 1.1508], "log": False, "label": "east (mi)"}
     assert panel["y"]["lim"] == pytest.approx([0.0, 300.0 / 0.3048], rel=1e-4)
     assert panel["lines"][0]["points"][-1] == pytest.approx([1400.0 / 1609.344, 300.0 / 0.3048], rel=1e-4)
-    assert axes.get_legend().get_texts()[0].get_text() == "to 984\u00a0ft"
+    assert axes.get_legend().get_texts()[0].get_text() == "to 300\u00a0m"  # a text is no quantity
 
 
 def test_a_map_has_one_unit_and_axes_stay_where_no_units_are_chosen():
@@ -120,9 +135,11 @@ def test_a_map_has_one_unit_and_axes_stay_where_no_units_are_chosen():
 def test_a_logarithmic_axis_and_words_on_an_axis():
     figure = Figure()
     axes = figure.add_subplot()
-    axes.set(xscale="log", xlim=(1.0, 1000.0), xlabel="leg (m)", ylabel="mean (m/s)")
+    axes.set(xscale="log", xlim=(1.0, 1000.0))
+    name_axis(axes.xaxis, "leg", "m")
+    name_axis(axes.yaxis, "mean", "m/s")
     axes.set_yticks([0.0, 1.0], ["slow", "fast"])
-    with drawing_in("imperial"):
+    with reading_in("imperial"):
         draw_in_units([axes])
     assert axes.get_xlabel() == "leg (ft)"
     assert {5.0, 10.0, 20.0, 1000.0} <= set(ticks(axes.xaxis))
@@ -135,7 +152,7 @@ def test_a_logarithmic_axis_and_words_on_an_axis():
     [("", 1200.0, "1 km"), ("", 380.0, "200 m"), ("nautical", 1200.0, "0.5 nmi"), ("imperial", 380.0, "1000 ft")],
 )
 def test_a_scale_bar_has_a_round_length(system, length, words):
-    with drawing_in(system):
+    with reading_in(system):
         metres, written = round_length(length)
     assert written == words
     assert 0.4 * length <= metres <= length
@@ -144,9 +161,9 @@ def test_a_scale_bar_has_a_round_length(system, length, words):
 def test_the_page_for_scripts_is_in_the_units_of_the_crew():
     found = sweep_dmax(load(MISSIONS / "fig8.yaml"), trials=20)
     with using_units("nautical"):
-        html = render_report(found).html
-    assert "σ_v 0.035\u00a0m/s" not in html
-    assert "σ_v 0.068\u00a0kn" in html
+        page = render_report(found).html
+    assert "σ_v 0.035\u00a0m/s" not in page
+    assert "σ_v 0.068\u00a0kn" in page
     assert found.plot().get_xlabel()
 
 

@@ -24,14 +24,14 @@ def legs(d_max: float, cost: float | None) -> dict[str, Any]:
 def test_a_heavier_anchor_is_asked_for_with_what_the_old_one_would_do() -> None:
     (words,) = plan_words(diagnosed(anchor(2.14, 0.96), anchor(2.84, 0.97), anchor(2.14, 0.075)))
     assert words == (
-        "Plan with an anchor of 2.84 N wet, 97 % within the radius; the anchor that the mission's model asks for, "
-        "2.14 N wet, stays within the radius in 8 % of the dives, not in 96 %."
+        "Plan with an anchor of 2.84\u00a0N wet, 97 % within the radius; the anchor that the mission's model asks for, "
+        "2.14\u00a0N wet, stays within the radius in 8 % of the dives, not in 96 %."
     )
 
 
 def test_an_anchor_that_serves_is_left() -> None:
     (words,) = plan_words(diagnosed(anchor(2.0, 0.95), anchor(2.0, 0.945), anchor(2.0, 0.945)))
-    assert words == "The anchor that the mission's model asks for, 2 N wet, still serves: 94 % within the radius."
+    assert words == "The anchor that the mission's model asks for, 2\u00a0N wet, still serves: 94 % within the radius."
 
 
 def test_where_the_worst_case_asks_for_the_same_anchor_the_odds_are_pointed_to() -> None:
@@ -41,7 +41,10 @@ def test_where_the_worst_case_asks_for_the_same_anchor_the_odds_are_pointed_to()
 
 def test_an_anchor_that_seldom_holds_is_no_plan() -> None:
     (words,) = plan_words(diagnosed(anchor(1.02, 1.0), anchor(3.64, 0.18), anchor(1.02, 0.0)))
-    assert "in 0 % of the dives, not in over 99 %, and one sized with the extended model, 3.64 N wet, in 18 %" in words
+    assert (
+        "in 0 % of the dives, not in over 99 %, and one sized with the extended model, 3.64\u00a0N wet, in 18 %"
+        in words
+    )
     assert words.endswith("size-anchor with --probability finds the weight for more.")
 
 
@@ -53,8 +56,8 @@ def test_a_vehicle_that_strikes_the_seafloor_is_said() -> None:
 
 def test_no_plan_is_asserted_on_a_cause_that_is_not() -> None:
     (words,) = plan_words(diagnosed(legs(16e3, 0.01), legs(5e3, 0.04), legs(16e3, 0.05), "ambiguous"))
-    assert words.startswith("If that is what it was: plan with a d_max of 5 km, for 4 % beyond")
-    assert "16 km, which the mission's model asks for, would take 5 % and not the expected 1 %" in words
+    assert words.startswith("If that is what it was: plan with a d_max of 5\u00a0km, for 4 % beyond")
+    assert "16\u00a0km, which the mission's model asks for, would take 5 % and not the expected 1 %" in words
 
 
 @pytest.mark.parametrize(
@@ -62,13 +65,13 @@ def test_no_plan_is_asserted_on_a_cause_that_is_not() -> None:
 )
 def test_a_leg_length_that_serves_is_left(after: dict[str, Any], kept: dict[str, Any]) -> None:
     (words,) = plan_words(diagnosed(legs(16e3, 0.0), after, kept))
-    assert words.startswith("The d_max that the mission's model asks for, 16 km, still serves: it takes")
+    assert words.startswith("The d_max that the mission's model asks for, 16\u00a0km, still serves: it takes")
     assert "(expected: 0 %)" in words
 
 
 def test_legs_that_never_arrive_take_no_end() -> None:
     (words,) = plan_words(diagnosed(legs(16e3, 0.01), legs(484.2, 0.04), legs(16e3, None)))
-    assert words.startswith("Plan with a d_max of 484 m, for 4 %")
+    assert words.startswith("Plan with a d_max of 484\u00a0m, for 4 %")
     assert "would take no end and not the expected 1 %" in words
 
 

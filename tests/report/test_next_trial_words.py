@@ -49,7 +49,7 @@ def test_a_choice_at_the_end_of_those_tried_is_said_to_be() -> None:
     assert "one d_max for all transits is best at 2.70\u00a0km (success > 99.9 %, 132 min" in next_trial_words(FOUND)
     assert "3.00\u00a0km (the longest tried; success" in next_trial_words(replace(FOUND, choice=3000.0))
     anchors = replace(FOUND, decides="anchor_wet_weight_n", choice=18.0, tried=(3.5, 18.0), best=None)
-    assert "the anchor's wet weight is best at 18 N (the heaviest tried; success" in next_trial_words(anchors)
+    assert "the anchor's wet weight is best at 18\u00a0N (the heaviest tried; success" in next_trial_words(anchors)
 
 
 def test_what_to_do_next_names_the_trial() -> None:

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from missionplan.montecarlo.statistics import Probability, Statistic, wilson
-from missionplan.report.display_units import Unit, split_key, unit_for
-from missionplan.report.numbers import number, percent, rounded_down, rounded_up, span, time_in_words, with_error
+from missionplan.report.numbers import number, percent, rounded_down, rounded_up
+from missionplan.report.quantities import Unit, span, split_key, time_in_words, unit_for, with_error
 
 MISSION = {
     "site": {"depth": "40 ft"},

@@ -9,10 +9,11 @@ import pytest
 from matplotlib.figure import Figure
 
 from missionplan.montecarlo.parallel.pool import process_pool, result_of, running_pool, shut_down_pool
-from missionplan.report.crew.conversion import drawing_in
+from missionplan.report.axes import name_axis
 from missionplan.report.drawn import Drawn, draw, style
 from missionplan.report.page import to_figure
 from missionplan.report.parallel_drawing import AT_ONCE, drawing_in_parallel
+from missionplan.report.quantities import reading_in
 
 
 @pytest.fixture
@@ -30,7 +31,7 @@ def curve(phase: float = 0.0) -> Figure:
     t = np.linspace(0.0, 10.0, 50)
     axes.plot(t, np.sin(t + phase), label="depth")
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g} h")
-    axes.set_ylabel("depth (m)")
+    name_axis(axes.yaxis, "depth", "m")
     axes.legend()
     return figure
 
@@ -38,7 +39,7 @@ def curve(phase: float = 0.0) -> Figure:
 @pytest.mark.usefixtures("pool")
 @pytest.mark.parametrize("units", ["", "imperial"])
 def test_the_drawing_is_the_same(units: str) -> None:
-    with style(), drawing_in(units):
+    with style(), reading_in(units):
         here = draw(curve())
         with drawing_in_parallel():
             elsewhere = to_figure(curve(), "curve", "A curve")

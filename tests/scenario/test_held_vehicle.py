@@ -12,8 +12,10 @@ from missionplan.mission import Mission
 from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT
 from missionplan.physics.seafloor import FRICTION, ROUGHNESS
 from missionplan.scenario.anchor_weight import anchor_length
-from missionplan.scenario.held_vehicle import hold_of
+from missionplan.scenario.held_vehicle import held_body, hold_of
+from missionplan.scenario.mooring import moor_plan
 from missionplan.scenario.scenario import Scenario
+from missionplan.studies.held_vehicle import _knobs
 from missionplan.studies.simulation.simulate import simulate_block
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -137,3 +139,44 @@ def test_a_holding_factor_may_vary_and_leaves_other_draws_alone():
 def test_what_cannot_be_is_refused(changes, words):
     with pytest.raises(InputError, match=words):
         changed(**changes)
+
+
+OFF_THE_AXIS = {
+    "centre_of_gravity": {"from_nose": "0.57 m", "below_axis": "11 mm"},
+    "centre_of_buoyancy": {"from_nose": "0.552 m", "below_axis": "-4 mm"},
+}
+
+
+def test_each_centre_has_its_own_force_and_arm():
+    """The weight at the centre of gravity, the buoyancy at its own: none for the other, along the axis and off it."""
+    scenario = Scenario.at_means(changed(vehicle=OFF_THE_AXIS))
+    weight = 10.2 * 9.80665
+    buoyancy = weight + 0.2 * 4.4482216
+    body = held_body(scenario)
+    assert body.raising_moment == pytest.approx(buoyancy * 0.552 - weight * 0.57)
+    assert abs(body.righting_moment) == pytest.approx(weight * 0.011 + buoyancy * 0.004)
+    pitching = moor_plan(scenario, scenario.mission.moors[0]).dive.pitching
+    assert (pitching.centre, pitching.ahead, pitching.below) == pytest.approx((0.57, 0.57 - 0.552, -0.004 - 0.011))
+    assert pitching.buoyancy == pytest.approx(buoyancy)
+    assert pitching.inertia == pytest.approx(pitching.lateral_mass * pitching.length**2 / 12.0)
+
+
+def test_a_lighter_vehicle_is_held_as_one_whose_file_says_so():
+    """What a remedy tries is what the mission would compute with that number, without centres at mid-length."""
+    scenario = Scenario.at_means(changed())
+    before = hold_of(scenario, scenario.mission.moors[0], 11.8)
+    knobs = {knob.name: knob for knob in _knobs(before, scenario)}
+    assert {name: (knob.value, knob.unit) for name, knob in knobs.items()} == {
+        "anchor": (11.8, "N wet"),
+        "net buoyancy": (pytest.approx(0.2 * 4.4482216), "N"),
+        "line": (5.0, "m"),
+    }
+    other = hold(changed(vehicle={"net_buoyancy": "2.5 N"}))
+    made = knobs["net buoyancy"].changed(2.5)
+    assert made.body.net_buoyancy == other.body.net_buoyancy
+    assert made.body.raising_moment == pytest.approx(other.body.raising_moment)
+    longer = knobs["line"].changed(7.0)
+    assert (longer.line.length, longer.body) == (7.0, before.body)
+    heavier = knobs["anchor"].changed(np.array([14.0]))
+    assert heavier.anchor.wet_weight == 14.0
+    assert heavier.anchor.length == pytest.approx(hold_of(scenario, scenario.mission.moors[0], 14.0).anchor.length)

@@ -70,7 +70,7 @@ def diagnose_campaign(
         base,
         seed=found[0].provenance.seed,
         trials=0,
-        options={"datasets": [str(folder) for folder in folders], "jobs": jobs},
+        options={"datasets": [str(folder) for folder in folders], "jobs": jobs, "plan": plan},
         started=started,
         datasets=folders,
         notices=tuple(dict.fromkeys(notice for each in found for notice in each.provenance.notices)),

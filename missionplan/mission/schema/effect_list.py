@@ -166,6 +166,18 @@ class EffectList(Generic[V]):
         """The explanations of which one holds."""
         return tuple(item for item in self.items if isinstance(item, OneOf))
 
+    def streams(self) -> dict[str, str]:
+        """Return by the place of every effect the name under which its random numbers are drawn.
+
+        An effect in doubt has the numbers that it would have if it always held; of several entries of one effect the
+        first has them, one that always holds before the others.
+        """
+        found: dict[str, str] = {}
+        for entry in sorted(self.entries, key=lambda each: each.explanation is not None):
+            name = f"effects.{entry.effect}"
+            found[entry.place] = entry.place if name in found.values() else name
+        return found
+
     def mapped(self, change: Callable[[str, Any], Any]) -> "EffectList[Any]":
         """Return the list with every parameter, and which explanations hold, changed, given names and values."""
         return EffectList(tuple(item.mapped(change) for item in self.items))

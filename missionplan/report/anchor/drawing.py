@@ -11,6 +11,7 @@ from matplotlib.patches import Polygon, Rectangle, Wedge
 
 from missionplan.physics.anchor import AnchorDesign, cap_height
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, SKY, YELLOW, Figure, to_figure
+from missionplan.report.quantities import quantity
 
 _MM = 1e3
 _RING_WIDTH = 0.012
@@ -133,7 +134,7 @@ def _label_parts(axes: Axes, design: AnchorDesign) -> None:
     axes.text(r + 4.0, top, "tube", color=_DARK_YELLOW, ha="left", fontsize=8.5)
     axes.text(end, top, "back", color=GREEN, ha="right", fontsize=8.5)
     if _has_ring(design):
-        label = f"ring {design.trim_mass:.2f} kg"
+        label = f"ring {quantity(design.trim_mass, 'kg', '.2f')}"
         axes.text(design.trim_position * _MM, top, label, color=ORANGE, ha="center", fontsize=8.5)
 
 

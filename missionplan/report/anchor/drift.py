@@ -5,7 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.patches import Circle
 
+from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, PINK, SKY, Figure, to_figure
+from missionplan.report.quantities import quantity
 from missionplan.results.mooring.sizing import AnchorSizing
 
 _DASHED = (0, (4, 3))
@@ -22,8 +24,9 @@ def drift_figure(sizing: AnchorSizing) -> Figure:
         figure,
         "drift",
         alt=(
-            f"Drift of anchor and vehicle from the last fix to touchdown: {sizing.to_build.offset:.1f} m, "
-            f"with the allowed radius of {sizing.radius:.1f} m"
+            "Drift of anchor and vehicle from the last fix to touchdown: "
+            f"{quantity(sizing.to_build.offset, 'm', '.1f')}, "
+            f"with the allowed radius of {quantity(sizing.radius, 'm', '.1f')}"
         ),
         caption=f"The nominal dive with the mean currents: {_how(sizing)}. Cross: the anchor.",
     )
@@ -46,7 +49,7 @@ def _draw_radius(axes: Axes, sizing: AnchorSizing) -> None:
     """Draw the allowed radius about the last fix."""
     radius = sizing.radius
     axes.add_patch(Circle((0.0, 0.0), radius, fill=False, color=PINK, linewidth=1.2, linestyle=_DASHED))
-    axes.text(0.0, 1.04 * radius, f"radius {radius:.1f} m", ha="center", va="bottom", fontsize=8.5)
+    axes.text(0.0, 1.04 * radius, f"radius {quantity(radius, 'm', '.1f')}", ha="center", va="bottom", fontsize=8.5)
     axes.plot(0.0, 0.0, "o", color=INK, markersize=4)
     axes.annotate("last fix", (0.0, 0.0), (-1.0, -1.5), ha="right", va="top", fontsize=8.5)
 
@@ -58,10 +61,18 @@ def _draw_plan(axes: Axes, sizing: AnchorSizing) -> None:
     east, north = (float(value) for value in profile.record.offset[:, 0])
     axes.plot(east, north, "x", color=ORANGE, markersize=7, markeredgewidth=2.0)
     axes.annotate(
-        f"{offset:.1f} m", (east, north), (0, -9), textcoords="offset points", ha="right", va="top", fontsize=8.5
+        quantity(offset, "m", ".1f"),
+        (east, north),
+        (0, -9),
+        textcoords="offset points",
+        ha="right",
+        va="top",
+        fontsize=8.5,
     )
     limit = 1.28 * max(sizing.radius, offset)
-    axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", xlabel="East (m)", ylabel="North (m)")
+    axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
+    name_axis(axes.xaxis, "East", "m")
+    name_axis(axes.yaxis, "North", "m")
     axes.set_title("Plan")
 
 
@@ -80,9 +91,9 @@ def _draw_elevation(axes: Axes, sizing: AnchorSizing) -> None:
     middle = int((until - 1) * 0.62)
     _label(axes, "anchor", (anchor[middle], profile.anchor_depth[middle]), ORANGE, shift=(-7, -3), align="right")
     _label(axes, "vehicle", (vehicle[middle], profile.vehicle_depth[middle]), BLUE, shift=(7, 3), align="left")
-    axes.set(
-        xlabel="Distance from the last fix (m)", ylabel="Depth (m)", ylim=(1.06 * sizing.depth, -0.04 * sizing.depth)
-    )
+    axes.set(ylim=(1.06 * sizing.depth, -0.04 * sizing.depth))
+    name_axis(axes.xaxis, "Distance from the last fix", "m")
+    name_axis(axes.yaxis, "Depth", "m")
     axes.set_xlim(0.0, 1.1 * max(sizing.radius, sizing.to_build.offset))
     axes.set_title("Elevation")
 

@@ -2,6 +2,7 @@
 
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import PageSection, Table
+from missionplan.report.quantities import quantity, reader_unit
 from missionplan.results.explained import label
 from missionplan.results.mooring.sizing import AnchorSizing
 
@@ -20,8 +21,9 @@ def explanation_in_words(sizing: AnchorSizing) -> str:
             return f" Whichever explanation holds, the same anchor is best, to {100.0 * SAME_WEIGHT:.0f}\u00a0%."
         light, heavy = (pick(found, key=lambda each: each.needed or 0.0) for pick in (min, max))
         return (
-            f" The doubt changes the choice: with {label(light.causes)} {light.needed:.2f}\u00a0N would do, with "
-            f"{label(heavy.causes)} it takes {heavy.needed:.2f}\u00a0N."
+            f" The doubt changes the choice: with {label(light.causes)} {quantity(light.needed, 'N', '.2f')} "
+            "would do, with "
+            f"{label(heavy.causes)} it takes {quantity(heavy.needed, 'N', '.2f')}."
         )
     worst, best = found[0], found[-1]
     if worst.good.high < best.good.low:
@@ -33,12 +35,13 @@ def explanation_in_words(sizing: AnchorSizing) -> str:
 def explanation_section(sizing: AnchorSizing) -> list[PageSection]:
     """Tabulate what the anchor to build achieves under each explanation, and which one would do."""
     asked = any(each.needed is not None for each in sizing.explanations)
+    unit = reader_unit("N", 0.0)
     rows = [
         [
             label(each.causes),
             f"{100.0 * each.probability:.1f}\u00a0%",
             percent(each.good),
-            "–" if each.needed is None and asked else f"{each.needed:.2f}" if asked else "",
+            "–" if each.needed is None and asked else unit.cell(each.needed, ".2f") if asked else "",
         ]
         for each in sizing.explanations
     ]
@@ -46,7 +49,7 @@ def explanation_section(sizing: AnchorSizing) -> list[PageSection]:
         "explanation",
         "probability",
         "dives that succeed with the anchor to build",
-        "lightest that would do (N)",
+        f"lightest that would do{unit.axis}",
     )
     note = "Each explanation known to hold in turn, on the same random numbers."
     return [PageSection("Which explanation holds", [Table(columns, rows, note)])] if rows else []

@@ -8,7 +8,9 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.phases.mooring.profile import DescentProfile
+from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, SKY, Figure, to_figure
+from missionplan.report.quantities import quantity
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 
 
@@ -17,9 +19,9 @@ def drag_bars(anchor: SizedAnchor) -> Figure:
     parts = _drag_parts(anchor)
     figure = MatplotlibFigure(figsize=(6.0, 2.4))
     draw_drag(figure.subplots(), anchor)
-    listed = ", ".join(f"{name.lower()} {value:.2f} N" for name, value, _ in parts)
+    listed = ", ".join(f"{name.lower()} {quantity(value, 'N', '.2f')}" for name, value, _ in parts)
     whole = sum(value for _, value, _ in parts)
-    return to_figure(figure, "drag", alt=f"Drag build-up: {listed}; together {whole:.2f} N")
+    return to_figure(figure, "drag", alt=f"Drag build-up: {listed}; together {quantity(whole, 'N', '.2f')}")
 
 
 def draw_drag(axes: Axes, anchor: SizedAnchor) -> None:
@@ -27,16 +29,28 @@ def draw_drag(axes: Axes, anchor: SizedAnchor) -> None:
     parts, left = _drag_parts(anchor), 0.0
     for row, (_, value, colour) in enumerate(parts):
         axes.barh(row, value, left=left, color=colour, height=0.62)
-        axes.text(left + value + 0.01 * float(anchor.drag.total), row, f"{value:.2f} N", va="center", fontsize=9)
+        axes.text(
+            left + value + 0.01 * float(anchor.drag.total),
+            row,
+            quantity(value, "N", ".2f"),
+            va="center",
+            fontsize=9,
+        )
         left += value
     axes.axvline(left, color=INK, linewidth=1.0, linestyle=(0, (4, 3)))
-    axes.text(0.99 * left, -0.75, f"wet weight that balances it: {left:.2f} N", ha="right", va="bottom", fontsize=9)
+    axes.text(
+        0.99 * left,
+        -0.75,
+        f"wet weight that balances it: {quantity(left, 'N', '.2f')}",
+        ha="right",
+        va="bottom",
+        fontsize=9,
+    )
     axes.set_yticks(range(len(parts)), [name for name, _, _ in parts])
     axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
-    axes.set(
-        xlabel=f"Drag at {anchor.terminal_velocity:.2f} m/s (N)", xlim=(0.0, 1.14 * left), ylim=(len(parts) - 0.5, -1.1)
-    )
+    axes.set(xlim=(0.0, 1.14 * left), ylim=(len(parts) - 0.5, -1.1))
+    name_axis(axes.xaxis, f"Drag at {quantity(anchor.terminal_velocity, 'm/s', '.2f')}", "N")
 
 
 def _drag_parts(anchor: SizedAnchor) -> list[tuple[str, float, str]]:
@@ -59,7 +73,8 @@ def descent_profile(anchor: SizedAnchor) -> Figure:
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
     draw_depths(above, profile, seafloor)
     mark_lowest_point(above, profile, seafloor, anchor.lowest_altitude)
-    above.set(ylabel="Depth (m)", ylim=(1.06 * seafloor, -0.26 * seafloor))
+    above.set(ylim=(1.06 * seafloor, -0.26 * seafloor))
+    name_axis(above.yaxis, "Depth", "m")
     above.set_yticks([tick for tick in above.get_yticks() if 0.0 <= tick <= seafloor])
     _draw_speed(below, profile, anchor.dive_terminal_velocity)
     _mark_stages(above, below, profile.stages, float(profile.time[-1]), -0.25 * seafloor)
@@ -68,7 +83,8 @@ def descent_profile(anchor: SizedAnchor) -> Figure:
         "descent",
         alt=(
             f"Depth and speed against time: taut line after {profile.stages['pull-down']:.1f} s, touchdown after "
-            f"{profile.stages['touchdown']:.1f} s, the vehicle's lowest point {anchor.lowest_altitude:.1f} m above the "
+            f"{profile.stages['touchdown']:.1f} s, the vehicle's lowest point "
+            f"{quantity(anchor.lowest_altitude, 'm', '.1f')} above the "
             "seafloor"
         ),
         caption="The nominal dive, every distribution at its mean. Dotted: the stages' ends.",
@@ -99,7 +115,7 @@ def mark_lowest_point(axes: Axes, profile: DescentProfile, seafloor: float, alti
     """Say at the vehicle's lowest point how far above the seafloor it stops."""
     lowest = profile.stages["lowest point"]
     axes.annotate(
-        f"stops {altitude:.1f} m above" if altitude > 0.0 else "strikes the seafloor",
+        f"stops {quantity(altitude, 'm', '.1f')} above" if altitude > 0.0 else "strikes the seafloor",
         (lowest, min(seafloor - altitude, seafloor)),
         (lowest, seafloor - max(altitude, 0.0) - 0.16 * seafloor),
         ha="center",
@@ -112,8 +128,11 @@ def _draw_speed(axes: Axes, profile: DescentProfile, terminal: float) -> None:
     end = profile.time[-1]
     axes.plot(profile.time, profile.vehicle_speed, color=BLUE)
     axes.axhline(terminal, color=GREY, linewidth=1.0, linestyle=(0, (4, 3)))
-    axes.text(end, terminal, f"terminal velocity {terminal:.2f} m/s", ha="right", va="bottom", fontsize=8.5)
-    axes.set(xlabel="Time since the last fix (s)", ylabel="Vehicle's speed down (m/s)", xlim=(0.0, end))
+    axes.text(
+        end, terminal, f"terminal velocity {quantity(terminal, 'm/s', '.2f')}", ha="right", va="bottom", fontsize=8.5
+    )
+    axes.set(xlabel="Time since the last fix (s)", xlim=(0.0, end))
+    name_axis(axes.yaxis, "Vehicle's speed down", "m/s")
     axes.set_ylim(top=1.22 * max(terminal, float(np.nanmax(profile.vehicle_speed))))
 
 

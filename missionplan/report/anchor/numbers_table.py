@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from missionplan.physics.anchor import AnchorDesign
 from missionplan.report.numbers import percent
+from missionplan.report.quantities import quantity
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing
 
@@ -24,7 +25,7 @@ class _Row:
         value = self.value(anchor)
         if value is None or not math.isfinite(value):
             return "–"
-        return f"{value * self.scale:.{self.digits}f} {self.unit}"
+        return quantity(value * self.scale, self.unit, f".{self.digits}f")
 
 
 def _of_design(value: Callable[[AnchorDesign], float]) -> Callable[[SizedAnchor], float | None]:

@@ -11,11 +11,12 @@ from missionplan.report.anchor.drawing import drawing
 from missionplan.report.anchor.explained import explanation_in_words, explanation_section
 from missionplan.report.anchor.figures import descent_profile, draw_depths, draw_drag, mark_lowest_point
 from missionplan.report.anchor.numbers_table import numbers_table
+from missionplan.report.axes import name_axis
 from missionplan.report.held_vehicle import hold_section
 from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import percent
-from missionplan.report.page import Figure, Page, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.page import Drawing, Figure, Page, Terminal
+from missionplan.report.quantities import quantity
 from missionplan.report.wording import phase_in_words
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing
@@ -31,10 +32,11 @@ def page(sizing: AnchorSizing) -> Page:
         answer=answer(sizing),
         figure=_main_figure(anchor),
         numbers=[
-            ("Wet weight", f"{anchor.wet_weight:.2f} N"),
-            ("Terminal velocity it is sized for", f"{anchor.terminal_velocity:.2f} m/s"),
+            ("Wet weight", quantity(anchor.wet_weight, "N", ".2f")),
+            ("Terminal velocity it is sized for", quantity(anchor.terminal_velocity, "m/s", ".2f")),
             (
-                f"Dives within {sizing.radius:.1f} m and clear of the bottom{sections.holding_in_words(anchor)}",
+                f"Dives within {quantity(sizing.radius, 'm', '.1f')} and clear of the "
+                f"bottom{sections.holding_in_words(anchor)}",
                 percent(anchor.probabilities.good),
             ),
         ],
@@ -82,7 +84,10 @@ def _which(sizing: AnchorSizing) -> str:
         return f"No anchor reaches {100.0 * probable.required:g}\u00a0%. {built}"
     if probable.lighter is not None:
         required = f"{100.0 * probable.required:g}\u00a0%"
-        built += f" For {required}, {probable.lighter:.2f}\u00a0N would do, but these parts make no lighter anchor."
+        built += (
+            f" For {required}, {quantity(probable.lighter, 'N', '.2f')} would do, but these parts make no "
+            "lighter anchor."
+        )
     worst = f"The worst-case anchor of Eq. 1, {sections.weight_in_words(sizing.anchor)} wet, reaches "
     return f"{built} {worst}{percent(sizing.anchor.probabilities.good)}."
 
@@ -95,14 +100,15 @@ def _drags_in_words(sizing: AnchorSizing) -> str:
     state = next(state for state in held.states if state.holding_margin < 0.0)
     return (
         f" With an assumed holding factor of {held.friction:g} the anchor to build would drag in the {state.current}, "
-        f"{state.speed:.2f}\u00a0m/s, which is not counted."
+        f"{quantity(state.speed, 'm/s', '.2f')}, which is not counted."
     )
 
 
 def _achieved(sizing: AnchorSizing, anchor: SizedAnchor) -> str:
     """Write how often dives succeed, beside what the mission requires."""
     words = (
-        f"{percent(anchor.probabilities.good)} of dives stay within {sizing.radius:.1f}\u00a0m and clear of the bottom"
+        f"{percent(anchor.probabilities.good)} of dives stay within {quantity(sizing.radius, 'm', '.1f')} and "
+        "clear of the bottom"
         f"{sections.holding_in_words(anchor)}"
     )
     if sizing.required is not None and not sizing.meets_requirement:
@@ -118,9 +124,9 @@ def _anchor_in_words(anchor: SizedAnchor) -> str:
     if not design.feasible:
         failures = "; ".join(failure.words for failure in design.failures)
         return f"An anchor of {weight} wet cannot be built from these parts: {failures}."
-    built = f"{design.dry_mass:.2f}\u00a0kg dry, {design.length * 1e3:.0f}\u00a0mm long"
+    built = f"{quantity(design.dry_mass, 'kg', '.2f')} dry, {design.length * 1e3:.0f}\u00a0mm long"
     if math.isfinite(design.trim_position):
-        built += f", ring of {design.trim_mass:.2f}\u00a0kg at {design.trim_position * 1e3:.0f}\u00a0mm"
+        built += f", ring of {quantity(design.trim_mass, 'kg', '.2f')} at {design.trim_position * 1e3:.0f}\u00a0mm"
     return f"An anchor of {weight} wet, {built}: {sections.dive_in_words(anchor)}."
 
 
@@ -137,7 +143,8 @@ def descent(axes: Axes, sizing: AnchorSizing) -> None:
     seafloor = float(np.asarray(anchor.dive.site_depth))
     draw_depths(axes, anchor.profile, seafloor)
     mark_lowest_point(axes, anchor.profile, seafloor, anchor.lowest_altitude)
-    axes.set(xlabel="Time since the last fix (s)", ylabel="Depth (m)", ylim=(1.06 * seafloor, 0.0))
+    axes.set(xlabel="Time since the last fix (s)", ylim=(1.06 * seafloor, 0.0))
+    name_axis(axes.yaxis, "Depth", "m")
 
 
 def drag(axes: Axes, sizing: AnchorSizing) -> None:

@@ -11,6 +11,7 @@ from missionplan.report.anchor.figures import descent_profile, drag_bars
 from missionplan.report.anchor.numbers_table import numbers_table
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Block, PageSection, Table
+from missionplan.report.quantities import quantity, reader_unit
 from missionplan.report.wording import capitalised
 from missionplan.results.mooring.sized_anchor import SizedAnchor
 from missionplan.results.mooring.sizing import AnchorSizing, ProbableAnchor
@@ -48,8 +49,9 @@ def _why_none(sizing: AnchorSizing, probable: ProbableAnchor) -> list[str]:
     words = [f"{capitalised(probable.reason)}."]
     if probable.line_length is not None:
         words.append(
-            f"A line of {probable.line_length:.1f}\u00a0m, instead of {sizing.line_length:.1f}\u00a0m, "
-            f"with an anchor of {probable.line_anchor_weight:.1f}\u00a0N would do."
+            f"A line of {quantity(probable.line_length, 'm', '.1f')}, instead of "
+            f"{quantity(sizing.line_length, 'm', '.1f')}, "
+            f"with an anchor of {quantity(probable.line_anchor_weight, 'N', '.1f')} would do."
         )
     return words
 
@@ -59,8 +61,9 @@ def _compared(sizing: AnchorSizing, found: SizedAnchor, wanted: str) -> str:
     difference = found.wet_weight - worst.wet_weight
     which = "lightest" if sizing.probable is None or sizing.probable.lighter is None else "lightest buildable"
     return (
-        f"The {which} anchor that stays within {sizing.radius:.1f}\u00a0m without the vehicle striking in {wanted} of "
-        f"dives weighs {weight_in_words(found)} wet, {abs(difference):.1f}\u00a0N "
+        f"The {which} anchor that stays within {quantity(sizing.radius, 'm', '.1f')} without the vehicle "
+        f"striking in {wanted} of "
+        f"dives weighs {weight_in_words(found)} wet, {quantity(abs(difference), 'N', '.1f')} "
         f"{'lighter' if difference < 0.0 else 'heavier'} than the worst-case anchor, which reaches "
         f"{percent(worst.probabilities.good)}. It is {dive_in_words(found)}."
     )
@@ -68,7 +71,7 @@ def _compared(sizing: AnchorSizing, found: SizedAnchor, wanted: str) -> str:
 
 def weight_in_words(anchor: SizedAnchor) -> str:
     """Write the wet weight: ``11.8 N``."""
-    return f"{anchor.wet_weight:.{1 if anchor.wet_weight >= 1.0 else 2}f}\u00a0N"
+    return quantity(anchor.wet_weight, "N", ".1f" if anchor.wet_weight >= 1.0 else ".2f")
 
 
 def dive_in_words(anchor: SizedAnchor) -> str:
@@ -77,18 +80,20 @@ def dive_in_words(anchor: SizedAnchor) -> str:
         return "it does not take the vehicle to the seafloor"
     down = (
         f"at the seafloor {anchor.descent_time:.0f}\u00a0s after separation, "
-        f"{anchor.offset:.0f}\u00a0m from the last fix"
+        f"{quantity(anchor.offset, 'm', '.0f')} from the last fix"
     )
     if anchor.lowest_altitude > 0.0:
-        return f"{down}; the vehicle stops {anchor.lowest_altitude:.1f}\u00a0m above the bottom"
-    return f"{down}; the vehicle strikes the bottom: the line is {-anchor.lowest_altitude:.1f}\u00a0m too short"
+        return f"{down}; the vehicle stops {quantity(anchor.lowest_altitude, 'm', '.1f')} above the bottom"
+    return (
+        f"{down}; the vehicle strikes the bottom: the line is {quantity(-anchor.lowest_altitude, 'm', '.1f')} too short"
+    )
 
 
 def probabilities(sizing: AnchorSizing) -> PageSection:
     """Present how often dives stay within the radius and clear of the bottom."""
     good = percent(sizing.to_build.probabilities.good)
     holding = holding_in_words(sizing.to_build)
-    heading = f"{good} of dives stay within {sizing.radius:.1f}\u00a0m and clear of the bottom{holding}"
+    heading = f"{good} of dives stay within {quantity(sizing.radius, 'm', '.1f')} and clear of the bottom{holding}"
     return PageSection(heading, [_dives_in_words(sizing)])
 
 
@@ -98,13 +103,19 @@ def _dives_in_words(sizing: AnchorSizing) -> str:
     if offset.count == 0:
         drawn = f"{number(trials)} dives drawn from the mission's distributions"
         return f"In none of {drawn} does the anchor reach the seafloor."
+    unit = reader_unit("m", offset.p95)
+    middle, far = number(unit(offset.p50), unit(offset.standard_error)), unit(offset.p95)
     words = (
         f"{_those_that_land(offset.count, trials)} the anchor comes down "
-        f"{number(offset.p50, offset.standard_error)}\u00a0m from the last fix in the median and "
-        f"{number(offset.p95, 2.0 * offset.standard_error)}\u00a0m at the 95th percentile. The vehicle "
+        f"{middle}{unit.suffix} from the last fix in the median and "
+        f"{number(far, unit(2.0 * offset.standard_error))}{unit.suffix} at the 95th percentile. The vehicle "
         f"strikes the seafloor in {percent(dives.struck)}"
     )
-    return f"{words}; in one dive of twenty it stops within {lowest:.2f}\u00a0m of it." if lowest > 0.0 else f"{words}."
+    return (
+        f"{words}; in one dive of twenty it stops within {quantity(lowest, 'm', '.2f')} of it."
+        if lowest > 0.0
+        else f"{words}."
+    )
 
 
 def _those_that_land(landed: int, trials: int) -> str:
@@ -122,20 +133,22 @@ def dive(sizing: AnchorSizing) -> Iterator[PageSection]:
         yield PageSection("The anchor does not reach the seafloor", [_layers_in_words(sizing)])
         return
     if anchor.design is not None and anchor.design.feasible:
-        stops = f"The vehicle stops {anchor.lowest_altitude:.1f}\u00a0m above the bottom"
+        stops = f"The vehicle stops {quantity(anchor.lowest_altitude, 'm', '.1f')} above the bottom"
         heading = stops if anchor.lowest_altitude > 0.0 else "The vehicle strikes the bottom"
         yield PageSection(heading, [descent_profile(anchor)])
     inside = "inside" if anchor.offset <= sizing.radius else "outside"
-    heading = f"The anchor comes down {anchor.offset:.1f}\u00a0m from the last fix, {inside} the radius"
+    heading = f"The anchor comes down {quantity(anchor.offset, 'm', '.1f')} from the last fix, {inside} the radius"
     yield PageSection(heading, [drift_figure(sizing), _layers_in_words(sizing)])
 
 
 def _layers_in_words(sizing: AnchorSizing) -> str:
-    layers = "; ".join(f"{layer.thickness:.1f}\u00a0m at {layer.speed:.2f}\u00a0m/s" for layer in sizing.layers)
-    required = f"{sizing.required_velocity:.3f}\u00a0m/s"
+    layers = "; ".join(
+        f"{quantity(layer.thickness, 'm', '.1f')} at {quantity(layer.speed, 'm/s', '.2f')}" for layer in sizing.layers
+    )
+    required = quantity(sizing.required_velocity, "m/s", ".3f")
     words = f"Sized for {layers}, all aligned (Eq. 1), which requires {required} downward over the ground."
     if sizing.vector_velocity is not None:
-        words += f" With the layers' own directions {sizing.vector_velocity:.3f}\u00a0m/s would do."
+        words += f" With the layers' own directions {quantity(sizing.vector_velocity, 'm/s', '.3f')} would do."
     return words
 
 
@@ -152,7 +165,7 @@ def trim(sizing: AnchorSizing) -> Iterator[PageSection]:
         (
             state.configuration,
             state.verdict,
-            f"{state.net_force:+.2f} N",
+            quantity(state.net_force, "N", "+.2f"),
             _moment(state),
             _pitch(state.pitch),
         )

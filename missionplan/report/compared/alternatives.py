@@ -17,10 +17,9 @@ from missionplan.report.compared.choices import (
 )
 from missionplan.report.compared.sections import differing_section, requirements_section
 from missionplan.report.compared.tasks import task_in_words
-from missionplan.report.display_units import Unit, unit_for
-from missionplan.report.numbers import percent, with_error
-from missionplan.report.page import BLUE, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
-from missionplan.report.plots import Drawing
+from missionplan.report.numbers import percent
+from missionplan.report.page import BLUE, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.quantities import Unit, unit_for, with_error
 from missionplan.report.wording import in_words
 from missionplan.results.choosing.alternatives import DECIDES, Alternative, Alternatives
 

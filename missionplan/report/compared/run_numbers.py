@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 
 from missionplan.mission.checks.requirements import QUANTITIES
-from missionplan.report.display_units import Unit, unit_for
-from missionplan.report.numbers import NARROW_SPACE, has_spread, number, with_error
+from missionplan.report.numbers import NARROW_SPACE, has_spread, number
+from missionplan.report.planned.values import value_in_words
+from missionplan.report.quantities import Unit, as_written, reader_unit, unit_for, with_error
 from missionplan.report.wording import in_words
 from missionplan.results.comparison import ComparedNumber, Comparison
 from missionplan.results.plain_data import mapping, mappings
@@ -60,9 +61,9 @@ def _of_sweep(comparison: Comparison, difference: ComparedNumber) -> str:
     which, d_max = (*rest, "", "")[:2]
     words = _OF_SWEEP.get((which, difference.key), "") or in_words(difference.key)
     if which == "curve":
-        words += f" at d_max = {number(float(d_max))}\u00a0m"
+        words += f" at d_max = {with_error(float(d_max), 0.0, reader_unit('m', float(d_max)))}"
     spreads = {each.group.split(", ")[1] for each in comparison.differences if each.group.startswith("sweep, ")}
-    return f"{words} (σ_v = {sigma}\u00a0m/s)" if len(spreads) > 1 else words
+    return f"{words} (σ_v = {as_written(sigma, 'm/s')})" if len(spreads) > 1 else words
 
 
 def _requirement(comparison: Comparison, difference: ComparedNumber) -> str:
@@ -81,7 +82,7 @@ def _in_si(quantity: str, limit: str) -> str:
     if not unit:
         return limit
     words, _, value = limit.rpartition(" ")
-    return f"{words} {number(float(value))}\u00a0{unit}".strip()
+    return f"{words} {with_error(float(value), 0.0, reader_unit(unit, float(value)))}".strip()
 
 
 def requirements_of(mission: Mapping[str, object]) -> list[Mapping[str, object]]:
@@ -98,7 +99,7 @@ def limit_in_words(requirement: Mapping[str, object]) -> str:
     """Write the limit of a mission's requirement as its file does: ``at most 75 ft``; empty for an event."""
     for bound in ("at_most", "at_least"):
         if bound in requirement:
-            return f"{bound.replace('_', ' ')} {str(requirement[bound]).replace('*', NARROW_SPACE)}"
+            return f"{bound.replace('_', ' ')} {value_in_words(requirement[bound]).replace('*', NARROW_SPACE)}"
     return ""
 
 

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.report.compared.run_numbers import importance, name_of, noise_of, row_of, shown_change
 from missionplan.report.compared.tasks import task_in_words
 from missionplan.report.numbers import number
-from missionplan.report.page import BLUE, INK, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
-from missionplan.report.plots import Drawing
+from missionplan.report.page import BLUE, INK, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
 from missionplan.report.wording import in_words
 from missionplan.results.comparison import ChangedValue, ComparedNumber, Comparison
 

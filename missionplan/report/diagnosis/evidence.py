@@ -8,6 +8,7 @@ from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
 from missionplan.report.diagnosis.figures import held_out_figure, ranking_figure
 from missionplan.report.numbers import number
 from missionplan.report.page import Block, PageSection, Table
+from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.wording import parameter_in_words
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import ParameterEstimate, RankedSet
@@ -58,7 +59,7 @@ def _parameters(best: RankedSet) -> Table:
             parameter_in_words(p.effect, p.name),
             _shown(p, p.value),
             f"{_shown(p, p.low)} to {_shown(p, p.high)}",
-            _unit(p),
+            _unit_of(p).name,
         ]
         for p in best.parameters
     ]
@@ -75,7 +76,7 @@ def known_section(diagnosis: Diagnosis) -> list[PageSection]:
     for before in diagnosis.known:
         now = after.get((before.effect, before.name))
         known, learned = _with_sd(before), _with_sd(now) if now else ""
-        rows.append([parameter_in_words(before.effect, before.name), known, learned, _unit(before)])
+        rows.append([parameter_in_words(before.effect, before.name), known, learned, _unit_of(before).name])
     caption = "The mission's own effects are part of its model; the extended mission carries what is known now."
     table = Table(["Parameter", "In the mission", "After these data", "Unit"], rows, caption)
     return [PageSection("What the mission knew, and what is known now", [table])]
@@ -95,21 +96,24 @@ def sized(parameter: ParameterEstimate) -> str:
     value, sd = _value_and_sd(parameter)
     if parameter.unit == "rad":
         return f"{value}° ± {sd}°"
-    return f"{value} ± {sd}\N{NO-BREAK SPACE}{parameter.unit}".rstrip()
+    return f"{value} ± {sd}{_unit_of(parameter).suffix}"
 
 
 def _value_and_sd(parameter: ParameterEstimate) -> tuple[str, str]:
     """Write both with the digits that the standard deviation supports, angles in degrees."""
-    value, sd = (math.degrees(x) if parameter.unit == "rad" else x for x in (parameter.value, parameter.sd))
+    value, sd = map(_unit_of(parameter), (parameter.value, parameter.sd))
     return number(value, sd), number(sd, sd)
 
 
 def _shown(parameter: ParameterEstimate, value: float) -> str:
-    return f"{math.degrees(value) if parameter.unit == 'rad' else value:.3g}"
+    return f"{_unit_of(parameter)(value):.3g}"
 
 
-def _unit(parameter: ParameterEstimate) -> str:
-    return "°" if parameter.unit == "rad" else parameter.unit
+def _unit_of(parameter: ParameterEstimate) -> Unit:
+    """Unit in which a parameter is shown: angles in degrees."""
+    if parameter.unit == "rad":
+        return Unit("°", math.radians(1.0))
+    return reader_unit(parameter.unit, max(abs(parameter.value), abs(parameter.low), abs(parameter.high)))
 
 
 def held_out_section(diagnosis: Diagnosis) -> list[PageSection]:
@@ -118,17 +122,18 @@ def held_out_section(diagnosis: Diagnosis) -> list[PageSection]:
         return []
     better = sum(score.log_score_extended > score.log_score_base for score in diagnosis.scores)
     heading = f"{better} of {len(diagnosis.scores)} parts are predicted better when they are held out"
+    unit = reader_unit(REPORTS[diagnosis.kind].unit, max(score.rmse_base for score in diagnosis.scores))
     rows = [
         [
             score.group,
             f"{score.log_score_extended - score.log_score_base:+.1f}",
-            f"{score.rmse_base:.3g}",
-            f"{score.rmse_extended:.3g}",
+            unit.cell(score.rmse_base, ".3g"),
+            unit.cell(score.rmse_extended, ".3g"),
         ]
         for score in diagnosis.scores
     ]
-    unit = REPORTS[diagnosis.kind].unit
-    table = Table(["Held out", "Gain (nats)", f"Error before ({unit})", f"Error after ({unit})"], rows)
+    heads = ["Held out", "Gain (nats)", f"Error before{unit.axis}", f"Error after{unit.axis}"]
+    table = Table(heads, rows)
     blocks: list[Block] = [held_out_figure(diagnosis), table]
     best = diagnosis.best
     if best is not None and best.held_out is not None:

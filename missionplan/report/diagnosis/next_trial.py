@@ -5,8 +5,9 @@ import math
 from missionplan.datasets.leg_checks import MIN_LEGS
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.causes import names, part, percent
-from missionplan.report.numbers import length_in_words, number
+from missionplan.report.numbers import number
 from missionplan.report.page import Block, PageSection, Table
+from missionplan.report.quantities import length_in_words, quantity
 from missionplan.report.wording import capitalised
 from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, ValuedDesign
 
@@ -109,7 +110,7 @@ def _loss(value: float, found: NextTrial) -> str:
 
 
 def _value(found: NextTrial, value: float) -> str:
-    return length_in_words(value) if found.decides == "d_max_m" else f"{value:.3g} N"
+    return length_in_words(value) if found.decides == "d_max_m" else quantity(value, "N", ".3g")
 
 
 def _assumptions(found: NextTrial) -> str:
@@ -167,7 +168,7 @@ def _parameter(rule: OutcomeRule) -> str:
 def _threshold(rule: OutcomeRule) -> str:
     if rule.unit == "rad":
         return f"{math.degrees(rule.threshold):.2g}°"
-    return f"{rule.threshold:.2g} {rule.unit}".strip()
+    return quantity(rule.threshold, rule.unit, ".2g")
 
 
 def _designs(found: NextTrial) -> Table:

@@ -23,8 +23,7 @@ from missionplan.report.diagnosis.last_part import last_part_sections, last_part
 from missionplan.report.diagnosis.next_trial import next_trial_pointer, next_trial_section, next_trial_told
 from missionplan.report.diagnosis.operator import finding_in_words
 from missionplan.report.diagnosis.plan import plan_section, plan_words
-from missionplan.report.page import Block, Page, PageSection, Table, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import NextMeasurement, ParameterEstimate
 

@@ -5,18 +5,20 @@ import math
 from missionplan.report.diagnosis.causes import part
 from missionplan.report.numbers import number
 from missionplan.report.page import PageSection, Table
+from missionplan.report.quantities import Unit, quantity, reader_unit
 from missionplan.report.wording import capitalised
 from missionplan.results.learned.diagnosis import Diagnosis, Plan
 
 _COLUMNS = {
-    "d_max_m": "d_max (m)",
-    "cost": "Mean cost (%)",
-    "arrived": "Arrive (%)",
-    "anchor_wet_weight_n": "Anchor's wet weight (N)",
-    "within_radius": "Within the radius (%)",
-    "struck_seafloor": "Strike the seafloor (%)",
-    "success": "Missions that succeed (%)",
+    "d_max_m": "d_max",
+    "cost": "Mean cost",
+    "arrived": "Arrive",
+    "anchor_wet_weight_n": "Anchor's wet weight",
+    "within_radius": "Within the radius",
+    "struck_seafloor": "Strike the seafloor",
+    "success": "Missions that succeed",
 }
+_UNITS = {"d_max_m": "m", "anchor_wet_weight_n": "N"}
 _NOTES = {
     "anchor_wet_weight_n": (
         "Anchors sized for the worst current (Eq. 15), and to carry the vehicle's net buoyancy besides."
@@ -41,7 +43,7 @@ def plan_section(diagnosis: Diagnosis) -> list[PageSection]:
     }
     keys = [key for key in _COLUMNS if key in gain.after]
     rows = [[name, *(_cell(key, plan.get(key)) for key in keys)] for name, plan in plans.items() if plan]
-    table = Table(["", *(_COLUMNS[key] for key in keys)], rows, _NOTES[keys[0]])
+    table = Table(["", *(f"{_COLUMNS[key]}{_unit(key).axis}" for key in keys)], rows, _NOTES[keys[0]])
     return [PageSection("What it means for the plan", [table], is_summary=True)]
 
 
@@ -49,7 +51,13 @@ def _cell(key: str, value: float | None) -> str:
     """Write a number of a plan; shares, as everywhere in the report, in per cent."""
     if value is None:
         return ""
-    return number(value) if key.endswith(("_m", "_n")) else number(100.0 * value, 0.1 if key == "cost" else 1.0)
+    shown = _unit(key)(value)
+    return number(shown) if key in _UNITS else number(shown, 0.1 if key == "cost" else 1.0)
+
+
+def _unit(key: str) -> Unit:
+    """Unit of a number of a plan: per cent, or the reader's."""
+    return reader_unit(_UNITS[key], 0.0) if key in _UNITS else Unit("%", 0.01)
 
 
 def plan_words(diagnosis: Diagnosis) -> list[str]:
@@ -66,7 +74,7 @@ def plan_words(diagnosis: Diagnosis) -> list[str]:
 
 
 def _anchor(before: Plan, after: Plan, kept: Plan) -> str:
-    own, other = (f"{_number(plan, 'anchor_wet_weight_n'):.3g} N" for plan in (before, after))
+    own, other = (quantity(_number(plan, "anchor_wet_weight_n"), "N", ".3g") for plan in (before, after))
     shares = [_number(plan, "within_radius") for plan in (before, kept, after)]
     expected, found, best = map(part, shares)
     if abs(shares[1] - shares[0]) < _SAME_SHARE:
@@ -101,7 +109,7 @@ def _number(plan: Plan, key: str) -> float:
 
 
 def _length(metres: float) -> str:
-    return f"{metres:.0f} m" if metres < 1000.0 else f"{metres / 1000.0:.3g} km"
+    return quantity(metres, "m", ".0f") if metres < 1000.0 else quantity(metres / 1000.0, "km", ".3g")
 
 
 def _delay(cost: float) -> str:

@@ -10,9 +10,10 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
-from missionplan.report.display_units import Unit, unit_for
+from missionplan.report.axes import name_axis
 from missionplan.report.exploration.words import DURATION, ENERGY, name_of
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, Figure, to_figure
+from missionplan.report.quantities import Unit, unit_for, value_on
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.choosing.axis import Axis
 from missionplan.results.choosing.exploration import Cell, Exploration
@@ -45,7 +46,7 @@ def curves_figure(found: Exploration) -> Figure:
         figure,
         "explore",
         alt=f"Probability of success, energy and duration against {name_of(axis)}"
-        + (f"; the best is {axis.shown(best.place[0])}" if best else ""),
+        + (f"; the best is {value_on(axis, best.place[0])}" if best else ""),
         caption="Bands: 95 % intervals of probabilities; between the 5 % and 95 % points of the trials of quantities. "
         "Filled circle: the best; open circles: the trials cannot tell them from it. "
         + ("Shaded: all requirements are met. " if found.windows else "")
@@ -173,8 +174,11 @@ def positions(axis: Axis) -> Array:
 def _mark_axis(axes: Axes, axis: Axis, at: Array, *, vertical: bool = False) -> None:
     """Write ticks and label of an axis."""
     side = axes.yaxis if vertical else axes.xaxis
-    unit = f" ({axis.unit})" if axis.unit else ""
-    side.set_label_text(f"{capitalised(name_of(axis))}{unit}")
+    words = capitalised(name_of(axis))
+    if axis.unit:
+        name_axis(side, words, axis.unit)
+    else:
+        side.set_label_text(words)
     if axis.is_time and axis.numbers is not None:
         days = [datetime.fromtimestamp(number, UTC) for number in axis.numbers]
         one_day = days[0].date() == days[-1].date()

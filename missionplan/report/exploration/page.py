@@ -21,8 +21,8 @@ from missionplan.report.exploration.words import (
 )
 from missionplan.report.members import members_section
 from missionplan.report.numbers import percent, share
-from missionplan.report.page import Figure, Page, PageSection, Table, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.page import Drawing, Figure, Page, PageSection, Table, Terminal
+from missionplan.report.quantities import range_on, value_on
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.choosing.axis import Aim
 from missionplan.results.choosing.exploration import Cell, Exploration, Status
@@ -107,7 +107,7 @@ def _rows(found: Exploration, cells: Sequence[Cell]) -> list[list[str]]:
     keys = quantities_shown(found)
     rows = []
     for cell in cells:
-        row = [axis.shown(index) for axis, index in zip(found.axes, cell.place, strict=True)]
+        row = [value_on(axis, index) for axis, index in zip(found.axes, cell.place, strict=True)]
         row += [_STATUS[cell.status]]
         if cell.reason:
             row += ["–"] * (len(keys) + 2)
@@ -140,9 +140,9 @@ def _good(found: Exploration) -> Iterator[PageSection]:
         axis = found.axes[0]
         rows = [
             (
-                axis.shown(window.first)
+                value_on(axis, window.first)
                 if window.first == window.last
-                else f"{axis.labels[window.first]} to {axis.shown(window.last)}",
+                else range_on(axis, window.first, window.last),
                 str(window.last - window.first + 1),
                 percent(min((found.cells[i].success for i in range(window.first, window.last + 1)), key=_value)),
             )

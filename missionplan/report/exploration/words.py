@@ -3,9 +3,9 @@
 import math
 from collections.abc import Sequence
 
-from missionplan.report.display_units import unit_for
 from missionplan.report.members import members_in_words
-from missionplan.report.numbers import number, percent, with_error
+from missionplan.report.numbers import number, percent
+from missionplan.report.quantities import range_on, unit_for, value_on, with_error
 from missionplan.report.wording import in_words, keys_in_words
 from missionplan.results.choosing.axis import Aim, Axis
 from missionplan.results.choosing.exploration import Cell, Exploration, Window
@@ -54,7 +54,7 @@ def tried(found: Exploration) -> str:
 
 def place_in_words(found: Exploration, cell: Cell) -> str:
     """Write a cell's values: ``05:50 UTC and 1.4 m/s``."""
-    return " and ".join(axis.shown(index) for axis, index in zip(found.axes, cell.place, strict=True))
+    return " and ".join(value_on(axis, index) for axis, index in zip(found.axes, cell.place, strict=True))
 
 
 def quantity_with_error(found: Exploration, cell: Cell, key: str) -> str:
@@ -139,9 +139,9 @@ def _windows(found: Exploration) -> str:
 def ranges_in_words(axis: Axis, windows: Sequence[Window]) -> str:
     """Write ``from 05:10 to 06:40 UTC and at 11:00 UTC``."""
     parts = [
-        f"at {axis.shown(window.first)}"
+        f"at {value_on(axis, window.first)}"
         if window.first == window.last
-        else f"from {axis.labels[window.first]} to {axis.shown(window.last)}"
+        else f"from {range_on(axis, window.first, window.last)}"
         for window in windows[:_MOST_RANGES]
     ]
     if len(windows) > _MOST_RANGES:

@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from missionplan.arrays import Array
-from missionplan.report.crew.drawing import round_length
+from missionplan.report.axes import round_length
 from missionplan.report.page import INK
+from missionplan.report.quantities import quantity
 
 _ASTRAY = 1.0
 """A track is astray that goes beyond where 95 % of them go by more than this share of those tracks' extent."""
@@ -58,8 +59,8 @@ class Frame:
 def _rounded(metres: float) -> str:
     kilometres = metres / 1000.0
     if kilometres < 1.0:
-        return f"{metres:.0f}\u00a0m"
-    return f"{kilometres:.{0 if kilometres >= 10.0 else 1}f}\u00a0km"
+        return quantity(metres, "m", ".0f")
+    return quantity(kilometres, "km", ".0f" if kilometres >= 10.0 else ".1f")
 
 
 def frame(tracks: Sequence[Array], always: Sequence[Array] = ()) -> Frame:

@@ -61,7 +61,7 @@ def rings(outcome: Outcome) -> Iterator[Ring]:
 
 
 def describe(ring: Ring) -> str:
-    """Describe a ring: ``ingress: CEP 50 %, 7.1 m``."""
+    """Describe a ring for other programs, in SI: ``ingress: CEP 50 %, 7.1 m``."""
     share = "" if math.isnan(ring.share) else f" {100.0 * ring.share:.0f} %"
     radius = "" if ring.kind == "mooring ellipse" else f", {ring.radius:.3g} m"
     return f"{phase_in_words(ring.phase)}: {ring.kind}{share}{radius}"

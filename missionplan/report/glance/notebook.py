@@ -7,12 +7,9 @@ from collections.abc import Sequence
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from missionplan.report.crew.conversion import drawing_in, units_of
-from missionplan.report.crew.drawing import draw_in_units
-from missionplan.report.drawn import style
+from missionplan.report.axes import draw_in_units
 from missionplan.report.glance.text import heading
-from missionplan.report.plots import drawings_of
-from missionplan.report.render import terminal_view
+from missionplan.report.render import drawings_of, shown_as_asked, terminal_view
 from missionplan.results.base import Result
 
 _MOST_ROWS = 20
@@ -51,7 +48,7 @@ def _figure(result: Result) -> str:
     if not drawings:
         return ""
     name, draw = next(iter(drawings.items()))
-    with style(), drawing_in(units_of(result.provenance.data)):
+    with shown_as_asked(result):
         figure = Figure(figsize=(6.4, 4.0), layout="constrained")
         draw(figure.add_subplot(), result)
         draw_in_units(figure.axes)

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from missionplan.rendering import Plot, Rendered
 from missionplan.report.glance import notebook as notebook_view
 from missionplan.report.glance import text as text_view
-from missionplan.report.plots import plots_of
-from missionplan.report.render import render_report
+from missionplan.report.render import plots_of, render_report
 from missionplan.results.base import Result
 
 

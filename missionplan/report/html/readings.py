@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.report.crew.drawing import has_numbers, size_of_unit
+from missionplan.report.axes import has_numbers, size_of_unit
+from missionplan.report.typesetting import typeset
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -59,11 +60,11 @@ def _labelled(figure: "MatplotlibFigure") -> Iterator[tuple[str, "Artist"]]:
         for container in axes.containers:
             label = str(container.get_label())
             if label and not label.startswith("_"):
-                yield from ((label, child) for child in container.get_children())
+                yield from ((typeset(label), child) for child in container.get_children())
         for artist in (*axes.lines, *axes.collections, *axes.patches):
             label = str(artist.get_label())
             if label and not label.startswith("_"):
-                yield label, artist
+                yield typeset(label), artist
 
 
 def readings(figure: "MatplotlibFigure", series: dict[str, list[str]], slider: Slider | None) -> str:
@@ -121,7 +122,7 @@ def _lines(axes: "Axes") -> Iterator[dict[str, object]]:
         points /= np.array([[size_of_unit(axes.xaxis)], [size_of_unit(axes.yaxis)]])
         if line.get_transform() == axes.transData and points.shape[1] >= _LEAST_POINTS:
             label = str(line.get_label())
-            yield {"name": "" if label.startswith("_") else label, "points": _thinned(points)}
+            yield {"name": "" if label.startswith("_") else typeset(label), "points": _thinned(points)}
 
 
 def _thinned(points: Array) -> list[list[float]]:

@@ -13,8 +13,8 @@ from jinja2 import Environment, PackageLoader
 from markupsafe import Markup
 
 from missionplan.rendering import Rendered
-from missionplan.report.crew.conversion import given_units
 from missionplan.report.page import BLUE, GRID, INK, Block, Figure, Page, PageSection, Table
+from missionplan.report.quantities import given_units
 from missionplan.report.wording import capitalised
 from missionplan.results.base import Provenance, to_yaml
 from missionplan.results.plain_data import mapping

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
+from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, ORANGE, PINK, SKY, Figure, to_figure
 from missionplan.results.imported import ImportedData
 
@@ -58,7 +59,9 @@ def draw_track(axes: Axes, result: ImportedData) -> None:
     if near.size:
         axes.plot(*(near / unit), "x", color=PINK, markersize=6, label="fixes rejected", zorder=4)
     _error_arrows(axes, result, counted, unit)
-    axes.set(xlabel=f"east ({word})", ylabel=f"north ({word})", aspect="equal")
+    axes.set(aspect="equal")
+    name_axis(axes.xaxis, "east", word)
+    name_axis(axes.yaxis, "north", word)
     axes.margins(0.06)
     _widen(axes, _drawn(result) / unit)
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
@@ -127,7 +130,8 @@ def histograms(result: ImportedData) -> Figure:
     left = figure.add_subplot(1, 2, 1)
     left.hist(length / unit, bins=min(max(len(length) // 2, 5), 20), range=_span(length / unit), color=SKY)
     left.yaxis.set_major_locator(MaxNLocator(integer=True))
-    left.set(xlabel=f"length of a leg ({word})", ylabel="legs")
+    left.set(ylabel="legs")
+    name_axis(left.xaxis, "length of a leg", word)
     right = figure.add_subplot(1, 2, 2, projection="polar")
     counts, edges = np.histogram(np.remainder(course, 2.0 * math.pi), bins=24, range=(0.0, 2.0 * math.pi))
     right.bar(edges[:-1], counts, width=np.diff(edges), align="edge", color=SKY)
@@ -152,7 +156,8 @@ def depth_figure(result: ImportedData) -> Figure | None:
     figure = MatplotlibFigure(figsize=(_WIDTH, 2.2))
     axes = figure.add_subplot()
     axes.plot((lines.depth_t[during] - begin) / _HOUR, lines.depth[during], color=BLUE, linewidth=0.7)
-    axes.set(xlabel="time since the first dive (h)", ylabel="depth (m)")
+    axes.set(xlabel="time since the first dive (h)")
+    name_axis(axes.yaxis, "depth", "m")
     axes.invert_yaxis()
     left = np.count_nonzero(~during)
     outside = f"{left} readings more than an hour from every dive are not drawn." if left else ""

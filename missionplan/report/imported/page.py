@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import pandas as pd
 
 from missionplan.report.imported.figures import depth_figure, draw_track, histograms, track_figure
-from missionplan.report.page import Block, Listing, Page, PageSection, Table, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.page import Block, Drawing, Listing, Page, PageSection, Table, Terminal
+from missionplan.report.quantities import quantity, reader_unit
 from missionplan.results.imported import ImportedData
 
 _LISTED = 60
@@ -67,9 +67,13 @@ def _numbers(result: ImportedData) -> list[tuple[str, str]]:
     found = result.figures
     east, north = found["velocity_error_mean_east_m_s"], found["velocity_error_mean_north_m_s"]
     return [
-        ("Velocity error, each axis", f"{found['velocity_error_sigma_m_s']:.3f} m/s about {east:.3f}, {north:.3f} m/s"),
-        ("Leg, median", f"{found['leg_length_m']:.0f} m in {found['leg_duration_s'] / 60.0:.0f} min"),
-        ("Fix, each axis", f"{found['fix_sd_m']:.1f} m"),
+        (
+            "Velocity error, each axis",
+            f"{quantity(found['velocity_error_sigma_m_s'], 'm/s', '.3f')} about {east:.3f}, "
+            f"{quantity(north, 'm/s', '.3f')}",
+        ),
+        ("Leg, median", f"{quantity(found['leg_length_m'], 'm', '.0f')} in {found['leg_duration_s'] / 60.0:.0f} min"),
+        ("Fix, each axis", quantity(found["fix_sd_m"], "m", ".1f")),
     ]
 
 
@@ -96,14 +100,15 @@ def _dives_table(result: ImportedData) -> Table:
     shown = result.dives.head(_LISTED)
     begins = shown["t_start"] if "t_start" in shown else pd.Series("", index=shown.index)
     reasons = shown["reason"].where(shown["ok"] == 0, "yes")
+    unit = reader_unit("m", float(shown["max_depth_m"].max()))
     columns = (shown.iloc[:, 0], begins, result.durations[:_LISTED] / 60.0, shown["max_depth_m"], reasons)
     rows = [
-        (str(name), str(begin).replace("T", "\u00a0")[:19], str(reason), f"{minutes:.1f}", f"{depth:.1f}")
+        (str(name), str(begin).replace("T", "\u00a0")[:19], str(reason), f"{minutes:.1f}", unit.cell(depth, ".1f"))
         for name, begin, minutes, depth, reason in zip(*columns, strict=True)
     ]
     more = f"The first {_LISTED} of {len(result.dives)}. " if len(result.dives) > _LISTED else ""
     caption = f"{more}Times are UTC. All of it is in all-dives.csv."
-    return Table(("dive", "begins", "counts?", "minutes", "greatest depth (m)"), rows, caption, text_columns=3)
+    return Table(("dive", "begins", "counts?", "minutes", f"greatest depth{unit.axis}"), rows, caption, text_columns=3)
 
 
 def _sources(result: ImportedData) -> PageSection:

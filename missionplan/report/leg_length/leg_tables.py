@@ -3,9 +3,9 @@
 import numpy as np
 
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.report.display_units import Unit
-from missionplan.report.numbers import length_in_words, number, percent, with_error
+from missionplan.report.numbers import number, percent
 from missionplan.report.page import Table
+from missionplan.report.quantities import Unit, length_in_words, reader_unit, with_error
 from missionplan.results.leg_length.leg_cases import CandidatePlan, LegCase, SampledCost
 from missionplan.results.leg_length.legs import LegPlan
 
@@ -42,7 +42,7 @@ def candidates_table(plan: LegPlan) -> Table:
     """Tabulate the candidate plans by their time, energy and probability of being on time."""
     has_energy = all(np.isfinite(candidate.energy.mean) for candidate in plan.candidates)
     has_deadline = bool(np.isfinite(plan.deadline))
-    heads = ["Plan", "Speed (m/s)", "Mean time (min)", "95 % take at most (min)"]
+    heads = ["Plan", f"Speed{reader_unit('m/s', 0.0).axis}", "Mean time (min)", "95 % take at most (min)"]
     heads += ["Energy (W\u202fh)"] if has_energy else []
     heads += ["On time"] if has_deadline else []
     rows = [_candidate_row(candidate, has_energy, has_deadline) for candidate in plan.candidates]
@@ -55,7 +55,7 @@ def _candidate_row(candidate: CandidatePlan, has_energy: bool, has_deadline: boo
     duration, energy = candidate.duration, candidate.energy
     row = [
         candidate.name,
-        f"{candidate.speed:.3g}",
+        reader_unit("m/s", 0.0).cell(candidate.speed, ".3g"),
         with_error(duration.mean, duration.standard_error, _BARE_MINUTES),
         number(duration.p95 / 60.0, 2.1 * duration.standard_error / 60.0),
     ]

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.report.display_units import Unit
 from missionplan.report.leg_length.leg_tables import (
     candidates_table,
     cases_table,
@@ -22,9 +21,9 @@ from missionplan.report.leg_length.plan_figures import (
     tracks_figure,
 )
 from missionplan.report.members import members_in_words, members_section
-from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
-from missionplan.report.page import Listing, Page, PageSection, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.numbers import percent, share
+from missionplan.report.page import Drawing, Listing, Page, PageSection, Terminal
+from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
 from missionplan.report.wording import phase_in_words
 from missionplan.results.leg_length.legs import LegPlan
 
@@ -64,11 +63,12 @@ def terminal(plan: LegPlan) -> Terminal:
     if not plan.recommended:
         shown = cases_table(plan)
         return Terminal(answer(plan), list(shown.columns), [list(row) for row in shown.rows], verdict=_verdict(plan))
+    unit = reader_unit("m", float(plan.left.max()))
     rows = [
-        [f"{left:.1f}", f"{leg:.1f}", f"{max(left - leg, 0.0):.1f}"]
+        [unit.cell(each, ".1f") for each in (left, leg, max(left - leg, 0.0))]
         for left, leg in zip(plan.left, plan.leg, strict=True)
     ]
-    columns = ["Distance left (m)", "Leg (m)", "Short of the target by (m)"]
+    columns = [f"{what}{unit.axis}" for what in ("Distance left", "Leg", "Short of the target by")]
     return Terminal(answer(plan), columns, rows, verdict=_verdict(plan))
 
 
@@ -149,8 +149,8 @@ def _speed_in_words(plan: LegPlan) -> str:
     chosen, own = (plan.candidates[index].energy for index in (0, 1))
     needs, needed = (with_error(energy.mean, energy.standard_error, _WATT_HOURS) for energy in (chosen, own))
     return (
-        f" Go at {plan.speed:.3g} m/s: with a fixed d_max that needs {needs}; at the mission's "
-        f"{plan.mission_speed:.3g} m/s it needs {needed}."
+        f" Go at {quantity(plan.speed, 'm/s', '.3g')}: with a fixed d_max that needs {needs}; at the mission's "
+        f"{quantity(plan.mission_speed, 'm/s', '.3g')} it needs {needed}."
     )
 
 
@@ -193,9 +193,12 @@ def _mission_file_section(plan: LegPlan) -> PageSection:
 
 
 def _table_in_words(plan: LegPlan) -> str:
-    spread = f"σ_v = {number(plan.planned_sigma)} m/s"
+    spread = f"σ_v = {with_error(plan.planned_sigma, 0.0, reader_unit('m/s', 0.0))}"
     if plan.base_spread > 0.0:
-        spread += f" and for {number(plan.base_spread)} m of spread at the end of any leg, however short"
+        spread += (
+            f" and for {with_error(plan.base_spread, 0.0, reader_unit('m', plan.base_spread))} of spread "
+            "at the end of any leg, however short"
+        )
     return (
         f"{plan.how_found} The legs are planned for {spread}. Each knot is [distance left, leg length]; between knots, "
         "leg length is linear. The table is also in legs.yaml, and in its place in mission-with-legs.yaml."

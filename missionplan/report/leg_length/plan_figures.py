@@ -8,8 +8,10 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.phases.transit.leg_table import LegTable
+from missionplan.report.axes import name_axis
 from missionplan.report.leg_length.leg_tables import saving_unit
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.report.quantities import quantity
 from missionplan.results.leg_length.legs import LegPlan
 
 
@@ -26,7 +28,7 @@ def policy_figure(plan: LegPlan) -> Figure:
         "policy",
         alt=(
             "Leg length against distance left: far out legs stop short of the target, near it they end "
-            f"just inside the arrival circle of {plan.arrival_radius:.0f} m"
+            f"just inside the arrival circle of {quantity(plan.arrival_radius, 'm', '.0f')}"
         ),
         caption=(
             "Blue: the table, dots its knots; grey: the best fixed d_max, which aims at the target itself when it can. "
@@ -42,7 +44,10 @@ def _fixed_figure(plan: LegPlan) -> Figure:
     return to_figure(
         figure,
         "policy",
-        alt=f"Leg length against distance left: {plan.fixed_d_max:.0f} m, or what is left where that is less",
+        alt=(
+            f"Leg length against distance left: {quantity(plan.fixed_d_max, 'm', '.0f')}, or what is left "
+            "where that is less"
+        ),
         caption="The fixed d_max, which aims at the target itself when it can.",
     )
 
@@ -57,7 +62,9 @@ def draw_lengths(axes: Axes, plan: LegPlan) -> None:
         table = LegTable(plan.left, plan.leg)
         axes.plot(left / 1000.0, table(left) / 1000.0, color=BLUE)
         axes.plot(knots / 1000.0, table(knots) / 1000.0, ".", color=BLUE, markersize=5)
-    axes.set(xlabel="Distance left (km)", ylabel="Leg length (km)", xlim=(0.0, None), ylim=(0.0, None))
+    axes.set(xlim=(0.0, None), ylim=(0.0, None))
+    name_axis(axes.xaxis, "Distance left", "km")
+    name_axis(axes.yaxis, "Leg length", "km")
     axes.annotate("best fixed d_max", (0.03, 0.9), xycoords="axes fraction", color=colour)
 
 
@@ -77,7 +84,9 @@ def draw_aims(axes: Axes, plan: LegPlan) -> None:
     axes.annotate(
         "arrival radius", (left[-1], radius), xytext=(0, 3), textcoords="offset points", ha="right", color=ORANGE
     )
-    axes.set(xlabel="Distance left (m)", ylabel="Leg stops short of\nthe target by (m)", xscale="log")
+    axes.set(xscale="log")
+    name_axis(axes.xaxis, "Distance left", "m")
+    name_axis(axes.yaxis, "Leg stops short of\nthe target by", "m")
     axes.set_xlim(left[0], left[-1])
     if some_stop_short:
         axes.set(yscale="log")
@@ -111,14 +120,15 @@ def _short(left: Array, leg: Array) -> Array:
 
 def tracks_figure(plan: LegPlan) -> Figure:
     """Draw tracks of the same trials by both plans, or by the one there is, along and across the course."""
-    plans = [(f"Best fixed d_max, {plan.fixed_d_max:.0f} m", plan.fixed_tracks)]
+    plans = [(f"Best fixed d_max, {quantity(plan.fixed_d_max, 'm', '.0f')}", plan.fixed_tracks)]
     plans += [("Table", plan.adaptive_tracks)] if plan.recommended else []
     figure = MatplotlibFigure(figsize=(6.0, 0.2 + 2.4 * len(plans)))
     rows = figure.subplots(len(plans), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     for axes, (title, tracks) in zip(rows, plans, strict=True):
         _draw_tracks(axes, plan, tracks)
-        axes.set(title=title, ylabel="Across, to port (m)")
-    rows[-1].set(xlabel="Along the course (km)")
+        axes.set(title=title)
+        name_axis(axes.yaxis, "Across, to port", "m")
+    name_axis(rows[-1].xaxis, "Along the course", "km")
     number, both = plan.fixed_tracks.shape[2], ", with the same errors, by both plans" if plan.recommended else ""
     return to_figure(
         figure,

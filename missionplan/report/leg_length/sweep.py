@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from missionplan.report.display_units import Unit
 from missionplan.report.leg_length.sweep_figures import (
     close_up_figure,
     cost_figure,
@@ -13,9 +12,9 @@ from missionplan.report.leg_length.sweep_figures import (
     surfacings_figure,
 )
 from missionplan.report.members import members_in_words, members_section
-from missionplan.report.numbers import length_in_words, number, percent, share, time_in_words, with_error
-from missionplan.report.page import Page, PageSection, Table, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.numbers import number, percent, share
+from missionplan.report.page import Drawing, Page, PageSection, Table, Terminal
+from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error
 from missionplan.report.wording import phase_in_words
 from missionplan.results.explained import label
 from missionplan.results.leg_length.sweep import Sweep, SweepCurve
@@ -64,7 +63,7 @@ def answer(sweep: Sweep) -> str:
     """Write which d_max to choose and what it saves."""
     curve = sweep.middle
     chosen = curve.recommended
-    sigma, d_max = f"σ_v = {curve.sigma:g} m/s", length_in_words(chosen.d_max)
+    sigma, d_max = f"σ_v = {quantity(curve.sigma, 'm/s', 'g')}", length_in_words(chosen.d_max)
     if not np.isfinite(chosen.cost):
         return f"With {sigma} no plan of this sweep arrives."
     time = time_in_words(sweep.nominal_time * (1.0 + chosen.cost))
@@ -171,17 +170,18 @@ def choice_table(sweep: Sweep) -> Table:
     """Tabulate the recommended d_max of each velocity error."""
     caption = (
         f"Nominal time {time_in_words(sweep.nominal_time)} over {length_in_words(sweep.distance)} at "
-        f"{sweep.speed:g} m/s. Recommended is the d_max of least cost among those at which "
+        f"{quantity(sweep.speed, 'm/s', 'g')}. Recommended is the d_max of least cost among those at which "
         f"{100.0 * sweep.middle.required_arrival:g} % of the trials arrive. Costs are of those that arrive."
     )
     return Table(*_chosen_rows(sweep), caption=caption)
 
 
 def _chosen_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
-    columns = ["σ_v (m/s)", "d_max", "of distance", "Arrive", "Mean cost (%)", "One leg (%)", "Saved (min)"]
+    speed = reader_unit("m/s", 0.0)
+    columns = [f"σ_v{speed.axis}", "d_max", "of distance", "Arrive", "Mean cost (%)", "One leg (%)", "Saved (min)"]
     rows = [
         [
-            f"{curve.sigma:g}",
+            speed.cell(curve.sigma, "g"),
             length_in_words(curve.recommended.d_max),
             f"{curve.recommended.d_max_over_distance:.3f}",
             share(curve.recommended.arrived),
@@ -206,7 +206,7 @@ def _as_good_in_words(sweep: Sweep) -> str:
         ratios = [point.d_max_over_distance for point in curve.as_good]
         if ratios:
             low, high = f"{min(ratios):.3f}", f"{max(ratios):.3f}"
-            parts.append(f"{low if low == high else f'{low} to {high}'} for σ_v = {curve.sigma:g} m/s")
+            parts.append(f"{low if low == high else f'{low} to {high}'} for σ_v = {quantity(curve.sigma, 'm/s', 'g')}")
     return (
         "As good as the best, as far as these trials show (cost higher by less than two standard errors of the paired "
         f"difference), is a d_max of these shares of the distance: {'; '.join(parts)}."
@@ -215,9 +215,10 @@ def _as_good_in_words(sweep: Sweep) -> str:
 
 def _table_section(sweep: Sweep) -> list[PageSection]:
     """Compare the mission's own table of legs with the best fixed d_max, where it has one."""
+    speed = reader_unit("m/s", 0.0)
     rows = [
         [
-            f"{curve.sigma:g}",
+            speed.cell(curve.sigma, "g"),
             _without_unit(curve.table.cost, curve.table.standard_error, _PERCENT),
             _without_unit(curve.best.cost, curve.best.standard_error, _PERCENT),
             _without_unit(
@@ -231,7 +232,7 @@ def _table_section(sweep: Sweep) -> list[PageSection]:
     ]
     if not rows:
         return []
-    heads = ["σ_v (m/s)", "Table (%)", "Best fixed d_max (%)", "The table saves (min)"]
+    heads = [f"σ_v{speed.axis}", "Table (%)", "Best fixed d_max (%)", "The table saves (min)"]
     return [PageSection("The mission's own table of legs beside the best fixed d_max", [Table(heads, rows)])]
 
 
@@ -280,7 +281,7 @@ def has_teeth(curve: SweepCurve, critical_points: Sequence[float]) -> bool:
 def _surfacings_heading(sweep: Sweep) -> str:
     curve = sweep.middle
     return (
-        f"With the d_max chosen for σ_v = {curve.sigma:g} m/s the vehicle surfaces "
+        f"With the d_max chosen for σ_v = {quantity(curve.sigma, 'm/s', 'g')} the vehicle surfaces "
         f"{curve.recommended.surfacings:.1f} times on average"
     )
 
@@ -290,7 +291,11 @@ def cost_table(sweep: Sweep) -> Table:
     first, *_ = sweep.curves
     count = len(first.points)
     chosen = sorted({round(index) for index in np.linspace(0, count - 1, min(count, 21))})
-    columns = ["d_max / distance", "d_max", *(f"Cost (%), σ_v {curve.sigma:g} m/s" for curve in sweep.curves)]
+    columns = [
+        "d_max / distance",
+        "d_max",
+        *(f"Cost (%), σ_v {quantity(curve.sigma, 'm/s', 'g')}" for curve in sweep.curves),
+    ]
     rows = [
         [
             f"{first.points[index].d_max_over_distance:.3f}",

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.report.display_units import Unit
 from missionplan.report.html.readings import Slider
-from missionplan.report.numbers import length_in_words, number, share, time_in_words
+from missionplan.report.numbers import number, share
 from missionplan.report.page import BLUE, GREEN, GRID, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
+from missionplan.report.quantities import Unit, length_in_words, quantity, time_in_words
 from missionplan.report.typesetting import typeset
 from missionplan.results.leg_length.sweep import Sweep, SweepCurve
 
@@ -70,7 +70,7 @@ def _along_d_max(sweep: Sweep) -> Slider:
     texts = []
     for index, point in enumerate(points):
         costs = [
-            f"σ_v {curve.sigma:g} m/s: "
+            f"σ_v {quantity(curve.sigma, 'm/s', 'g')}: "
             + (
                 f"cost {number(100.0 * curve.points[index].cost, 100.0 * curve.points[index].standard_error)} %, "
                 f"{share(curve.points[index].arrived)} arrive, {curve.points[index].surfacings:.1f} surfacings"
@@ -87,7 +87,7 @@ def _along_d_max(sweep: Sweep) -> Slider:
 def _draw_curve(axes: Axes, curve: SweepCurve, colour: str, *, sampled: bool) -> None:
     ratio = np.array([point.d_max_over_distance for point in curve.points])
     cost = 100.0 * np.array([point.cost for point in curve.points])
-    name = f"σ_v {curve.sigma:g} m/s"
+    name = f"σ_v {quantity(curve.sigma, 'm/s', 'g')}"
     if sampled:
         error = 196.0 * np.array([point.standard_error for point in curve.points])
         axes.fill_between(ratio, cost - error, cost + error, color=colour, alpha=0.25, linewidth=0.0, label=name)
@@ -121,7 +121,7 @@ def _label_curves(axes: Axes, curves: Sequence[SweepCurve], top: float) -> None:
     for cost, index in ends:
         height = max(min(cost, top) if np.isfinite(cost) else 0.0, height + 0.07 * top)
         axes.annotate(
-            f"σ_v {curves[index].sigma:g} m/s",
+            f"σ_v {quantity(curves[index].sigma, 'm/s', 'g')}",
             (1.0, height),
             xytext=(6, 0),
             textcoords="offset points",
@@ -150,7 +150,8 @@ def close_up_figure(sweep: Sweep, curve: SweepCurve) -> Figure:
         "close-up",
         alt="Mean time lost against maximum leg length, with a sharp rise just above each critical point",
         caption=(
-            f"Time lost against the nominal {time_in_words(sweep.nominal_time)} for σ_v = {curve.sigma:g} m/s, with "
+            f"Time lost against the nominal {time_in_words(sweep.nominal_time)} for σ_v = "
+            f"{quantity(curve.sigma, 'm/s', 'g')}, with "
             "95 % intervals. Circles: the trials cannot distinguish these d_max from the best."
         ),
     )
@@ -167,7 +168,12 @@ def draw_surfacings(axes: Axes, sweep: Sweep) -> None:
     """Draw the mean number of surfacings for each velocity error."""
     for curve, colour in zip(sweep.curves, _COLOURS * len(sweep.curves), strict=False):
         ratio = [point.d_max_over_distance for point in curve.points]
-        axes.plot(ratio, [point.surfacings for point in curve.points], color=colour, label=f"σ_v {curve.sigma:g} m/s")
+        axes.plot(
+            ratio,
+            [point.surfacings for point in curve.points],
+            color=colour,
+            label=f"σ_v {quantity(curve.sigma, 'm/s', 'g')}",
+        )
     axes.set(xlabel=_X_LABEL, ylabel="Surfacings (mean)", yscale="log", xlim=(0.0, 1.0))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_minor_formatter(lambda value, _: f"{value:g}" if f"{value:g}"[0] in "25" else "")

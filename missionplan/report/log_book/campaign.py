@@ -12,8 +12,7 @@ from missionplan.report.diagnosis.figures import draw_ranking
 from missionplan.report.diagnosis.operator import finding_in_words
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
-from missionplan.report.page import Block, Page, PageSection, Table, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
 from missionplan.results.log_book.campaign import Campaign
 
 LEFT = 1e-3

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
-from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Page, PageSection, Table, Terminal, to_figure
-from missionplan.report.plots import Drawing
+from missionplan.report.page import BLUE, GREY, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
+from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.wording import parameter_in_words
 from missionplan.results.log_book.history import History, Learned
 
@@ -68,21 +68,21 @@ def _named(entry: Learned) -> str:
 
 
 def _valued(entry: Learned) -> str:
-    scale, unit = _scale(entry.unit)
-    return f"{scale * entry.value:.3g} ± {scale * entry.sd:.2g} {unit}".strip()
+    unit = _unit(entry)
+    return f"{unit(entry.value):.3g} ± {unit(entry.sd):.2g}{unit.suffix}"
 
 
-def _scale(unit: str) -> tuple[float, str]:
-    """Factor and unit in which a value is shown: angles in degrees."""
-    return (float(np.degrees(1.0)), "°") if unit == "rad" else (1.0, unit)
+def _unit(entry: Learned) -> Unit:
+    """Unit in which a value is shown: angles in degrees."""
+    return Unit("°", float(np.radians(1.0))) if entry.unit == "rad" else reader_unit(entry.unit, entry.value)
 
 
 def _rows(history: History) -> list[list[str]]:
     rows = []
     for entries in history.parameters.values():
         for each in entries:
-            scale, unit = _scale(each.unit)
-            interval = f"{scale * each.low:.3g} to {scale * each.high:.3g} {unit}".strip()
+            unit = _unit(each)
+            interval = f"{unit(each.low):.3g} to {unit(each.high):.3g}{unit.suffix}"
             doubt = f", if it is that ({100.0 * each.probability:.0f} %)" if each.probability < SURE else ""
             state = f"{'changed' if each.is_change else each.state}{doubt}"
             rows.append([_named(each), each.report, _valued(each), interval, state])
@@ -122,14 +122,14 @@ def draw_parameter(axes: Axes, history: History, entries: Sequence[Learned]) -> 
     place = {report: index + 1 for index, report in enumerate(history.reports)}
     axes.set(xlabel="Diagnosis", xlim=(0.5, len(place) + 0.5))
     axes.set_xticks(list(place.values()))
-    scale, unit = _scale(entries[-1].unit)
+    unit = _unit(entries[-1])
     for entry in entries:
         at, colour = place[entry.report], ORANGE if entry.is_change else BLUE
         if entry.is_change:
             axes.axvline(at - 0.5, color=GREY, linestyle="--", linewidth=1.0)
-        axes.vlines(at, scale * entry.low, scale * entry.high, color=colour, linewidth=1.6)
-        axes.plot(at, scale * entry.value, "o", color=colour, markersize=4.0)
-    axes.set_title(f"{_named(entries[-1])}{f' ({unit})' if unit else ''}", fontsize=9)
+        axes.vlines(at, unit(entry.low), unit(entry.high), color=colour, linewidth=1.6)
+        axes.plot(at, unit(entry.value), "o", color=colour, markersize=4.0)
+    axes.set_title(f"{_named(entries[-1])}{unit.axis}", fontsize=9)
 
 
 def parameter(axes: Axes, history: History, effect: str = "") -> None:

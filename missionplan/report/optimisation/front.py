@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.report.quantities import Unit, unit_for
 from missionplan.results.choosing.optimisation import Optimised, Tried
 
 

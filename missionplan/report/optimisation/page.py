@@ -5,12 +5,11 @@ import shlex
 from collections.abc import Iterator, Mapping
 
 from missionplan.montecarlo.statistics import Statistic
-from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.members import members_in_words, members_section
-from missionplan.report.numbers import number, percent, rounded_down, rounded_up, share, with_error
+from missionplan.report.numbers import number, percent, rounded_down, rounded_up, share
 from missionplan.report.optimisation.front import draw_front, front_figure
-from missionplan.report.page import Listing, Page, PageSection, Table, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.page import Drawing, Listing, Page, PageSection, Table, Terminal
+from missionplan.report.quantities import Unit, range_on, unit_for, value_on, with_error
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.report.wording import in_words, keys_in_words
 from missionplan.results.choosing.optimisation import Obstacle, Optimised, Tried
@@ -123,7 +122,7 @@ def _shown(found: Optimised, name: str, value: str) -> str:
     """Write a value as people read it, a start by its time of day; `value` is as a script reads it."""
     for axis in found.axes:
         if axis.name == name:
-            return next((axis.shown(i) for i in range(len(axis.values)) if axis.exact(i) == value), value)
+            return next((value_on(axis, i) for i in range(len(axis.values)) if axis.exact(i) == value), value)
     return value
 
 
@@ -155,7 +154,7 @@ def _choice(found: Optimised) -> Iterator[PageSection]:
         (
             _name(axis.name),
             _shown(found, axis.name, found.chosen[axis.name]),
-            f"{axis.labels[0]} to {axis.shown(len(axis.values) - 1)}",
+            range_on(axis, 0, len(axis.values) - 1),
             _where(found, index),
         )
         for index, axis in enumerate(found.axes)

@@ -12,6 +12,7 @@ from missionplan.arrays import Array
 from missionplan.mission.geodesy import to_geographic, to_plane
 from missionplan.mission.schema.site import Geographic
 from missionplan.report.page import GREY, SKY
+from missionplan.report.quantities import quantity
 
 _LAND = "#d9cfae"
 _PIXELS = 300
@@ -47,7 +48,9 @@ def _draw_features(axes: Axes, data: object, origin: Geographic) -> None:
             axes.plot(east, north, color=GREY, linewidth=0.7, zorder=0.6)
             if depth is not None:
                 middle = len(east) // 2
-                axes.annotate(f"{depth:g} m", (east[middle], north[middle]), fontsize=7, color=GREY, clip_on=True)
+                axes.annotate(
+                    quantity(depth, "m", "g"), (east[middle], north[middle]), fontsize=7, color=GREY, clip_on=True
+                )
 
 
 def _shapes(data: object, depth: float | None) -> Iterator[tuple[str, list[list[float]], float | None]]:

@@ -16,9 +16,11 @@ from missionplan.exporters.maps.geometry import circle
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.site import Geographic
 from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.report.axes import name_axis
 from missionplan.report.geography.frame import emptiest_corner, frame, north_and_scale
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, Figure, to_figure
 from missionplan.report.planned.chart import draw_chart
+from missionplan.report.quantities import quantity
 from missionplan.results.plain_data import mapping, mappings
 
 _WIDTH = 5.0
@@ -57,7 +59,9 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
     shown = frame([], [way, *circles, *_room_for_names(named, way)])
     figure = MatplotlibFigure(figsize=(_WIDTH, 0.6 + (_WIDTH - 0.9) * shown.shape))
     axes = figure.add_subplot()
-    axes.set(xlim=shown.west_east, ylim=shown.south_north, xlabel="east (m)", ylabel="north (m)", aspect="equal")
+    axes.set(xlim=shown.west_east, ylim=shown.south_north, aspect="equal")
+    name_axis(axes.xaxis, "east", "m")
+    name_axis(axes.yaxis, "north", "m")
     problem = _draw_chart(axes, data)
     for start, end in pairwise(goals):
         axes.plot(*zip(start.place, end.place, strict=True), color=BLUE, linewidth=1.4)
@@ -67,7 +71,10 @@ def site_map(data: Mapping[str, object]) -> Figure | None:
     north_and_scale(axes, shown.width, emptiest_corner([way, *circles], shown.limits))
     if _has_picture(data):
         _on_white(axes)
-    words = "; ".join(f"{name} at {place[0]:.0f} m east, {place[1]:.0f} m north" for name, place in named)
+    words = "; ".join(
+        f"{name} at {quantity(place[0], 'm', '.0f')} east, {quantity(place[1], 'm', '.0f')} north"
+        for name, place in named
+    )
     return to_figure(
         figure,
         "site",

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 
+from missionplan.report.quantities import DIMENSIONS, as_written, reader_system
 from missionplan.report.wording import in_words
 
 _QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\D.*?)?\s*")
@@ -24,6 +25,9 @@ def value_in_words(value: object) -> str:
 
 def _degrees(text: str) -> str:
     text = re.sub(r"(?<=\d)\.0+(?= |$)", "", text)
+    found = _QUANTITY.fullmatch(text)
+    if found and found[2] in DIMENSIONS and reader_system():
+        return as_written(found[1], found[2])
     return re.sub(r"(?<=\d)\s*deg\b", "°", text)
 
 

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.ticker import MaxNLocator
 
 from missionplan.errors import InputError, Problem, shown
+from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.results.log_book.score import PIT_BINS, DatasetScore, Prediction, Score, pit_counts
 
@@ -64,7 +65,7 @@ def _leg_panel(axes: Axes, each: DatasetScore, axis: int) -> None:
         mean, sd = prediction.mean[rows] / unit, prediction.sd[rows] / unit
         axes.fill_between(at, mean - Q90 * sd, mean + Q90 * sd, color=colour, alpha=0.25, linewidth=0.0, label=label)
     axes.plot(at, each.measured[rows] / unit, ".", color=ORANGE, markersize=4.0, label="measured")
-    axes.set_ylabel(f"{('East', 'North')[axis]} error ({word})")
+    name_axis(axes.yaxis, f"{('East', 'North')[axis]} error", word)
 
 
 def _dive_panel(axes: Axes, each: DatasetScore, prediction: Prediction, title: str) -> None:
@@ -73,7 +74,7 @@ def _dive_panel(axes: Axes, each: DatasetScore, prediction: Prediction, title: s
         at, -Q90 * prediction.sd, Q90 * prediction.sd, color=BLUE, alpha=0.25, linewidth=0.0, label="90 %"
     )
     axes.plot(at, left, ".", color=ORANGE, markersize=3.0, label="measured")
-    axes.set_ylabel("Error (m)")
+    name_axis(axes.yaxis, "Error", "m")
     axes.set_title(title, fontsize=9)
 
 

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 
 from missionplan.errors import counted
 from missionplan.montecarlo.statistics import wilson
-from missionplan.report.page import Page, PageSection, Table, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.page import Drawing, Page, PageSection, Table, Terminal
+from missionplan.report.quantities import quantity
 from missionplan.report.scoring.figures import draw_predictions, pit_figure, prediction_figure
 from missionplan.results.log_book.score import STATED, DatasetScore, Prediction, Score
 
@@ -111,7 +111,7 @@ def _against(skill: float, one: str) -> str:
 
 
 def _metres(value: float) -> str:
-    return f"{value / 1000.0:.2f} km" if value >= 100.0 else f"{value:.3g} m"
+    return quantity(value / 1000.0, "km", ".2f") if value >= 100.0 else quantity(value, "m", ".3g")
 
 
 def _overview(score: Score) -> Table:

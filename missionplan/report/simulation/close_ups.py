@@ -9,8 +9,10 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.lines import Line2D
 
 from missionplan.arrays import Array
+from missionplan.report.axes import name_axis
 from missionplan.report.geography.plan_view import Ring, finite, rings
 from missionplan.report.page import BLUE, GREEN, INK, PINK, SKY, YELLOW, Figure, to_figure
+from missionplan.report.quantities import quantity
 from missionplan.report.simulation.figures import WIDTH
 from missionplan.report.wording import phase_in_words
 from missionplan.results.simulation import Outcome
@@ -36,7 +38,8 @@ def close_ups(outcome: Outcome) -> Figure | None:
         _close_up(axes, outcome, name)
     _legend(figure, spare, {ring.kind for ring in rings(outcome)})
     words = "; ".join(
-        f"{phase_in_words(ring.phase)} {100 * ring.share:.0f} % within {ring.radius:.3g} m" for ring in drawn[:6]
+        f"{phase_in_words(ring.phase)} {100 * ring.share:.0f} % within {quantity(ring.radius, 'm', '.3g')}"
+        for ring in drawn[:6]
     )
     return to_figure(
         figure,
@@ -81,6 +84,6 @@ def _close_up(axes: Axes, outcome: Outcome, name: str) -> None:
             draw_ring(axes, ring, line, linewidth=1.4)
             reach = max(reach, float(np.abs(line).max()))
     limits = (-1.15 * reach, 1.15 * reach)
-    axes.set(
-        xlim=limits, ylim=limits, aspect="equal", title=phase_in_words(name), xlabel="east (m)", ylabel="north (m)"
-    )
+    axes.set(xlim=limits, ylim=limits, aspect="equal", title=phase_in_words(name))
+    name_axis(axes.xaxis, "east", "m")
+    name_axis(axes.yaxis, "north", "m")

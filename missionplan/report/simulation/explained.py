@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 
-from missionplan.report.display_units import unit_for
-from missionplan.report.numbers import percent, share, span
+from missionplan.report.numbers import percent, share
 from missionplan.report.page import PageSection, Table
+from missionplan.report.quantities import span, unit_for
 from missionplan.report.wording import in_words
 from missionplan.results.explained import ExplainedOutcome, label, success_differs
 from missionplan.results.simulation import Outcome, Sensitivity

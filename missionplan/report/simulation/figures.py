@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.montecarlo.statistics import Probability
-from missionplan.report.display_units import Unit, unit_for
 from missionplan.report.numbers import number, percent
 from missionplan.report.page import BLUE, INK, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
+from missionplan.report.quantities import Unit, unit_for
 from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome
 
 WIDTH = 5.0

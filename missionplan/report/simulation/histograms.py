@@ -5,9 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
-from missionplan.report.display_units import Unit, si_per_unit
-from missionplan.report.numbers import number, span
+from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, ORANGE, SKY, Figure, to_figure
+from missionplan.report.quantities import Unit, si_per_unit, span
 from missionplan.report.simulation.figures import WIDTH
 from missionplan.report.simulation.quantities import requirement_on, unit_of
 from missionplan.report.wording import in_words

@@ -5,6 +5,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
+from missionplan.report.axes import name_axis
 from missionplan.report.geography.frame import Frame, emptiest_corner, frame, north_and_scale
 from missionplan.report.geography.plan_view import median_trial, rings, track
 from missionplan.report.page import ORANGE, SKY, Figure, to_figure
@@ -52,5 +53,7 @@ def draw_tracks(axes: Axes, outcome: Outcome) -> None:
     axes.plot(*middle, color=ORANGE, linewidth=1.4, marker="o", markersize=2.5, label="median trial")
     for ring in rings(outcome):
         draw_ring(axes, ring, ring.line, linewidth=1.0)
-    axes.set(xlim=shown.west_east, ylim=shown.south_north, xlabel="east (m)", ylabel="north (m)", aspect="equal")
+    axes.set(xlim=shown.west_east, ylim=shown.south_north, aspect="equal")
+    name_axis(axes.xaxis, "east", "m")
+    name_axis(axes.yaxis, "north", "m")
     north_and_scale(axes, shown.width, emptiest_corner([*lines, *_circles(outcome)], shown.limits))

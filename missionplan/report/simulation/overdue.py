@@ -13,9 +13,11 @@ from missionplan.arrays import Array
 from missionplan.exporters.maps.geojson import feature
 from missionplan.exporters.maps.geometry import longitudes_latitudes
 from missionplan.moments import moment_of
+from missionplan.report.axes import name_axis
 from missionplan.report.geography.frame import frame
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figure, PageSection, Table, to_figure
+from missionplan.report.quantities import quantity
 from missionplan.report.simulation.figures import WIDTH
 from missionplan.report.simulation.quantities import failure_in_words
 from missionplan.results.overdue import ExpectedTime, Overdue, SearchArea
@@ -114,7 +116,9 @@ def _map(found: Overdue) -> Figure:
         axes.plot(*(area.line / 1000.0), color=_COLOURS[area.way], linewidth=1.3, label=label)
     _name_hours(axes, found)
     limits = shown.limits / 1000.0
-    axes.set(xlim=limits[0], ylim=limits[1], xlabel="east (km)", ylabel="north (km)", aspect="equal")
+    axes.set(xlim=limits[0], ylim=limits[1], aspect="equal")
+    name_axis(axes.xaxis, "east", "km")
+    name_axis(axes.yaxis, "north", "km")
     figure.legend(loc="outside upper center", ncols=2)
     words = "; ".join(f"{area.way}, {_hours(area)}: {_size(area)}" for area in found.areas)
     return to_figure(
@@ -169,14 +173,14 @@ def _hours(area: SearchArea) -> str:
 
 def _size(area: SearchArea) -> str:
     if area.half_length == area.half_width:
-        return f"{area.half_length:.0f} m (circle)"
-    return f"{area.half_length:.0f} m × {area.half_width:.0f} m"
+        return f"{quantity(area.half_length, 'm', '.0f')} (circle)"
+    return f"{quantity(area.half_length, 'm', '.0f')} × {quantity(area.half_width, 'm', '.0f')}"
 
 
 def _place(outcome: Outcome, area: SearchArea) -> str:
     origin = outcome.tracks.origin
     if origin is None:
-        return f"{area.centre[0]:.0f} m E, {area.centre[1]:.0f} m N"
+        return f"{quantity(area.centre[0], 'm', '.0f')} E, {quantity(area.centre[1], 'm', '.0f')} N"
     ((longitude, latitude),) = longitudes_latitudes(np.array(area.centre)[:, None], origin)
     return f"{latitude:.4f}°, {longitude:.4f}°"
 

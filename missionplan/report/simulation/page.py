@@ -13,8 +13,8 @@ from missionplan.report.geography.geojson import track_geojson
 from missionplan.report.geography.kml import track_kml
 from missionplan.report.held_vehicle import hold_section
 from missionplan.report.numbers import number, percent, share
-from missionplan.report.page import Page, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.page import Drawing, Page, Terminal
+from missionplan.report.quantities import quantity
 from missionplan.report.simulation import sections
 from missionplan.report.simulation.explained import (
     explanation_in_words,
@@ -148,7 +148,7 @@ def _limits_in_words(outcome: Outcome) -> Iterator[str]:
 def _anchors_in_words(outcome: Outcome) -> Iterator[str]:
     """Write what an anchor that is sized achieves, and which anchors cannot be built."""
     for anchor in outcome.anchors:
-        weight = f"{anchor.wet_weight:.{1 if anchor.wet_weight >= 1.0 else 2}f}\u00a0N wet"
+        weight = f"{quantity(anchor.wet_weight, 'N', '.1f' if anchor.wet_weight >= 1.0 else '.2f')} wet"
         if anchor.is_sized:
             events = next(phase.events for phase in outcome.phases if phase.name == anchor.phase)
             reached = percent(events["within_radius"])

@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 
 from missionplan.montecarlo.statistics import Statistic, wilson
-from missionplan.report.display_units import Unit, si_per_unit, unit_for
-from missionplan.report.numbers import number, share, span
+from missionplan.report.numbers import number, share
+from missionplan.report.quantities import Unit, si_per_unit, span, unit_for
 from missionplan.report.wording import in_words, phase_in_words
 from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome, RequirementOutcome
 

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping
 from matplotlib.axes import Axes
 
 from missionplan.report.numbers import number
-from missionplan.report.page import Block, Page, PageSection, Table, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
 from missionplan.report.simulation.quantities import failure_in_words
 from missionplan.report.wording import capitalised, in_words
 from missionplan.results.rare_failure import Cause, FailureMode, RareFailure

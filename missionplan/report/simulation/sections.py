@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.geography.plan_view import Ring, rings
-from missionplan.report.numbers import has_spread, number, percent, share, span, with_error
+from missionplan.report.numbers import has_spread, number, percent, share
 from missionplan.report.page import Block, PageSection, Table
+from missionplan.report.quantities import reader_unit, span, with_error
 from missionplan.report.simulation.close_ups import close_ups
 from missionplan.report.simulation.figures import timeline_figure
 from missionplan.report.simulation.histograms import histogram_figure
@@ -41,9 +42,11 @@ def tracks(outcome: Outcome) -> Iterator[PageSection]:
     """Draw the tracks from above, and where each phase ends about its goal; nothing where nothing moves over ground."""
     if all(radius == 0.0 for _, radius in outcome.tracks.targets.values()):
         return
-    rows = [(phase_in_words(ring.phase), ring.kind, _share(ring), f"{ring.radius:.3g}") for ring in rings(outcome)]
+    drawn = list(rings(outcome))
+    unit = reader_unit("m", max(ring.radius for ring in drawn))
+    rows = [(phase_in_words(ring.phase), ring.kind, _share(ring), unit.cell(ring.radius, ".3g")) for ring in drawn]
     caption = "Circles are about the goal; for an ellipse, the radius of the circle of equal area."
-    table = Table(("phase", "line", "holds", "radius (m)"), rows, caption, text_columns=2)
+    table = Table(("phase", "line", "holds", f"radius{unit.axis}"), rows, caption, text_columns=2)
     close = close_ups(outcome)
     figures: list[Block] = [track_map(outcome), *([close] if close else [])]
     yield PageSection("Where the trials end", [*figures, table])

@@ -7,9 +7,9 @@ from itertools import chain, groupby
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.report.display_units import Unit
-from missionplan.report.numbers import number, with_error
+from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREY, INK, ORANGE, Figure, PageSection, Table, to_figure
+from missionplan.report.quantities import Unit, with_error
 from missionplan.report.simulation.figures import WIDTH
 from missionplan.report.simulation.quantities import LEAST_SPREAD, relative_spread
 from missionplan.report.wording import capitalised, in_words

@@ -9,7 +9,9 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
+from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
+from missionplan.report.quantities import quantity
 from missionplan.results.tide import Constituent, TideResult
 
 _COLOURS = (BLUE, ORANGE, GREEN, PINK, YELLOW, SKY)
@@ -25,7 +27,9 @@ def draw_ellipses(axes: Axes, result: TideResult) -> None:
         axes.plot(east, north, color=colour, label=f"{wave.name}{' (inferred)' if wave.inferred_from else ''}")
         axes.plot([0.0, east[0]], [0.0, north[0]], color=colour, linewidth=0.8)
     axes.plot([0.0, tide.east], [0.0, tide.north], color=GREY, linewidth=2.0, label="mean")
-    axes.set(xlabel="east (m/s)", ylabel="north (m/s)", aspect="equal")
+    axes.set(aspect="equal")
+    name_axis(axes.xaxis, "east", "m/s")
+    name_axis(axes.yaxis, "north", "m/s")
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)
 
 
@@ -36,7 +40,7 @@ def ellipses_figure(result: TideResult) -> Figure:
     draw_ellipses(axes, result)
     axes.set_aspect("equal", adjustable="datalim")
     names = ", ".join(wave.name for wave in result.shown.constituents[:_DRAWN])
-    depth = f"{result.shown_depth:g} m"
+    depth = quantity(result.shown_depth, "m", "g")
     return to_figure(
         figure,
         "ellipses",
@@ -51,7 +55,7 @@ def draw_record(axes: Axes, result: TideResult, component: Literal["east", "nort
     row = ("east", "north").index(component)
     axes.plot(_moments(result), result.measured[row], color=GREY, linewidth=0.7, label="measured")
     axes.plot(_moments(result), result.fitted[row], color=BLUE, linewidth=0.9, label="tide and mean")
-    axes.set(ylabel=f"{component} (m/s)")
+    name_axis(axes.yaxis, component, "m/s")
     _date(axes)
 
 
@@ -65,15 +69,17 @@ def record_figure(result: TideResult) -> Figure:
     left = result.measured - result.fitted
     lower.plot(moments, left[0], color=ORANGE, linewidth=0.7, label="east")
     lower.plot(moments, left[1], color=GREEN, linewidth=0.7, label="north")
-    lower.set(ylabel="left (m/s)")
+    name_axis(lower.yaxis, "left", "m/s")
     lower.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     lower.set(xlabel="UTC")
     upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     return to_figure(
         figure,
         "record",
-        f"The current at {result.shown_depth:g} m as measured, and the tide with the mean, against time.",
-        f"The current at {result.shown_depth:g} m; at the bottom what is left when tide and mean are taken out.",
+        f"The current at {quantity(result.shown_depth, 'm', 'g')} as measured, and the tide with the mean, "
+        "against time.",
+        f"The current at {quantity(result.shown_depth, 'm', 'g')}; at the bottom what is left when tide and "
+        "mean are taken out.",
     )
 
 

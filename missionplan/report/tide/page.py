@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 
 from missionplan.phases.recorded_currents import DEPTH_MARGIN
-from missionplan.report.display_units import Unit
-from missionplan.report.numbers import number, with_error
-from missionplan.report.page import Listing, Page, PageSection, Table, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.numbers import number
+from missionplan.report.page import Drawing, Listing, Page, PageSection, Table, Terminal
+from missionplan.report.quantities import Unit, quantity, reader_unit, with_error
 from missionplan.report.tide.figures import draw_ellipses, draw_record, ellipses_figure, record_figure
 from missionplan.results.tide import Constituent, DepthTide, TideResult
 
@@ -38,21 +37,23 @@ def terminal(result: TideResult) -> Terminal:
     """Build the terminal's view."""
     shown = result.shown
     rows = [_row(wave) for wave in shown.constituents]
-    columns = (f"at {shown.depth:g} m", "major (m/s)", "minor (m/s)", "toward (°)", "phase (°)")
+    speed = reader_unit("m/s", 0.0)
+    at = f"at {quantity(shown.depth, 'm', 'g')}"
+    columns = (at, f"major{speed.axis}", f"minor{speed.axis}", "toward (°)", "phase (°)")
     return Terminal(answer(result), columns, rows)
 
 
 def answer(result: TideResult) -> str:
     """Say how much of the current is tide, and how well it can be forecast."""
     shown = result.shown
-    where = f"at {shown.depth:g} m"
+    where = f"at {quantity(shown.depth, 'm', 'g')}"
     if not shown.constituents:
-        scatter = f"the current scatters by {shown.residual:.2f} m/s about its mean"
+        scatter = f"the current scatters by {quantity(shown.residual, 'm/s', '.2f')} about its mean"
         return f"No tide stands out of this record {where}: {scatter}."
-    largest = shown.constituents[0]
+    largest, speed = shown.constituents[0], reader_unit("m/s", 0.0)
     first = (
         f"The tide is {100.0 * shown.tidal_share:.0f} % of the current's variance {where}, {largest.name} the largest "
-        f"with {number(largest.major, largest.major_error)} m/s."
+        f"with {number(speed(largest.major), speed(largest.major_error))}{speed.suffix}."
     )
     return f"{first} {_forecast_in_words(shown, result.days)}"
 
@@ -60,7 +61,7 @@ def answer(result: TideResult) -> str:
 def _forecast_in_words(tide: DepthTide, days: float) -> str:
     interval = _NINETY * tide.residual
     held = tide.held_out
-    told = f"A forecast is within {interval:.2f} m/s of each component nine times in ten"
+    told = f"A forecast is within {quantity(interval, 'm/s', '.2f')} of each component nine times in ten"
     if held is None:
         return f"{told}, if what is left stays as it was; {days:.0f} days are too few to test it."
     times = f"{100.0 * held.coverage:.0f} times in 100"
@@ -68,12 +69,17 @@ def _forecast_in_words(tide: DepthTide, days: float) -> str:
 
 
 def _numbers(tide: DepthTide) -> list[tuple[str, str]]:
-    error = tide.mean_error
     return [
-        ("Mean, east and north", f"{number(tide.east, error)} and {number(tide.north, error)} m/s, each ± {error:.2g}"),
-        ("What is left, each component", f"{tide.residual:.3f} m/s"),
+        ("Mean, east and north", _mean_in_words(tide)),
+        ("What is left, each component", quantity(tide.residual, "m/s", ".3f")),
         ("What is left lasts", _lasting(tide.residual_time)),
     ]
+
+
+def _mean_in_words(tide: DepthTide) -> str:
+    unit = reader_unit("m/s", max(abs(tide.east), abs(tide.north)))
+    east, north, error = unit(tide.east), unit(tide.north), unit(tide.mean_error)
+    return f"{number(east, error)} and {number(north, error)}{unit.suffix}, each ± {error:.2g}"
 
 
 def _lasting(seconds: float) -> str:
@@ -82,21 +88,23 @@ def _lasting(seconds: float) -> str:
 
 
 def _how_far(result: TideResult) -> PageSection:
+    down, speed = reader_unit("m", result.depths[-1].depth), reader_unit("m/s", 0.0)
     rows = [
         (
-            f"{tide.depth:g}",
+            down.cell(tide.depth, "g"),
             str(tide.samples),
             f"{100.0 * tide.tidal_share:.0f}",
-            number(tide.east, tide.mean_error),
-            number(tide.north, tide.mean_error),
-            f"{tide.residual:.3f}",
+            number(speed(tide.east), speed(tide.mean_error)),
+            number(speed(tide.north), speed(tide.mean_error)),
+            speed.cell(tide.residual, ".3f"),
             f"{tide.residual_time / 3600.0:.1f}" if tide.residual_time >= 360.0 else "< 0.1",
             f"{100.0 * tide.held_out.coverage:.0f}" if tide.held_out else "–",
         )
         for tide in result.depths
     ]
     columns = (
-        "depth (m)", "samples", "tide, % of variance", "mean east (m/s)", "mean north (m/s)", "left (m/s)",
+        f"depth{down.axis}", "samples", "tide, % of variance", f"mean east{speed.axis}", f"mean north{speed.axis}",
+        f"left{speed.axis}",
         "lasts (h)", "last quarter within its 90 % (%)",
     )  # fmt: skip
     begins = datetime.fromtimestamp(result.begins, UTC)
@@ -124,22 +132,21 @@ def _in_a_mission(result: TideResult) -> PageSection:
     return PageSection("In a mission", [first, Listing("\n".join(lines)), *said])
 
 
-_COLUMNS = ("constituent", "major (m/s)", "minor (m/s)", "toward (°)", "Greenwich phase (°)")
-
-
 def _constituents(tide: DepthTide) -> PageSection:
     caption = (
         "One standard error after ±. A negative minor axis turns clockwise. The direction is that of the major axis, "
         "clockwise from north."
     )
-    rows = [_row(wave) for wave in tide.constituents]
-    return PageSection(f"Constituents at {tide.depth:g} m", [Table(_COLUMNS, rows, caption)])
+    rows, speed = [_row(wave) for wave in tide.constituents], reader_unit("m/s", 0.0)
+    columns = ("constituent", f"major{speed.axis}", f"minor{speed.axis}", "toward (°)", "Greenwich phase (°)")
+    return PageSection(f"Constituents at {quantity(tide.depth, 'm', 'g')}", [Table(columns, rows, caption)])
 
 
 def _row(wave: Constituent) -> tuple[str, ...]:
+    speed = reader_unit("m/s", 0.0)
     pairs = (
-        (wave.major, wave.major_error),
-        (wave.minor, wave.minor_error),
+        (speed(wave.major), speed(wave.major_error)),
+        (speed(wave.minor), speed(wave.minor_error)),
         (math.degrees(wave.toward), math.degrees(wave.toward_error)),
         (math.degrees(wave.phase), math.degrees(wave.phase_error)),
     )

@@ -8,7 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
+from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, to_figure
+from missionplan.report.quantities import as_written, quantity
 from missionplan.results.transition import FORCE, TimeHistory, TransitionSweep
 
 _SHOWN_UNTIL = 260.0
@@ -25,7 +27,7 @@ def unassisted_figure(result: TransitionSweep) -> Figure:
     angles.plot(track.time[shown], np.degrees(track.sternplane[shown]), color=ORANGE, label="sternplane")
     angles.set_ylabel("angle (°)")
     depth.plot(track.time[shown], -track.depth[shown], color=BLUE)
-    depth.set_ylabel("rise above target (m)")
+    name_axis(depth.yaxis, "rise above target", "m")
     depth.set_xlabel("time since the deceleration began (s)")
     if np.isfinite(result.saturation_speed):
         _mark_saturation(angles, depth, result)
@@ -45,7 +47,7 @@ def _mark_saturation(angles: Axes, depth: Axes, result: TransitionSweep) -> None
     for axes in (angles, depth):
         axes.axvline(crossing, color=GREY, linewidth=1.0, linestyle=":")
     depth.annotate(
-        f"A: {result.saturation_speed:.2f} m/s",
+        f"A: {quantity(result.saturation_speed, 'm/s', '.2f')}",
         (crossing, depth.get_ylim()[1]),
         xytext=(-4, -4),
         textcoords="offset points",
@@ -67,7 +69,7 @@ def draw_histories(axes: Axes, tracks: Sequence[TimeHistory], y: Callable[[TimeH
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(tracks)))
     for track, colour in zip(tracks, colours, strict=True):
         shown = (track.time >= 0.0) & (track.time <= _SHOWN_UNTIL)
-        axes.plot(track.time[shown], y(track)[shown], color=colour, label=f"{track.label} m/s", linewidth=1.3)
+        axes.plot(track.time[shown], y(track)[shown], color=colour, label=as_written(track.label, "m/s"), linewidth=1.3)
     axes.set_xlabel("time since the deceleration began (s)")
     axes.set_ylabel(label)
     axes.legend(ncols=2)
@@ -128,8 +130,15 @@ def draw_energy(axes: Axes, result: TransitionSweep, option: str = "a") -> None:
     table = result.energy(FORCE, option)
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(table.columns)))
     for steepness, colour in zip(table.columns, colours, strict=True):
-        axes.plot(table.index, table[steepness], "o-", color=colour, markersize=3, label=f"{steepness:g} m/s")
-    axes.set_xlabel("mid-transition speed (m/s)")
+        axes.plot(
+            table.index,
+            table[steepness],
+            "o-",
+            color=colour,
+            markersize=3,
+            label=quantity(float(steepness), "m/s", "g"),
+        )
+    name_axis(axes.xaxis, "mid-transition speed", "m/s")
     axes.set_ylabel("energy (W\u202fh)")
     axes.set_ylim(bottom=0.0)
     axes.legend(title="steepness", ncols=2)

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.axes import Axes
 
-from missionplan.report.page import Page, PageSection, Table, Terminal
-from missionplan.report.plots import Drawing
+from missionplan.report.page import Drawing, Page, PageSection, Table, Terminal
+from missionplan.report.quantities import quantity, span_of
 from missionplan.report.transition.figures import (
     depth_by_mid_speed,
     depth_by_steepness,
@@ -45,8 +45,8 @@ def terminal(result: TransitionSweep) -> Terminal:
     names = ("mid_speed_m_s", "depth_excursion_m", "pitch_excursion_rad", "energy_common_wh", "energy_to_hover_wh")
     rows = [
         (
-            f"{speed:g} m/s",
-            f"{depth:.2f} m",
+            quantity(speed, "m/s", "g"),
+            quantity(depth, "m", ".2f"),
             f"{np.degrees(pitch):.1f}°",
             f"{common:.1f} W h",
             f"{own:.1f} W h",
@@ -61,12 +61,17 @@ def answer(result: TransitionSweep) -> str:
     """Write below which speed the vehicle needs thrusters, and the speed at which they take least energy."""
     best = result.best
     slowest = result.saturation_speed
-    alone = f"cannot hold depth below {slowest:.2f} m/s" if np.isfinite(slowest) else "holds depth at all speeds tried"
+    alone = (
+        f"cannot hold depth below {quantity(slowest, 'm/s', '.2f')}"
+        if np.isfinite(slowest)
+        else "holds depth at all speeds tried"
+    )
     return (
         f"Without thrusters the vehicle {alone}. One tunnel thruster takes it to hover with least energy, "
         f"{best['energy_common_wh']:.1f} W h, at a mid-transition speed of "
-        f"{best['mid_speed_m_s']:g} m/s, the best of those tried; it then strays from its depth by up to "
-        f"{best['depth_excursion_m']:.2f} m."
+        f"{quantity(best['mid_speed_m_s'], 'm/s', 'g')}, the best of those tried; it then strays from its "
+        "depth by up to "
+        f"{quantity(best['depth_excursion_m'], 'm', '.2f')}."
     )
 
 
@@ -75,7 +80,7 @@ def _numbers(result: TransitionSweep) -> list[tuple[str, str]]:
     return [
         ("Hover", f"{hover['revolutions_per_s']:.2f} rev/s, {hover['power_w']:.0f} W"),
         ("Hover with a pair", f"{hover['pair_power_w']:.0f} W"),
-        ("Depth excursion", f"{depth.min():.2f} to {depth.max():.2f} m"),
+        ("Depth excursion", span_of(depth.min(), depth.max(), "m", ".2f")),
     ]
 
 
@@ -109,11 +114,11 @@ def energy_table(result: TransitionSweep) -> Table:
     """Tabulate the energy by option (a): mid-transition speeds down, steepnesses across."""
     table = result.energy(FORCE, "a")
     rows = [
-        (f"{speed:g} m/s", *(f"{value:.2f}" for value in row))
+        (quantity(speed, "m/s", "g"), *(f"{value:.2f}" for value in row))
         for speed, row in zip(table.index, table.to_numpy(), strict=True)
     ]
     return Table(
-        ("mid-transition speed", *(f"{s:g} m/s" for s in table.columns)),
+        ("mid-transition speed", *(quantity(float(s), "m/s", "g") for s in table.columns)),
         rows,
         "Energy until the slowest run of the set hovers (W\u202fh), by steepness.",
     )
@@ -127,7 +132,7 @@ def variant_table(result: TransitionSweep) -> Table:
         rows.append(
             (
                 variant,
-                f"{cells['depth_excursion_m'].mean():.2f} m",
+                quantity(cells["depth_excursion_m"].mean(), "m", ".2f"),
                 f"{np.degrees(cells['pitch_excursion_rad']).mean():.1f}°",
                 f"{np.degrees(cells['hover_pitch_rad']).mean():.3f}°",
                 f"{cells['energy_common_wh'].mean():.2f} W h",

@@ -172,7 +172,8 @@ def _at_random_fix(phases: list[PhaseTrials], generator: np.random.Generator) ->
 def _on_the_way(phases: list[PhaseTrials], generator: np.random.Generator) -> tuple[Array, Array]:
     """A place of each trial between two fixes of one transit, each leg as likely as any other."""
     track, time = _tracks(phases)
-    legs = np.isfinite(time[:-1]) & np.isfinite(time[1:])
+    dives = np.concatenate([np.arange(len(phase.track_time)) % 2 == 0 for phase in phases])  # and by turns surfacings
+    legs = dives[:-1, None] & np.isfinite(time[:-1]) & np.isfinite(time[1:])
     return _picked(track, time, _random_row(legs, generator), generator.random(time.shape[1]))
 
 

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from missionplan.effects import CATALOGUE
 from missionplan.phases.currents import layers
-from missionplan.phases.mooring.hold import Hold, hold_vehicle, layers_above
+from missionplan.phases.mooring.hold import Hold, hold_vehicle, layers_above, lifted
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.physics.held_body import HeldBody, HeldLine
 from missionplan.physics.line_statics import held_pose
@@ -113,3 +114,20 @@ def test_a_margin_falls_with_the_current():
     margins = [held(speed=speed).holding_margin[0] for speed in (0.0, 0.2, 0.5, 1.0)]
     assert margins == sorted(margins, reverse=True)
     assert margins[0] == pytest.approx(1.0 - 0.9 / 11.8)
+
+
+def test_a_lift_acts_at_mid_length_at_the_depth_of_the_nose():
+    """As if the vehicle were lighter there: twice as much for two, and less of trapped gas at depth."""
+    gas = CATALOGUE["trapped-gas"].make({"lift": 0.4})
+    once, twice = lifted(HOLD, (gas,)), lifted(HOLD, (gas, gas))
+    at_nose = float(gas.lift(np.array([20.0 - 5.0]))[0])
+    assert 0.0 < at_nose < 0.4
+    assert once.body.net_buoyancy == pytest.approx(0.9 + at_nose)
+    assert once.body.raising_moment == pytest.approx(0.5 * 1.12 * (0.9 + at_nose))
+    assert twice.body.raising_moment == pytest.approx(0.5 * 1.12 * (0.9 + 2.0 * at_nose))
+    assert lifted(replace(HOLD, line=HeldLine(30.0)), (gas,)).body.net_buoyancy == pytest.approx(
+        0.9 + float(gas.lift(np.zeros(1))[0])
+    )
+    assert lifted(HOLD, ()).body.net_buoyancy == 0.9
+    lighter = replace(BODY, net_buoyancy=0.9 + at_nose, raising_moment=0.5 * 1.12 * (0.9 + at_nose))
+    assert held(once).nose_altitude == pytest.approx(held(replace(HOLD, body=lighter)).nose_altitude)

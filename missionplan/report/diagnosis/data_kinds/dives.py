@@ -6,10 +6,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
+from missionplan.report.axes import name_axis
 from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
 from missionplan.report.diagnosis.data_kinds.residual_figures import ResidualSeries, against_axes, autocorrelation
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.report.quantities import reader_unit
 from missionplan.results.learned.diagnosis import Diagnosis
 
 _MOST_PANELS = 9
@@ -32,7 +34,7 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
         axes.set_xlabel("Time since separation (s)", fontsize=9)
         axes.tick_params(labelbottom=True)
     for axes in panels[::columns]:
-        axes.set_ylabel("Depth (m)", fontsize=9)
+        name_axis(axes.yaxis, "Depth", "m", fontsize=9)
     models = "measured, mission's model and extended model" if diagnosis.causes else "measured and mission's model"
     shown = "measured, as the mission simulates it" + (", and extended" if diagnosis.causes else "")
     return to_figure(
@@ -76,8 +78,9 @@ def _column(runs: list[pd.DataFrame], name: str) -> list[Array]:
 
 
 def _gained(diagnosis: Diagnosis, before: float, after: float) -> str:
-    was, now = (number(each, 0.2 * each) for each in (before, after))
-    return "" if was == now else f"; the depth is then predicted to {now} m, not {was} m"
+    unit = reader_unit("m", before)
+    was, now = (f"{number(unit(each), unit(0.2 * each))}{unit.suffix}" for each in (before, after))
+    return "" if was == now else f"; the depth is then predicted to {now}, not {was}"
 
 
 REPORT = KindReport(

@@ -7,10 +7,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
+from missionplan.report.axes import name_axis
 from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
 from missionplan.report.diagnosis.data_kinds.residual_figures import ResidualSeries, against_axes, autocorrelation
-from missionplan.report.numbers import number, time_in_words
+from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.report.quantities import quantity, reader_unit, time_in_words
 from missionplan.results.learned.diagnosis import Diagnosis
 
 _COMPONENTS = ("east", "north")
@@ -30,7 +32,7 @@ def _data_figure(diagnosis: Diagnosis) -> Figure:
         if diagnosis.causes:
             predicted = error - 100.0 * table[f"residual_extended_{component}_m_s"].to_numpy()
             axes.plot(hours, predicted, "-", color=BLUE, linewidth=1.1, label="extended, a leg ahead")
-        axes.set(ylabel=f"{component.capitalize()} (cm/s)")
+        name_axis(axes.yaxis, component.capitalize(), "cm/s")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", fontsize=9, ncols=3)
     panels[1].set_xlabel("Time (h)")
     models = "the mission's and the extended model's predictions" if diagnosis.causes else "the mission's prediction"
@@ -83,7 +85,7 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
             east, north, *values, color=colour, angles="xy", scale_units="xy", scale=scale, width=0.005
         )
         axes.set_title(title, fontsize=9)
-        axes.set_xlabel("East (km)")
+        name_axis(axes.xaxis, "East", "km")
         axes.set_aspect("equal")
     tips = [np.array([east, north]) + np.array(values) / scale for values in (left.before, left.after)]
     for tip in tips:  # arrows are no part of the limits by themselves
@@ -93,7 +95,7 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
     axes.quiverkey(
         arrows, 0.6, 1.06, 0.5 * longest, f"{0.5 * longest:.1f} {left.unit}", labelpos="E", fontproperties={"size": 8}
     )
-    panels[0].set_ylabel("North (km)")
+    name_axis(panels[0].yaxis, "North", "km")
     return to_figure(
         figure,
         "places",
@@ -116,16 +118,23 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     if model is None or not diagnosis.causes:
         return []
     mean = diagnosis.calibration["next_leg_mean_so_far_rms_m"]
-    return [("Next leg's position error: mean so far, and model", f"{mean:.0f} → {model:.0f} m")]
+    return [
+        (
+            "Next leg's position error: mean so far, and model",
+            f"{quantity(mean, 'm', '.0f')} → {quantity(model, 'm', '.0f')}",
+        )
+    ]
 
 
 def _gained(diagnosis: Diagnosis, before: float, after: float) -> str:
     """Write how far a usual leg ends from where it is expected, before and after; both errors are of one axis [m/s]."""
     duration = float(diagnosis.residuals["duration_s"].median())
-    was, now = (number(each, 0.2 * each) for each in (math.sqrt(2.0) * error * duration for error in (before, after)))
+    off = [math.sqrt(2.0) * error * duration for error in (before, after)]
+    unit = reader_unit("m", max(off))
+    was, now = (f"{number(unit(each), unit(0.2 * each))}{unit.suffix}" for each in off)
     if was == now:
         return ""
-    return f"; a leg of {time_in_words(duration)} then ends {now} m from where it is expected, not {was} m"
+    return f"; a leg of {time_in_words(duration)} then ends {now} from where it is expected, not {was}"
 
 
 REPORT = KindReport(

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
+from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 
 _LAGS = 16
@@ -39,8 +40,8 @@ def against_axes(places: Sequence[tuple[str, Array]], left: ResidualSeries) -> F
         _scatter(panels[0, column], place, left.before, ORANGE)
         _scatter(panels[1, column], place, left.after, BLUE)
         panels[1, column].set_xlabel(label, fontsize=9)
-    panels[0, 0].set_ylabel(f"Before ({left.unit})")
-    panels[1, 0].set_ylabel(f"After ({left.unit})")
+    name_axis(panels[0, 0].yaxis, "Before", left.unit)
+    name_axis(panels[1, 0].yaxis, "After", left.unit)
     before, after = (float(np.sqrt(np.mean(np.concatenate(values) ** 2))) for values in (left.before, left.after))
     return to_figure(
         figure,

@@ -4,8 +4,8 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.report.diagnosis.data_kinds.dives import REPORT as DIVES
 from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
-from missionplan.report.display_units import split_key
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
+from missionplan.report.quantities import split_key
 from missionplan.report.wording import in_words
 from missionplan.results.learned.diagnosis import Diagnosis
 

@@ -1,1 +1,0 @@
-"""Reports in the units of the crew: `conversion` of a text, `pages` of a whole page."""
