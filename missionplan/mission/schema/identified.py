@@ -3,8 +3,10 @@
 from typing import Annotated, Generic, Self
 
 from pydantic import model_validator
+from typing_extensions import Doc
 
 from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid
 
@@ -20,7 +22,11 @@ _FixedNumber = Annotated[float, ReadBy(QuantityParser("", low=0.0, open_low=True
 class MeasuredDrag(FileSection, Generic[V]):
     """Measured drag of the egress vehicle, in place of Briggs et al., Eqs. 3 to 13; a power of Re given an exponent."""
 
-    coefficient: q.PositiveNumber[V]
+    coefficient: Annotated[
+        q.PositiveNumber[V],
+        Doc("drag coefficient on `area`"),
+        Limit((1e-6, 100.0), (1e-3, 3.0), "streamlined 0.1, bluff 1"),
+    ]
     area: _Area
     exponent: _Exponent[V] = q.default(0.0)
     at_reynolds: _FixedNumber | None = None
@@ -50,7 +56,11 @@ class Propulsion(FileSection, Generic[V]):
     speed.
     """
 
-    diameter: q.FixedLength
+    diameter: Annotated[
+        q.FixedLength,
+        Doc("diameter of the propeller"),
+        Limit((5e-3, 5.0), (0.02, 1.5), "AUV propellers are 0.05 m to 1 m across"),
+    ]
     thrust_coefficient: tuple[q.PositiveNumber[V], _Negative[V]]
     torque_coefficient: tuple[q.PositiveNumber[V], _Negative[V]]
     wake_fraction: _Fraction = 0.0

@@ -4,9 +4,12 @@ from typing import Annotated, Generic, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
+from typing_extensions import Doc
 
 from missionplan.arrays import Array
+from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.section import FileSection, V, invalid
 from missionplan.montecarlo.distributions import mean_of
 
@@ -16,8 +19,12 @@ CompensationName = Literal["none", "last-leg", "mean", "forecast", "filter", "as
 class VelocityErrorSection(FileSection, Generic[V]):
     """Velocity error of a leg, N(mean, Σ): east and north [m/s]."""
 
-    mean: tuple[q.SignedSpeed[V], q.SignedSpeed[V]] = q.default((0.0, 0.0))
-    sigma: q.Speed[V] | None = None
+    mean: Annotated[
+        tuple[q.SignedSpeed[V], q.SignedSpeed[V]], Doc("mean of the velocity error, east and north"), limits.CURRENT
+    ] = q.default((0.0, 0.0))
+    sigma: Annotated[
+        q.Speed[V] | None, Doc("standard deviation of the velocity error on each axis, σ_v"), limits.SIGMA
+    ] = None
     covariance_rows: tuple[tuple[q.FixedVariance, q.FixedVariance], tuple[q.FixedVariance, q.FixedVariance]] | None = (
         Field(default=None, alias="covariance")
     )
@@ -50,7 +57,15 @@ class Navigation(FileSection, Generic[V]):
     """Navigation by dead reckoning, with surfacings for fixes."""
 
     velocity_error: VelocityErrorSection[V]
-    surfacing_time: q.Duration[V]
-    fix_error: q.Distance[V] = q.default(0.0)
+    surfacing_time: Annotated[
+        q.Duration[V],
+        Doc("time at the surface for a fix"),
+        Limit((0.0, limits.DAY), (1.0, limits.HOUR), "a GPS fix takes 1 s warm to 15 min cold"),
+    ]
+    fix_error: Annotated[
+        q.Distance[V],
+        Doc("standard deviation of a fix on each axis"),
+        Limit((0.0, 10_000.0), (0.0, 100.0), "GPS is good to 3 to 10 m, Argos to 1 km"),
+    ] = q.default(0.0)
     drift_compensation: CompensationName = "none"
     max_legs: Annotated[int, Field(ge=1, le=100_000)] = 400

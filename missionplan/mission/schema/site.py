@@ -1,11 +1,15 @@
 """Where the mission is: origin, depth, water and current."""
 
+import math
 from itertools import pairwise
 from typing import Annotated, Generic, Literal, Self
 
 from pydantic import Discriminator, Tag, model_validator
+from typing_extensions import Doc
 
+from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid
@@ -38,9 +42,19 @@ class WaterSection(FileSection, Generic[V]):
     """Water, by temperature and practical salinity, or by density and viscosity."""
 
     temperature: q.Temperature[V] | None = None
-    salinity: q.Salinity[V] | None = None
-    density: q.WaterDensity[V] | None = None
-    viscosity: q.Viscosity[V] | None = None
+    salinity: Annotated[
+        q.Salinity[V] | None, Doc("practical salinity"), Limit((0.0, math.inf), (0.0, 42.0), "the Red Sea has 41")
+    ] = None
+    density: Annotated[
+        q.WaterDensity[V] | None,
+        Doc("density of the water"),
+        Limit((0.0, math.inf), (990.0, 1060.0), "fresh 998, ocean 1020 to 1050 kg/m^3"),
+    ] = None
+    viscosity: Annotated[
+        q.Viscosity[V] | None,
+        Doc("kinematic viscosity of the water"),
+        Limit((0.0, math.inf), (5e-7, 2.2e-6), "1.8e-6 m^2/s at 0 degC, 0.6e-6 at 45"),
+    ] = None
 
     @model_validator(mode="after")
     def _one_pair(self) -> Self:
@@ -55,17 +69,29 @@ class WaterSection(FileSection, Generic[V]):
 class CurrentLayer(FileSection, Generic[V]):
     """A layer of the current, from the layer above down to `down_to`; `toward` is clockwise from north."""
 
-    down_to: q.PositiveLength[V]
-    speed: q.SignedSpeed[V]
-    toward: q.Angle[V]
+    down_to: Annotated[q.PositiveLength[V], Doc("lower end of the layer"), limits.DEPTH]
+    speed: Annotated[q.SignedSpeed[V], Doc("speed of the layer"), limits.CURRENT]
+    toward: Annotated[q.Angle[V], Doc("direction towards which it flows, clockwise from north")]
 
 
 class ForecastError(FileSection, Generic[V]):
     """Error of a forecast on each axis: its standard deviation, and over what time and length it is forgotten."""
 
-    sigma: q.Speed[V]
-    time: PositiveDuration[V]
-    length: q.PositiveLength[V] | None = None
+    sigma: Annotated[
+        q.Speed[V],
+        Doc("standard deviation of the forecast's error on each axis"),
+        Limit((0.0, 3.0), (0.005, 0.5), "forecasts err by 0.02 to 0.3 m/s on each axis"),
+    ]
+    time: Annotated[
+        PositiveDuration[V],
+        Doc("time over which the error is forgotten"),
+        Limit((60.0, 1e7), (600.0, 30.0 * limits.DAY), "eddies last hours to weeks"),
+    ]
+    length: Annotated[
+        q.PositiveLength[V] | None,
+        Doc("length over which the error is forgotten"),
+        Limit((10.0, 1e6), (200.0, 3e5), "eddies are 1 km to 200 km across"),
+    ] = None
 
 
 class CurrentFile(FileSection, Generic[V]):
@@ -110,8 +136,10 @@ class TidalConstituent(FileSection):
     """
 
     name: str
-    major: q.FixedSpeed
-    minor: _FixedSignedSpeed = 0.0
+    major: Annotated[q.FixedSpeed, Doc("major semi-axis of the ellipse"), limits.CURRENT]
+    minor: Annotated[
+        _FixedSignedSpeed, Doc("minor semi-axis; negative where the current turns clockwise"), limits.CURRENT
+    ] = 0.0
     toward: q.FixedAngle
     phase: q.FixedAngle
 
@@ -119,9 +147,9 @@ class TidalConstituent(FileSection):
 class TideAtDepth(FileSection):
     """The tide at one depth, and the mean current there."""
 
-    depth: q.FixedDistance
-    east: _FixedSignedSpeed = 0.0
-    north: _FixedSignedSpeed = 0.0
+    depth: Annotated[q.FixedDistance, Doc("depth of these tides"), limits.DEPTH]
+    east: Annotated[_FixedSignedSpeed, Doc("mean current towards the east there"), limits.CURRENT] = 0.0
+    north: Annotated[_FixedSignedSpeed, Doc("mean current towards the north there"), limits.CURRENT] = 0.0
     constituents: tuple[TidalConstituent, ...]
 
 
@@ -157,15 +185,23 @@ def _current_tag(value: object) -> str:
 class SlopeSection(FileSection, Generic[V]):
     """Slope of the seafloor about the mooring; it falls `toward`, clockwise from north."""
 
-    angle: SlopeAngle[V]
-    toward: q.Angle[V]
+    angle: Annotated[
+        SlopeAngle[V],
+        Doc("angle of the seafloor with the horizontal"),
+        Limit((0.0, 1.0), (0.0, 0.35), "sand lies no steeper than 0.6 rad (35 deg)"),
+    ]
+    toward: Annotated[q.Angle[V], Doc("direction towards which the seafloor falls, clockwise from north")]
 
 
 class Site(FileSection, Generic[V]):
     """Site of the mission; `roughness` is z₀ of the seafloor, `chart` a file drawn behind the map."""
 
     origin: Geographic | None = None
-    depth: q.PositiveLength[V] | None = None
+    depth: Annotated[
+        q.PositiveLength[V] | None,
+        Doc("depth of the water at the mooring"),
+        Limit((0.1, 11_000.0), (1.0, 6000.0), limits.DEPTH.source),
+    ] = None
     water: WaterSection[V] | None = None
     current: Annotated[
         Annotated[tuple[CurrentLayer[V], ...], Tag("<layers>")]
@@ -174,7 +210,11 @@ class Site(FileSection, Generic[V]):
         Discriminator(_current_tag),
     ] = ()
     slope: SlopeSection[V] | None = None
-    roughness: q.PositiveLength[V] | None = None
+    roughness: Annotated[
+        q.PositiveLength[V] | None,
+        Doc("z₀ of the seafloor, for the current near it"),
+        Limit((1e-7, 1.0), (1e-5, 0.03), "Soulsby 1997: 0.05 mm silt, 6 mm rippled sand"),
+    ] = None
     chart: str | None = None
 
     @model_validator(mode="after")

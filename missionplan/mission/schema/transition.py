@@ -3,8 +3,11 @@
 from typing import Annotated, Generic, Literal
 
 from pydantic import Field, model_validator
+from typing_extensions import Doc
 
+from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, PhaseSection, ReadBy, V, invalid
 
@@ -112,7 +115,11 @@ class TunnelThrusterSection(FileSection, Generic[V]):
     """A tunnel thruster; `position` ahead of the centre of buoyancy."""
 
     name: str = "tunnel thruster"
-    diameter: q.FixedLength
+    diameter: Annotated[
+        q.FixedLength,
+        Doc("diameter of the tunnel"),
+        Limit((5e-3, 5.0), (0.02, 1.5), "tunnels are 0.05 m to 0.3 m across"),
+    ]
     thrust_constant: Annotated[V, ReadBy(QuantityParser("N*s^2", low=0.0, open_low=True))]
     decay: q.PositiveNumber[V]
     position: _Lever = 0.0
@@ -149,10 +156,25 @@ class TransitionPhase(PhaseSection, Generic[V]):
 
     kind: Literal["transition"] = Field(default="transition", exclude=True)
     name: str = "transition"
-    start_speed: Annotated[float, _fixed("m/s", open_low=True)]
-    deceleration: Annotated[V, Deceleration]
-    mid_speed: q.PositiveSpeed[V]
-    steepness: q.PositiveSpeed[V]
+    start_speed: Annotated[
+        float, _fixed("m/s", open_low=True), Doc("speed at which the manoeuvre begins"), limits.SPEED
+    ]
+    deceleration: Annotated[
+        V,
+        Deceleration,
+        Doc("rate at which the speed is reduced"),
+        Limit((0.0, 10.0), (1e-4, 0.5), "Palmer et al.: 0.005 to 0.015 m/s^2"),
+    ]
+    mid_speed: Annotated[
+        q.PositiveSpeed[V],
+        Doc("speed at which the thrusters take over half of the control"),
+        Limit((0.0, 10.0), (0.05, 3.2), limits.SPEED.source),
+    ]
+    steepness: Annotated[q.PositiveSpeed[V], Doc("width in speed of that hand-over")]
     suction_moment: bool = True
-    settle: _PositiveTime = 200.0
+    settle: Annotated[
+        _PositiveTime,
+        Doc("time that is simulated after the speed has reached zero"),
+        Limit((0.0, limits.DAY), (1.0, 2 * limits.HOUR), "hover is reached in minutes"),
+    ] = 200.0
     sweep: TransitionGrid = TransitionGrid()
