@@ -27,10 +27,12 @@ class MeasuredDrag(FileSection, Generic[V]):
         Doc("drag coefficient on `area`"),
         Limit((1e-6, 100.0), (1e-3, 3.0), "streamlined 0.1, bluff 1"),
     ]
-    area: _Area
-    exponent: _Exponent[V] = q.default(0.0)
-    at_reynolds: _FixedNumber | None = None
-    length: q.FixedLength | None = None
+    area: Annotated[_Area, Doc("area to which the coefficient refers")]
+    exponent: Annotated[_Exponent[V], Doc("power of the Reynolds number with which the coefficient goes")] = q.default(
+        0.0
+    )
+    at_reynolds: Annotated[_FixedNumber | None, Doc("Reynolds number at which the coefficient was found")] = None
+    length: Annotated[q.FixedLength | None, Doc("length of that Reynolds number")] = None
 
     @model_validator(mode="after")
     def _exponent_is_scaled(self) -> Self:
@@ -42,40 +44,42 @@ class MeasuredDrag(FileSection, Generic[V]):
 
 
 class MeasuredAddedMass(FileSection, Generic[V]):
-    """Added masses from free oscillation; a descent uses `surge`."""
+    """Added masses from free oscillation."""
 
-    surge: q.Mass[V] | None = None
-    sway: q.Mass[V] | None = None
-    heave: q.Mass[V] | None = None
+    surge: Annotated[q.Mass[V] | None, Doc("added mass along the axis, which a descent uses")] = None
+    sway: Annotated[q.Mass[V] | None, Doc("added mass across the axis")] = None
+    heave: Annotated[q.Mass[V] | None, Doc("added mass across the axis, up and down")] = None
 
 
 class Propulsion(FileSection, Generic[V]):
-    """A propeller by its open-water lines K_T = α₀ + α₁J and K_Q = β₀ + β₁J (Blanke et al., Eq. 19).
-
-    `thrust_factor` and `drag_factor` are the true thrust and drag over this file's, from which the vehicle infers its
-    speed.
-    """
+    """A propeller by its open-water lines K_T = α₀ + α₁J and K_Q = β₀ + β₁J (Blanke et al., Eq. 19)."""
 
     diameter: Annotated[
         q.FixedLength,
         Doc("diameter of the propeller"),
         Limit((5e-3, 5.0), (0.02, 1.5), "AUV propellers are 0.05 m to 1 m across"),
     ]
-    thrust_coefficient: tuple[q.PositiveNumber[V], _Negative[V]]
-    torque_coefficient: tuple[q.PositiveNumber[V], _Negative[V]]
-    wake_fraction: _Fraction = 0.0
-    thrust_deduction: _Fraction = 0.0
-    axial_flow_factor: _Fraction = 0.0
-    flow_mass: q.Mass[V] | None = None
-    motor_efficiency: q.Efficiency[V] = q.default(1.0)
-    thrust_factor: q.PositiveNumber[V] = q.default(1.0)
-    drag_factor: q.PositiveNumber[V] = q.default(1.0)
+    thrust_coefficient: Annotated[tuple[q.PositiveNumber[V], _Negative[V]], Doc("α₀ and α₁ of K_T = α₀ + α₁J")]
+    torque_coefficient: Annotated[tuple[q.PositiveNumber[V], _Negative[V]], Doc("β₀ and β₁ of K_Q = β₀ + β₁J")]
+    wake_fraction: Annotated[_Fraction, Doc("share of the speed by which the wake at the propeller is slower")] = 0.0
+    thrust_deduction: Annotated[
+        _Fraction, Doc("share of the thrust that the propeller's suction on the hull takes")
+    ] = 0.0
+    axial_flow_factor: Annotated[_Fraction, Doc("factor on the axial flow that the propeller makes")] = 0.0
+    flow_mass: Annotated[q.Mass[V] | None, Doc("mass of water that the propeller sets moving")] = None
+    motor_efficiency: Annotated[q.Efficiency[V], Doc("power of the shaft over the electrical power")] = q.default(1.0)
+    thrust_factor: Annotated[
+        q.PositiveNumber[V], Doc("true thrust over this file's, from which the vehicle infers its speed")
+    ] = q.default(1.0)
+    drag_factor: Annotated[
+        q.PositiveNumber[V], Doc("true drag over this file's, from which the vehicle infers its speed")
+    ] = q.default(1.0)
 
 
 class StaticThruster(FileSection, Generic[V]):
     """A thruster by its bollard pull against voltage."""
 
     name: str = "thruster"
-    ahead: _PerVolt[V]
-    astern: _PerVolt[V] | None = None
-    deadband: _Volts[V] = q.default(0.0)
+    ahead: Annotated[_PerVolt[V], Doc("bollard pull ahead over voltage squared")]
+    astern: Annotated[_PerVolt[V] | None, Doc("bollard pull astern over voltage squared")] = None
+    deadband: Annotated[_Volts[V], Doc("voltage below which it gives no thrust")] = q.default(0.0)

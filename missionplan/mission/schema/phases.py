@@ -46,8 +46,10 @@ class TransitPhase(PhaseSection, Generic[V]):
 
     kind: Literal["transit"] = Field(default="transit", exclude=True)
     name: str = "transit"
-    start: Position[V] | None = Field(default=None, alias="from")
-    to: Position[V]
+    start: Annotated[Position[V] | None, Doc("where it begins; without it, where the transit before went")] = Field(
+        default=None, alias="from"
+    )
+    to: Annotated[Position[V], Doc("goal, east and north of the origin, or by latitude and longitude")]
     depth: Annotated[q.Distance[V], Doc("depth of the transit"), limits.DEPTH] = q.default(0.0)
     speed: Annotated[q.PositiveSpeed[V], Doc("speed through the water"), limits.SPEED] = q.default(math.nan)
     shaft_rate: Annotated[

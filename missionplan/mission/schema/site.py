@@ -26,8 +26,8 @@ SlopeAngle = Annotated[V, ReadBy(QuantityParser("rad", low=0.0, high=1.0))]
 class Geographic(FileSection):
     """A point by latitude and longitude, WGS 84 [rad]."""
 
-    latitude: Latitude
-    longitude: q.FixedAngle
+    latitude: Annotated[Latitude, Doc("latitude, WGS 84")]
+    longitude: Annotated[q.FixedAngle, Doc("longitude, WGS 84")]
 
 
 Planar = Annotated[tuple[q.Length[V], q.Length[V]], Tag("<planar>")]
@@ -41,7 +41,7 @@ Position = Annotated[
 class WaterSection(FileSection, Generic[V]):
     """Water, by temperature and practical salinity, or by density and viscosity."""
 
-    temperature: q.Temperature[V] | None = None
+    temperature: Annotated[q.Temperature[V] | None, Doc("temperature of the water")] = None
     salinity: Annotated[
         q.Salinity[V] | None, Doc("practical salinity"), Limit((0.0, math.inf), (0.0, 42.0), "the Red Sea has 41")
     ] = None
@@ -67,7 +67,7 @@ class WaterSection(FileSection, Generic[V]):
 
 
 class CurrentLayer(FileSection, Generic[V]):
-    """A layer of the current, from the layer above down to `down_to`; `toward` is clockwise from north."""
+    """A layer of the current, below the layer above."""
 
     down_to: Annotated[q.PositiveLength[V], Doc("lower end of the layer"), limits.DEPTH]
     speed: Annotated[q.SignedSpeed[V], Doc("speed of the layer"), limits.CURRENT]
@@ -75,7 +75,7 @@ class CurrentLayer(FileSection, Generic[V]):
 
 
 class ForecastError(FileSection, Generic[V]):
-    """Error of a forecast on each axis: its standard deviation, and over what time and length it is forgotten."""
+    """Error of a forecast on each axis."""
 
     sigma: Annotated[
         q.Speed[V],
@@ -130,18 +130,15 @@ class CurrentFile(FileSection, Generic[V]):
 
 
 class TidalConstituent(FileSection):
-    """An ellipse: semi-axes, direction of the major one, and the lag behind the equilibrium tide at Greenwich.
-
-    A negative minor axis turns clockwise.
-    """
+    """The ellipse of a constituent."""
 
     name: str
     major: Annotated[q.FixedSpeed, Doc("major semi-axis of the ellipse"), limits.CURRENT]
     minor: Annotated[
         _FixedSignedSpeed, Doc("minor semi-axis; negative where the current turns clockwise"), limits.CURRENT
     ] = 0.0
-    toward: q.FixedAngle
-    phase: q.FixedAngle
+    toward: Annotated[q.FixedAngle, Doc("direction of the major axis, clockwise from north")]
+    phase: Annotated[q.FixedAngle, Doc("lag behind the equilibrium tide at Greenwich")]
 
 
 class TideAtDepth(FileSection):
@@ -183,7 +180,7 @@ def _current_tag(value: object) -> str:
 
 
 class SlopeSection(FileSection, Generic[V]):
-    """Slope of the seafloor about the mooring; it falls `toward`, clockwise from north."""
+    """Slope of the seafloor about the mooring."""
 
     angle: Annotated[
         SlopeAngle[V],
@@ -194,7 +191,7 @@ class SlopeSection(FileSection, Generic[V]):
 
 
 class Site(FileSection, Generic[V]):
-    """Site of the mission; `roughness` is z₀ of the seafloor, `chart` a file drawn behind the map."""
+    """Site of the mission; `chart` is a file drawn behind the map."""
 
     origin: Geographic | None = None
     depth: Annotated[

@@ -112,7 +112,7 @@ class Manoeuvring(FileSection, Generic[V]):
 
 
 class TunnelThrusterSection(FileSection, Generic[V]):
-    """A tunnel thruster; `position` ahead of the centre of buoyancy."""
+    """A tunnel thruster."""
 
     name: str = "tunnel thruster"
     diameter: Annotated[
@@ -120,11 +120,15 @@ class TunnelThrusterSection(FileSection, Generic[V]):
         Doc("diameter of the tunnel"),
         Limit((5e-3, 5.0), (0.02, 1.5), "tunnels are 0.05 m to 0.3 m across"),
     ]
-    thrust_constant: Annotated[V, ReadBy(QuantityParser("N*s^2", low=0.0, open_low=True))]
-    decay: q.PositiveNumber[V]
-    position: _Lever = 0.0
-    suction_gradient: Annotated[float, _fixed("")] = 0.0
-    suction_offset: _Lever = 0.0
+    thrust_constant: Annotated[
+        V, ReadBy(QuantityParser("N*s^2", low=0.0, open_low=True)), Doc("thrust over shaft rate squared, without way")
+    ]
+    decay: Annotated[q.PositiveNumber[V], Doc("how fast thrust goes with the speed ahead")]
+    position: Annotated[_Lever, Doc("distance ahead of the centre of buoyancy")] = 0.0
+    suction_gradient: Annotated[
+        float, _fixed(""), Doc("k of Eq. 6: the centre of suction lies k D u/u_j aft of the thruster")
+    ] = 0.0
+    suction_offset: Annotated[_Lever, Doc("distance of the centre of suction aft of the thruster at any speed")] = 0.0
 
 
 class TransitionGrid(FileSection):

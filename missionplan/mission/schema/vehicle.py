@@ -52,26 +52,26 @@ class SailSection(FileSection, Generic[V]):
 
 
 class Front(FileSection, Generic[V]):
-    """Machined front of the anchor; `centre` from the anchor's tip."""
+    """Machined front of the anchor."""
 
     mass: Annotated[q.Mass[V], Doc("mass of the front"), limits.PART_MASS]
     density: Annotated[q.Density[V], Doc("density of its material"), limits.DENSITY]
-    centre: q.Distance[V]
+    centre: Annotated[q.Distance[V], Doc("distance of its centre from the anchor's tip")]
 
 
 class Tube(FileSection, Generic[V]):
     """Tube between front and back; its length follows from the wet weight."""
 
-    mass_per_length: q.MassPerLength[V]
+    mass_per_length: Annotated[q.MassPerLength[V], Doc("mass of a metre of tube")]
     density: Annotated[q.Density[V], Doc("density of the tube's material"), limits.DENSITY]
 
 
 class Back(FileSection, Generic[V]):
-    """Machined back of the anchor; `centre_from_back` from the end of the tube."""
+    """Machined back of the anchor."""
 
     mass: Annotated[q.Mass[V], Doc("mass of the back"), limits.PART_MASS]
     density: Annotated[q.Density[V], Doc("density of its material"), limits.DENSITY]
-    centre_from_back: q.Distance[V]
+    centre_from_back: Annotated[q.Distance[V], Doc("distance of its centre from the end of the tube")]
 
 
 class TrimSection(FileSection, Generic[V]):
@@ -136,11 +136,13 @@ class Anchor(FileSection, Generic[V]):
         Doc("time from the separation until the anchor is full of water"),
         Limit((0.0, limits.HOUR), (0.0, 120.0), "1 L enters through a hole of 8 mm in 20 s"),
     ] = None
-    premature_flooding: q.Probability = 0.0
+    premature_flooding: Annotated[
+        q.Probability, Doc("probability that it floods before its release and sinks the vehicle nose first")
+    ] = 0.0
 
 
 class Centre(FileSection, Generic[V]):
-    """A centre of the egress vehicle: distance aft of the nose's tip, and below the axis."""
+    """A centre of the egress vehicle."""
 
     from_nose: Annotated[q.Distance[V], Doc("distance aft of the nose's tip"), limits.CENTRE]
     below_axis: Annotated[q.Length[V], Doc("distance below the hull's axis"), limits.OFF_AXIS] = q.default(0.0)
