@@ -118,7 +118,7 @@ def __dir__() -> list[str]:
 
 def _presenter() -> Presenter:
     """Load what presents results, when the first is saved or shown."""
-    from missionplan.report.glance import presenter
+    from missionplan.report import glance as presenter
 
     return presenter
 

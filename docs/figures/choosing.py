@@ -9,8 +9,7 @@ import missionplan
 from missionplan.report.drawn import style
 from missionplan.report.exploration import words
 from missionplan.report.exploration.figures import curves_figure
-from missionplan.report.optimisation.front import front_figure
-from missionplan.report.optimisation.page import answer
+from missionplan.report.optimisation import answer, front_figure
 from missionplan.report.page import Figure
 
 ROOT = Path(__file__).parents[2]

@@ -15,7 +15,7 @@ from missionplan.physics import propulsion, tank
 from missionplan.physics import tunnel_thruster as tunnel
 from missionplan.report import identification as pictures
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Figure, style, to_figure
-from missionplan.report.transition.figures import all_figures
+from missionplan.report.transition import all_figures
 from missionplan.studies.identification.identify import identify
 from missionplan.studies.transition.sweep_transition import sweep_transition
 

@@ -113,7 +113,7 @@ def _drawing_in_parallel() -> AbstractContextManager[None]:
     if pool is None:
         return nullcontext()
     pool.preload("missionplan.report.drawn")  # while this process imports it too
-    from missionplan.report.parallel_drawing import drawing_in_parallel
+    from missionplan.report.drawn import drawing_in_parallel
 
     return drawing_in_parallel()
 
@@ -133,7 +133,7 @@ def _print_result(result: "Result") -> None:
     from rich.console import Console
     from rich.markup import escape
 
-    from missionplan.report.glance.table import laid_out
+    from missionplan.report.glance import laid_out
     from missionplan.report.render import terminal_view
     from missionplan.report.typesetting import wrapped
 

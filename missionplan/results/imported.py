@@ -80,7 +80,7 @@ class ImportedData(Result):
         Further files, by name: the starter's vehicle.
     """
 
-    report: ClassVar[str] = "missionplan.report.imported.page"
+    report: ClassVar[str] = "missionplan.report.imported"
     provenance: Provenance
     kind: str
     name: str

@@ -120,7 +120,7 @@ class TideResult(Result):
         What the record is too short for, in words.
     """
 
-    report: ClassVar[str] = "missionplan.report.tide.page"
+    report: ClassVar[str] = "missionplan.report.tide"
 
     provenance: Provenance
     depths: tuple[DepthTide, ...]

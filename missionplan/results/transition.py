@@ -53,7 +53,7 @@ class TransitionSweep(Result):
         `thrust_n`, `revolutions_per_s`, `power_w` of one thruster and `pair_power_w` at hover.
     """
 
-    report: ClassVar[str] = "missionplan.report.transition.page"
+    report: ClassVar[str] = "missionplan.report.transition"
     provenance: Provenance
     cells: pd.DataFrame
     shown_deceleration: float

@@ -19,7 +19,7 @@ from missionplan.mission import Mission, load
 from missionplan.mission.geodesy import to_geographic
 from missionplan.mission.mission import MOST_LEARNED
 from missionplan.report.diagnosis.page import answer
-from missionplan.report.scoring.page import answer as told_of_score
+from missionplan.report.scoring import answer as told_of_score
 from missionplan.studies.comparison.mission_changes import changed_values
 from tests.conftest import TRANSIT, make_legs
 

@@ -8,7 +8,7 @@ import yaml
 
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.mission import Mission, load
-from missionplan.report.diagnosis.next_trial import next_trial_section
+from missionplan.report.diagnosis.plan import next_trial_section
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.next_trial import NextTrial
 from tests.hidden_effects.cases import draw_case

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from missionplan.report.geography.frame import frame
+from missionplan.report.geography.plan_view import frame
 from missionplan.report.leg_length.sweep import has_teeth
 
 

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 import yaml
 
-from missionplan.report.diagnosis.how_sure import how_sure
-from missionplan.report.diagnosis.next_trial import next_trial_pointer, next_trial_words
+from missionplan.report.diagnosis.findings import how_sure
 from missionplan.report.diagnosis.page import answer
+from missionplan.report.diagnosis.plan import next_trial_pointer, next_trial_words
 from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, TrialOutcome, ValuedDesign
 
 LEGS = ValuedDesign("two opposite legs of 400 m", 28.0, 3.1, 1.4, 1.2, 0.1)
@@ -97,6 +97,7 @@ def test_a_cause_that_changes_with_time_leaves_no_structure_along_nothing() -> N
         changed=(),
         known=(),
         suspect_labels="",
+        learned_from=("a leg",),
         ranking=(),
         misfit="",
         last_part=None,
@@ -137,6 +138,7 @@ def test_an_adequate_model_is_not_said_to_be_beyond_doubt(score: float, expected
         causes=(),
         best=best,
         suspect_labels="",
+        learned_from=("a leg",),
         misfit="",
         known=(),
         confirmed=(),

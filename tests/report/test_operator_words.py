@@ -7,7 +7,7 @@ import pytest
 
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
-from missionplan.report.diagnosis.operator import finding_in_words
+from missionplan.report.diagnosis.findings import finding_in_words
 from missionplan.results.learned.evidence import ParameterEstimate
 
 

@@ -10,9 +10,8 @@ from matplotlib.figure import Figure
 
 from missionplan.montecarlo.parallel.pool import process_pool, result_of, running_pool, shut_down_pool
 from missionplan.report.axes import name_axis
-from missionplan.report.drawn import Drawn, draw, style
+from missionplan.report.drawn import AT_ONCE, Drawn, draw, drawing_in_parallel, style
 from missionplan.report.page import to_figure
-from missionplan.report.parallel_drawing import AT_ONCE, drawing_in_parallel
 from missionplan.report.quantities import reading_in
 
 

@@ -15,7 +15,7 @@ from missionplan.report.numbers import percent
 from missionplan.report.page import Figure
 from missionplan.report.render import render_report, terminal_view
 from missionplan.report.simulation import page as simulation
-from missionplan.report.simulation.requirements import judged
+from missionplan.report.simulation.quantities import judged
 from missionplan.results.mooring.sized_anchor import MooringAnchor
 from missionplan.results.simulation import Attrition, Outcome, RequirementOutcome, Sensitivity
 

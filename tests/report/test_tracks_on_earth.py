@@ -15,9 +15,7 @@ from pyproj import Geod
 
 from missionplan.exporters.maps.colours import COLOURS
 from missionplan.exporters.maps.geometry import circle, longitudes_latitudes, parts
-from missionplan.report.geography.geojson import track_geojson
-from missionplan.report.geography.kml import track_kml
-from missionplan.report.geography.track_points import SAMPLES, sample_trials, track_points
+from missionplan.report.geography.tracks import SAMPLES, sample_trials, track_geojson, track_kml, track_points
 from missionplan.report.page import BLUE, GREEN, ORANGE, PINK, SKY, YELLOW
 
 POSITION = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number"}}

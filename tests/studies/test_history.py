@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 import missionplan
-from missionplan.report.log_book.history import terminal
+from missionplan.report.history import terminal
 
 
 def report(

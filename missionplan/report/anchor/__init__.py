@@ -1,5 +1,5 @@
 """Report of `size-anchor`.
 
-Read `page` (the answer, the order of the sections), then `sections` and `numbers_table`; `drawing` draws the anchor in
-section, `figures` its drag and its dive, `drift` where the dive goes.
+Read `page` (the answer, the order of the sections), then `sections`; `drawing` draws the anchor in section, `figures`
+its drag and its dive.
 """

@@ -12,11 +12,12 @@ from missionplan.report.compared.choices import (
     choices_in_words,
     chosen_in_words,
     curves_figure,
+    differing_section,
     listed,
+    requirements_section,
     windows_in_words,
 )
-from missionplan.report.compared.sections import differing_section, requirements_section
-from missionplan.report.compared.tasks import task_in_words
+from missionplan.report.compared.two_runs import task_in_words
 from missionplan.report.numbers import percent
 from missionplan.report.page import BLUE, ORANGE, Drawing, Figure, Page, PageSection, Table, Terminal, to_figure
 from missionplan.report.quantities import Unit, unit_for, with_error

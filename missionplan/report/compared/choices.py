@@ -1,4 +1,4 @@
-"""What reports of `explore` or `optimise` chose, side by side: values, windows, and the cells that all have tried."""
+"""What alternatives are, reach and chose, side by side: tasks, requirements, values, windows, cells that all tried."""
 
 from collections.abc import Iterator, Sequence
 from datetime import datetime
@@ -9,10 +9,53 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.moments import moment_of
-from missionplan.report.numbers import share
+from missionplan.report.compared.two_runs import limit_in_words, requirements_of
+from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Figure, PageSection, Table, to_figure
-from missionplan.report.wording import capitalised, keys_in_words
+from missionplan.report.wording import capitalised, in_words, keys_in_words
 from missionplan.results.choosing.alternatives import Alternative, Alternatives, TriedCell
+from missionplan.results.plain_data import mapping
+from missionplan.results.simulation import RequirementOutcome
+
+_MOST_DIFFERING = 60
+
+
+def requirements_section(found: Alternatives) -> Iterator[PageSection]:
+    """Show what each alternative reaches of each requirement."""
+    told = percent if len(found.alternatives) == 2 else share
+    reached = [
+        {_asked(item, found.provenance.data.get(each.name)): told(item.probability) for item in each.requirements}
+        for each in found.alternatives
+    ]
+    asked = list(dict.fromkeys(key for each in reached for key in each))
+    if asked:
+        rows = [[*key, *(each.get(key, "–") for each in reached)] for key in asked]
+        columns = ["requirement", "required", *(each.name for each in found.alternatives)]
+        yield PageSection("What each reaches of what is required", [Table(columns, rows)])
+
+
+def _asked(item: RequirementOutcome, mission: object) -> tuple[str, str]:
+    """Write what is required and how surely; both may differ from mission to mission."""
+    written = requirements_of(mapping(mission))
+    alike = [each for each in written if each.get("quantity") == item.quantity and (item.bound or "quantity") in each]
+    if len(alike) == 1:
+        limit = limit_in_words(alike[0])
+    else:
+        limit = f"{item.bound.replace('_', ' ')} {number(item.limit or 0.0)}" if item.bound else ""
+    return f"{in_words(item.quantity)} {limit}".strip(), f"{number(100.0 * item.required)}\u00a0%"
+
+
+def differing_section(found: Alternatives) -> Iterator[PageSection]:
+    """List the values in which the missions differ."""
+    if not found.differing:
+        return
+    rows = [[each.path, *(value or "–" for value in each.values)] for each in found.differing[:_MOST_DIFFERING]]
+    count = len(found.differing)
+    more = f"The first {_MOST_DIFFERING} of {count}." if count > _MOST_DIFFERING else ""
+    heading = "1 value of the missions differs" if count == 1 else f"{count} values of the missions differ"
+    names = [each.name for each in found.alternatives]
+    yield PageSection(heading, [Table(["key", *names], rows, more, text_columns=len(names) + 1)])
+
 
 _MOST_ROWS = 40
 _MOST_WINDOWS = 4
@@ -72,12 +115,12 @@ def curves_figure(found: Alternatives) -> Figure | None:
     places, unit = scale
     figure = MatplotlibFigure(figsize=(6.0, 3.2))
     axes = figure.subplots()
-    for number, (each, own) in enumerate(zip(found.alternatives, cells, strict=True)):
+    for row, (each, own) in enumerate(zip(found.alternatives, cells, strict=True)):
         x = np.array([places[cell.values[0]] for cell in own])
         low, middle, high = (
             100.0 * np.array([getattr(cell.success, part) for cell in own]) for part in ("low", "value", "high")
         )
-        colour = f"C{number % 7}"
+        colour = f"C{row % 7}"
         axes.fill_between(x, low, high, color=colour, alpha=0.15, linewidth=0.0)
         axes.plot(x, middle, ".-", color=colour, markersize=4, linewidth=1.2, label=each.name)
     axes.set(

@@ -1,1 +1,1 @@
-"""Report of `diagnose`: the page, the causes in words, the plan before and after, and the figures."""
+"""Report of `diagnose`: `page`, the causes and `findings` in words, their `evidence`, the `plan`, and a `campaign`."""

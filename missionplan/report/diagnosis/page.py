@@ -1,4 +1,4 @@
-"""Report of `diagnose`: the verdict in a sentence, the main figure, the gain, what to do next; then its support."""
+"""The extended mission's score on the part of a record that was kept away from its diagnosis."""
 
 import math
 import shlex
@@ -7,25 +7,49 @@ from collections.abc import Mapping
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.causes import causes_section, explanations_in_words, found_causes, names
 from missionplan.report.diagnosis.data_kinds.kinds import REPORTS
-from missionplan.report.diagnosis.discrepancy import discrepancy_section, resemblance
 from missionplan.report.diagnosis.evidence import (
     claimed_parameters,
+    discrepancy_section,
     distinction_section,
+    draw_held_out,
+    draw_ranking,
     held_out_section,
     known_section,
     ranking_rows,
     ranking_section,
+    resemblance,
     sized,
 )
-from missionplan.report.diagnosis.figures import draw_held_out, draw_ranking
-from missionplan.report.diagnosis.how_sure import WORTH_TELLING, how_sure, intervals_that_miss
-from missionplan.report.diagnosis.last_part import last_part_sections, last_part_words
-from missionplan.report.diagnosis.next_trial import next_trial_pointer, next_trial_section, next_trial_told
-from missionplan.report.diagnosis.operator import finding_in_words
-from missionplan.report.diagnosis.plan import plan_section, plan_words
+from missionplan.report.diagnosis.findings import WORTH_TELLING, finding_in_words, how_sure, intervals_that_miss
+from missionplan.report.diagnosis.plan import (
+    next_trial_pointer,
+    next_trial_section,
+    next_trial_told,
+    plan_section,
+    plan_words,
+)
 from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
+from missionplan.report.scoring import dataset_sections, told
 from missionplan.results.learned.diagnosis import Diagnosis
 from missionplan.results.learned.evidence import NextMeasurement, ParameterEstimate
+
+
+def last_part_words(diagnosis: Diagnosis) -> str:
+    """Say how well the extended mission predicts what was held out; empty without such a part."""
+    last = diagnosis.last_part
+    if last is None:
+        return ""
+    chance = "" if last.is_within_chance else " Chance does not allow such coverages."
+    many = "legs" if last.kind == "transit" else "dives"
+    return f" Kept away from all this, the last {last.groups} {many}: the extended mission {told(last)}{chance}"
+
+
+def last_part_sections(diagnosis: Diagnosis) -> list[PageSection]:
+    """Show the scores on what was held out beside yardsticks."""
+    if diagnosis.last_part is None:
+        return []
+    return dataset_sections(diagnosis.last_part, "The last part, held out")
+
 
 _INDISTINGUISHABLE = 1.0
 """Expected nats below which a measurement separates nothing."""

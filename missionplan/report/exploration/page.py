@@ -3,6 +3,7 @@
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 
+from missionplan.report.explained import members_section
 from missionplan.report.exploration.figures import (
     curves_figure,
     draw_exploration,
@@ -19,7 +20,6 @@ from missionplan.report.exploration.words import (
     ranges_in_words,
     tried,
 )
-from missionplan.report.members import members_section
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Drawing, Figure, Page, PageSection, Table, Terminal
 from missionplan.report.quantities import range_on, value_on

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from missionplan.report.members import members_in_words
+from missionplan.report.explained import members_in_words
 from missionplan.report.numbers import number, percent
 from missionplan.report.quantities import range_on, unit_for, value_on, with_error
 from missionplan.report.wording import in_words, keys_in_words

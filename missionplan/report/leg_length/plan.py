@@ -5,22 +5,20 @@ from collections.abc import Mapping
 import numpy as np
 
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.report.leg_length.leg_tables import (
-    candidates_table,
-    cases_table,
-    saving_in_words,
-    saving_unit,
-    trials_table,
-)
+from missionplan.report.explained import members_in_words, members_section
 from missionplan.report.leg_length.plan_figures import (
+    candidates_table,
     cases_figure,
+    cases_table,
     draw_aims,
     draw_lengths,
     draw_savings,
     policy_figure,
+    saving_in_words,
+    saving_unit,
     tracks_figure,
+    trials_table,
 )
-from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import percent, share
 from missionplan.report.page import Drawing, Listing, Page, PageSection, Terminal
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error

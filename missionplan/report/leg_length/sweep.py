@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from missionplan.report.explained import members_in_words, members_section
 from missionplan.report.leg_length.sweep_figures import (
     close_up_figure,
     cost_figure,
@@ -11,7 +12,6 @@ from missionplan.report.leg_length.sweep_figures import (
     draw_surfacings,
     surfacings_figure,
 )
-from missionplan.report.members import members_in_words, members_section
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Drawing, Page, PageSection, Table, Terminal
 from missionplan.report.quantities import Unit, length_in_words, quantity, reader_unit, time_in_words, with_error

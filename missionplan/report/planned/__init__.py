@@ -1,1 +1,1 @@
-"""What was planned, on every report of a mission: `section`, on `values` (a quantity in words) and `site_map`."""
+"""What was planned, on every report of a mission: `section` (with quantities in words) and `site_map`."""

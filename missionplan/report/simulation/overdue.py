@@ -14,7 +14,7 @@ from missionplan.exporters.maps.geojson import feature
 from missionplan.exporters.maps.geometry import longitudes_latitudes
 from missionplan.moments import moment_of
 from missionplan.report.axes import name_axis
-from missionplan.report.geography.frame import frame
+from missionplan.report.geography.plan_view import frame
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figure, PageSection, Table, to_figure
 from missionplan.report.quantities import quantity

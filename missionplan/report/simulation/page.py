@@ -9,31 +9,26 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.exporters.plan_json import plan_json
 from missionplan.exporters.table import waypoints_csv
 from missionplan.montecarlo.statistics import wilson
-from missionplan.report.geography.geojson import track_geojson
-from missionplan.report.geography.kml import track_kml
+from missionplan.report.explained import explanation_in_words, explanation_sections, member_in_words, member_sections
+from missionplan.report.geography.tracks import track_geojson, track_kml
 from missionplan.report.held_vehicle import hold_section
 from missionplan.report.numbers import number, percent, share
 from missionplan.report.page import Drawing, Page, Terminal
 from missionplan.report.quantities import quantity
 from missionplan.report.simulation import sections
-from missionplan.report.simulation.explained import (
-    explanation_in_words,
-    explanation_sections,
-    member_in_words,
-    member_sections,
-)
-from missionplan.report.simulation.figures import draw_timeline, draw_waterfall, waterfall
-from missionplan.report.simulation.histograms import draw_histogram
+from missionplan.report.simulation.figures import draw_histogram, draw_timeline, draw_waterfall, waterfall
 from missionplan.report.simulation.maps import draw_tracks
 from missionplan.report.simulation.overdue import overdue_section, search_areas_geojson
 from missionplan.report.simulation.quantities import (
     failure_in_words,
     of_those_that_end,
     range_in_words,
+    requirements_in_words,
+    requirements_section,
+    verdict,
     worst_step,
 )
-from missionplan.report.simulation.requirements import requirements_in_words, requirements_section, verdict
-from missionplan.report.simulation.sensitivities import sensitivity_sections
+from missionplan.report.simulation.sections import sensitivity_sections
 from missionplan.report.wording import in_words, phase_in_words
 from missionplan.results.plain_data import mapping
 from missionplan.results.simulation import Outcome

@@ -129,7 +129,7 @@ class Optimised(Result):
         Trials that the search took, its checks, and the relaxed problems.
     """
 
-    report: ClassVar[str] = "missionplan.report.optimisation.page"
+    report: ClassVar[str] = "missionplan.report.optimisation"
 
     provenance: Provenance
     aim: Literal["energy", "duration"]

@@ -23,7 +23,7 @@ class Campaign(Result):
         In the order in which they were made: each with the mission that the one before had extended.
     """
 
-    report: ClassVar[str] = "missionplan.report.log_book.campaign"
+    report: ClassVar[str] = "missionplan.report.diagnosis.campaign"
 
     provenance: Provenance
     diagnoses: tuple[Diagnosis, ...]

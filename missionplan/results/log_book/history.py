@@ -79,7 +79,7 @@ class History(Result):
         Whether times are those of the missions' starts, not those at which the reports were made.
     """
 
-    report: ClassVar[str] = "missionplan.report.log_book.history"
+    report: ClassVar[str] = "missionplan.report.history"
 
     provenance: Provenance
     reports: tuple[str, ...]

@@ -211,7 +211,7 @@ class Score(Result):
     datasets : tuple of DatasetScore
     """
 
-    report: ClassVar[str] = "missionplan.report.scoring.page"
+    report: ClassVar[str] = "missionplan.report.scoring"
 
     provenance: Provenance
     datasets: tuple[DatasetScore, ...]

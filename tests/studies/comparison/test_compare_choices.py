@@ -8,7 +8,7 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 from missionplan.report.compared.alternatives import answer, page, terminal
-from missionplan.report.compared.tasks import task_in_words
+from missionplan.report.compared.two_runs import task_in_words
 from missionplan.report.render import terminal_view
 from missionplan.results.base import to_yaml
 from missionplan.results.choosing.alternatives import Alternatives

@@ -10,7 +10,7 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.report.optimisation.page import answer
+from missionplan.report.optimisation import answer
 from missionplan.studies.exploration.key_paths import with_values
 from missionplan.studies.optimisation.choosable import read_lattice
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from missionplan import Mission, simulate
+from missionplan.report.explained import explanation_in_words
 from missionplan.report.render import render_report
-from missionplan.report.simulation.explained import explanation_in_words
 from missionplan.studies.simulation.simulate import simulate_block
 
 TRIALS = 2000

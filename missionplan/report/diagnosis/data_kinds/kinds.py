@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 
-from missionplan.report.diagnosis.data_kinds import dives, legs, summaries, tank
+from missionplan.report.diagnosis.data_kinds import dives, legs, tank
 from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
 
 REPORTS: Mapping[str, KindReport] = {
     "transit": legs.REPORT,
     "descent": dives.REPORT,
-    "summary": summaries.REPORT,
+    "summary": dives.SUMMARY_REPORT,
     **tank.REPORTS,
 }
 """By the data set's kind."""

@@ -8,8 +8,12 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
-from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
-from missionplan.report.diagnosis.data_kinds.residual_figures import ResidualSeries, against_axes, autocorrelation
+from missionplan.report.diagnosis.data_kinds.kind_report import (
+    KindReport,
+    ResidualSeries,
+    against_axes,
+    autocorrelation,
+)
 from missionplan.report.numbers import number
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.report.quantities import quantity, reader_unit, time_in_words

@@ -2,8 +2,7 @@
 
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.report.diagnosis.data_kinds.kind_report import KindReport
-from missionplan.report.diagnosis.data_kinds.residual_figures import ResidualSeries, against_axes
+from missionplan.report.diagnosis.data_kinds.kind_report import KindReport, ResidualSeries, against_axes
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, to_figure
 from missionplan.results.learned.diagnosis import Diagnosis
 

@@ -1,4 +1,4 @@
-"""What a mission does under each explanation that it carries, and whether it is worth finding out which holds."""
+"""What a plan does under each explanation and in each member of an ensemble, and whether to find out which holds."""
 
 from collections.abc import Iterator, Sequence
 
@@ -7,7 +7,35 @@ from missionplan.report.page import PageSection, Table
 from missionplan.report.quantities import span, unit_for
 from missionplan.report.wording import in_words
 from missionplan.results.explained import ExplainedOutcome, label, success_differs
+from missionplan.results.members import MemberOutcome, members_differ
 from missionplan.results.simulation import Outcome, Sensitivity
+
+DIFFER = "Which member of the current's ensemble spoils the {}"
+
+
+def members_in_words(members: Sequence[MemberOutcome], does: str) -> str:
+    """Write in a sentence which member spoils what a plan `does`; empty without an ensemble."""
+    if not members:
+        return ""
+    worst, best = (pick(members, key=lambda each: each.good.value) for pick in (min, max))
+    low, high = share(worst.good), share(best.good)
+    if members_differ(members):
+        return f"It depends on the forecast: it {does} {low} of the time in {worst.name} and {high} in {best.name}."
+    ends = f"{low} to {high}" if low != high else f"in {low} of the trials"
+    return f"In each member of the current's ensemble it {does} as often, as far as the trials can tell ({ends})."
+
+
+def members_section(members: Sequence[MemberOutcome], plan: str, good: str, note: str) -> Iterator[PageSection]:
+    """Tabulate the members, the worst first; `plan` and `good` are words for the heading and a column."""
+    if not members:
+        return
+    rows = [
+        [each.name, f"{100.0 * each.probability:.1f}\u00a0%", percent(each.good)]
+        for each in sorted(members, key=lambda each: each.good.value)
+    ]
+    heading = DIFFER.format(plan) if members_differ(members) else "Members of the current's ensemble"
+    yield PageSection(heading, [Table(("member", "probability", good), rows, note)])
+
 
 SMALL = 0.05
 """Share of a variance below which it is not worth finding out which explanation holds."""

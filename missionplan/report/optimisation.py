@@ -2,17 +2,85 @@
 
 import math
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.montecarlo.statistics import Statistic
-from missionplan.report.members import members_in_words, members_section
+from missionplan.report.explained import members_in_words, members_section
 from missionplan.report.numbers import number, percent, rounded_down, rounded_up, share
-from missionplan.report.optimisation.front import draw_front, front_figure
-from missionplan.report.page import Drawing, Listing, Page, PageSection, Table, Terminal
+from missionplan.report.page import (
+    BLUE,
+    GREY,
+    ORANGE,
+    Drawing,
+    Figure,
+    Listing,
+    Page,
+    PageSection,
+    Table,
+    Terminal,
+    to_figure,
+)
 from missionplan.report.quantities import Unit, range_on, unit_for, value_on, with_error
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.report.wording import in_words, keys_in_words
 from missionplan.results.choosing.optimisation import Obstacle, Optimised, Tried
+
+
+def front_figure(found: Optimised) -> Figure | None:
+    """Draw P(success) against the cost of all that was tried and reached the mission's end."""
+    tried = _reached(found)
+    if not tried:
+        return None
+    figure = MatplotlibFigure(figsize=(6.0, 3.4))
+    draw_front(figure.subplots(), found)
+    figure.legend(loc="outside upper center", ncols=3)
+    return to_figure(
+        figure,
+        "optimise",
+        f"Probability of success against mean {found.aim} of the choices tried",
+        f"All choices tried, with {min(each.trials for each in tried)} trials or more.",
+    )
+
+
+def draw_front(axes: Axes, found: Optimised) -> None:
+    """Draw P(success) against the cost of all that was tried and reached the mission's end."""
+    tried = _reached(found)
+    if not tried:
+        return
+    unit = _unit_of_cost(found, tried)
+    chosen = [each for each in tried if each.values == found.chosen and found.feasible]
+    for label, marker, size, colour, members in (
+        ("misses a requirement", "o", 4, GREY, [each for each in tried if not each.feasible]),
+        ("meets all requirements", "o", 4, BLUE, [each for each in tried if each.feasible]),
+        ("chosen", "*", 14, ORANGE, chosen),
+    ):
+        if members:
+            x = [unit(_least(found, each)) for each in members]
+            y = [100.0 * each.success.value for each in members]
+            axes.plot(x, y, marker, color=colour, markersize=size, alpha=0.6 if marker == "o" else 1.0, label=label)
+    low = min(90.0, 100.0 * min(each.success.value for each in tried))
+    axes.set(xlabel=f"Mean {found.aim}{unit.axis}", ylabel="P(success) (%)")
+    axes.set_ylim(low - 0.05 * (100.0 - low), 100.0 + 0.05 * (100.0 - low))
+
+
+def _reached(found: Optimised) -> list[Tried]:
+    """Choices tried of which some trial reached the mission's end."""
+    return [each for each in found.tried if np.isfinite(_least(found, each))]
+
+
+def _unit_of_cost(found: Optimised, tried: Sequence[Tried]) -> Unit:
+    typical = float(np.median([_least(found, each) for each in tried]))
+    return unit_for("total", found.key, found.provenance.data, typical=typical)
+
+
+def _least(found: Optimised, each: Tried) -> float:
+    """Return the mean of what is to be least."""
+    return each.energy if found.aim == "energy" else each.duration
+
 
 _MOST_ROWS = 25
 

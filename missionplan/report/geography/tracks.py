@@ -1,0 +1,243 @@
+"""Tracks, fixes, circles of error and the plan as GeoJSON (RFC 7946) and KML 2.2 (OGC 07-147r2)."""
+
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import timedelta
+from xml.etree import ElementTree
+
+import numpy as np
+
+from missionplan.exporters.maps.colours import COLOURS
+from missionplan.exporters.maps.geojson import Feature, area_feature, feature, line_feature
+from missionplan.exporters.maps.geojson import features as plan_features
+from missionplan.exporters.maps.geometry import Origin, longitudes_latitudes, parts
+from missionplan.exporters.maps.kml import NAMESPACE, line, placemark, plan_folders, point, polygon, styles
+from missionplan.exporters.xml import Element, add, document
+from missionplan.report.geography.plan_view import describe, median_trial, rings
+from missionplan.results.plan import PlannedMooring, PlannedTransit
+from missionplan.results.simulation import Outcome
+
+SAMPLES = 50
+"""Number of sample tracks written."""
+_MOORED = ("anchor", "surfacing", "fix")
+
+
+@dataclass(frozen=True)
+class TrackPoint:
+    """A point of a track.
+
+    Attributes
+    ----------
+    name : str
+        Such as ``ingress: surfacing 2``.
+    kind : str
+        ``start``, ``surfacing`` (with the fix on surfacing), ``fix`` (on diving), ``anchor`` or ``hover``.
+    phase : str
+    position : (float, float)
+        True position, east and north [m].
+    time : float
+        Since the mission's start [s].
+    utc : str
+        The same as ISO 8601; empty where the mission has no start.
+    depth : float or None
+        Run depth of the leg that ended here, or of the water for an anchor [m].
+    """
+
+    name: str
+    kind: str
+    phase: str
+    position: tuple[float, float]
+    time: float
+    utc: str
+    depth: float | None
+
+    def data(self) -> dict[str, object]:
+        """Return what viewers show of it; None where not known."""
+        return {
+            "phase": self.phase,
+            "elapsed_s": round(self.time, 1),
+            "time": self.utc or None,
+            "depth_m": self.depth if self.kind in ("surfacing", "anchor") else None,
+        }
+
+
+def sample_trials(outcome: Outcome) -> tuple[int, list[int]]:
+    """Choose the median trial, and others that show the spread."""
+    median = median_trial(outcome.tracks)
+    trials = range(outcome.tracks.position.shape[2])
+    return median, [trial for trial in trials if trial != median][:SAMPLES]
+
+
+def track_points(outcome: Outcome, trial: int) -> list[TrackPoint]:
+    """Return the points that a trial has, in the order of time."""
+    tracks, found = outcome.tracks, []
+    names, kinds = list(tracks.targets), {phase.name: phase.kind for phase in outcome.phases}
+    number = dict.fromkeys(range(len(names)), -1)
+    for place, time, index in zip(
+        tracks.position[:, :, trial].tolist(), tracks.time[:, trial].tolist(), tracks.phase.tolist(), strict=True
+    ):
+        number[index] += 1
+        if not all(map(math.isfinite, (*place, time))):
+            continue
+        phase = names[index]
+        kind, ordinal = _kind(kinds.get(phase, "transit"), number[index])
+        name = f"{phase}: {kind}{f' {ordinal}' if ordinal else ''}"
+        position = (place[0], place[1])
+        found.append(TrackPoint(name, kind, phase, position, time, _utc(outcome, time), _depth(outcome, phase)))
+    return found
+
+
+def _kind(phase: str, number: int) -> tuple[str, int]:
+    """Kind of the point of that number, from 0, of a phase of that kind, and its own number."""
+    if phase == "moor":
+        return _MOORED[number], 0
+    if phase != "transit":
+        return "hover", 0
+    if number == 0:
+        return "start", 0
+    return ("surfacing" if number % 2 else "fix"), (number + 1) // 2
+
+
+def _depth(outcome: Outcome, phase: str) -> float | None:
+    plan = outcome.plan
+    depths = {each.name: _planned_depth(each) for each in plan.phases} if plan else {}
+    label = next((each.label for each in outcome.phases if each.name == phase), phase)
+    depth = depths.get(label, math.nan)
+    return round(depth, 3) if math.isfinite(depth) else None
+
+
+def _planned_depth(planned: PlannedTransit | PlannedMooring) -> float:
+    return planned.water_depth if isinstance(planned, PlannedMooring) else planned.depth
+
+
+def _utc(outcome: Outcome, time: float) -> str:
+    start = outcome.plan.start if outcome.plan else None
+    return (start + timedelta(seconds=round(time, 1))).strftime("%Y-%m-%dT%H:%M:%SZ") if start else ""
+
+
+def track_geojson(outcome: Outcome) -> str | None:
+    """Write the planned, median and sample tracks, fixes, goals, arrival circles, CEP and mooring ellipses.
+
+    Returns None when the mission has no origin. Longitudes continue across the antimeridian, beyond ±180°, so that
+    no feature is torn apart. Times are seconds since the mission's start, and UTC where the mission has a start.
+    """
+    origin = outcome.tracks.origin
+    if origin is None:
+        return None
+    features = [
+        *(plan_features(outcome.plan, circles=False) if outcome.plan else ()),
+        *_track_features(outcome, origin),
+        *_fix_features(outcome, origin),
+        *_ring_features(outcome, origin),
+        *_goal_features(outcome, origin),
+    ]
+    collection = {
+        "type": "FeatureCollection",
+        "name": outcome.provenance.mission,
+        **({"mission_sha256": outcome.plan.digest} if outcome.plan else {}),
+        "features": features,
+    }
+    return json.dumps(collection, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+
+
+def _track_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
+    median, samples = sample_trials(outcome)
+    for trial, kind in [*((trial, "sample track") for trial in samples), (median, "median track")]:
+        points = track_points(outcome, trial)
+        if len(points) > 1:
+            line = longitudes_latitudes(np.array([point.position for point in points]).T, origin)
+            times = _times(points) if len(parts(line)) == 1 else {}  # a cut line has points of no known time
+            yield line_feature(line, kind, name=f"{kind}, trial {trial}", trial=trial, **times)
+
+
+def _times(points: list[TrackPoint]) -> dict[str, object]:
+    """Times of the points of a line; `coordTimes` is what viewers of GeoJSON read."""
+    utc = [point.utc for point in points]
+    known = {"coordTimes": utc} if all(utc) else {}
+    return {"elapsed_s": [round(point.time, 1) for point in points], **known}
+
+
+def _fix_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
+    """Where the median trial is at each fix, and its anchor."""
+    median, _ = sample_trials(outcome)
+    for each in track_points(outcome, median):
+        (place,) = longitudes_latitudes(np.array(each.position)[:, None], origin)
+        data = {key: value for key, value in each.data().items() if value is not None}
+        yield feature("Point", place, each.kind, name=each.name, trial=median, **data)
+
+
+def _ring_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
+    for ring in rings(outcome):
+        share = None if math.isnan(ring.share) else ring.share
+        boundary = longitudes_latitudes(ring.line, origin)
+        radius = round(ring.radius, 3)
+        yield area_feature(boundary, ring.kind, name=describe(ring), phase=ring.phase, share=share, radius_m=radius)
+
+
+def _goal_features(outcome: Outcome, origin: Origin) -> Iterator[Feature]:
+    for name, (goal, _) in outcome.tracks.targets.items():
+        (point,) = longitudes_latitudes(np.array(goal)[:, None], origin)
+        yield feature("Point", point, "goal", name=f"{name}: goal", phase=name)
+
+
+def track_kml(outcome: Outcome) -> str | None:
+    """Write the planned, median and sample tracks, fixes, goals, circles and ellipses, clamped to the surface.
+
+    Returns None when the mission has no origin. Placemarks have times where the mission has a start.
+    """
+    origin = outcome.tracks.origin
+    if origin is None:
+        return None
+    root = ElementTree.Element("kml", xmlns=NAMESPACE)
+    container = add(root, "Document")
+    add(container, "name", outcome.provenance.mission)
+    of_plan = f", SHA-256 of the mission {outcome.plan.digest}" if outcome.plan else ""
+    run = f"missionplan, seed {outcome.provenance.seed}, {outcome.provenance.trials} trials{of_plan}"
+    add(container, "description", run)
+    styles(container, COLOURS)
+    if outcome.plan is not None:
+        plan_folders(container, outcome.plan, circles=False)
+    _tracks(container, outcome, origin)
+    _fixes(container, outcome, origin)
+    _goals(container, outcome, origin)
+    return document(root)
+
+
+def _tracks(container: Element, outcome: Outcome, origin: Origin) -> None:
+    median, samples = sample_trials(outcome)
+    folder = add(container, "Folder")
+    add(folder, "name", "Tracks")
+    for trial, kind in [(median, "median track"), *((trial, "sample track") for trial in samples)]:
+        points = track_points(outcome, trial)
+        if len(points) > 1:
+            span = {"begin_s": round(points[0].time, 1), "end_s": round(points[-1].time, 1)}
+            times = (points[0].utc, points[-1].utc)
+            mark = placemark(folder, f"{kind}, trial {trial}", kind, span, times)
+            line(mark, longitudes_latitudes(np.array([point.position for point in points]).T, origin))
+
+
+def _fixes(container: Element, outcome: Outcome, origin: Origin) -> None:
+    """Where the median trial is at each fix, and its anchor."""
+    median, _ = sample_trials(outcome)
+    folder = add(container, "Folder")
+    add(folder, "name", f"Fixes, trial {median}")
+    for each in track_points(outcome, median):
+        _fix(folder, each, origin)
+
+
+def _fix(folder: Element, fix: TrackPoint, origin: Origin) -> None:
+    (place,) = longitudes_latitudes(np.array(fix.position)[:, None], origin)
+    point(placemark(folder, fix.name, fix.kind, fix.data(), (fix.utc,)), place)
+
+
+def _goals(container: Element, outcome: Outcome, origin: Origin) -> None:
+    drawn = list(rings(outcome))
+    for phase, (goal, _) in outcome.tracks.targets.items():
+        folder = add(container, "Folder")
+        add(folder, "name", phase)
+        for ring in (ring for ring in drawn if ring.phase == phase):
+            polygon(placemark(folder, describe(ring), ring.kind), longitudes_latitudes(ring.line, origin))
+        (place,) = longitudes_latitudes(np.array(goal)[:, None], origin)
+        point(placemark(folder, f"{phase}: goal", "goal"), place)

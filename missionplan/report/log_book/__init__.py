@@ -1,1 +1,0 @@
-"""Reports of what was learned from mission to mission."""

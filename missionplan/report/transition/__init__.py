@@ -1,1 +1,0 @@
-"""Report of `sweep-transition`: the page, and its figures after those of Palmer, Hearn & Stevenson."""
