@@ -146,6 +146,11 @@ def differences(before: Mapping[str, object], now: Mapping[str, object]) -> list
     return lines
 
 
+def program_part(parts: Mapping[str, object]) -> dict[str, object]:
+    """Return what of an identity's parts tells of the program."""
+    return {name: parts.get(name) for name in ("version", "code", "plugins", "libraries")}
+
+
 def leaves(value: object, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], object]]:
     """Yield each value of plain data that holds no others, with the keys that lead to it."""
     if isinstance(value, Mapping) and value:

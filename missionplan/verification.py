@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.errors import InputError, Problem
-from missionplan.identity import differences, digest_of, leaves, running_program
+from missionplan.identity import differences, digest_of, leaves, program_part, running_program
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.parallel.blocks import Progress, run_blocks
 from missionplan.montecarlo.streams import block_count, block_size
-from missionplan.results.base import to_json
+from missionplan.results.base import OF_THE_RUN, to_json
 from missionplan.results.plain_data import mapping, whole
 from missionplan.store.checkpoints import read_block
 from missionplan.store.paths import as_path
@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 
 SAMPLE = 3
 """Blocks that are computed again where not all are: the first, the last and one between."""
-_OF_THE_RUN = {"schema", "version", "options", "elapsed_s", "file", "created_utc", "python", "libraries", "notices"}
-_OF_THE_RUN |= {"identity", "identity_parts"}
-"""Keys of a summary that tell of the run and not of its answer."""
 _SHOWN = 8
 Arrays = Mapping[str, NDArray[np.generic]]
 Leaves = dict[tuple[str, ...], object]
@@ -171,7 +168,7 @@ class _Made:
         parts = mapping(self.summary.get("identity_parts"))
         if not parts:
             return ["the report does not state its identity"]
-        lines = differences({key: parts.get(key) for key in running_program().parts()}, running_program().parts())
+        lines = differences(program_part(parts), running_program().parts())
         stated = mapping(parts.get("inputs")).get("mission")
         if stated is not None and digest_of(identified(self.mission())["mission"]) != stated:
             lines.append("mission.yaml or a file that it names: not as it was when the report was made")
@@ -332,7 +329,7 @@ _STUDIES: dict[str, Study] = {
 
 
 def _answer(summary: Mapping[str, object]) -> Leaves:
-    return {path: value for path, value in leaves(summary) if not _OF_THE_RUN.intersection(path)}
+    return {path: value for path, value in leaves(summary) if not OF_THE_RUN.intersection(path)}
 
 
 def _without_digest(arrays: Arrays | None) -> Arrays:

@@ -131,7 +131,7 @@ def _print_summary(result: "Result") -> None:
 
 def _print_result(result: "Result") -> None:
     from rich.console import Console
-    from rich.markup import escape
+    from rich.text import Text
 
     from missionplan.report.glance import laid_out
     from missionplan.report.render import terminal_view
@@ -142,9 +142,9 @@ def _print_result(result: "Result") -> None:
             raise BrokenPipeError  # the base class would end the process
 
     shown = terminal_view(result)
-    console = Output(highlight=False)
+    console = Output(highlight=False, emoji=False)
     style = f"bold {_COLOURS.get(shown.verdict, '')}".strip()
-    console.print(f"[{style}]{escape(wrapped(shown.sentence, console.width))}[/]", soft_wrap=True)
+    console.print(Text(wrapped(shown.sentence, console.width), style), soft_wrap=True)
     for line in laid_out(shown.columns, shown.rows, console.width) if shown.rows else ():
         console.print(line, markup=False, soft_wrap=True)
 

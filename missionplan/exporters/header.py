@@ -10,6 +10,10 @@ NO_CORRECTION = "the correction of the course for drift from fix to fix"
 NO_REMAINING_LEGS = "further legs where the last one ends outside the arrival radius"
 
 
+_LONGEST = 40
+"""Characters of a name that a token keeps."""
+
+
 def header(plan: Plan, title: str, lost: Sequence[str]) -> tuple[str, ...]:
     """Return the lines of a file's header.
 
@@ -68,4 +72,4 @@ def plain(text: str) -> str:
 
 def token(number: int, name: str) -> str:
     """Return a name that holds letters, digits and underscores alone, unlike that of any other number."""
-    return f"{number}_{re.sub('[^A-Za-z0-9]+', '_', plain(name)).strip('_') or 'phase'}"
+    return f"{number}_{re.sub('[^A-Za-z0-9]+', '_', plain(name))[:_LONGEST].strip('_') or 'phase'}"

@@ -6,6 +6,7 @@ Drawing through normals makes common random numbers, correlations (a Cholesky fa
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import scipy
@@ -178,6 +179,13 @@ class Choices(NormalTransform):
         return sum(choice <= value for choice in self.values) / len(self.values)
 
     @property
+    def intervals(self) -> dict[float, tuple[float, float]]:
+        """Where the probability of the normal gives each value."""
+        ordered = np.sort(np.asarray(self.values, dtype=float))
+        ends = {value: self.cdf(value) for value in ordered.tolist()}
+        return dict(zip(ends, pairwise([0.0, *ends.values()]), strict=True))
+
+    @property
     @override
     def mass_cut(self) -> float:
         return self.cut
@@ -226,6 +234,12 @@ class WhichHolds(NormalTransform):
         if value < 0.0:
             return 0.0
         return self._ends[int(value)] if value < len(self._ends) else 1.0
+
+    @property
+    def intervals(self) -> dict[float, tuple[float, float]]:
+        """Where the probability of the normal gives each number."""
+        ends = self._ends if self._ends[-1] == 1.0 else [*self._ends, 1.0]
+        return dict(zip(map(float, range(len(ends))), pairwise([0.0, *ends]), strict=True))
 
     @property
     def _ends(self) -> list[float]:

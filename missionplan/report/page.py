@@ -1,5 +1,6 @@
 """The parts of a report; `html` renders them as one self-contained page."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -137,5 +138,8 @@ class Terminal:
 def to_figure(
     figure: "MatplotlibFigure", name: str, alt: str, caption: str = "", *, slider: Slider | None = None
 ) -> Figure:
-    """Draw a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot)."""
-    return Figure(name, drawing_of(figure, slider), alt, caption)
+    """Draw a matplotlib figure (made with `matplotlib.figure.Figure`, not pyplot).
+
+    Of its name, an id of the page and the name of a file, only letters, digits and hyphens are kept.
+    """
+    return Figure(re.sub(r"[^\w.-]+", "-", name), drawing_of(figure, slider), alt, caption)

@@ -67,6 +67,8 @@ def plots_of(result: Result) -> dict[str, Plot]:
 
 def _plot(result: Result, draw: Drawing, *, ax: "Axes | None" = None, **options: object) -> "Axes":
     """Draw on axes, or on new ones of pyplot's, in the style of the reports."""
+    from matplotlib.text import Text
+
     with shown_as_asked(result):
         if ax is None:
             import matplotlib.pyplot as plt
@@ -75,6 +77,8 @@ def _plot(result: Result, draw: Drawing, *, ax: "Axes | None" = None, **options:
         others = set(ax.figure.axes) - {ax}
         draw(ax, result, **options)
         draw_in_units(axes for axes in ax.figure.axes if axes not in others)
+        for text in ax.findobj(Text):  # of axes made elsewhere: a name may hold a `$`
+            text.set_parse_math("\\mathdefault" in text.get_text())
     return ax
 
 

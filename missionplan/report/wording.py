@@ -37,6 +37,8 @@ _PHRASES = {
 """Quantities and events of a phase whose names do not read as phrases."""
 _POINT_OR_UNDERSCORE = re.compile(r"\.(?!\d)|_")
 _EXPLAINED = re.compile(r"effects\[\d+\]\.one-of(?:\[(\d+)\]\.(.+))?")
+_LONGEST_NAME = 48
+"""Characters of a name."""
 _PLACE = re.compile(r"phases\[(\d+)\]")
 _WHOLES = ("vehicle", "site", "start", "total", "monte_carlo", "requirements", "energy")
 """First parts of a dotted name that are no phase and read well before the rest: ``vehicle net buoyancy``."""
@@ -67,6 +69,12 @@ def phase_in_words(phase: str) -> str:
     """Write what stands for a phase in key paths: its name, or ``phase 2`` where that is its place, ``phases[1]``."""
     place = _PLACE.fullmatch(phase)
     return f"phase {int(place[1]) + 1}" if place else phase
+
+
+def shortened(name: str) -> str:
+    """Return a name as figures, tables and terminals show it: on one line, cut where it is long."""
+    words = " ".join(name.split())
+    return words if len(words) <= _LONGEST_NAME else f"{words[: _LONGEST_NAME - 1]}…"
 
 
 def keys_in_words(keys: Sequence[str]) -> str:

@@ -105,6 +105,18 @@ class Provenance:
         }
 
 
+OF_THE_RUN = frozenset(
+    {"schema", "version", "options", "elapsed_s", "file", "created_utc", "python", "libraries", "notices"}
+    | {"identity", "identity_parts"}
+)
+"""Keys of a summary that tell of the run and not of its answer."""
+
+
+def without_run(summary: Mapping[str, object]) -> dict[str, object]:
+    """Return what of a summary is its answer: the same for runs of one identity."""
+    return {key: value for key, value in summary.items() if key not in OF_THE_RUN}
+
+
 class Result(ABC):
     """A study's answer. Subclasses are frozen data classes with a field `provenance`."""
 

@@ -55,6 +55,28 @@ class FailureMode:
 
 
 @dataclass(frozen=True)
+class WayDriven:
+    """A way to fail towards which trials were driven by its own margin.
+
+    Attributes
+    ----------
+    way : str
+        Such as ``moor: anchor outside the radius``; empty for failures that no margin tells.
+    probability : float
+        Of failing so, alone or with others; zero where no failure was found.
+    nearest : float
+        Probability, roughly, of coming as near to it as the nearest trials.
+    bound : float
+        Upper end of the 95 % interval by plain trials.
+    """
+
+    way: str
+    probability: float
+    nearest: float
+    bound: float
+
+
+@dataclass(frozen=True)
 class RareFailure(Result):
     """Result of `simulate --rare`.
 
@@ -67,11 +89,13 @@ class RareFailure(Result):
     variation : float
         Coefficient of variation of the probability, from the scatter of the repetitions; infinite without failures.
     repetitions, levels : int
-        Independent repetitions, and the levels of each.
+        Independent repetitions, and the most levels of one.
     reached : bool
         Whether a failure was found.
     nearest : float
         Where none was found: probability, roughly, of coming as near to one as the nearest trials.
+    ways : tuple of WayDriven
+        Every way to fail towards which trials were driven.
     modes : tuple of FailureMode
         The commonest first.
     sample : DataFrame
@@ -88,6 +112,7 @@ class RareFailure(Result):
     levels: int
     reached: bool
     nearest: float
+    ways: tuple[WayDriven, ...]
     modes: tuple[FailureMode, ...]
     sample: pd.DataFrame
 
@@ -109,6 +134,7 @@ class RareFailure(Result):
                 "levels": self.levels,
                 "found": self.reached,
                 "plain_trials": self.plain_trials,
+                "ways": [vars(way) for way in self.ways],
                 "modes": [
                     {
                         "step": mode.step,

@@ -24,6 +24,8 @@ from missionplan.scenario.currents.field import read_field
 from missionplan.studies.validation.validate import validate
 
 from . import examples, mutations
+from .hostile_names import NAMES, ODD, named
+from .looking import look_at_folder
 
 TRIALS = 20
 
@@ -253,6 +255,27 @@ def _run_options(folder: Path) -> None:
             signal.signal(number, handler)
 
 
+_PIECES = tuple(piece for name in (*NAMES, *ODD) for piece in (name[: len(name) // 2], name, name[len(name) // 2 :]))
+
+
+def _draw_names(folder: Path, random: Random) -> None:
+    names = list(dict.fromkeys("".join(random.choices(_PIECES, k=random.randrange(1, 4))) for _ in range(6)))
+    data = named(examples.mission(random.choice(examples.MISSIONS[:4])), names)
+    (folder / "mission.yaml").write_text(yaml.safe_dump(data, sort_keys=False))
+
+
+def _report(folder: Path) -> object:
+    """Simulate a mission and save its report, in which every file has to be whole."""
+    mission = missionplan.load(folder / "mission.yaml")
+    outcome, report = missionplan.simulate(mission, trials=TRIALS), Path(mkdtemp(dir=folder)) / "report"
+    try:
+        outcome.save(report)
+        look_at_folder(report, mission.raw)
+    finally:
+        shutil.rmtree(report.parent)
+    return outcome.summary()
+
+
 TARGETS = {
     "validate": Target(_draw_mission, _validate, 10.0),
     "simulate": Target(_draw_mission, _simulate, 20.0),
@@ -261,6 +284,7 @@ TARGETS = {
     "read": Target(_draw_dataset, _read, 5.0),
     "diagnose": Target(_draw_dataset, _diagnose, 120.0),
     "identify": Target(_draw_tank, _identify, 10.0),
+    "names": Target(_draw_names, _report, 60.0),
     "resume": Target(_draw_blocks, _resume, 20.0),
     "options": Target(_draw_options, _run_options, 60.0),
 }

@@ -16,6 +16,7 @@ COUNTS = {
     "field": 100,
     "identify": 40,
     "diagnose": 3,
+    "names": 1,
     "resume": 3,
     "options": 6,
 }

@@ -1,8 +1,9 @@
-"""One simulation, ended by a signal at some moment and resumed: the same files as undisturbed, and no process left."""
+"""Simulations ended by a signal and resumed, resumed by other code, and started together: nothing is lost or mixed."""
 
 import contextlib
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -14,6 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
+import missionplan
+
+PACKAGE = Path(missionplan.__file__).parent
 MISSION = Path(__file__).parents[2] / "missions" / "chesapeake.yaml"
 TRIALS = "24000"
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
@@ -72,6 +76,55 @@ def killed_and_resumed(folder: Path, kill: Kill, duration: float) -> list[str]:
     return [*problems, *(f"half written: {name}" for name in strays)]
 
 
+def resumed_by_other_code(folder: Path, share: float, duration: float) -> list[str]:
+    """Kill a run, resume it by a copy of the package with another gravity, then by itself; return what was wrong."""
+    copy = folder.parent / "other" / "missionplan"
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    gravity = copy / "physics" / "buoyancy.py"
+    gravity.write_text(gravity.read_text().replace("9.80665", "9.9"))
+    alone = Kill("alone", 1, signal.SIGKILL, share)
+    run = _start(folder, alone, ())
+    time.sleep(share * duration)
+    run.kill()
+    run.communicate(timeout=600)
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    if not any("block-" in path.name for path in before):
+        return ["no block was finished before the run was killed"]
+    _, words = (refused := _start(folder, alone, ("--resume",), path=copy.parent)).communicate(timeout=600)
+    problems = []
+    if refused.returncode != 2 or b"code of missionplan: was " not in words:
+        problems.append(f"exit status {refused.returncode} of other code: {words.decode()[-300:]}")
+    if {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} != before:
+        problems.append("the refused run changed files")
+    _finish(_start(folder, alone, ("--resume",)), (0, 3))
+    return problems
+
+
+def started_together(work: Path, count: int, *, shared: bool) -> list[str]:
+    """Start simulations at once, each to its default folder or all to one; return what was wrong."""
+    out = ("--out", "out") if shared else ()
+    words = ("simulate", str(MISSION), "--trials", "50", "--jobs", "1", "--quiet", *out)
+    command, work_dir = [sys.executable, "-m", "missionplan", *words], str(work)
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
+    runs = [subprocess.Popen(command, cwd=work_dir, env=environment, **quiet) for _ in range(count)]
+    ends = [(run.communicate(timeout=900)[1].decode(), run.returncode) for run in runs]
+    problems = [f"a traceback: {said[-300:]}" for said, _ in ends if "Traceback" in said]
+    done = [said for said, status in ends if status in (0, 3)]
+    if len(done) != (1 if shared else count):
+        problems.append(f"{len(done)} of {count} runs came to their end: {[status for _, status in ends]}")
+    refused = [said for said, status in ends if status == 2]
+    problems += [
+        f"refused otherwise: {said}" for said in refused if "another run" not in said and "not empty" not in said
+    ]
+    folders = [work / "out"] if shared else list((work / "reports" / MISSION.stem).iterdir())
+    answers = [files_of(folder)["summary.json"] for folder in folders if (folder / "report.html").is_file()]
+    if len(answers) != len(done) or any(answer != answers[0] for answer in answers):
+        problems.append(f"{len(answers)} reports of {len(done)} runs, or unlike ones")
+    left = {path.name for path in (work if shared else work / "reports" / MISSION.stem).iterdir()}
+    return [*problems, *(f"left: {name}" for name in left if name.startswith("."))]
+
+
 def files_of(folder: Path) -> dict[str, object]:
     """Return the files of a report but what tells the time: bytes, and the summary without its volatile keys."""
     found: dict[str, object] = {}
@@ -82,7 +135,9 @@ def files_of(folder: Path) -> dict[str, object]:
     return {**found, "summary.json": {key: value for key, value in summary.items() if key not in _VOLATILE}}
 
 
-def _start(folder: Path, kill: Kill, more: tuple[str, ...], mark: str = "") -> subprocess.Popen[bytes]:
+def _start(
+    folder: Path, kill: Kill, more: tuple[str, ...], mark: str = "", path: Path = PACKAGE.parent
+) -> subprocess.Popen[bytes]:
     words = ["simulate", str(MISSION), "--trials", TRIALS, "--jobs", str(kill.jobs), "--quiet", "--out", str(folder)]
     command = [sys.executable, "-m", "missionplan", *words, *more]
 
@@ -94,7 +149,7 @@ def _start(folder: Path, kill: Kill, more: tuple[str, ...], mark: str = "") -> s
         command,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
-        env={**os.environ, _MARK: mark},
+        env={**os.environ, _MARK: mark, "PYTHONPATH": str(path)},
         preexec_fn=heed_signals,
         start_new_session=True,
     )

@@ -113,3 +113,13 @@ def test_what_was_found_in_doubt_is_said_to_be(tmp_path: Path) -> None:
     assert history.to_frame()["probability"].tolist() == [0.45, 1.0]
     states = [row[-1] for row in terminal(history).rows]
     assert states == ["found, if it is that (45 %)", "found"]
+
+
+def test_a_report_of_other_code_is_named(tmp_path: Path) -> None:
+    for name, code in (("a", "1" * 64), ("b", "2" * 64), ("c", "2" * 64)):
+        report(tmp_path, name, f"2026-05-0{'abc'.index(name) + 1}T00:00:00Z", found={"compass-bias": (0.05, 0.01)})
+        file = tmp_path / name / "summary.json"
+        parts = {"version": "0.1", "code": code, "plugins": {}, "libraries": {}}
+        file.write_text(json.dumps({**json.loads(file.read_text()), "identity_parts": parts}))
+    (notice,) = missionplan.history(tmp_path).provenance.notices
+    assert notice == "a was made by other code than c: code of missionplan: was 111111111111, now 222222222222"

@@ -49,12 +49,13 @@ class NormalPopulation:
 class MovedPopulation(NormalPopulation):
     """Each trial moved at random so that standard normals stay standard normals (Papaioannou et al. 2015).
 
-    u' = √(1 − s²) u + s ξ with ξ a new standard normal. The spread s is 1 for a trial drawn anew, 0 for one that stays.
+    u' = √(1 − s²) u + s ξ with ξ a new standard normal. The spread s, one or one a trial, is 1 for a trial drawn anew,
+    0 for one that stays.
     """
 
-    def __init__(self, parent: NormalPopulation, spread: float, generator: np.random.Generator) -> None:
+    def __init__(self, parent: NormalPopulation, spread: float | Array, generator: np.random.Generator) -> None:
         super().__init__(parent.trials, generator)
-        self._parent, self._spread = parent, spread
+        self._parent, self._spread = parent, np.asarray(spread)
 
     def _draw(self, key: Key, rows: int) -> Array:
         name, leg = key

@@ -5,15 +5,18 @@ factor near `SHARE`, each conditional sample made by Markov chains that start in
 conditional sampling (Papaioannou, Betz, Zwirglmaier & Straub 2015, same journal 41, 89–103), which works in any number
 of dimensions.
 
-With thresholds chosen from the sample itself the product is biased by O(1/N). Here a pilot run chooses thresholds and
-spreads, and independent repetitions then keep them: a fixed number of chains, of fixed length, starts from a systematic
+With thresholds chosen from the sample itself the product is biased by O(1/N). Here a pilot chooses thresholds and
+spreads, and a run of its own then keeps them: a fixed number of chains, of fixed length, starts from a systematic
 resample of those that passed, so that the product is unbiased whatever the chains' correlation (Del Moral 2004,
-*Feynman–Kac Formulae*, section 7.4.2), and the scatter of the repetitions gives its error.
+*Feynman–Kac Formulae*, section 7.4.2). Each run has its own pilot: what one pilot misses the others need not, so that
+the scatter of the runs says it. Many runs, the groups, go side by side as one population, perhaps towards different
+failures: arrays of their trials are long, and nothing of one enters another.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,185 +24,254 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.montecarlo.rare_events.population import MovedPopulation, NormalPopulation, gathered
 
-Margin = Callable[[NormalPopulation], Array]
-"""Margin of each trial, shape (n,): zero or negative where it fails, the smaller the nearer to failure."""
+Scalar = TypeVar("Scalar", bound=np.generic)
+Groups = NDArray[np.intp]
+Drive = Callable[[NormalPopulation, Groups], tuple[Array, Array]]
+"""Of each trial of a population, whose trials are of the groups of these numbers, as many of each, side by side: its
+margin, zero or negative where it fails and the smaller the nearer to failure; and what it counts where it fails, which
+is one unless it fails in other ways too. Both of shape (n,)."""
 
 SHARE = 0.25
 """Of the trials of a level that pass to the next."""
 STEPS = 4
 """States of a chain on each level: as many chains pass on average as there are."""
-CHAINS = 256
-"""In each repetition."""
-PILOT_CHAINS = 512
+CHAINS = 128
+"""Of each group: the more groups share the same trials, the better their scatter is known."""
+PILOT_CHAINS = 64
 ACCEPTED = 0.44
 """Share of accepted moves to which the pilot tunes the spread (Papaioannou et al., section 5)."""
-MOST_LEVELS = 24
-"""After which a failure counts as not found: at a probability of about 4⁻²⁴ = 4e-15."""
+MOST_LEVELS = 17
+"""After which a failure counts as not found: at a probability of about 4⁻¹⁷ = 6e-11."""
 
 
-@dataclass(frozen=True)
-class Level:
-    """Trials whose margin is at most `threshold`, explored by moves of `spread`; the first level is all trials."""
-
-    threshold: float
-    spread: float
-
-
-@dataclass(frozen=True)
-class Pilot:
-    """Result of the pilot run.
+@dataclass
+class Levels:
+    """Levels of a group, as its pilot chooses them one after another.
 
     Attributes
     ----------
-    levels : tuple of Level
-        From all trials to the last before failure.
+    thresholds : list of float
+        The trials of each level have at most this margin: infinite on the first.
+    spreads : list of float
+        Of the moves on each level.
+    shares : list of float
+        Of the trials of each level that passed to the next; of the last level, those that failed.
     reached : bool
         Whether failures were found; if not, the margin led nowhere.
-    shares : tuple of float
-        Of the trials of each level that passed to the next; of the last level, those that failed.
-    trials : int
-        That were run.
     """
 
-    levels: tuple[Level, ...]
-    reached: bool
-    shares: tuple[float, ...]
-    trials: int
+    thresholds: list[float]
+    spreads: list[float]
+    shares: list[float]
+    reached: bool = False
 
     @property
     def probability(self) -> float:
-        """Of the event, roughly; where no failure was found, of coming as near to it as the last level."""
-        return math.prod(self.shares if self.reached else self.shares[:-1])
+        """Of the failure, roughly; of coming as near to it as the last level where none was found."""
+        return math.prod(self.shares if self.reached else self.shares[: len(self.thresholds) - 1])
+
+    @property
+    def count(self) -> int:
+        """Number of levels."""
+        return len(self.spreads)
 
 
 @dataclass(frozen=True)
-class Repetitions:
-    """Independent repetitions with fixed levels.
+class Run:
+    """What groups with fixed levels found.
 
     Attributes
     ----------
-    estimates : array, shape (repetitions,)
-        Unbiased estimate of each.
+    probabilities : array, shape (groups,)
+        Unbiased estimate of the probability of its failure, of each group.
+    counted : array, shape (groups,)
+        The same, each failing trial counted as what it counts.
     failing : NormalPopulation
-        A sample of the trials that fail, `CHAINS` of each repetition; each weighs as its repetition's estimate.
-    margins : array, shape (repetitions * chains,)
-        Of that sample; positive in a repetition that found no failure.
+        A sample of the trials that fail, as many of each group.
+    weights : array, shape (n,)
+        Of that sample: those of a group sum to its `counted`, on average; zero where a group found no failure.
     trials : int
         That were run.
     """
 
-    estimates: Array
+    probabilities: Array
+    counted: Array
     failing: NormalPopulation
-    margins: Array
+    weights: Array
     trials: int
 
-    @property
-    def weights(self) -> Array:
-        """Weight of each failing trial."""
-        chains = self.failing.trials // len(self.estimates)
-        return np.where(self.margins <= 0.0, np.repeat(self.estimates, chains), 0.0)
+
+@dataclass(frozen=True)
+class _States:
+    """States of the chains of some groups, their margins and what they count."""
+
+    groups: Groups
+    population: NormalPopulation
+    margins: Array
+    counts: Array
+
+    def by_group(self, values: NDArray[Scalar]) -> NDArray[Scalar]:
+        """Put an array of the states in rows, shape (groups, chains)."""
+        return values.reshape(self.groups.size, -1)
 
 
-def run_pilot(margin: Margin, generator: np.random.Generator, chains: int = PILOT_CHAINS) -> Pilot:
-    """Choose levels and spreads by one adaptive run.
+def run_pilots(
+    drive: Drive,
+    groups: int,
+    generator: np.random.Generator,
+    *,
+    chains: int = PILOT_CHAINS,
+    negligible: float = 0.0,
+    known: float = 0.0,
+) -> tuple[Levels, ...]:
+    """Choose levels and spreads for each group by an adaptive run.
 
     Parameters
     ----------
-    margin : Margin
+    drive : Drive
+    groups : int
     generator : Generator
     chains : int
+        In each group.
+    negligible : float
+        A group ends without a failure when what is left to it is less than this share of the most probable failure that
+        a group has found, or is known.
+    known : float
+        Probability of a failure that is known.
     """
-    population, values = NormalPopulation(chains, generator), np.empty(0)
-    levels, shares, spread = [Level(math.inf, 1.0)], [], 1.0
-    reached = False
-    for number in range(MOST_LEVELS):
-        states, margins, spread = _explored(margin, population, values, levels[-1], generator, tuned=True)
-        levels[-1] = Level(levels[-1].threshold, spread)
-        values = np.concatenate(margins)
-        threshold = _next_threshold(values, levels[-1].threshold)
-        shares.append(float(np.mean(values <= threshold)))
-        reached = threshold == 0.0
-        if reached or not shares[-1] or number + 1 == MOST_LEVELS:
-            break
-        chosen = _resampled(values <= threshold, chains, generator)
-        population, values = gathered(states, chosen, generator), values[chosen]
-        levels.append(Level(threshold, spread))
-    return Pilot(tuple(levels), reached, tuple(shares), len(shares) * STEPS * chains)
+    pilots = tuple(Levels([math.inf], [], []) for _ in range(groups))
+    states, spread = _begun(groups, chains, generator), np.ones(groups)
+    while states.groups.size:
+        running = [pilots[group] for group in states.groups]
+        visited, spread = _explored(drive, states, running, spread, generator, tuned=True)
+        values = _together(visited, [each.margins for each in visited])
+        found = [_next_threshold(row, each.thresholds[-1]) for row, each in zip(values, running, strict=True)]
+        for levels, row, used, threshold in zip(running, values, spread, found, strict=True):
+            levels.spreads.append(float(used))
+            levels.shares.append(float(np.mean(row <= threshold)))
+            levels.reached = threshold == 0.0
+        least = negligible * max([known, *(each.probability for each in pilots if each.reached)])
+        going = [
+            threshold > 0.0 and levels.count < MOST_LEVELS and math.prod(levels.shares) >= least
+            for levels, threshold in zip(running, found, strict=True)
+        ]
+        for levels, threshold, goes in zip(running, found, going, strict=True):
+            if goes:
+                levels.thresholds.append(threshold)
+        states, spread = _resampled(visited, np.array(found), np.array(going), generator), spread[going]
+    return pilots
 
 
-def repeat(
-    margin: Margin, levels: tuple[Level, ...], generator: np.random.Generator, *, repetitions: int, chains: int = CHAINS
-) -> Repetitions:
-    """Run independent repetitions with the levels of a pilot, all at once.
+def run_levels(drive: Drive, levels: Sequence[Levels], generator: np.random.Generator, *, chains: int = CHAINS) -> Run:
+    """Run each group with the levels of its pilot.
 
     Parameters
     ----------
-    margin : Margin
-    levels : tuple of Level
+    drive : Drive
+    levels : sequence of Levels
+        Of each group.
     generator : Generator
-    repetitions, chains : int
-        Chains in each repetition.
+    chains : int
+        In each group.
     """
-    population, values = NormalPopulation(repetitions * chains, generator), np.empty(0)
-    estimates = np.ones(repetitions)
-    thresholds = [*(level.threshold for level in levels[1:]), 0.0]
-    for level, threshold in zip(levels, thresholds, strict=True):
-        states, margins, _ = _explored(margin, population, values, level, generator, tuned=False)
-        values = np.concatenate(margins)
-        passed = np.stack(margins).reshape(STEPS, repetitions, chains) <= threshold
-        estimates *= passed.mean(axis=(0, 2))
-        places = np.arange(values.size).reshape(passed.shape)
-        chosen = np.concatenate(
-            [
-                places[:, each].ravel()[_resampled(passed[:, each].ravel(), chains, generator)]
-                for each in range(repetitions)
-            ]
-        )
-        population, values = gathered(states, chosen, generator), values[chosen]
-    return Repetitions(estimates, population, values, len(levels) * STEPS * repetitions * chains)
+    probabilities, counted = np.ones(len(levels)), np.zeros(len(levels))
+    states, ended = _begun(len(levels), chains, generator), []
+    for level in range(max(each.count for each in levels)):
+        running = [levels[group] for group in states.groups]
+        spread = np.array([each.spreads[level] for each in running])
+        visited, _ = _explored(drive, states, running, spread, generator, level=level)
+        following = np.array([[*each.thresholds, 0.0][level + 1] for each in running])
+        passed = _together(visited, [each.margins for each in visited]) <= following[:, None]
+        counts = np.where(passed, _together(visited, [each.counts for each in visited]), 0.0)
+        counted[states.groups] = probabilities[states.groups] * counts.mean(axis=1)
+        probabilities[states.groups] *= passed.mean(axis=1)
+        last = np.array([each.count == level + 1 for each in running])
+        ended.append(_resampled(visited, following, last, generator))
+        states = _resampled(visited, following, ~last, generator)
+    order = np.concatenate([np.repeat(each.groups, chains) for each in ended])
+    place = np.argsort(order, kind="stable")
+    margins = np.concatenate([each.margins for each in ended])[place]
+    counts = np.concatenate([each.counts for each in ended])[place]
+    weights = np.repeat(probabilities, chains) * np.where(margins <= 0.0, counts, 0.0) / chains
+    failing = gathered([each.population for each in ended], place, generator)
+    return Run(probabilities, counted, failing, weights, sum(each.count for each in levels) * STEPS * chains)
+
+
+def _begun(groups: int, chains: int, generator: np.random.Generator) -> _States:
+    """Begin with trials that the moves on the first level, whose spread is one, draw anew."""
+    trials = groups * chains
+    population = NormalPopulation(trials, generator)
+    return _States(np.arange(groups), population, np.full(trials, math.inf), np.zeros(trials))
 
 
 def _explored(
-    margin: Margin,
-    population: NormalPopulation,
-    values: Array,
-    level: Level,
+    drive: Drive,
+    states: _States,
+    levels: Sequence[Levels],
+    spread: Array,
     generator: np.random.Generator,
     *,
-    tuned: bool,
-) -> tuple[list[NormalPopulation], list[Array], float]:
-    """Run the chains of a level; return their states, the states' margins, and the spread (tuned in the pilot)."""
-    states, margins, spread = [], [], level.spread
+    level: int = -1,
+    tuned: bool = False,
+) -> tuple[list[_States], Array]:
+    """Run the chains of a level; return the states they visit, and the spreads (tuned in a pilot)."""
+    visited, chains = [], states.margins.size // states.groups.size
+    threshold = np.array([each.thresholds[level] for each in levels])
+    limit = np.repeat(threshold, chains)
     for step in range(STEPS):
-        if math.isinf(level.threshold):
-            population = NormalPopulation(population.trials, generator)
-            values = margin(population)
-        else:
-            moved = MovedPopulation(population, spread, generator)
-            found = margin(moved)
-            accepted = found <= level.threshold
-            population, values = population.where(accepted, moved), np.where(accepted, found, values)
-            if tuned:
-                spread = min(1.0, spread * math.exp((float(np.mean(accepted)) - ACCEPTED) / math.sqrt(step + 1.0)))
-        states.append(population)
-        margins.append(values)
-    return states, margins, spread
+        moved = MovedPopulation(states.population, np.repeat(spread, chains), generator)
+        margins, counts = drive(moved, states.groups)
+        accepted = margins <= limit
+        states = _States(
+            states.groups,
+            states.population.where(accepted, moved),
+            np.where(accepted, margins, states.margins),
+            np.where(accepted, counts, states.counts),
+        )
+        visited.append(states)
+        if tuned:
+            share = states.by_group(accepted).mean(axis=1)
+            tuned_spread = np.minimum(1.0, spread * np.exp((share - ACCEPTED) / math.sqrt(step + 1.0)))
+            spread = np.where(np.isinf(threshold), 1.0, tuned_spread)
+    return visited, spread
+
+
+def _together(visited: Sequence[_States], values: Sequence[NDArray[Scalar]]) -> NDArray[Scalar]:
+    """Put what the chains of each group met on their steps in a row, shape (groups, steps * chains)."""
+    return np.concatenate([visited[0].by_group(each) for each in values], axis=1)
 
 
 def _next_threshold(values: Array, last: float) -> float:
     """Margin that `SHARE` of the trials do not exceed, at least zero, and less than the last; -1 where none is less."""
     threshold = float(np.partition(values, int(SHARE * values.size) - 1)[int(SHARE * values.size) - 1])
-    if threshold >= last:
+    if threshold >= last and threshold > 0.0:
         threshold = float(np.max(values, where=values < last, initial=-1.0))
         return threshold if threshold > 0.0 else (0.0 if np.any(values <= 0.0) else -1.0)
     return max(threshold, 0.0)
 
 
-def _resampled(passed: NDArray[np.bool_], count: int, generator: np.random.Generator) -> NDArray[np.intp]:
-    """Choose `count` of the trials that passed, each as often as any other on average (systematic, in random order).
+def _resampled(
+    visited: Sequence[_States], threshold: Array, chosen: NDArray[np.bool_], generator: np.random.Generator
+) -> _States:
+    """Choose as many states of each chosen group as it has chains, of those that passed, each as often as any other.
 
-    Where none passed, any: their repetition counts as zero from there.
+    Systematic, in random order. Where none passed, any: their group counts as zero from there.
     """
+    groups = visited[0].groups
+    trials = visited[0].margins.size
+    places = _together(visited, [np.arange(trials) + step * trials for step in range(len(visited))])
+    passed = _together(visited, [each.margins for each in visited]) <= threshold[:, None]
+    taken = [places[row][_systematic(passed[row], trials // groups.size, generator)] for row in np.flatnonzero(chosen)]
+    place = np.concatenate(taken) if taken else np.empty(0, dtype=np.intp)
+    return _States(
+        groups[chosen],
+        gathered([each.population for each in visited], place, generator),
+        np.concatenate([each.margins for each in visited])[place],
+        np.concatenate([each.counts for each in visited])[place],
+    )
+
+
+def _systematic(passed: NDArray[np.bool_], count: int, generator: np.random.Generator) -> NDArray[np.intp]:
     candidates = np.flatnonzero(passed)
     candidates = generator.permutation(candidates if candidates.size else passed.size)
     places = (np.arange(count) + generator.random()) * (candidates.size / count)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from hashlib import sha256
 from importlib.resources import files
-from itertools import groupby
+from itertools import chain, count, groupby
 
 from jinja2 import Environment, PackageLoader
 from markupsafe import Markup
@@ -41,6 +41,7 @@ def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenan
     notices : sequence of str
         Notes on the input.
     """
+    page = named_apart(page)
     first = [*(section for section in page.sections if section.is_summary), *planned]
     details = sorted((section for section in page.sections if not section.is_summary), key=lambda each: each.is_sheet)
     script = (files("missionplan.report.html") / "page.js").read_text(encoding="utf-8")
@@ -63,6 +64,24 @@ def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenan
     shown = [page.figure] if page.figure else []
     shown += [block for section in (*first, *details) for block in section.blocks if isinstance(block, Figure)]
     return Rendered(html, {figure.name: figure.svg for figure in shown}, dict(page.files))
+
+
+def named_apart(page: Page) -> Page:
+    """Give figures that have one name, as of the phases ``leg 1`` and ``leg-1``, names of their own."""
+    taken = {page.figure.name} if page.figure else set()
+
+    def named(block: Block) -> Block:
+        if not isinstance(block, Figure):
+            return block
+        names = chain([block.name], (f"{block.name}-{number}" for number in count(2)))
+        name = next(name for name in names if name not in taken)
+        taken.add(name)
+        return replace(block, name=name)
+
+    return replace(
+        page,
+        sections=[replace(section, blocks=[named(block) for block in section.blocks]) for section in page.sections],
+    )
 
 
 def _begun(notice: str) -> str:

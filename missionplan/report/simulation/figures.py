@@ -14,7 +14,7 @@ from missionplan.report.numbers import number, percent
 from missionplan.report.page import BLUE, INK, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
 from missionplan.report.quantities import Unit, si_per_unit, span, unit_for
 from missionplan.report.simulation.quantities import requirement_on, unit_of
-from missionplan.report.wording import in_words
+from missionplan.report.wording import in_words, shortened
 from missionplan.results.simulation import Attrition, Histogram, Outcome, PhaseOutcome
 
 WIDTH = 5.0
@@ -98,7 +98,7 @@ def timeline_figure(outcome: Outcome) -> Figure:
     figure = MatplotlibFigure(figsize=(WIDTH, 0.75 + 0.52 * len(phases)))
     draw_timeline(figure.add_subplot(), outcome)
     words = ", ".join(
-        f"{phase.label} from {number(unit(phase.start.p50))} to {number(unit(phase.end.p50))} {unit.name}"
+        f"{shortened(phase.label)} from {number(unit(phase.start.p50))} to {number(unit(phase.end.p50))} {unit.name}"
         for phase in phases
     )
     return to_figure(
@@ -123,7 +123,7 @@ def draw_timeline(axes: Axes, outcome: Outcome) -> None:
     phases, unit = _reached(outcome), _timeline_unit(outcome)
     _draw_phases(axes, phases, unit)
     axes.set(yticks=range(len(phases)), xlabel=f"time since the start ({unit.name})", xlim=(0.0, None))
-    axes.set_yticklabels([textwrap.fill(phase.label, 16) for phase in phases])
+    axes.set_yticklabels([textwrap.fill(shortened(phase.label), 16) for phase in phases])
     axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
 

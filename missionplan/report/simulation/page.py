@@ -29,7 +29,7 @@ from missionplan.report.simulation.quantities import (
     worst_step,
 )
 from missionplan.report.simulation.sections import sensitivity_sections
-from missionplan.report.wording import in_words, phase_in_words
+from missionplan.report.wording import in_words, phase_in_words, shortened
 from missionplan.results.plain_data import mapping
 from missionplan.results.simulation import Outcome
 
@@ -66,7 +66,7 @@ def terminal(outcome: Outcome) -> Terminal:
     for phase in (*outcome.phases, outcome.total):
         events = [f"{in_words(name)} {share(probability)}" for name, probability in phase.events.items()]
         ranges = (range_in_words(outcome, phase, key) for key in ("duration_s", "energy_wh"))
-        rows.append((phase.label, events[0] if events else "", *ranges))
+        rows.append((shortened(phase.label), events[0] if events else "", *ranges))
     columns = ("phase", "of the trials", "those that end take (5–95 %)", "and use (5–95 %)")
     return Terminal(answer(outcome), columns, rows, verdict=verdict(outcome))
 

@@ -10,7 +10,7 @@ from missionplan.report.numbers import number
 from missionplan.report.page import Block, Drawing, Page, PageSection, Table, Terminal
 from missionplan.report.simulation.quantities import failure_in_words
 from missionplan.report.wording import capitalised, in_words
-from missionplan.results.rare_failure import Cause, FailureMode, RareFailure
+from missionplan.results.rare_failure import Cause, FailureMode, RareFailure, WayDriven
 
 _FAILS = "not total.success"
 _DEGREES = 180.0 / math.pi
@@ -23,7 +23,7 @@ def page(found: RareFailure) -> Page:
         answer=answer(found),
         figure=None,
         numbers=_numbers(found),
-        sections=[*_how(found), *_precision(found)],
+        sections=[*_how(found), *_driven(found), *_precision(found)],
         rerun=_rerun(found),
     )
 
@@ -38,11 +38,9 @@ def terminal(found: RareFailure) -> Terminal:
 def answer(found: RareFailure) -> str:
     """Write how probable the failure is, and how it comes about."""
     if not found.reached:
-        near = _power(found.nearest)
         return (
-            f"No {event_in_words(found.event)} was found: of {number(found.provenance.trials)} trials that were led "
-            f"towards it, the nearest have a probability of about {near} and do not fail. As far as the margins lead "
-            f"it is rarer than that; by plain trials alone it is at most {_power(found.probability.high)}."
+            f"No {event_in_words(found.event)} was found, in {number(found.provenance.trials)} trials led towards each "
+            f"way to fail by its own margin. By plain trials alone it is at most {_power(found.probability.high)}."
         )
     chance = f"{_power(found.probability.value)} ({_power(found.probability.low)} to {_power(found.probability.high)})"
     words = f"{_event(found)} with probability {chance}: {_one_in(found.probability.value)}."
@@ -140,17 +138,44 @@ def _how(found: RareFailure) -> Iterator[PageSection]:
     yield PageSection(f"{heading}: {_way(found.modes[0])}", blocks)
 
 
+def _driven(found: RareFailure) -> Iterator[PageSection]:
+    """Say of each way to fail what was found of it, and of those without a failure what bounds them."""
+    met = sorted((way for way in found.ways if way.probability > 0.0), key=lambda way: -way.probability)
+    unmet = [way for way in found.ways if way.probability == 0.0 and way.way]
+    rows = [(_driven_way(found, way), _power(way.probability), "", "") for way in met]
+    rows += [
+        (_driven_way(found, way), "none found", _power(way.nearest) if way.nearest < 1.0 else "—", _power(way.bound))
+        for way in unmet
+    ]
+    if not rows:
+        return
+    caption = (
+        "A trial that fails in several ways counts for each of them here, and once in the whole. Where none was found: "
+        "the probability of coming as near as the nearest trials, beyond which the margin did not lead (— where it "
+        "varies with nothing that is drawn), and what plain trials alone allow at most."
+    )
+    heading = "Each way to fail, driven by its own margin"
+    if unmet and found.reached:
+        heading = f"{len(unmet)} of {len(met) + len(unmet)} ways to fail were not met"
+    columns = ("way to fail", "probability", "nearest without failing", "at most, by plain trials")
+    yield PageSection(heading, [Table(columns, rows, caption)])
+
+
+def _driven_way(found: RareFailure, way: WayDriven) -> str:
+    if not way.way:
+        return "none of the known margins"
+    return capitalised(event_in_words(way.way)) if way.way == found.event else failure_in_words(way.way)
+
+
 def _precision(found: RareFailure) -> Iterator[PageSection]:
     if not found.reached:
-        near = f"The nearest trials have a probability of about {_power(found.nearest)}."
-        yield PageSection("Nothing led to a failure", [near])
         return
     yield PageSection(
         f"Known to {100.0 * found.variation:.0f} % from {number(found.provenance.trials)} trials",
         [
-            f"{found.repetitions} independent repetitions of subset simulation with {found.levels} levels each; the "
-            "interval follows from their scatter (Student's t on the logarithm). A plain Monte Carlo would know the "
-            f"probability as well after {_power(found.plain_trials)} trials.",
+            f"{found.repetitions} independent runs of subset simulation with up to {found.levels} levels, each with a "
+            "pilot of its own; the interval follows from their scatter (Student's t on the logarithm). A plain Monte "
+            f"Carlo would know the probability as well after {_power(found.plain_trials)} trials.",
             "The probability is that of the model: what the mission file leaves out is not in it, and one in a million "
             "is to be believed only as far as the tails of the distributions given.",
         ],

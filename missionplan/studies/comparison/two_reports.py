@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
-from missionplan.identity import digest_of
+from missionplan.identity import differences, digest_of, program_part
 from missionplan.mission.reading.documents import load_document, read_text
-from missionplan.results.base import Provenance
+from missionplan.results.base import Provenance, without_run
 from missionplan.results.comparison import ChangedValue, ComparedNumber, ComparedRun, Comparison
 from missionplan.results.plain_data import mapping, mappings, whole
 from missionplan.store.paths import as_path
@@ -56,7 +56,7 @@ def compare_reports(first: str | Path, second: str | Path) -> Comparison:
             options={},
             elapsed_s=time.perf_counter() - began,
             data={"first": missions[0], "second": missions[1]},
-            notices=_notices(runs),
+            notices=(*_notices(runs), *_other_program(*summaries)),
             inputs={"reports": [digest_of(summary) for summary in summaries]},
         ),
         compared=command,
@@ -103,6 +103,18 @@ def _options(summary: Mapping[str, object]) -> dict[str, object]:
     return {key: summary.get(key) for key in ("seed", "trials", "version")} | {
         f"option {key}": value for key, value in mapping(summary.get("options")).items()
     }
+
+
+def _other_program(first: Mapping[str, object], second: Mapping[str, object]) -> Iterator[str]:
+    """Say in what the programs of two reports differ, or that one program gave both numbers."""
+    one, two = (mapping(summary.get("identity_parts")) for summary in (first, second))
+    if not (one and two):
+        return
+    if unlike := differences(*(program_part(parts) for parts in (one, two))):
+        yield f"The runs were made by other code, of which a difference may come: {'; '.join(unlike)}"
+    before, now = (digest_of(without_run(summary)) for summary in (first, second))
+    if one == two and before != now:
+        yield "Both runs state one identity, yet their numbers differ: missionplan verify tells which come out here"
 
 
 def _notices(runs: tuple[ComparedRun, ComparedRun]) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from missionplan.errors import InputError, Problem
-from missionplan.identity import digest_of
+from missionplan.identity import differences, digest_of, program_part
 from missionplan.mission.reading.documents import load_document, read_text
 from missionplan.moments import moment_of
 from missionplan.results.base import Provenance
@@ -75,11 +75,20 @@ def history(folder: str | Path) -> History:
         options={"folder": str(root)},
         elapsed_s=time.perf_counter() - began,
         data={"folder": str(root), "reports": [report.place for report in reports]},
-        notices=(*foreign, *notices),
+        notices=(*foreign, *notices, *_other_programs(reports)),
         inputs={"reports": {report.place: digest_of(report.summary) for report in reports}},
     )
     known = {report.place: report.learned_from or frozenset() for report in reports}
     return History(provenance, tuple(known), tuple(_with_jumps(entries, known)), by_start)
+
+
+def _other_programs(reports: Sequence[_Report]) -> Iterator[str]:
+    """Name the reports that other code has made than the last, of which a jump may come."""
+    stated = [(report, mapping(report.summary.get("identity_parts"))) for report in reports]
+    programs = [(report, program_part(parts)) for report, parts in stated if parts]
+    for report, program in programs[:-1]:
+        if unlike := differences(program, programs[-1][1]):
+            yield f"{report.place} was made by other code than {programs[-1][0].place}: {'; '.join(unlike)}"
 
 
 def _reports(root: Path) -> tuple[list[_Report], tuple[str, ...]]:

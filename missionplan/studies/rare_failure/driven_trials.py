@@ -1,32 +1,31 @@
-"""Missions run from given normals, and the task of a worker: independent repetitions of subset simulation."""
+"""Missions run from given normals, with the margins and the discrete causes that lead to rare failures."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.errors import RunError
-from missionplan.montecarlo.rare_events.population import NormalPopulation
-from missionplan.montecarlo.rare_events.subset_simulation import CHAINS, STEPS, Level, repeat
-from missionplan.montecarlo.streams import stream
+from missionplan.mission import Mission
+from missionplan.montecarlo.distributions import Choices, WhichHolds
+from missionplan.montecarlo.rare_events.population import Key
+from missionplan.montecarlo.rare_events.strata import DiscreteValue, StrataView
+from missionplan.montecarlo.rare_events.ways import TrialMargins
+from missionplan.phases.fields.ensemble import Ensemble
+from missionplan.scenario.currents.drawn_current import MEMBER
 from missionplan.scenario.scenario import Scenario
 from missionplan.studies.rare_failure.event import RareEvent
-from missionplan.studies.rare_failure.margins import margins, scaled_margin
+from missionplan.studies.rare_failure.margins import margins
 from missionplan.studies.simulation.block_statistics import failures_by_step
 from missionplan.studies.simulation.mission_trials import MissionTrials
 from missionplan.studies.simulation.trial_block import run_trials
 
-BATCH = 4
-"""Repetitions that a worker runs together."""
-STREAM = "rare failure"
-"""Name of the random stream of each batch, by its number."""
-
 
 @dataclass(frozen=True)
 class _OfLegs:
-    population: NormalPopulation
+    population: StrataView
     quantity: str
 
     def leg(self, number: int) -> Array:
@@ -37,7 +36,7 @@ class _OfLegs:
 class PopulationSource:
     """The normals of a population, as the phases of a mission draw them."""
 
-    population: NormalPopulation
+    population: StrataView
 
     def once(self, quantity: str) -> Array:
         """Normals of a quantity that is drawn once a trial, shape (n,)."""
@@ -45,34 +44,32 @@ class PopulationSource:
 
     def legs(self, quantity: str) -> _OfLegs:
         """Normals of a quantity that is drawn anew for each leg."""
-        return _OfLegs(self.population, f"{quantity} by leg")
+        return _OfLegs(self.population, _by_leg(quantity))
+
+
+def _by_leg(quantity: str) -> str:
+    return f"{quantity} by leg"
 
 
 @dataclass(frozen=True)
 class FailingTrials:
-    """What a batch of repetitions found.
+    """Trials that fail.
 
     Attributes
     ----------
-    estimates : array, shape (repetitions,)
     weights : array, shape (n,)
-        Of the failing trials.
     columns : mapping of str to array, shape (n,)
         What was drawn, and what came of it.
     inputs : tuple of str
         Names of the columns that were drawn.
     steps : array of str, shape (n,)
         Where each fails first, ``moor: anchor outside the radius``; empty where the mission succeeds all the same.
-    trials : int
-        That were run.
     """
 
-    estimates: Array
     weights: Array
     columns: Mapping[str, NDArray[np.generic]]
     inputs: tuple[str, ...]
     steps: NDArray[np.str_]
-    trials: int
 
 
 @dataclass(frozen=True, eq=False)  # hashed by identity, as a block's task is
@@ -83,15 +80,15 @@ class DrivenMission:
     ----------
     means : Scenario
     event : RareEvent
-    sizes : mapping of str to float
-        Standard deviations of the margins over plain trials.
+    ways : tuple of str
+        Ways to fail, in the order of their margins; those of the mission's, which each trial has.
     """
 
     means: Scenario
     event: RareEvent
-    sizes: Mapping[str, float]
+    ways: tuple[str, ...] = field(default=())
 
-    def run(self, population: NormalPopulation, *, inputs: bool = False) -> tuple[Scenario, MissionTrials]:
+    def run(self, population: StrataView, *, inputs: bool = False) -> tuple[Scenario, MissionTrials]:
         """Run one trial for each of a population.
 
         Raises
@@ -106,40 +103,53 @@ class DrivenMission:
         except FloatingPointError as error:
             raise RunError(f"a trial near failure cannot be computed: {error}") from error
 
-    def __call__(self, population: NormalPopulation) -> Array:
-        """Return the margin of each trial."""
+    def __call__(self, population: StrataView) -> TrialMargins:
+        """Return how near each trial came to each way to fail."""
         scenario, trials = self.run(population)
-        found = margins(self.event, trials, scenario)
-        return scaled_margin(found, self.sizes, self.event.happens(trials.columns()))
+        return self.margins_of(trials, margins(self.event, trials, scenario))
 
+    def margins_of(self, trials: MissionTrials, found: Mapping[str, Array]) -> TrialMargins:
+        """Put the margins of trials in the order of the ways."""
+        failed = self.event.happens(trials.columns())
+        return TrialMargins(np.array([found[way] for way in self.ways]).reshape(len(self.ways), failed.size), failed)
 
-@dataclass(frozen=True, eq=False)
-class RareTask:
-    """Runs a batch of repetitions by its number, in this process or another."""
-
-    driven: DrivenMission
-    levels: tuple[Level, ...]
-    seed: int
-
-    @property
-    def trials(self) -> int:
-        """Trials of one batch, the last ones included that are run again to be described."""
-        return (STEPS * len(self.levels) + 1) * BATCH * CHAINS
-
-    def __call__(self, batch: int) -> FailingTrials:
-        """Run one batch; its first number is 1."""
-        found = repeat(self.driven, self.levels, stream(self.seed, STREAM, batch), repetitions=BATCH, chains=CHAINS)
-        _, trials = self.driven.run(found.failing, inputs=True)
-        failed = found.weights > 0.0
-        drawn = drawn_inputs(trials)
+    def describe(self, population: StrataView, weights: Array) -> FailingTrials:
+        """Run trials that fail again, and keep what was drawn in them and what came of it."""
+        _, trials = self.run(population, inputs=True)
+        failed = weights > 0.0
         return FailingTrials(
-            estimates=found.estimates,
-            weights=found.weights[failed],
+            weights=weights[failed],
             columns={name: values[failed] for name, values in trials.columns().items()},
-            inputs=tuple(drawn),
+            inputs=tuple(drawn_inputs(trials)),
             steps=_first_steps(trials)[failed],
-            trials=found.trials + found.failing.trials,
         )
+
+
+def discrete_values(mission: Mission, means: Scenario) -> dict[Key, Sequence[DiscreteValue]]:
+    """List the values of the mission's discrete quantities, by the key of the normal that each is drawn from.
+
+    Those that are correlated with others are left out: their normals are mixed with the others' before they are drawn.
+    """
+    mixed = {name for pair in mission.correlated for name in pair.between}
+    found: dict[Key, Sequence[DiscreteValue]] = {
+        (path, 0): [DiscreteValue(path, f"{value:g}", interval) for value, interval in quantity.intervals.items()]
+        for path, quantity in mission.quantities().items()
+        if isinstance(quantity, (Choices, WhichHolds)) and path not in mixed
+    }
+    anchor = mission.vehicle.anchor if mission.vehicle is not None else None
+    if anchor is not None and 0.0 < anchor.premature_flooding < 1.0:
+        share = anchor.premature_flooding
+        for moor in mission.moors:
+            path = f"{moor.name}.premature_flooding"
+            found[path, 0] = [DiscreteValue(path, "yes", (0.0, share)), DiscreteValue(path, "no", (share, 1.0))]
+    if isinstance(means.recorded, Ensemble) and means.recorded.given is None:
+        ends = np.minimum(np.cumsum([0.0, *means.recorded.weights]), 1.0)
+        ends[-1] = 1.0
+        found[_by_leg(MEMBER), 0] = [
+            DiscreteValue(MEMBER, str(number), (float(ends[number]), float(ends[number + 1])))
+            for number in range(len(ends) - 1)
+        ]
+    return found
 
 
 def drawn_inputs(trials: MissionTrials) -> dict[str, Array]:

@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -11,28 +11,27 @@ import pandas as pd
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
-from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
-from missionplan.montecarlo.rare_events.estimate import LEAST_REPETITIONS, Estimate
+from missionplan.montecarlo.parallel.blocks import Backend, Progress, Workers
+from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
 from missionplan.montecarlo.rare_events.population import NormalPopulation
-from missionplan.montecarlo.rare_events.subset_simulation import Pilot, run_pilot
+from missionplan.montecarlo.rare_events.strata import StrataView, strata
+from missionplan.montecarlo.rare_events.ways import ReliabilityIndices
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import stream
 from missionplan.results.base import Provenance
-from missionplan.results.rare_failure import RareFailure
+from missionplan.results.rare_failure import RareFailure, WayDriven
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies.arguments import check_arguments, made_by
 from missionplan.studies.nominal_dive import check_dives
 from missionplan.studies.rare_failure.driven_trials import (
-    BATCH,
-    STREAM,
     DrivenMission,
     FailingTrials,
-    RareTask,
+    discrete_values,
     drawn_inputs,
 )
 from missionplan.studies.rare_failure.event import FAILS, RareEvent
-from missionplan.studies.rare_failure.margins import margins, scales
+from missionplan.studies.rare_failure.margins import margins
 from missionplan.studies.rare_failure.modes import failure_modes
 from missionplan.studies.simulation.checks import check_complete, input_notices
 from missionplan.studies.simulation.record_cover import check_cover
@@ -42,18 +41,17 @@ MAX_TRIALS = 1_000_000
 VARIATION = 0.1
 """Coefficient of variation at which it ends, unless one is given."""
 PLAIN_TRIALS = 2048
-"""Plain trials from which the scales of the margins and the usual values of the inputs are taken."""
-FEWEST_BATCHES = 3
-"""Batches before an end because the result is precise enough: the scatter of twelve repetitions at least."""
+"""Plain trials, from which the ranks of the margins and the usual values of the inputs are taken."""
 _KEPT = 2000
 """Failing trials in the table, drawn by their weights."""
 
 
 @dataclass(frozen=True)
 class _Usual:
-    """Plain trials: how many failed, and what was drawn in them."""
+    """Plain trials: how many failed, in all and by their ways, and what was drawn in them."""
 
     failed: int
+    failed_by: Array
     inputs: Mapping[str, Array]
 
 
@@ -77,8 +75,8 @@ def find_rare_failure(
     event : str
         ``not total.success``, ``moor.struck_seafloor``, ``moor.offset > 30 m``; see `RareEvent.parse`.
     trials, seed : int, optional
-        Most trials that are run (default `MAX_TRIALS`; two batches of repetitions at least); default seed: the
-        mission's.
+        Trials that are run at most (default `MAX_TRIALS`; screening and twelve runs of each way that counts are always
+        made); default seed: the mission's.
     jobs, backend, scheduler
         See `run_blocks`. The result does not depend on them, to the last bit.
     precision : str, optional
@@ -103,29 +101,32 @@ def find_rare_failure(
     means = Scenario.at_means(mission, recorded_current(mission))
     check_cover(mission, means)
     check_dives(means)
-    driven, usual = _with_scales(means, wanted, seed)
-    pilot = run_pilot(driven, stream(seed, STREAM, 0))
-    batches: list[FailingTrials] = []
-    if pilot.reached:
-        task, spent = RareTask(driven, pilot.levels, seed), PLAIN_TRIALS + pilot.trials
-        count = max(LEAST_REPETITIONS // BATCH, ((trials or MAX_TRIALS) - spent) // task.trials)
-        results = run_blocks(task, range(1, count + 1), jobs=jobs, backend=backend, scheduler=scheduler)
-        for batch in results:  # in the order of their numbers: an early end does not depend on `jobs`
-            batches.append(batch)
-            if progress is not None:
-                progress(spent + len(batches) * task.trials, spent + count * task.trials)
-            if len(batches) >= FEWEST_BATCHES and _estimate(batches).variation <= aim:
-                break
+    driven, indices, usual = _with_ways(means, wanted, seed)
+    most = MAX_TRIALS if trials is None else trials
+    found = find(
+        FailureSearch(
+            driven,
+            strata(discrete_values(mission, means)),
+            indices,
+            seed,
+            driven.describe,
+            known=usual.failed / PLAIN_TRIALS,
+        ),
+        Workers(jobs, backend, scheduler).run,
+        variation=aim,
+        most_trials=most - PLAIN_TRIALS,
+        told=lambda done: progress(min(PLAIN_TRIALS + done, most), most) if progress is not None else None,
+    )
     provenance = made_by(
         "simulate",
         mission,
         seed=seed,
-        trials=PLAIN_TRIALS + pilot.trials + sum(batch.trials for batch in batches),
+        trials=PLAIN_TRIALS + found.trials,
         options={"rare": event, "trials": trials, "jobs": jobs, "backend": backend, "precision": precision},
         started=started,
-        notices=(*input_notices(mission, means), *_notices(pilot, batches, aim)),
+        notices=(*input_notices(mission, means), *_notices(found, aim)),
     )
-    return _result(provenance, wanted, pilot, batches, usual)
+    return _result(provenance, wanted, driven.ways, found, usual)
 
 
 def _variation(precision: str | None) -> float:
@@ -142,57 +143,69 @@ def _variation(precision: str | None) -> float:
     return value
 
 
-def _with_scales(means: Scenario, event: RareEvent, seed: int) -> tuple[DrivenMission, _Usual]:
-    """Run plain trials for the scales of the margins."""
-    plain = DrivenMission(means, event, {})
-    scenario, trials = plain.run(NormalPopulation(PLAIN_TRIALS, stream(seed, "rare failure, plain", 0)), inputs=True)
-    failed = int(np.count_nonzero(event.happens(trials.columns())))
-    sizes = scales(margins(event, trials, scenario))
-    return DrivenMission(means, event, sizes), _Usual(failed, drawn_inputs(trials))
+def _with_ways(means: Scenario, event: RareEvent, seed: int) -> tuple[DrivenMission, ReliabilityIndices, _Usual]:
+    """Run plain trials for the ways to fail and the ranks of their margins."""
+    driven = DrivenMission(means, event)
+    population = NormalPopulation(PLAIN_TRIALS, stream(seed, "rare failure, plain", 0))
+    scenario, trials = driven.run(StrataView(population), inputs=True)
+    found = margins(event, trials, scenario)
+    driven = replace(driven, ways=tuple(found))
+    plain = driven.margins_of(trials, found)
+    fails_by = plain.fails_by
+    without = plain.failed & ~fails_by.any(axis=0)
+    usual = _Usual(
+        int(np.count_nonzero(plain.failed)),
+        np.append(np.count_nonzero(fails_by, axis=1), np.count_nonzero(without)),
+        drawn_inputs(trials),
+    )
+    return driven, ReliabilityIndices.of(plain), usual
 
 
-def _estimate(batches: Sequence[FailingTrials]) -> Estimate:
-    return Estimate.of(np.concatenate([batch.estimates for batch in batches]))
-
-
-def _notices(pilot: Pilot, batches: Sequence[FailingTrials], aim: float) -> list[str]:
-    if not pilot.reached:
+def _notices(found: Found[FailingTrials], aim: float) -> list[str]:
+    if not found.batches:
         return [
             "No failure was found: what leads to it may be a thing whose margin is not known (docs/rare-failures.md)."
         ]
-    if _estimate(batches).variation <= aim:
+    if not found.cut or found.estimate.variation <= aim:
         return []
     return [f"The coefficient of variation asked for, {100.0 * aim:g} %, was not reached: it takes more trials."]
 
 
 def _result(
-    provenance: Provenance, event: RareEvent, pilot: Pilot, batches: Sequence[FailingTrials], usual: _Usual
+    provenance: Provenance, event: RareEvent, ways: Sequence[str], found: Found[FailingTrials], usual: _Usual
 ) -> RareFailure:
-    if not batches:
-        found, probability = None, wilson(usual.failed, PLAIN_TRIALS)
-    else:
-        found = _estimate(batches)
-        probability = Probability(found.value, found.low, found.high)
-    weights = np.concatenate([batch.weights for batch in batches]) if batches else np.empty(0)
-    steps = np.concatenate([batch.steps for batch in batches]) if batches else np.empty(0, dtype=str)
-    columns = {name: np.concatenate([batch.columns[name] for batch in batches]) for name in _names(batches)}
-    inputs = {name: np.asarray(columns[name], dtype=float) for name in (batches[0].inputs if batches else ())}
+    described = [batch.described for batch in found.batches]
+    probability = wilson(usual.failed, PLAIN_TRIALS)
+    if found.batches:
+        probability = Probability(found.estimate.value, found.estimate.low, found.estimate.high)
+    weights = np.concatenate([each.weights for each in described]) if described else np.empty(0)
+    steps = np.concatenate([each.steps for each in described]) if described else np.empty(0, dtype=str)
+    names = tuple(described[0].columns) if described else ()
+    columns = {name: np.concatenate([each.columns[name] for each in described]) for name in names}
+    inputs = {name: np.asarray(columns[name], dtype=float) for name in (described[0].inputs if described else ())}
     return RareFailure(
         provenance=provenance,
         event=event.text,
         probability=probability,
-        variation=math.inf if found is None else found.variation,
-        repetitions=0 if found is None else found.repetitions,
-        levels=len(pilot.levels),
-        reached=pilot.reached and weights.size > 0,
-        nearest=pilot.probability,
+        variation=found.estimate.variation,
+        repetitions=sum(batch.counted.size for batch in found.batches),
+        levels=max(each.levels for each in found.screened),
+        reached=weights.size > 0,
+        nearest=max(each.nearest for each in found.screened),
+        ways=_ways(ways, found, usual),
         modes=failure_modes(weights, steps, inputs, usual.inputs),
         sample=_sample(weights, steps, columns, provenance.seed),
     )
 
 
-def _names(batches: Sequence[FailingTrials]) -> Sequence[str]:
-    return tuple(batches[0].columns) if batches else ()
+def _ways(ways: Sequence[str], found: Found[FailingTrials], usual: _Usual) -> tuple[WayDriven, ...]:
+    """Put together what is known of each way to fail, over all strata; the last is of no known margin."""
+    driven = []
+    for number, way in enumerate((*ways, "")):
+        nearest = max(each.nearest for each in found.screened if each.part.way == number)
+        bound = wilson(int(usual.failed_by[number]), PLAIN_TRIALS).high
+        driven.append(WayDriven(way, found.probability(number), nearest, bound))
+    return tuple(driven)
 
 
 def _sample(weights: Array, steps: Array, columns: Mapping[str, Array], seed: int) -> pd.DataFrame:

@@ -1,10 +1,6 @@
-"""How near each trial came to each way to fail: what leads subset simulation to the failures.
+"""How near each trial came to each way to fail, in the unit of its quantity: what leads to the failures."""
 
-Each margin is in the unit of its quantity; `scaled_margin` divides it by its standard deviation over plain trials,
-so that margins of lengths, energies and counts can be compared: roughly, in standard deviations from failure.
-"""
-
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -20,12 +16,9 @@ from missionplan.studies.simulation.phase_trials import (
     OUT_OF_ENERGY,
     TOO_LIGHT,
     TOO_SHALLOW,
-    Flags,
     PhaseTrials,
 )
 
-LEAST = 1e-9
-"""Margin of a trial that does not fail though none of its margins is positive [standard deviations]."""
 _NOT_ARRIVED, _OUTSIDE, _STRUCK = "not arrived", "anchor outside the radius", "struck the seafloor"
 _DRAGGED, _GROUNDED = "anchor dragged", "grounded in the hold"
 _REASONS = {
@@ -105,29 +98,3 @@ def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials, scenario: Scenario
 def _each(values: Scalars, done: PhaseTrials) -> Array:
     """One value a trial that reached the phase; nan for the others."""
     return np.where(np.isnan(done.start), np.nan, values)
-
-
-def scales(found: Mapping[str, Array]) -> dict[str, float]:
-    """Standard deviation of each margin over plain trials; without those that do not vary or were never reached."""
-    spreads = {way: values[np.isfinite(values)] for way, values in found.items()}
-    deviations = {way: float(np.std(values)) for way, values in spreads.items() if values.size > 1}
-    return {
-        way: deviation
-        for way, deviation in deviations.items()
-        if deviation > 1e-9 * (1.0 + float(np.max(np.abs(spreads[way]))))
-    }
-
-
-def scaled_margin(found: Mapping[str, Array], sizes: Mapping[str, float], failed: Flags) -> Array:
-    """Return the least of the scaled margins of each trial: zero where it fails, positive elsewhere; inf without any.
-
-    Parameters
-    ----------
-    found : mapping of str to array, shape (n,)
-    sizes : mapping of str to float
-    failed : array of bool, shape (n,)
-    """
-    least = np.full(failed.shape, np.inf)
-    for way, size in sizes.items():
-        least = np.fmin(least, found[way] / size)
-    return np.where(failed, 0.0, np.maximum(least, LEAST))

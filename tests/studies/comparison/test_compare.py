@@ -249,3 +249,20 @@ def test_missions_are_compared_in_python_by_their_names():
     found = missionplan.compare(slow, fast, trials=40, seed=1)
     assert [each.name for each in found.alternatives] == ["1.2 m/s", "1.3 m/s"]
     assert [tick.get_text() for tick in found.plot().get_yticklabels()] == ["1.2 m/s", "1.3 m/s"]
+
+
+def with_identity(summary, **changed):
+    parts = {"version": "0.1", "code": "a" * 64, "plugins": {}, "libraries": {"numpy": "2.0"}, **changed}
+    return {**summary, "identity_parts": parts}
+
+
+def test_other_code_is_named_as_what_a_difference_may_come_of(report):
+    other = with_identity(simulated(seed=2), code="b" * 64, libraries={"numpy": "2.1"})
+    (notice,) = compare(report(with_identity(simulated())), report(other)).provenance.notices
+    assert "code of missionplan: was aaaaaaaaaaaa, now bbbbbbbbbbbb; library numpy: was 2.0, now 2.1" in notice
+
+
+def test_one_identity_with_two_answers_is_told(report):
+    same, other = with_identity(simulated()), with_identity(simulated(offset=10.001))
+    assert not any("one identity" in each for each in compare(report(same), report(same)).provenance.notices)
+    assert any("one identity" in each for each in compare(report(same), report(other)).provenance.notices)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from scipy.integrate import trapezoid
 from scipy.special import ive
 from typing_extensions import override
@@ -17,9 +18,10 @@ from missionplan.arrays import Array
 from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.montecarlo.rare_events.population import Key, NormalPopulation
+from missionplan.montecarlo.rare_events.strata import StrataView, strata
 from missionplan.montecarlo.streams import BLOCK, LegNormals, stream
 from missionplan.scenario.scenario import Scenario
-from missionplan.studies.rare_failure.driven_trials import DrivenMission
+from missionplan.studies.rare_failure.driven_trials import DrivenMission, discrete_values
 from missionplan.studies.rare_failure.event import RareEvent
 from missionplan.studies.rare_failure.find_rare_failure import find_rare_failure
 from missionplan.studies.simulation.simulate import simulate
@@ -118,9 +120,12 @@ def test_one_in_a_million_agrees_with_a_hundred_million_plain_trials(tmp_path: P
 
 
 def test_a_failure_that_is_not_rare_is_the_plain_simulation_s() -> None:
-    mission = missionplan.load(STARTER)
-    plain = simulate(mission, trials=4096).total.events["success"]
-    found = find_rare_failure(mission, trials=20_000)
+    data = yaml.safe_load(STARTER.read_text(encoding="utf-8"))
+    data["vehicle"] = yaml.safe_load((STARTER.parent / "vehicle.yaml").read_text(encoding="utf-8"))
+    data["navigation"]["max_legs"] = 8  # else trials are driven towards transits of 400 legs too
+    mission = Mission.from_data(data)
+    plain = simulate(mission, trials=4096).phases[1].events["within_radius"]
+    found = find_rare_failure(mission, event="not moor.within_radius", trials=20_000)
     assert 1.0 - plain.high < found.probability.value < 1.0 - plain.low
     assert found.modes[0].step == "moor: anchor outside the radius"
 
@@ -147,8 +152,8 @@ class _OfStreams(NormalPopulation):
 
 def test_a_mission_driven_by_a_run_s_own_normals_repeats_the_run() -> None:
     means = Scenario.at_means(missionplan.load(STARTER))
-    driven = DrivenMission(means, RareEvent("not total.success", "total.success", negated=True), {})
-    _, trials = driven.run(_OfStreams(BLOCK, np.random.default_rng(0)), inputs=True)
+    driven = DrivenMission(means, RareEvent("not total.success", "total.success", negated=True))
+    _, trials = driven.run(StrataView(_OfStreams(BLOCK, np.random.default_rng(0))), inputs=True)
     plain = run_block(means.sampled(seed=1, block=0), 1, 0, BLOCK)
     for name, values in plain.columns().items():
         assert np.array_equal(values, trials.columns()[name], equal_nan=values.dtype.kind == "f"), name
@@ -186,6 +191,35 @@ def test_a_failure_to_which_nothing_leads_is_not_made_up(tmp_path: Path) -> None
     assert found.probability.value == 0.0
     assert found.probability.high > 1e-4
     assert "No failure" in missionplan.rendering.render(found).html
+
+
+def test_an_explanation_of_known_probability_is_found_though_no_plain_trial_meets_it() -> None:
+    """Under it the legs make two fifths of their way: such transits last for more than 20 minutes, no others do."""
+    data = yaml.safe_load(TRANSIT.format(sigma=0.001, legs=400, d_max=300.0, radius=15.0))
+    data["effects"] = [
+        {"one-of": [{"probability": 1e-5, "effects": [{"speed-scale": {"fraction": -0.6}}]}]},
+    ]
+    mission = Mission.from_data(data)
+    parts = strata(discrete_values(mission, Scenario.at_means(mission)))
+    assert [part.probability for part in parts] == pytest.approx([1.0 - 1e-5, 1e-5], rel=1e-9)
+    found = find_rare_failure(mission, event="transit.duration > 20 min", trials=20_000)
+    assert found.probability.value == pytest.approx(1e-5, rel=0.01)
+
+
+def test_an_anchor_that_floods_too_early_once_in_a_million_is_a_stratum_of_its_own() -> None:
+    data = yaml.safe_load(STARTER.read_text(encoding="utf-8"))
+    data["vehicle"] = yaml.safe_load((STARTER.parent / "vehicle.yaml").read_text(encoding="utf-8"))
+    data["vehicle"]["anchor"] |= {"premature_flooding": 1e-6}
+    mission = Mission.from_data(data)
+    parts = strata(discrete_values(mission, Scenario.at_means(mission)))
+    assert [part.probability for part in parts] == pytest.approx([1.0 - 1e-6, 1e-6], rel=1e-6)
+    means = Scenario.at_means(mission)
+    driven = DrivenMission(means, RareEvent.parse("not moor.within_radius", mission), ())
+    flooded, usual = (
+        driven(StrataView(NormalPopulation(64, np.random.default_rng(1)), [part])).failed for part in parts[::-1]
+    )
+    assert flooded.all()
+    assert not usual.all()
 
 
 def test_the_command_writes_the_report_and_refuses_what_does_not_apply(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
-"""Hostile names, put wherever a mission or a data set has a name."""
+"""Hostile names, put wherever a mission has a name: they would do harm where they served as keys or ids, or unescaped."""
 
 import copy
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 
 MARK = "h0stile"
@@ -16,7 +17,7 @@ NAMES = (
     "in$^$", "$\\frac{1}$", "a$b", "%s %(x)d {0} {{7*7}}", "\\1\\g<0>\\", "(?P<a>[", "50 % of \\d+",
     # YAML, JSON, CSV, terminals, files, ids
     "a: b # c", "- [x, {y: !!python/name:os.system }]", '{"a": null}', "=1+1", '"quoted", twice', "[bold red]x[/] :warning:",
-    "../../etc/passwd", "a/b\\c.svg", "NUL", "Ä\u0308 \u202etxt 鯨 \U0001f40b", "x" * 300,
+    "../../etc/passwd", "a/b\\c.svg", "NUL", "Ä\u0308 \u05d0\u05d1 鯨 \U0001f40b", "x" * 300,
 )  # fmt: skip
 """What people or attackers may call a mission, a phase, a vehicle, a run or a data set."""
 ODD = ("'tis", " led by a space", "tail ", "", "nan", "null", "1e309", "a.b", "a", "x: not arrived", "success", "end")
@@ -41,5 +42,7 @@ def named(data: Mapping[str, object], names: Sequence[str]) -> dict[str, object]
 
 
 def _turns(names: Sequence[str]) -> Iterator[str]:
-    while True:
-        yield from names
+    """Yield the names, then others made of them: no two phases have one."""
+    yield from names
+    for number in itertools.count(2):
+        yield from (f"{name} {number}" for name in names)

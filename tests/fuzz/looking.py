@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import yaml
 
-from .hostile import MARK
+from .hostile_names import MARK
 
 _TAGS = frozenset(
     ["html", "head", "meta", "link", "title", "style", "body", "main", "div", "header", "p", "h1", "h2", "figure", "figcaption", "dl", "dt", "dd", "section", "table", "caption", "thead", "tbody", "tr", "th", "td", "pre", "ul", "li", "code", "details", "summary", "script", "svg", "g", "path", "rect", "defs", "use", "text", "tspan", "clippath", "image", "lineargradient", "stop", "small", "b", "br", "img", "span", "pattern", "circle"]
@@ -30,7 +30,7 @@ class _Page(HTMLParser):
     def handle_starttag(self, tag, attributes) -> None:
         self.tags[tag] += 1
         for name, value in attributes:
-            self.attributes[name] += 1
+            self.attributes[name] += not (name == "src" and str(value).startswith("data:image/"))
             if name == "id":
                 self.ids.append(value)
             if name in ("href", "xlink:href") and (value or "").startswith("#"):
@@ -46,7 +46,7 @@ def look_at_page(html: str) -> _Page:
     page.feed(html)
     page.close()
     assert page.tags.keys() <= _TAGS, page.tags.keys() - _TAGS
-    scripted = [name for name in page.attributes if name.startswith(_SCRIPTED) or MARK in name]
+    scripted = [name for name in +page.attributes if name.startswith(_SCRIPTED) or MARK in name]
     assert not scripted, scripted
     assert page.tags["script"] == 1, page.tags["script"]
     twice = [name for name, count in Counter(page.ids).items() if count > 1 or any(mark in name for mark in " <>\"'&")]
