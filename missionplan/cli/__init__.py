@@ -56,7 +56,7 @@ def main() -> None:
     except KeyboardInterrupt:
         status = INTERRUPTED
     except Exception as error:
-        status = _usage_error(error)
+        status = INTERRUPTED if _interrupts else _usage_error(error)
     if status == INTERRUPTED:  # typer returns it too
         _end_workers()
         note("Interrupted.")
@@ -86,10 +86,19 @@ def _in_options(error: MissionplanError) -> str:
 
 def _interrupt_on_termination() -> None:
     """Let SIGTERM and SIGHUP act like Ctrl-C, but for signals that whoever started the command ignores (nohup)."""
-    for name in ("SIGTERM", "SIGHUP"):
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)  # Windows has no SIGHUP
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
-            signal.signal(number, signal.default_int_handler)
+        if number is not None and signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+            signal.signal(number, _interrupt)
+
+
+_interrupts: list[int] = []
+"""Signals received: what other packages raise after one, in whose middle it came, is no error of its own."""
+
+
+def _interrupt(number: int, _: object) -> None:
+    _interrupts.append(number)
+    raise KeyboardInterrupt
 
 
 def _usage_error(error: Exception) -> int:

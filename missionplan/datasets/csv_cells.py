@@ -31,7 +31,8 @@ def check_file(path: Path, max_bytes: int) -> None:
         if path.is_dir():
             raise InputError([Problem("is a folder; a CSV file was expected", file)])
     except FileNotFoundError:
-        hint = did_you_mean(path.name, [entry.name for entry in path.parent.glob("*")])
+        near = did_you_mean(path.name, [entry.name for entry in path.parent.glob("*")])
+        hint = "it is a link to what is not there" if path.is_symlink() else near
         raise InputError([Problem("no such file", file, hint=hint)]) from None
     except OSError as error:
         raise InputError([Problem(f"cannot be read: {error.strerror or error}", file)]) from None

@@ -16,7 +16,7 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.reading.documents import Document, load_document
 from missionplan.mission.reading.validation_errors import validation_problems
 from missionplan.mission.schema.section import FileSection
-from missionplan.store.paths import is_file
+from missionplan.store.paths import is_file, real_path
 
 
 def _as_text(value: object) -> object:
@@ -223,7 +223,7 @@ def read_named_table(
         problems.append(document.problem(key, f"given {shown(name)}, expected the name of a CSV file in this folder"))
         return None
     path = folder / name.strip()
-    if not _outside_allowed.get() and not path.resolve().is_relative_to(folder.resolve()):
+    if not _outside_allowed.get() and not real_path(path).is_relative_to(real_path(folder)):
         message = f"given {shown(name)}, which lies outside the data set's folder"
         problems.append(document.problem(key, message, "allow_outside=True permits it"))
         return None

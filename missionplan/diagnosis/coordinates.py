@@ -107,6 +107,10 @@ def _phase_of(coordinate: Coordinate) -> str:
     return dict(CATALOGUE[coordinate.effect].polar)[coordinate.name]
 
 
+LARGEST = 700.0
+"""Logarithm of the largest number that is written."""
+
+
 def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array) -> tuple[ParameterEstimate, ...]:
     """Return parameters with standard deviations and 90 % intervals, from a normal posterior of the coordinates.
 
@@ -129,9 +133,8 @@ def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array)
         if coordinate.kind == "strength":
             found.append(_estimate(coordinate, coordinate.name, value, sd))
         elif coordinate.kind == "shape":
-            low, high = (math.exp(value + float(ndtri(p)) * sd) for p in (LOWER, UPPER))
+            low, size, high = np.exp(np.minimum(value + ndtri([LOWER, 0.5, UPPER]) * sd, LARGEST)).tolist()
             unit = CATALOGUE[coordinate.effect].parameters[coordinate.name].unit
-            size = math.exp(value)
             found.append(ParameterEstimate(coordinate.effect, coordinate.name, size, size * sd, low, high, unit))
         elif coordinate.kind == "sine":
             found += _polar(

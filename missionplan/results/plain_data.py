@@ -23,5 +23,8 @@ def whole(value: object) -> int:
 
 
 def real(value: object) -> float:
-    """Return a number; nan for anything else."""
-    return float(value) if isinstance(value, int | float) else math.nan
+    """Return a number; nan for anything else, and for one that no float holds."""
+    try:
+        return float(value) if isinstance(value, int | float) else math.nan
+    except OverflowError:
+        return math.nan

@@ -33,6 +33,11 @@ def check_name(name: str) -> None:
         raise InputError([Problem("is no name for a file: it holds a control character", file=name)])
 
 
+def real_path(path: Path) -> Path:
+    """Return where a path leads, through links; no error where these lead in a circle."""
+    return Path(os.path.realpath(path))
+
+
 def is_folder(path: Path) -> bool:
     """Whether there is a folder at a path; no error where the name is too long."""
     return os.path.isdir(path)  # noqa: PTH112 - `Path.is_dir` raises an OSError

@@ -283,6 +283,14 @@ def test_a_run_that_is_cut_short_tells_how_to_go_on(
     assert (f"--resume --out {out}" in capsys.readouterr().err.replace("\n", "")) == bool(blocks)
 
 
+def test_what_another_package_makes_of_an_interrupt_is_no_error() -> None:
+    """Signals arrive amid anything: while pydantic builds a schema, which then fails with an error of its own."""
+    failing = "try: signal.raise_signal(signal.SIGTERM)\n    except KeyboardInterrupt: raise RuntimeError('schema')"
+    code = f"import signal, missionplan.cli as cli\ndef app(**_):\n    {failing}\ncli.app = app\ncli.main()"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stderr.split()) == (130, ["Interrupted."])
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 @pytest.mark.parametrize(
     ("sent", "blocks"),

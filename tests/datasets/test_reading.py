@@ -4,6 +4,7 @@ import pytest
 import yaml
 
 import missionplan
+from missionplan.datasets.legs import read_transit
 from missionplan.datasets.reading import dataset_kind, read_dataset
 from missionplan.datasets.summaries import SUMMARY, read_summary
 from missionplan.datasets.tank import TANK_FORMATS, read_tank_data
@@ -124,3 +125,15 @@ def test_a_link_out_of_the_folder_is_followed_on_request_alone(tmp_path, folder)
     with pytest.raises(InputError, match=r"lies outside the data set's folder \(allow_outside=True permits it\)"):
         missionplan.identify(place)
     assert missionplan.identify(place, allow_outside=True).summary()["command"] == "identify"
+
+
+def test_links_that_lead_nowhere_are_said(tmp_path, transit_mission):
+    (tmp_path / "dataset.yaml").write_text("kind: transit\nfile: rows.csv\n")
+    for target, words in (
+        ("gone.csv", "no such file .it is a link to what is not there"),
+        ("rows.csv", "cannot be read"),
+    ):
+        (tmp_path / "rows.csv").unlink(missing_ok=True)
+        (tmp_path / "rows.csv").symlink_to(target)
+        with pytest.raises(InputError, match=words):
+            read_transit(tmp_path, transit_mission)

@@ -3,6 +3,7 @@
 The few that are quick run always; the whole matrix is slow.
 """
 
+import csv
 import io
 import json
 import zipfile
@@ -83,6 +84,7 @@ CASES = [
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Glyph", "ignore:constrained_layout not applied")
 @pytest.mark.parametrize(("study", "name"), CASES)
 def test_hostile_names_do_no_harm(study, name, tmp_path):
     for number, names in enumerate(batches(name)):
@@ -153,3 +155,26 @@ def test_a_token_is_a_short_word(name):
     assert len(token(3, name)) <= 44
     assert token(3, name).isidentifier() or token(3, name)[0] == "3"
     assert set(token(3, name)) <= set("0123456789_abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ")
+
+
+def _dataset(folder: Path, kind: str, names) -> Path:
+    """Write a small data set, itself and its runs by these names."""
+    keys = dict(examples.DATASETS[kind][1]) | {"name": names[0]}
+    rows = list(csv.reader(io.StringIO(examples.table(kind))))
+    runs = dict(zip(dict.fromkeys(row[0] for row in rows[1:]), names[1:], strict=False)) if rows[0][0] == "run" else {}
+    text = io.StringIO()
+    csv.writer(text).writerows([[runs.get(row[0], row[0]), *row[1:]] for row in rows])
+    if "runs" in keys:
+        keys["runs"] = {runs[run]: told for run, told in keys["runs"].items()}
+    examples.write_dataset(folder, kind, keys, text.getvalue().encode())
+    return folder
+
+
+@pytest.mark.parametrize("names", [WORST[:3], ("=1+1", "a: b # c", "</script>"), ("../../x", "%s", 'a,"b')])
+@pytest.mark.parametrize("kind", ["descent", "drag", "thruster"])
+def test_hostile_names_of_data_and_runs_do_no_harm(kind, names, tmp_path):
+    data = _dataset(tmp_path / "data", kind, names)
+    result = missionplan.score(mission("chesapeake", WORST), data) if kind == "descent" else missionplan.identify(data)
+    result.save(tmp_path / "report")
+    look_at_folder(tmp_path / "report", result.provenance.data)
+    assert names[0] in json.dumps(result.summary(), ensure_ascii=False).replace('\\"', '"')

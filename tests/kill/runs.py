@@ -140,6 +140,7 @@ def _start(
 ) -> subprocess.Popen[bytes]:
     words = ["simulate", str(MISSION), "--trials", TRIALS, "--jobs", str(kill.jobs), "--quiet", "--out", str(folder)]
     command = [sys.executable, "-m", "missionplan", *words, *more]
+    folder.parent.mkdir(parents=True, exist_ok=True)
 
     def heed_signals() -> None:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -147,6 +148,7 @@ def _start(
 
     return subprocess.Popen(
         command,
+        cwd=folder.parent,  # `-m` finds a package there before that of PYTHONPATH
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         env={**os.environ, _MARK: mark, "PYTHONPATH": str(path)},

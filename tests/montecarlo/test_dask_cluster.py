@@ -1,5 +1,6 @@
 """A Dask cluster is used, and neither believed without proof nor waited for in vain."""
 
+import logging
 import os
 import shutil
 import socket
@@ -9,11 +10,13 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 import missionplan
 from missionplan.errors import InputError, RunError
+from missionplan.montecarlo.parallel import dask_cluster
 from missionplan.montecarlo.parallel.blocks import run_blocks
 
 pytest.importorskip("distributed")
@@ -140,3 +143,17 @@ def test_a_scheduler_that_is_lost_ends_the_run(start: Start, tmp_path: Path) -> 
     process.kill()
     with pytest.raises(RunError, match=r"no longer answers|no workers"):
         list(results)
+
+
+def test_a_client_that_reconnects_in_vain_logs_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Importing distributed sets the levels of its loggers: they are silenced after it."""
+    log = logging.getLogger("distributed.client")
+
+    def imported(name: str) -> SimpleNamespace:
+        log.setLevel(logging.WARNING)
+        return SimpleNamespace(Client=lambda *_, **__: SimpleNamespace(close=lambda: None))
+
+    monkeypatch.setattr(dask_cluster, "import_module", imported)
+    with dask_cluster._connected(1, "tcp://nowhere"):
+        assert not log.isEnabledFor(logging.ERROR)
+    assert log.isEnabledFor(logging.ERROR)

@@ -123,3 +123,19 @@ def test_a_report_of_other_code_is_named(tmp_path: Path) -> None:
         file.write_text(json.dumps({**json.loads(file.read_text()), "identity_parts": parts}))
     (notice,) = missionplan.history(tmp_path).provenance.notices
     assert notice == "a was made by other code than c: code of missionplan: was 111111111111, now 222222222222"
+
+
+def test_what_is_no_report_is_named_and_the_rest_is_told(tmp_path: Path) -> None:
+    """Each has the files of a report: of another tool, of another kind, broken, with numbers that are none."""
+    for name in ("good", "other", "broken", "utf-16", "names", "huge"):
+        report(tmp_path, name, "2026-05-01T00:00:00+00:00", found={"compass-bias": (0.05, 0.01)})
+    whole = (tmp_path / "good" / "summary.json").read_text()
+    (tmp_path / "other" / "summary.json").write_text("[1]")
+    (tmp_path / "broken" / "mission.yaml").write_text("a: [")
+    (tmp_path / "utf-16" / "summary.json").write_bytes(whole.encode("utf-16"))
+    (tmp_path / "names" / "summary.json").write_text(whole.replace('"compass-bias", "name"', '3, "name"'))
+    (tmp_path / "huge" / "summary.json").write_text(whole.replace('"sd": 0.01', f'"sd": 1{"0" * 400}'))
+    found = missionplan.history(tmp_path)
+    assert found.reports == ("good",)
+    assert len(found.provenance.notices) == 5
+    assert all(notice.startswith("left out: ") for notice in found.provenance.notices)

@@ -110,7 +110,7 @@ def read_tank_data(folder: str | Path) -> TankData:
     folder = as_path(folder, "dataset")
     form = TANK_FORMATS[dataset_kind(folder, TANK_FORMATS)]
     raw = read_dataset(folder, form)
-    problems = [*_at_rest(raw), *_unmoved(raw)]
+    problems = [*_not_positive(raw), *_unmoved(raw)]
     compared = _compared(folder, raw, form.columns, problems)
     settings = raw.checked(problems)
     rows, identities, notices = _counted_once(form.kind, raw.table)
@@ -141,13 +141,25 @@ def _counted_once(kind: str, rows: pd.DataFrame) -> tuple[pd.DataFrame, tuple[st
     return rows[once], identities, notices
 
 
-def _at_rest(raw: RawDataset[Settings]) -> list[Problem]:
-    """List the rows of towed drag that are not towed: at rest there is no drag, only what the gauge reads of itself."""
-    if raw.document.data.get("kind") != DRAG.kind or "speed_m_s" not in raw.table:
-        return []
-    rows = raw.table.index[raw.table["speed_m_s"] <= 0.0]
-    hint = "subtract what the gauge reads at rest, and leave its row out (ok = 0)"
-    return problems_at(rows, lambda line: Problem("expected more than 0", raw.file, line, "speed_m_s", hint))
+_POSITIVE = {
+    (DRAG.kind, "speed_m_s"): "subtract what the gauge reads at rest, and leave its row out (ok = 0)",
+    (DRAG.kind, "force_sd_n"): "",
+    (FREE_OSCILLATION.kind, "frequency_hz"): "",
+    (FREE_OSCILLATION.kind, "frequency_sd_hz"): "",
+}
+"""Columns of a kind whose numbers are more than nil, with a hint: a model at rest has no drag but the gauge's own."""
+
+
+def _not_positive(raw: RawDataset[Settings]) -> list[Problem]:
+    """List the cells that must be more than nil, and are not."""
+    kind = raw.document.data.get("kind")
+
+    def at(name: str, hint: str) -> list[Problem]:
+        rows = raw.table.index[raw.table[name] <= 0.0]
+        return problems_at(rows, lambda line: Problem("expected more than 0", raw.file, line, name, hint))
+
+    columns = [(name, hint) for (of, name), hint in _POSITIVE.items() if of == kind and name in raw.table]
+    return [problem for name, hint in columns for problem in at(name, hint)]
 
 
 def _unmoved(raw: RawDataset[Settings]) -> list[Problem]:

@@ -119,6 +119,8 @@ def unprintable_texts(data: object, path: KeyPath = ()) -> Iterator[LocalProblem
 
 def _nearest_file(path: Path) -> str:
     """Hint at the file that was meant, or at the outermost folder that is missing."""
+    if path.is_symlink():
+        return "it is a link to what is not there"
     missing = path
     while missing.parent != missing and not missing.parent.is_dir():
         missing = missing.parent

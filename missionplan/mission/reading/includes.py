@@ -6,7 +6,7 @@ from pathlib import Path
 
 from missionplan.errors import InputError, KeyPath, Problem, shown
 from missionplan.mission.reading.documents import Document, load_document
-from missionplan.store.paths import is_file, matching
+from missionplan.store.paths import is_file, matching, real_path
 
 REMOTE = ("http://", "https://", "dods://")
 """Beginnings of addresses that are read over the network (OPeNDAP)."""
@@ -82,8 +82,8 @@ class _Files:
         if "*" not in name or "\0" in name:
             target = self.resolve(name, path)
             return None if target is None else str(target)
-        pattern = (self.folder / name).parent.resolve() / Path(name).name
-        if not self.allow_outside and not pattern.is_relative_to(self.folder.resolve()):
+        pattern = real_path((self.folder / name).parent) / Path(name).name
+        if not self.allow_outside and not pattern.is_relative_to(real_path(self.folder)):
             message = f"given {shown(name)}, which lies outside the mission file's folder"
             self._refuse(path, message, "allow_outside=True permits it")
             return None
@@ -98,8 +98,8 @@ class _Files:
         if "\0" in name:
             self._refuse(path, f"{given}; a file name cannot contain a null character")
             return None
-        target = (self.folder / name).resolve()
-        if not self.allow_outside and not target.is_relative_to(self.folder.resolve()):
+        target = real_path(self.folder / name)
+        if not self.allow_outside and not target.is_relative_to(real_path(self.folder)):
             message = f"{given}, which lies outside the mission file's folder"
             self._refuse(path, message, "allow_outside=True permits it")
             return None

@@ -9,6 +9,7 @@ from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from missionplan.errors import InputError, MissionplanError, Problem, RunError
@@ -52,7 +53,7 @@ def run_on_cluster(
     RunError
         When the scheduler or all workers are lost.
     """
-    with _silent_loggers(), _connected(jobs, scheduler) as client:
+    with _connected(jobs, scheduler) as client:
         place = scheduler or "the local cluster"
         _check_workers(client, place)
         proven, todo = _Proven(task, running_program()), deque(items)
@@ -153,21 +154,28 @@ def _connected(jobs: int, scheduler: str | None) -> "Iterator[Client]":
     except ImportError as error:
         message = f"dask needs dask.distributed: {how_to_install('dask')}"
         raise InputError([Problem(message, key="backend")]) from error
-    client: Client | None = None
+    with _silent_loggers():  # from here on: distributed sets their levels when it is imported
+        client = _client(distributed, jobs, scheduler)
+        try:
+            yield client
+        finally:
+            with suppress(OSError, CancelledError):
+                client.close()  # type: ignore[no-untyped-call]
+
+
+def _client(distributed: ModuleType, jobs: int, scheduler: str | None) -> "Client":
+    """Return a client of a scheduler, or of a local cluster."""
     if scheduler is None:
         with interrupts_blocked(terminable=True):
-            client = distributed.Client(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
-    else:
-        with suppress(Exception):  # whatever another service at the address makes of the greeting
-            client = distributed.Client(scheduler, timeout=f"{ANSWER_TIME}s")
-        if client is None:
-            gc.collect()  # ends what is left of the client; collected while the next one starts, it would block that
-            raise InputError([Problem(f"no Dask scheduler answers at {scheduler}", key="scheduler")])
-    try:
-        yield client
-    finally:
-        with suppress(OSError, CancelledError):
-            client.close()
+            started: Client = distributed.Client(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
+            return started
+    client: Client | None = None
+    with suppress(Exception):  # whatever another service at the address makes of the greeting
+        client = distributed.Client(scheduler, timeout=f"{ANSWER_TIME}s")
+    if client is None:
+        gc.collect()  # ends what is left of the client; collected while the next one starts, it would block that
+        raise InputError([Problem(f"no Dask scheduler answers at {scheduler}", key="scheduler")])
+    return client
 
 
 @contextmanager

@@ -155,7 +155,7 @@ def inline(figure: Figure) -> Markup:
     It scales with the column, until its text has the size of the page's.
     """
     svg = figure.svg[figure.svg.index("<svg") :]
-    svg = re.sub(r'\b(id="|xlink:href="#|href="#|url\(#)', rf"\1{figure.name}-", svg)
+    svg = re.sub(r'\b(id="|xlink:href="#|href="#|url\(#)', rf"\g<1>{figure.name}-", svg)
     svg = re.sub(INK, "currentColor", svg, flags=re.IGNORECASE)
     svg = re.sub(GRID, "var(--grid)", svg, flags=re.IGNORECASE)
     svg = re.sub(BLUE, "var(--blue)", svg, flags=re.IGNORECASE)

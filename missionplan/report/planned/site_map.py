@@ -22,6 +22,7 @@ from missionplan.report.axes import name_axis
 from missionplan.report.geography.plan_view import emptiest_corner, frame, north_and_scale
 from missionplan.report.page import BLUE, GREEN, GREY, INK, ORANGE, SKY, Figure, to_figure
 from missionplan.report.quantities import quantity
+from missionplan.report.wording import shortened
 from missionplan.results.plain_data import mapping, mappings
 
 _LAND = "#d9cfae"
@@ -274,7 +275,7 @@ def _goals(data: Mapping[str, object]) -> Iterator[Goal]:
     for kind, section in chain.from_iterable(entry.items() for entry in mappings(phases)):
         if not isinstance(section, Mapping):
             continue
-        name = str(section.get("name", kind))
+        name = shortened(str(section.get("name", kind)))
         if kind == "transit":
             begin, end = _place(section.get("from"), origin), _place(section.get("to"), origin)
             if here is None and begin is not None:

@@ -36,9 +36,16 @@ class IdentifiedParameter:
         unit = f" {self.unit}" if self.unit else ""
         return f" (90 % interval {self.low:{digits}} to {self.high:{digits}}{unit})" if self.has_interval else ""
 
+    @property
+    def note(self) -> str:
+        """Why there is no interval; empty where there is one."""
+        if self.has_interval:
+            return ""
+        return "the model does not fit: no interval" if math.isfinite(self.sd) else "the data state no error"
+
     def summary(self) -> dict[str, object]:
         """Return the entry of `summary.json`, which is also a row of the table."""
-        names = ("name", "value", "sd", "low", "high", "unit")
+        names = ("name", "value", "sd", "low", "high", "unit", "note")
         return {name: getattr(self, name) for name in names}
 
 

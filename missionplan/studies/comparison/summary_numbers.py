@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Literal, NamedTuple, TypeGuard
 
+from missionplan.results.plain_data import real
+
 SECTIONS = {
     "simulate": ("phases", "total", "requirements"),
     "sweep-dmax": ("sweep",),
@@ -42,7 +44,8 @@ def summary_numbers(summary: Mapping[str, object], command: str) -> dict[tuple[s
     found = {}
     for section in SECTIONS[command]:
         error = math.nan if section in _NOISY.get(command, ()) else 0.0
-        for path, number in _walk(summary.get(section), (section,), error):
+        value = summary.get(section)
+        for path, number in _walk(value, (section,), error) if isinstance(value, Mapping | list) else ():
             found[_group_and_key(path)] = number
     return found
 
@@ -80,7 +83,7 @@ def _walk_mapping(value: Mapping[str, object], path: KeyPath, error: float) -> I
 
 
 def _is_number(value: object) -> TypeGuard[float]:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return not isinstance(value, bool) and math.isfinite(real(value))
 
 
 def _shown(value: object) -> str:
@@ -91,5 +94,5 @@ def _group_and_key(path: KeyPath) -> tuple[str, str]:
     """The parts of the path that a reader needs."""
     if path[0] == "requirements":
         return "requirement", path[1]
-    kept = [part for part in path if part not in ("phases", "quantities", "events")]
+    kept = [part for part in path if part not in ("phases", "quantities", "events")] or list(path)
     return ", ".join(kept[:-1]) or kept[-1], kept[-1]

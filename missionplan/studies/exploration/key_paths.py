@@ -15,7 +15,7 @@ from missionplan.mission.schema.shared_sections import name_in_force, overridden
 _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 _WHOLES = ("vehicle", "start", "site.current", "site.water", "vehicle.anchor")
 """Keys that may be varied as a whole, besides those that hold one value."""
-_OF_THE_RUN = ("monte_carlo", "sweep", "optimise", "requirements", "correlations", "units", "name")
+_OF_THE_RUN = ("monte_carlo", "sweep", "optimise", "requirements", "correlations", "learned_from", "units", "name")
 """Sections that no choice of a mission can lie in."""
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from missionplan.arrays import Array
+from missionplan.datasets.identity import listed
 from missionplan.datasets.tank import OscillationSettings, TankData
 from missionplan.errors import RunError
 from missionplan.physics import oscillation as osc
@@ -26,6 +27,8 @@ from missionplan.studies.identification.least_squares import (
     scaled_estimate,
 )
 
+IMPOSSIBLE = 3.0
+"""Standard deviations below nil beyond which an added mass is no error of the frequency."""
 _FEWEST = 4
 """Samples of a record that have a frequency at all."""
 _MOST_GAPS = 10.0
@@ -49,7 +52,7 @@ def _from_frequencies(data: TankData, settings: OscillationSettings) -> TankAnal
     if scale != 1.0:
         answer = f"Added mass of the vehicle, from a model at 1:{scale:g}: {_masses_in_words(modes, full_size)}."
     return TankAnalysis(
-        answer=answer,
+        answer=f"{answer}{_doubts(modes, estimates)}",
         fits=(direct,),
         panels=(_mass_panel(direct, modes, words),),
         remarks=(
@@ -60,6 +63,12 @@ def _from_frequencies(data: TankData, settings: OscillationSettings) -> TankAnal
         fragment=_fragment(modes, estimates, scale),
         derived=full_size if scale != 1.0 else (),
     )
+
+
+def _doubts(modes: list[str], estimates: tuple[IdentifiedParameter, ...]) -> str:
+    """Say which added masses have no error."""
+    unknown = dict.fromkeys(mode for mode, each in zip(modes, estimates, strict=True) if not math.isfinite(each.sd))
+    return f" Without a frequency_sd_hz its error is not known: {listed(list(unknown))}." if unknown else ""
 
 
 def _masses_in_words(modes: list[str], estimates: tuple[IdentifiedParameter, ...]) -> str:
@@ -75,11 +84,22 @@ def _masses_in_words(modes: list[str], estimates: tuple[IdentifiedParameter, ...
 
 
 def _added_masses(data: TankData, settings: OscillationSettings) -> FittedModel:
-    """Added mass of each mode from its frequency, with the error of the frequency."""
+    """Added mass of each mode from its frequency, with the error of the frequency.
+
+    Raises
+    ------
+    RunError
+        When it is negative beyond its error.
+    """
     frequency = data.columns["frequency_hz"]
     frequency_sd = data.columns.get("frequency_sd_hz", np.full_like(frequency, np.nan))
     added = np.asarray(osc.added_mass(frequency, settings.stiffness, settings.mass))
     added_sd = np.asarray(osc.added_mass_sd(frequency, frequency_sd, settings.stiffness))
+    impossible = added + IMPOSSIBLE * np.nan_to_num(added_sd) < 0.0
+    if impossible.any():
+        words = f"the added mass of {listed(np.array(data.labels['mode'])[impossible].tolist())} would be negative"
+        air = math.sqrt(settings.stiffness / settings.mass) / (2.0 * math.pi)
+        raise RunError(f"{words}: without water the frequency is {air:.3g} Hz; is it right, and stiffness and mass?")
     quantile = float(ndtri(0.5 + INTERVAL / 2.0))
     estimates = tuple(
         IdentifiedParameter(

@@ -14,6 +14,7 @@ from missionplan.report.render import render_report, terminal_view
 from missionplan.results.base import to_yaml
 from missionplan.studies.comparison.compare import compare
 from missionplan.studies.comparison.significance import holm
+from missionplan.studies.comparison.summary_numbers import summary_numbers
 
 FIG8 = Path(__file__).parents[3] / "missions" / "fig8.yaml"
 
@@ -266,3 +267,9 @@ def test_one_identity_with_two_answers_is_told(report):
     same, other = with_identity(simulated()), with_identity(simulated(offset=10.001))
     assert not any("one identity" in each for each in compare(report(same), report(same)).provenance.notices)
     assert any("one identity" in each for each in compare(report(same), report(other)).provenance.notices)
+
+
+@pytest.mark.parametrize("odd", [3, "x", [1], {"phases": 3}, [{"quantities": {"duration_s": 10**400}}], None])
+def test_sections_of_a_summary_that_are_none_hold_no_results(odd):
+    numbers = summary_numbers({"phases": odd, "total": odd, "requirements": odd}, "simulate")
+    assert all(math.isfinite(each.value) for each in numbers.values())

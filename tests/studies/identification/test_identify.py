@@ -314,3 +314,16 @@ def test_a_force_that_does_not_fit_is_said_though_moments_are_fitted_with_it(tmp
     result = identify(write(tmp_path / "tunnel", settings, data))
     assert result.fits[0].does_not_fit
     assert result.analysis.answer.startswith("The model does not fit")
+
+
+def test_an_added_mass_without_an_error_or_below_nil_is_said(tmp_path):
+    modes = {"mode": ["surge"], "frequency_hz": [1.77]}
+    found = identify(write(tmp_path / "osc", SPRINGS, modes))
+    assert "Without a frequency_sd_hz its error is not known: surge" in found.analysis.answer
+    assert found.summary()["parameters"][0]["note"] == "the data state no error"
+    with pytest.raises(
+        RunError, match=r"the added mass of surge would be negative: without water the frequency is 2\.1"
+    ):
+        identify(write(tmp_path / "osc", SPRINGS, modes | {"frequency_hz": [1e9]}))
+    with pytest.raises(InputError, match="frequency_hz: expected more than 0"):
+        identify(write(tmp_path / "osc", SPRINGS, modes | {"frequency_hz": [-1.0]}))
