@@ -141,7 +141,7 @@ def history(
 
     Example: missionplan history reports
     """
-    from missionplan.studies.history.history import history
+    from missionplan.studies.history import history
 
     with report_folder(output, folder.resolve().name, "history") as report:
         deliver(history(folder), report, output)

@@ -13,10 +13,16 @@ from missionplan.arrays import Array
 from missionplan.datasets.identity import ROW_BY_ROW, row_identities, row_texts, table_identity, written_once
 from missionplan.datasets.reading import DatasetFormat, RawDataset, dataset_kind, read_dataset, read_named_table
 from missionplan.datasets.table import Columns, CsvTable, problems_at
-from missionplan.datasets.tank.drag import DRAG, DragSettings
-from missionplan.datasets.tank.oscillation import FREE_OSCILLATION, OscillationSettings
-from missionplan.datasets.tank.propeller import PROPELLER_TRANSIENT, PropellerSettings
-from missionplan.datasets.tank.thruster import THRUSTER, ThrusterSettings
+from missionplan.datasets.tank.formats import (
+    DRAG,
+    FREE_OSCILLATION,
+    PROPELLER_TRANSIENT,
+    THRUSTER,
+    DragSettings,
+    OscillationSettings,
+    PropellerSettings,
+    ThrusterSettings,
+)
 from missionplan.datasets.times import EPOCH_SCALE
 from missionplan.errors import Problem
 from missionplan.mission.schema.site import WaterSection

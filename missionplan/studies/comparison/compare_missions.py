@@ -24,8 +24,7 @@ from missionplan.store.paths import as_path, is_folder
 from missionplan.studies.arguments import check_arguments, identified
 from missionplan.studies.comparison.mission_changes import differing_values
 from missionplan.studies.comparison.reported_choices import aim_of, check_kinds, reported_alternative
-from missionplan.studies.comparison.significance import standard_error_and_p_value
-from missionplan.studies.comparison.summary_numbers import SummaryNumber
+from missionplan.studies.comparison.summary_numbers import SummaryNumber, standard_error_and_p_value
 from missionplan.studies.comparison.two_reports import read_summary
 from missionplan.studies.exploration.cell_run import CellRun, CellTrials
 from missionplan.studies.exploration.cells import CellBlock, CellItem, InvalidCell, checked_means, run_checked

@@ -15,8 +15,13 @@ from missionplan.results.plain_data import mapping, mappings, whole
 from missionplan.store.paths import as_path
 from missionplan.studies.comparison.mission_changes import changed_values
 from missionplan.studies.comparison.reported_choices import CHOOSING
-from missionplan.studies.comparison.significance import holm, standard_error_and_p_value
-from missionplan.studies.comparison.summary_numbers import SECTIONS, SummaryNumber, summary_numbers
+from missionplan.studies.comparison.summary_numbers import (
+    SECTIONS,
+    SummaryNumber,
+    holm,
+    standard_error_and_p_value,
+    summary_numbers,
+)
 
 LEVEL = 0.05
 """Probability of finding any difference where there is none."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.datasets.tank import TankData, ThrusterGeometry, ThrusterSettings
-from missionplan.datasets.tank.settings import NoiseLevels
+from missionplan.datasets.tank.formats import NoiseLevels
 from missionplan.physics import tunnel_thruster as tt
 from missionplan.results.learned.identification import FitCurve, FitPanel, FittedModel, TankAnalysis
 from missionplan.studies.identification.least_squares import FitParameter, fit

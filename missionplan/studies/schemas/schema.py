@@ -9,10 +9,7 @@ from missionplan.datasets.dives import DESCENT
 from missionplan.datasets.legs import TRANSIT
 from missionplan.datasets.reading import DatasetFormat
 from missionplan.datasets.summaries import SUMMARY
-from missionplan.datasets.tank.drag import DRAG
-from missionplan.datasets.tank.oscillation import FREE_OSCILLATION
-from missionplan.datasets.tank.propeller import PROPELLER_TRANSIENT
-from missionplan.datasets.tank.thruster import THRUSTER
+from missionplan.datasets.tank.formats import DRAG, FREE_OSCILLATION, PROPELLER_TRANSIENT, THRUSTER
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission import Mission
 from missionplan.mission.mission import MOST_LEARNED

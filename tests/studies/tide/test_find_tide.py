@@ -11,8 +11,7 @@ import scipy
 
 import missionplan
 from missionplan.errors import InputError
-from missionplan.studies.tide.harmonic_analysis import Samples, ellipse_errors, fit_tide, tidal_velocity
-from missionplan.studies.tide.residual import fit_residual
+from missionplan.studies.tide.harmonic_analysis import Samples, ellipse_errors, fit_residual, fit_tide, tidal_velocity
 
 DAY = 86400.0
 # Doodson numbers (lunar time, s, h, p) and the constant in degrees: Schureman (1958), table 2.
