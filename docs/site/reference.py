@@ -17,7 +17,7 @@ from missionplan.datasets.summaries import SUMMARY
 from missionplan.datasets.tank import TANK_FORMATS
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
-from missionplan.mission.reading.fields import keys_of, parsers_of, sections_in
+from missionplan.mission.reading.fields import keys_of, meaning_of, parsers_of, sections_in
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.report.effect_catalogue import effect_text
@@ -83,24 +83,24 @@ def _keys() -> str:
 
 
 def _table(model: type[BaseModel]) -> list[str]:
-    rows = [f"| `{path}` | {_cell(expected)} | {_cell(default)} |" for path, expected, default in _fields(model, "")]
-    return ["| key | expected | default |", "|---|---|---|", *rows, ""]
+    rows = [f"| `{path}` | {' | '.join(map(_cell, words))} |" for path, *words in _fields(model, "")]
+    return ["| key | meaning | expected | default |", "|---|---|---|---|", *rows, ""]
 
 
-def _fields(model: type[BaseModel], path: str) -> Iterator[tuple[str, str, str]]:
+def _fields(model: type[BaseModel], path: str) -> Iterator[tuple[str, str, str, str]]:
     for name, field in keys_of(model).items():
         here = f"{path}.{name}" if path else name
         inner = list(sections_in(field.annotation))
         if name == "effects":
-            yield here, "a list of effects ([Effects](effects.md))", ""
+            yield here, "", "a list of effects ([Effects](effects.md))", ""
             continue
         quantities = dict.fromkeys(_expected(parser) for parser in parsers_of(field))
         if name == "vehicle":
-            yield here, "a vehicle, or the name of its file", ""
+            yield here, "", "a vehicle, or the name of its file", ""
             continue
         words = ", or ".join([*quantities, *(["a section"] if inner else [])]) or _kind(field.annotation)
         plain = not field.is_required() and field.default not in (None, (), "") and not inner
-        yield here, words, f"`{field.default}`" if plain else ""
+        yield here, meaning_of(field), words, f"`{field.default}`" if plain else ""
         listed = "[]" if "tuple" in str(field.annotation) else ""
         for section in inner:
             yield from _fields(section, here + listed)

@@ -1,12 +1,13 @@
 """The mission: what a mission file holds, validated and in SI, with distributions kept as distributions."""
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Generic, Literal, Self, TypeVar, cast
 
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
+from missionplan.arrays import Scalars
 from missionplan.errors import InputError, LocalProblem, Problem, key_path, shown
 from missionplan.identity import digest_of_files
 from missionplan.mission.checks.correlations import check_correlations
@@ -15,11 +16,12 @@ from missionplan.mission.checks.limits.relations import check_relations
 from missionplan.mission.checks.phases import check_phases
 from missionplan.mission.checks.requirements import misspelt_requirements, read_requirements
 from missionplan.mission.checks.site import check_site
+from missionplan.mission.drawing import changed
 from missionplan.mission.editing.changes import changed_data
 from missionplan.mission.editing.mission_text import MissionText
 from missionplan.mission.editing.yaml_text import dumped
 from missionplan.mission.notices import notices
-from missionplan.mission.quantity_paths import collect_quantities, phase_keys
+from missionplan.mission.quantity_paths import phase_keys
 from missionplan.mission.reading.documents import Document, unprintable_texts
 from missionplan.mission.reading.includes import REMOTE, include_files
 from missionplan.mission.reading.validation_errors import in_order, validation_problems
@@ -29,38 +31,39 @@ from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.monte_carlo import CorrelationSection, MonteCarlo, Requirement
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import MoorPhase, Phase, PhaseEntry, TransitPhase
-from missionplan.mission.schema.section import FileSection, Identity
+from missionplan.mission.schema.section import FileSection, Identity, V
 from missionplan.mission.schema.shared_sections import SHARED, ValueInForce, joined, name_in_force, values_in_force
 from missionplan.mission.schema.site import CurrentFile, Site
 from missionplan.mission.schema.sweep import OptimiseSection, SweepSection
 from missionplan.mission.schema.transition import TransitionPhase
 from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
-from missionplan.montecarlo.distributions import Distribution, Quantity
+from missionplan.montecarlo.distributions import Distribution, mean_of
 from missionplan.montecarlo.draws import Correlation
 from missionplan.store.folder import write_atomically
 from missionplan.store.paths import as_path, exists, matching
 
+_New = TypeVar("_New")
 MOST_LEARNED = 5000
 """Legs, dives and runs that a mission keeps in mind, the last ones: half of what a file may hold."""
 
 
-class Mission(FileSection):
-    """A mission file, validated. All in SI; quantities are floats or distributions."""
+class Mission(FileSection, Generic[V]):
+    """A mission file, validated. All in SI; quantities are floats or distributions; drawn, floats or arrays."""
 
     name: str = ""
     start: Moment | None = None
     units: Literal["metric", "nautical", "imperial"] | None = None
-    vehicle: Vehicle | None = None
-    site: Site | None = None
-    navigation: Navigation | None = None
-    entries: tuple[PhaseEntry, ...] = Field(default=(), alias="phases")
+    vehicle: Vehicle[V] | None = None
+    site: Site[V] | None = None
+    navigation: Navigation[V] | None = None
+    entries: tuple[PhaseEntry[V], ...] = Field(default=(), alias="phases")
     sweep: SweepSection = SweepSection()
     optimise: OptimiseSection = OptimiseSection()
     monte_carlo: MonteCarlo = MonteCarlo()
-    energy: EnergyBudget | None = None
+    energy: EnergyBudget[V] | None = None
     requirements: tuple[Requirement, ...] = ()
     correlations: tuple[CorrelationSection, ...] = ()
-    effect_list: EffectList = Field(default=EffectList(), alias="effects")
+    effect_list: EffectList[V] = Field(default=EffectList(), alias="effects")
     learned_from: Annotated[tuple[Identity, ...], Field(max_length=MOST_LEARNED)] = ()
 
     _raw: dict[str, object] = PrivateAttr(default_factory=dict)
@@ -156,7 +159,7 @@ class Mission(FileSection):
         written = copy.deepcopy(document.data)
         problems = include_files(document, folder, allow_outside=allow_outside)
         try:
-            mission = cls.model_validate(document.data)
+            mission: Mission = Mission.model_validate(document.data)
         except ValidationError as error:
             misspelt = [document.located(problem) for problem in misspelt_requirements(document.data)]
             raise InputError(in_order([*problems, *validation_problems(error, document, cls), *misspelt])) from None
@@ -235,7 +238,7 @@ class Mission(FileSection):
         write_atomically(path, text)
         return path
 
-    def _contradictions(self) -> list[LocalProblem]:
+    def _contradictions(self: "Mission") -> list[LocalProblem]:
         """List what is wrong between sections that are each valid."""
         return [
             *check_phases(self.phases, self.site, self.vehicle, self.navigation, self.sweep),
@@ -243,7 +246,7 @@ class Mission(FileSection):
             *check_correlations(self.correlations, self.quantities(), self.doubts),
         ]
 
-    def _limits(self) -> Findings:
+    def _limits(self: "Mission") -> Findings:
         """List what the world does not allow, and what is unusual."""
         sections = [(name, value) for name, value in self if name not in ("entries", "effect_list", "optimise")]
         return (
@@ -253,36 +256,36 @@ class Mission(FileSection):
         )
 
     @property
-    def phases(self) -> tuple[Phase, ...]:
+    def phases(self) -> "tuple[Phase[V], ...]":
         """Phases in the order of the file."""
         return tuple(entry.phase for entry in self.entries)
 
     @property
-    def transits(self) -> tuple[TransitPhase, ...]:
+    def transits(self) -> tuple[TransitPhase[V], ...]:
         """The transits among the phases."""
         return tuple(phase for phase in self.phases if isinstance(phase, TransitPhase))
 
     @property
-    def moors(self) -> tuple[MoorPhase, ...]:
+    def moors(self) -> tuple[MoorPhase[V], ...]:
         """The moorings among the phases."""
         return tuple(phase for phase in self.phases if isinstance(phase, MoorPhase))
 
     @property
-    def transitions(self) -> tuple[TransitionPhase, ...]:
+    def transitions(self) -> tuple[TransitionPhase[V], ...]:
         """The transitions among the phases."""
         return tuple(phase for phase in self.phases if isinstance(phase, TransitionPhase))
 
     @property
-    def effects(self) -> tuple[EffectEntry, ...]:
+    def effects(self) -> tuple[EffectEntry[V], ...]:
         """Every effect of the mission, those of its explanations too."""
         return self.effect_list.entries
 
     @property
-    def doubts(self) -> tuple[OneOf, ...]:
+    def doubts(self) -> tuple[OneOf[V], ...]:
         """Lists of explanations of which one holds."""
         return self.effect_list.doubts
 
-    def knowing(self, place: str, number: int) -> "Mission":
+    def knowing(self, place: str, number: int) -> Self:
         """Return the mission with an explanation of a list that is known to hold; see `EffectList.knowing`.
 
         The draws of everything else stay as they are.
@@ -296,7 +299,7 @@ class Mission(FileSection):
         return (*(section.pair for section in self.correlations), *inside)
 
     @property
-    def budget(self) -> EnergyBudget | None:
+    def budget(self) -> EnergyBudget[V] | None:
         """Energy budget in force, key by key: the mission's, else the vehicle's, else the default."""
         return joined(self.energy, self.vehicle.energy if self.vehicle else None)
 
@@ -332,25 +335,53 @@ class Mission(FileSection):
         contents = {name: _by_contents(name) for name in named if not name.startswith(REMOTE)}
         return {key: _replaced(value, contents) for key, value in self.raw.items()}
 
-    def quantities(self) -> dict[str, Quantity]:
+    def mapped(self, change: Callable[[str, Any], _New]) -> "Mission[_New]":
+        """Return the mission with every quantity changed.
+
+        Parameters
+        ----------
+        change : callable
+            From a quantity's name, as in `quantities`, and its value to the new value.
+        """
+        inside: dict[str, object] = {}
+        for name, value in self:
+            if name == "entries":
+                inside[name] = tuple(
+                    entry.model_copy(update={entry.kind: changed(entry.phase, entry.phase.name, change)})
+                    for entry in self.entries
+                )
+            elif name == "effect_list":
+                inside[name] = self.effect_list.mapped(change)
+            elif name in SHARED:
+                inside[name] = changed(joined(value, getattr(self.vehicle, name, None)), name, change)
+            elif name not in ("sweep", "optimise", "learned_from"):
+                inside[name] = changed(value, name, change)
+        return cast("Mission[_New]", self.model_copy(update=inside))
+
+    def at(self, values: Mapping[str, Scalars]) -> "Mission[V | Scalars]":
+        """Return the mission with other values for some of its quantities, by their names."""
+        return self.mapped(lambda name, value: values.get(name, value))
+
+    def at_means(self: "Mission") -> "Mission[float]":
+        """Return the mission with every distribution at its mean."""
+        return self.mapped(lambda _, quantity: mean_of(quantity))
+
+    def quantities(self) -> dict[str, V]:
         """Return every quantity by its key path, phases by name: ``ingress.speed``, ``site.current[0].speed`` [SI].
 
         Those of a section that mission and vehicle share are named as the mission's: ``energy.hotel``.
         """
-        found: dict[str, Quantity] = {}
-        for name, value in self:
-            if name == "entries":
-                for phase in self.phases:
-                    collect_quantities(phase, phase.name, found)
-            elif name == "effect_list":
-                found |= self.effect_list.quantities()
-            elif name in SHARED:
-                collect_quantities(joined(value, getattr(self.vehicle, name, None)), name, found)
-            elif name not in ("sweep", "optimise"):
-                collect_quantities(value, name, found)
-        return {path: value for path, value in found.items() if name_in_force(path) == path}
+        found: dict[str, V] = {}
 
-    def notices(self) -> tuple[str, ...]:
+        def note(name: str, value: Any) -> Any:
+            if name_in_force(name) == name:
+                found[name] = value
+            return value
+
+        self.mapped(note)
+        return found
+
+    def notices(self: "Mission") -> tuple[str, ...]:
         """Return a note for each unusual value, distribution cut at its physical range, and plug-in left out."""
         return notices(self._unusual, self.uncertain())
 

@@ -1,14 +1,10 @@
-"""Key paths: which part of them stands for a phase, and every quantity of a section by its path."""
+"""Key paths: which part of them stands for a phase."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple, cast
-
-from pydantic import BaseModel
+from typing import NamedTuple
 
 from missionplan.errors import KeyPath, key_path
-from missionplan.montecarlo.distributions import Quantity
-from missionplan.montecarlo.normal_transform import NormalTransform
 
 SECTIONS = frozenset(
     {
@@ -20,9 +16,6 @@ SECTIONS = frozenset(
 _PLAIN = re.compile(r"[^\W_][\w-]*(?: [\w-]+)*")
 _STEP = re.compile(r"[.\[]")
 _LONGEST = 40
-
-_QUANTITY = (float, NormalTransform)
-"""Base class of every distribution rather than their union: the check runs on every value of a mission."""
 
 
 def phase_keys(names: Sequence[str]) -> tuple[str, ...]:
@@ -107,18 +100,3 @@ def phase_of_path(path: str, data: Mapping[str, object]) -> tuple[WrittenPhase, 
             if path.startswith(start):
                 return each, path.removeprefix(start)
     return None
-
-
-def collect_quantities(value: object, path: str, found: dict[str, Quantity]) -> None:
-    """Add the quantities in a value of a mission to those found, by key path."""
-    if value is None or isinstance(value, bool | str):
-        return
-    if isinstance(value, _QUANTITY):
-        found[path] = cast("Quantity", value)
-    elif isinstance(value, BaseModel):
-        given = type(value).model_fields
-        for name, inner in value:
-            collect_quantities(inner, f"{path}.{given[name].alias or name}", found)
-    elif isinstance(value, tuple):
-        for index, inner in enumerate(value):
-            collect_quantities(inner, f"{path}[{index}]", found)

@@ -1,41 +1,44 @@
 """A mission with the sections that one kind of phase needs: checked once, so that none of their fields is None."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission.mission import Mission
 from missionplan.mission.schema.navigation import Navigation
-from missionplan.mission.schema.phases import MoorPhase, TransitPhase
-from missionplan.mission.schema.site import CurrentFile, ForecastError, Geographic, Site, TidalCurrent
+from missionplan.mission.schema.phases import MoorPhase, Phase, TransitPhase
+from missionplan.mission.schema.section import V
+from missionplan.mission.schema.site import CurrentFile, ForecastError, Geographic, Site, TidalCurrent, WaterSection
 from missionplan.mission.schema.transition import Manoeuvring, TransitionPhase
 from missionplan.mission.schema.vehicle import Anchor, Vehicle
 
-_Phase = TypeVar("_Phase", TransitPhase, MoorPhase, TransitionPhase)
+_Phase = TypeVar("_Phase", bound="Phase[object]")
+_At = TypeVar("_At")
 _Section = TypeVar("_Section")
 
 
-def required(section: _Section | None, mission: Mission, key: str, reason: str) -> _Section:
+def required(section: _Section | None, mission: Mission[object], key: str, reason: str) -> _Section:
     """Return a section of a mission, or raise InputError with its key path and the reason why it is needed."""
     if section is None:
         raise InputError(_missing(mission, reason, {key: None}))
     return section
 
 
-def required_origin(mission: Mission, reason: str) -> Geographic:
+def required_origin(mission: Mission[object], reason: str) -> Geographic:
     """Return the site's origin, or raise InputError with the reason why it is needed."""
     return required(mission.site.origin if mission.site else None, mission, "site.origin", reason)
 
 
-def forecast_error(mission: Mission) -> ForecastError | None:
+def forecast_error(mission: Mission[_At]) -> ForecastError[_At] | None:
     """Return what a mission says of the error of its forecast of the current; None where it says nothing."""
     current = mission.site.current if mission.site else None
     return current.error if isinstance(current, CurrentFile | TidalCurrent) else None
 
 
 @dataclass(frozen=True)
-class TransitMission:
+class TransitMission(Generic[V]):
     """A mission with at least one transit and what transits need.
 
     Attributes
@@ -46,12 +49,12 @@ class TransitMission:
     navigation : Navigation
     """
 
-    mission: Mission
-    transits: tuple[TransitPhase, ...]
-    navigation: Navigation
+    mission: Mission[V]
+    transits: tuple[TransitPhase[V], ...]
+    navigation: Navigation[V]
 
     @classmethod
-    def of(cls, mission: Mission) -> "TransitMission":
+    def of(cls, mission: Mission[_At]) -> "TransitMission[_At]":
         """Check a mission.
 
         Raises
@@ -62,15 +65,15 @@ class TransitMission:
         problems, navigation = missing_for_transits(mission), mission.navigation
         if problems or navigation is None:
             raise InputError(problems)
-        return cls(mission, mission.transits, navigation)
+        return TransitMission(mission, mission.transits, navigation)
 
-    def transit(self, name: str | None = None) -> TransitPhase:
+    def transit(self, name: str | None = None) -> TransitPhase[V]:
         """Return the transit of that name, by default the first; InputError where there is none."""
         return _named(self.transits, name, "a transit")
 
 
 @dataclass(frozen=True)
-class MooringMission:
+class MooringMission(Generic[V]):
     """A mission with at least one mooring and what its descent needs.
 
     Attributes
@@ -79,21 +82,27 @@ class MooringMission:
     moors : tuple of MoorPhase
         One or more.
     vehicle : Vehicle
-        With a mass.
+    mass
+        The vehicle's.
     anchor : Anchor
         With a flooded mass or a construction.
     site : Site
-        With water, and with a depth unless `of` was called with `depth=False`.
+    water : WaterSection
+    depth
+        The site's; nan where it has none and `of` was called with `depth=False`.
     """
 
-    mission: Mission
-    moors: tuple[MoorPhase, ...]
-    vehicle: Vehicle
-    anchor: Anchor
-    site: Site
+    mission: Mission[V]
+    moors: tuple[MoorPhase[V], ...]
+    vehicle: Vehicle[V]
+    mass: V
+    anchor: Anchor[V]
+    site: Site[V]
+    water: WaterSection[V]
+    depth: V | float
 
     @classmethod
-    def of(cls, mission: Mission, *, depth: bool = True) -> "MooringMission":
+    def of(cls, mission: Mission[_At], *, depth: bool = True) -> "MooringMission[_At]":
         """Check a mission.
 
         Parameters
@@ -108,17 +117,21 @@ class MooringMission:
             With everything that is missing.
         """
         problems, vehicle, site = missing_for_moorings(mission, depth=depth), mission.vehicle, mission.site
-        if problems or vehicle is None or vehicle.anchor is None or site is None:
+        if problems or vehicle is None or vehicle.mass is None or vehicle.anchor is None:
             raise InputError(problems)
-        return cls(mission, mission.moors, vehicle, vehicle.anchor, site)
+        if site is None or site.water is None:
+            raise InputError(problems)
+        known = math.nan if site.depth is None else site.depth
+        anchor, moors = vehicle.anchor, mission.moors
+        return MooringMission(mission, moors, vehicle, vehicle.mass, anchor, site, site.water, known)
 
-    def mooring(self, name: str | None = None) -> MoorPhase:
+    def mooring(self, name: str | None = None) -> MoorPhase[V]:
         """Return the mooring of that name, by default the first; InputError where there is none."""
         return _named(self.moors, name, "a mooring")
 
 
 @dataclass(frozen=True)
-class TransitionMission:
+class TransitionMission(Generic[V]):
     """A mission with at least one transition from survey speed to hover, and what transitions need.
 
     Attributes
@@ -127,17 +140,19 @@ class TransitionMission:
     transitions : tuple of TransitionPhase
         One or more.
     vehicle : Vehicle
-        With a mass.
+    mass
+        The vehicle's.
     manoeuvring : Manoeuvring
     """
 
-    mission: Mission
-    transitions: tuple[TransitionPhase, ...]
-    vehicle: Vehicle
-    manoeuvring: Manoeuvring
+    mission: Mission[V]
+    transitions: tuple[TransitionPhase[V], ...]
+    vehicle: Vehicle[V]
+    mass: V
+    manoeuvring: Manoeuvring[V]
 
     @classmethod
-    def of(cls, mission: Mission) -> "TransitionMission":
+    def of(cls, mission: Mission[_At]) -> "TransitionMission[_At]":
         """Check a mission.
 
         Raises
@@ -146,11 +161,11 @@ class TransitionMission:
             With everything that is missing.
         """
         problems, vehicle = missing_for_transitions(mission), mission.vehicle
-        if problems or vehicle is None or vehicle.manoeuvring is None:
+        if problems or vehicle is None or vehicle.mass is None or vehicle.manoeuvring is None:
             raise InputError(problems)
-        return cls(mission, mission.transitions, vehicle, vehicle.manoeuvring)
+        return TransitionMission(mission, mission.transitions, vehicle, vehicle.mass, vehicle.manoeuvring)
 
-    def transition(self, name: str | None = None) -> TransitionPhase:
+    def transition(self, name: str | None = None) -> TransitionPhase[V]:
         """Return the transition of that name, by default the first; InputError where there is none."""
         return _named(self.transitions, name, "a transition")
 
@@ -183,22 +198,22 @@ def under_each_explanation(mission: Mission) -> tuple[ExplainedMission, ...]:
     )
 
 
-def missing_for_transits(mission: Mission) -> list[Problem]:
+def missing_for_transits(mission: Mission[object]) -> list[Problem]:
     """List what a mission lacks to run transits."""
     return _no_phase(mission, mission.transits, "transit") + _missing(
         mission, "a transit needs it", {"navigation": mission.navigation}
     )
 
 
-def missing_for_moorings(mission: Mission, *, depth: bool = True) -> list[Problem]:
+def missing_for_moorings(mission: Mission[object], *, depth: bool = True) -> list[Problem]:
     """List what a mission lacks to run moorings; `depth` as for `MooringMission.of`."""
     vehicle, site = mission.vehicle, mission.site
     anchor = vehicle.anchor if vehicle else None
     needed = {
-        "site.depth": (site and site.depth) if depth else True,
-        "site.water": site and site.water,
+        "site.depth": (site.depth if site else None) if depth else True,
+        "site.water": site.water if site else None,
         "vehicle": vehicle,
-        "vehicle.mass": vehicle and vehicle.mass,
+        "vehicle.mass": vehicle.mass if vehicle else None,
         "vehicle.anchor": anchor,
     }
     problems = _no_phase(mission, mission.moors, "mooring") + _missing(mission, "a mooring needs it", needed)
@@ -208,23 +223,23 @@ def missing_for_moorings(mission: Mission, *, depth: bool = True) -> list[Proble
     return problems
 
 
-def missing_for_transitions(mission: Mission) -> list[Problem]:
+def missing_for_transitions(mission: Mission[object]) -> list[Problem]:
     """List what a mission lacks to run transitions."""
     vehicle, site = mission.vehicle, mission.site
     needed = {
-        "site.water": site and site.water,
+        "site.water": site.water if site else None,
         "vehicle": vehicle,
-        "vehicle.manoeuvring": vehicle and vehicle.manoeuvring,
-        "vehicle.mass": vehicle and vehicle.mass,
+        "vehicle.manoeuvring": vehicle.manoeuvring if vehicle else None,
+        "vehicle.mass": vehicle.mass if vehicle else None,
     }
     return _no_phase(mission, mission.transitions, "transition") + _missing(mission, "a transition needs it", needed)
 
 
-def _no_phase(mission: Mission, phases: Sequence[object], kind: str) -> list[Problem]:
+def _no_phase(mission: Mission[object], phases: Sequence[object], kind: str) -> list[Problem]:
     return [] if phases else [Problem(f"the mission has no {kind}", mission.file, key="phases")]
 
 
-def _missing(mission: Mission, reason: str, needed: Mapping[str, object]) -> list[Problem]:
+def _missing(mission: Mission[object], reason: str, needed: Mapping[str, object]) -> list[Problem]:
     """Problems of the keys that are None."""
     return [Problem(f"missing; {reason}", mission.file, key=key) for key, value in needed.items() if value is None]
 

@@ -5,7 +5,7 @@ import numpy as np
 from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission.schema.phases import MoorPhase
-from missionplan.mission.views import MooringMission
+from missionplan.mission.views import MooringMission, required
 from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
 from missionplan.physics.anchor import AnchorProblem, Construction, Part, cylinder_and_trim, dry_mass
@@ -15,7 +15,7 @@ from missionplan.physics.vehicle_drag import anchor_drag
 from missionplan.scenario.drawn_mission import DrawnMission
 
 
-def design_current(means: DrawnMission, phase: MoorPhase) -> tuple[Array, Array]:
+def design_current(means: DrawnMission, phase: MoorPhase[Scalars]) -> tuple[Array, Array]:
     """Return the worst current of each layer and the layers' thicknesses.
 
     Parameters
@@ -36,7 +36,7 @@ def design_current(means: DrawnMission, phase: MoorPhase) -> tuple[Array, Array]
         from a file.
     """
     site, given = MooringMission.of(means.mission).site, phase.design_current
-    depth = float(means["site.depth"])
+    depth = float(means.mooring.depth)
     if not isinstance(site.current, tuple) or not site.current:
         if given is None or isinstance(given, tuple):
             message = "missing; sizing the anchor needs one speed here where the site's current is not given in layers"
@@ -50,7 +50,7 @@ def design_current(means: DrawnMission, phase: MoorPhase) -> tuple[Array, Array]
     return np.array(speeds, dtype=float), thicknesses
 
 
-def worst_case_weight(means: DrawnMission, phase: MoorPhase) -> float:
+def worst_case_weight(means: DrawnMission, phase: MoorPhase[Scalars]) -> float:
     """Return the wet weight that takes the vehicle down within the radius in the worst current (Eqs. 1, 15).
 
     The layers' currents all flow the same way. Of a mission's explanations the one that needs the heaviest anchor is
@@ -76,23 +76,25 @@ def worst_case_weight(means: DrawnMission, phase: MoorPhase) -> float:
     return max(_weight_at(explained, phase) for explained in means.under_explanations())
 
 
-def _weight_at(means: DrawnMission, phase: MoorPhase) -> float:
+def _weight_at(means: DrawnMission, phase: MoorPhase[Scalars]) -> float:
+    needed = means.mooring
     speeds, thicknesses = design_current(means, phase)
-    over_ground = float(required_terminal_velocity(speeds, thicknesses, means[f"{phase.name}.radius"]))
-    steady = SteadyDescent.at(over_ground, DescentHooks(means.descent_effects), float(means["site.depth"]))
-    law = anchor_drag(means["vehicle.anchor.diameter"], means["vehicle.anchor.drag_coefficient"], means.water.density)
+    over_ground = float(required_terminal_velocity(speeds, thicknesses, phase.radius))
+    steady = SteadyDescent.at(over_ground, DescentHooks(means.descent_effects), float(needed.depth))
+    law = anchor_drag(needed.anchor.diameter, needed.anchor.drag_coefficient, means.water.density)
     weight = float(steady.wet_weight(means.vehicle_drag(steady.through_water) + law(steady.through_water)))
-    weight += float(means["vehicle.net_buoyancy"]) if phase.carry_net_buoyancy else 0.0
+    weight += float(needed.vehicle.net_buoyancy) if phase.carry_net_buoyancy else 0.0
     if weight <= 0.0:
         raise InputError([Problem("no current to size the anchor for", key=f"{phase.name}.anchor_wet_weight")])
     return weight
 
 
-def wet_weight_of(drawn: DrawnMission, phase: MoorPhase) -> Scalars:
+def wet_weight_of(drawn: DrawnMission, phase: MoorPhase[Scalars]) -> Scalars:
     """Return the wet weight of the anchor: the mission's, or where it is `sized` the worst case's [N]."""
-    if phase.anchor_wet_weight == "sized":
-        return worst_case_weight(drawn.means, phase)
-    return drawn[f"{phase.name}.anchor_wet_weight"]
+    given = phase.anchor_wet_weight
+    if not isinstance(given, str):
+        return given
+    return worst_case_weight(drawn.means, drawn.means.moor(phase.name))
 
 
 def anchor_problem(means: DrawnMission) -> AnchorProblem:
@@ -100,25 +102,22 @@ def anchor_problem(means: DrawnMission) -> AnchorProblem:
 
     Raises
     ------
-    KeyError
+    InputError
         Where the mission gives the anchor no construction.
     """
-    path = "vehicle.anchor.construction"
-
-    def mean(key: str) -> float:
-        return float(means[key])
-
+    vehicle, anchor = means.mooring.vehicle, means.mooring.anchor
+    given = required(anchor.construction, means.mission, "vehicle.anchor.construction", "the anchor is built from it")
     return AnchorProblem(
-        radius=mean("vehicle.anchor.diameter") / 2.0,
-        overlap_volume=mean("vehicle.anchor.overlap_volume"),
-        nose_radius=mean("vehicle.hull.diameter") / 2.0,
+        radius=float(anchor.diameter) / 2.0,
+        overlap_volume=float(anchor.overlap_volume),
+        nose_radius=float(vehicle.hull.diameter) / 2.0,
         water_density=float(means.water.density),
         construction=Construction(
-            front=Part(*(mean(f"{path}.front.{key}") for key in ("mass", "density", "centre"))),
-            back=Part(*(mean(f"{path}.back.{key}") for key in ("mass", "density", "centre_from_back"))),
-            tube_mass_per_length=mean(f"{path}.tube.mass_per_length"),
-            tube_density=mean(f"{path}.tube.density"),
-            trim_density=mean(f"{path}.trim.density"),
+            front=Part(float(given.front.mass), float(given.front.density), float(given.front.centre)),
+            back=Part(float(given.back.mass), float(given.back.density), float(given.back.centre_from_back)),
+            tube_mass_per_length=float(given.tube.mass_per_length),
+            tube_density=float(given.tube.density),
+            trim_density=float(given.trim.density),
         ),
     )
 
@@ -129,12 +128,13 @@ def anchor_length(drawn: DrawnMission, weight: Scalars) -> Scalars:
     Of the anchor built for a wet weight [N] where the mission gives its construction; else of a round front and a tube
     of its diameter that displace the dry mass (Eqs. 16 and 17) which its flooded mass and wet weight leave.
     """
-    if "vehicle.anchor.construction.front.mass" in drawn.draws:
+    anchor = drawn.mooring.anchor
+    if anchor.construction is not None:
         problem = anchor_problem(drawn.means)
         return problem.radius + cylinder_and_trim(problem, weight)[0]
-    radius = drawn["vehicle.anchor.diameter"] / 2.0
+    radius = anchor.diameter / 2.0
     volume = (anchor_flooded_mass(drawn, weight) - weight / STANDARD_GRAVITY) / drawn.water.density
-    tube = (volume + drawn["vehicle.anchor.overlap_volume"]) / (np.pi * radius**2) - 2.0 / 3.0 * radius
+    tube = (volume + anchor.overlap_volume) / (np.pi * radius**2) - 2.0 / 3.0 * radius
     return radius + np.maximum(tube, 0.0)
 
 
@@ -144,7 +144,7 @@ def anchor_flooded_mass(drawn: DrawnMission, weight: Scalars) -> Scalars:
     The vehicle file's, else that of the anchor built for the weight. Studies try weights that the mass in the file
     could not have, whatever it is made of: then it is that of lead of this weight.
     """
-    given = drawn.draws.get("vehicle.anchor.flooded_mass")
+    given = drawn.mooring.anchor.flooded_mass
     if given is None:
         return flooded_mass(dry_mass(anchor_problem(drawn.means), weight), weight)
     return np.maximum(given, lead_mass(weight, drawn.water.density))

@@ -1,5 +1,6 @@
 """The anchor that a vehicle carries as its false nose, until its first mooring."""
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,16 +39,14 @@ class CarriedAnchor:
         return replace(drag, hull=replace(drag.hull, length=drag.hull.length + self.length))
 
 
-def carried_anchor(drawn: DrawnMission, phase: TransitPhase) -> CarriedAnchor | None:
+def carried_anchor(drawn: DrawnMission, phase: TransitPhase[Scalars]) -> CarriedAnchor | None:
     """Return the anchor that a transit carries; None after the first mooring, and where the mission gives no anchor."""
-    mission = drawn.mission
-    phases = mission.phases
-    moors = [index for index, other in enumerate(phases) if isinstance(other, MoorPhase)]
-    if not moors or phases.index(phase) > moors[0] or missing_for_moorings(mission):
+    moors = drawn.drawn.moors
+    before = itertools.takewhile(lambda other: not isinstance(other, MoorPhase), drawn.mission.phases)
+    if not moors or phase.name not in [other.name for other in before] or missing_for_moorings(drawn.mission):
         return None
-    moor = phases[moors[0]]
     try:
-        weight = wet_weight_of(drawn, moor) if isinstance(moor, MoorPhase) else 0.0
+        weight = wet_weight_of(drawn, moors[0])
         length = anchor_length(drawn, weight)
         mass = anchor_flooded_mass(drawn, weight) - weight / STANDARD_GRAVITY
     except (InputError, ValueError):
@@ -57,4 +56,5 @@ def carried_anchor(drawn: DrawnMission, phase: TransitPhase) -> CarriedAnchor | 
 
 def overlap_height(means: DrawnMission) -> float:
     """How far the vehicle's nose reaches into the anchor [m]."""
-    return cap_height(float(means["vehicle.anchor.overlap_volume"]), float(means["vehicle.hull.diameter"]) / 2.0)
+    needed = means.mooring
+    return cap_height(float(needed.anchor.overlap_volume), float(needed.vehicle.hull.diameter) / 2.0)

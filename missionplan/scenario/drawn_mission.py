@@ -1,6 +1,6 @@
-"""A mission with a value for each of its quantities: what does not depend on which trial or phase is run."""
+"""A mission with a value, or one a trial, in place of each distribution: what does not depend on the phase."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -14,9 +14,10 @@ from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.effect_list import EffectEntry
 from missionplan.mission.schema.navigation import Navigation
+from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.mission.schema.site import Geographic, Position
-from missionplan.mission.views import TransitMission, required, required_origin
-from missionplan.montecarlo.distributions import mean_of
+from missionplan.mission.schema.vehicle import EnergyBudget
+from missionplan.mission.views import MooringMission, TransitMission, required, required_origin
 from missionplan.phases.hooks import DescentEffect, TransitEffect
 from missionplan.phases.transit.plan import VelocityError
 from missionplan.physics.vehicle_drag import VehicleDrag
@@ -24,38 +25,35 @@ from missionplan.physics.water import Water, sea_water
 from missionplan.scenario.propulsion import PropelledVehicle
 from missionplan.scenario.vehicle import propeller, vehicle_drag
 
+NO_BUDGET: EnergyBudget[Scalars] = EnergyBudget.model_construct(
+    hotel=float("nan"), propulsive_efficiency=float("nan"), surfacing=float("nan")
+)
 LIKELY = 0.05
 """Least probability of an explanation that the worst case allows for."""
 
 
 @dataclass(frozen=True)
 class DrawnMission:
-    """A mission and a value, or one per trial, for each of its quantities.
+    """A mission, and the same mission drawn.
 
     Attributes
     ----------
     mission : Mission
-    draws : mapping of str to float or array, shape (n,)
-        Every quantity of the mission by its key path [SI].
+        As its file has it, with distributions.
+    drawn : Mission of float or array, shape (n,)
+        With a value, or one a trial, for each of its quantities [SI].
     """
 
     mission: Mission
-    draws: Mapping[str, Scalars]
+    drawn: Mission[Scalars]
 
     @property
     def trials(self) -> int:
         """Trials of the draws; 1 where nothing is uncertain."""
-        return max((np.size(value) for value in self.draws.values()), default=1)
+        return max((np.size(value) for value in self.drawn.quantities().values()), default=1)
 
-    def __getitem__(self, path: str) -> Scalars:
-        return self.draws[path]
-
-    def get(self, path: str, default: Scalars) -> Scalars:
-        """Return a quantity, or `default` where the mission has none at that key path."""
-        return self.draws.get(path, default)
-
-    def position(self, position: Position, path: str) -> Array:
-        """Return the position at a key path, east and north of the origin, shape (2,) or (2, n) [m].
+    def position(self, position: Position[Scalars]) -> Array:
+        """Return a position east and north of the origin, shape (2,) or (2, n) [m].
 
         Raises
         ------
@@ -65,12 +63,37 @@ class DrawnMission:
         if isinstance(position, Geographic):
             origin = required_origin(self.mission, "positions by latitude and longitude need it")
             return np.concatenate(to_plane(np.array([position.latitude]), np.array([position.longitude]), origin))
-        return _vector(self[f"{path}[0]"], self[f"{path}[1]"])
+        return _vector(*position)
+
+    @cached_property
+    def mooring(self) -> MooringMission[Scalars]:
+        """What moorings need.
+
+        Raises
+        ------
+        InputError
+            With everything that is missing.
+        """
+        return MooringMission.of(self.drawn)
+
+    def transit(self, name: str | None = None) -> TransitPhase[Scalars]:
+        """Return the transit of that name, by default the first; InputError where there is none."""
+        return TransitMission.of(self.drawn).transit(name)
+
+    def moor(self, name: str | None = None) -> MoorPhase[Scalars]:
+        """Return the mooring of that name, by default the first; InputError where there is none."""
+        return self.mooring.mooring(name)
 
     @cached_property
     def water(self) -> Water:
         """The site's water."""
-        return _water(self.draws)
+        return _water(self.drawn)
+
+    def at_depth(self, depth: Scalars) -> Self:
+        """Return the mission where the water is as deep as this [m]."""
+        site = required(self.drawn.site, self.mission, "site", "a mooring needs it")
+        changed = self.drawn.model_copy(update={"site": site.model_copy(update={"depth": depth})})
+        return replace(self, drawn=changed)
 
     @property
     def latitude(self) -> float:
@@ -87,27 +110,22 @@ class DrawnMission:
         InputError
             When the mission has no vehicle.
         """
-        vehicle = required(self.mission.vehicle, self.mission, "vehicle", "the drag is computed from it")
-        return vehicle_drag(vehicle, self.water, self.draws)
+        vehicle = required(self.drawn.vehicle, self.mission, "vehicle", "the drag is computed from it")
+        return vehicle_drag(vehicle, self.water)
 
     @cached_property
     def propelled(self) -> PropelledVehicle | None:
         """The vehicle with its propeller; None where it has none, or the mission no water."""
-        vehicle, site = self.mission.vehicle, self.mission.site
+        vehicle, site = self.drawn.vehicle, self.drawn.site
         if vehicle is None or vehicle.propulsion is None or site is None or site.water is None:
             return None
-        unit = propeller(vehicle.propulsion, self._mean_density, self.draws)
-        return PropelledVehicle(unit, self.vehicle_drag, self.draws)
+        unit = propeller(vehicle.propulsion, float(_water(self.mission.at_means()).density))
+        return PropelledVehicle(unit, vehicle, vehicle.propulsion, self.vehicle_drag)
 
     @cached_property
     def means(self) -> "DrawnMission":
         """The same mission at its means."""
-        return DrawnMission(self.mission, {path: mean_of(value) for path, value in self.mission.quantities().items()})
-
-    @cached_property
-    def _mean_density(self) -> float:
-        """Density of the water at its mean [kg/m³]."""
-        return float(_water({path: mean_of(value) for path, value in self.mission.quantities().items()}).density)
+        return DrawnMission(self.mission, self.mission.at_means())
 
     @cached_property
     def transit_effects(self) -> tuple[TransitEffect, ...]:
@@ -126,19 +144,20 @@ class DrawnMission:
         """Effects on descents, with their parameters as drawn."""
         return tuple(effect for effect in self._effects if isinstance(effect, DescentEffect))
 
-    def energy(self, key: str) -> Scalars:
-        """Return a quantity of the energy budget [W, J or none]; nan where the mission has no budget."""
-        return self.get(f"energy.{key}", float("nan"))
+    @property
+    def budget(self) -> EnergyBudget[Scalars]:
+        """The energy budget; of nan where the mission has none."""
+        return self.drawn.budget or NO_BUDGET
 
     @property
     def surfacing_time(self) -> Scalars:
         """Time at the surface for a fix [s]; 0 without a section `navigation`."""
-        return self.get("navigation.surfacing_time", 0.0)
+        return self.drawn.navigation.surfacing_time if self.drawn.navigation else 0.0
 
     @property
     def fix_error(self) -> Scalars:
         """Standard deviation of a fix, each axis, without effects [m]."""
-        return self.get("navigation.fix_error", 0.0)
+        return self.drawn.navigation.fix_error if self.drawn.navigation else 0.0
 
     @cached_property
     def fix_sd(self) -> Scalars:
@@ -151,8 +170,8 @@ class DrawnMission:
     @property
     def capacity(self) -> Scalars:
         """Energy in the battery [J]; infinite where the mission gives none."""
-        capacity = self.energy("capacity")
-        return capacity if np.isfinite(capacity).all() else float("inf")
+        capacity = self.budget.capacity
+        return float("inf") if capacity is None else capacity
 
     @cached_property
     def navigation(self) -> Navigation:
@@ -169,22 +188,23 @@ class DrawnMission:
     def _effects(self) -> tuple[Effect, ...]:
         return tuple(
             self._held(entry)
-            for entry in self.mission.effects
+            for entry in self.drawn.effects
             if CATALOGUE[entry.effect].changes_plan  # a clock or a sensor that is off moves no vehicle
         )
 
     @cached_property
     def effects_on_readings_too(self) -> tuple[Effect, ...]:
         """All effects with their parameters as drawn, those on clocks and sensors too."""
-        return tuple(self._held(entry) for entry in self.mission.effects)
+        return tuple(self._held(entry) for entry in self.drawn.effects)
 
-    def _held(self, entry: EffectEntry) -> Effect:
+    def _held(self, entry: EffectEntry[Scalars]) -> Effect:
         """Make an effect, of an explanation for the trials in which that holds."""
-        info, values = CATALOGUE[entry.effect], {key: self[f"{entry.place}.{key}"] for key in entry.parameters}
+        info = CATALOGUE[entry.effect]
         if entry.explanation is None:
-            return info.make(values)
+            return info.make(entry.parameters)
         place, number = entry.explanation
-        return info.make_where(values, np.asarray(self[place]) == number)
+        (which,) = (doubt.which for doubt in self.drawn.doubts if doubt.place == place)
+        return info.make_where(entry.parameters, np.asarray(which) == number)
 
     def under_explanations(self) -> Iterator[Self]:
         """Yield the mission under each combination of the explanations that are likely enough to plan for."""
@@ -192,17 +212,16 @@ class DrawnMission:
         likely = [[k for k, share in enumerate(doubt.probabilities) if share >= LIKELY] for doubt in doubts]
         for numbers in product(*likely):
             held = {doubt.place: float(number) for doubt, number in zip(doubts, numbers, strict=True)}
-            yield replace(self, draws={**self.draws, **held}) if held else self
+            yield replace(self, drawn=self.drawn.at(held)) if held else self
 
     @cached_property
     def velocity_error(self) -> VelocityError:
         """Velocity error of the legs; its mean and a sigma as drawn."""
-        error = self.navigation.velocity_error
-        path = "navigation.velocity_error"
-        mean = _vector(self[f"{path}.mean[0]"], self[f"{path}.mean[1]"])
-        if error.covariance_rows is not None:
-            return VelocityError.general(error.covariance, mean)
-        return VelocityError.isotropic(self[f"{path}.sigma"], mean)
+        error = TransitMission.of(self.drawn).navigation.velocity_error
+        mean = _vector(*error.mean)
+        if error.sigma is None:
+            return VelocityError.general(self.navigation.velocity_error.covariance, mean)
+        return VelocityError.isotropic(error.sigma, mean)
 
 
 def _vector(east: Scalars, north: Scalars) -> Array:
@@ -212,7 +231,10 @@ def _vector(east: Scalars, north: Scalars) -> Array:
     return np.stack(np.broadcast_arrays(np.asarray(east, dtype=float), np.asarray(north, dtype=float)))
 
 
-def _water(draws: Mapping[str, Scalars]) -> Water:
-    if "site.water.density" in draws:
-        return Water(draws["site.water.density"], draws["site.water.viscosity"])
-    return sea_water(draws["site.water.temperature"], draws["site.water.salinity"])
+def _water(mission: Mission[Scalars]) -> Water:
+    given = required(mission.site.water if mission.site else None, mission, "site.water", "the drag depends on it")
+    if given.density is not None and given.viscosity is not None:
+        return Water(given.density, given.viscosity)
+    if given.temperature is None or given.salinity is None:
+        raise AssertionError("water has two of its quantities")  # as its section is read
+    return sea_water(given.temperature, given.salinity)

@@ -4,6 +4,7 @@ import numpy as np
 
 from missionplan.arrays import Scalars
 from missionplan.mission.schema.phases import MoorPhase
+from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.phases.mooring.hold import Hold
 from missionplan.physics.buoyancy import STANDARD_GRAVITY
 from missionplan.physics.held_body import CROSSFLOW_COEFFICIENT, HeldBody, HeldLine
@@ -11,27 +12,29 @@ from missionplan.physics.seafloor import FRICTION, ROUGHNESS, LyingAnchor, Slope
 from missionplan.scenario.anchor_weight import anchor_length
 from missionplan.scenario.scenario import Scenario
 
-HOLDING_GIVEN = "vehicle.anchor.holding_factor"
-"""Key path of a quantity that a mission has where its vehicle file says how the anchor holds."""
-CENTRES_GIVEN = "vehicle.centre_of_gravity.from_nose"
-"""Key path of a quantity that a mission has where its vehicle file gives the centres of gravity and buoyancy."""
 
-
-def hold_of(scenario: Scenario, phase: MoorPhase, weight: Scalars) -> Hold:
+def hold_of(scenario: Scenario, phase: MoorPhase[Scalars], weight: Scalars) -> Hold:
     """Return the vehicle on its line, above an anchor of a wet weight [N]."""
+    anchor, site = scenario.mooring.anchor, scenario.mooring.site
     return Hold(
         body=held_body(scenario),
-        line=HeldLine(scenario[f"{phase.name}.line_length"], scenario[f"{phase.name}.line_diameter"]),
+        line=HeldLine(phase.line_length, phase.line_diameter),
         anchor=LyingAnchor(
             wet_weight=weight,
-            diameter=scenario["vehicle.anchor.diameter"],
-            length=np.maximum(anchor_length(scenario, weight), scenario["vehicle.anchor.diameter"] / 2.0),
-            friction=scenario.get(HOLDING_GIVEN, FRICTION),
+            diameter=anchor.diameter,
+            length=np.maximum(anchor_length(scenario, weight), anchor.diameter / 2.0),
+            friction=FRICTION if anchor.holding_factor is None else anchor.holding_factor,
         ),
-        site_depth=scenario["site.depth"],
-        slope=Slope(scenario.get("site.slope.angle", 0.0), scenario.get("site.slope.toward", 0.0)),
-        roughness=scenario.get("site.roughness", ROUGHNESS),
+        site_depth=scenario.mooring.depth,
+        slope=Slope(site.slope.angle, site.slope.toward) if site.slope is not None else Slope(0.0, 0.0),
+        roughness=ROUGHNESS if site.roughness is None else site.roughness,
     )
+
+
+def crossflow_coefficient(vehicle: Vehicle[Scalars]) -> Scalars:
+    """Drag coefficient of the hull across the flow: the vehicle file's, else a cylinder's."""
+    given = vehicle.hull.crossflow_drag
+    return CROSSFLOW_COEFFICIENT if given is None else given
 
 
 def held_body(scenario: Scenario) -> HeldBody:
@@ -39,22 +42,21 @@ def held_body(scenario: Scenario) -> HeldBody:
 
     Without its centres of gravity and buoyancy the net buoyancy acts at mid-length on the axis.
     """
-    drag, buoyancy = scenario.vehicle_drag, scenario["vehicle.net_buoyancy"]
+    drag, vehicle = scenario.vehicle_drag, scenario.mooring.vehicle
+    buoyancy, centres = vehicle.net_buoyancy, vehicle.centres
     raising, righting = 0.5 * buoyancy * drag.hull.length, 0.0 * buoyancy
-    if CENTRES_GIVEN in scenario.draws:
-        weight = scenario["vehicle.mass"] * STANDARD_GRAVITY
-        raising, righting = (
-            (weight + buoyancy) * scenario[f"vehicle.centre_of_buoyancy.{key}"]
-            - weight * scenario[f"vehicle.centre_of_gravity.{key}"]
-            for key in ("from_nose", "below_axis")
-        )
+    if centres is not None:
+        gravity, displaced = centres
+        weight = scenario.mooring.mass * STANDARD_GRAVITY
+        raising = (weight + buoyancy) * displaced.from_nose - weight * gravity.from_nose
+        righting = (weight + buoyancy) * displaced.below_axis - weight * gravity.below_axis
     return HeldBody(
         length=drag.hull.length,
         diameter=drag.hull.diameter,
         net_buoyancy=buoyancy,
         raising_moment=raising,
         righting_moment=righting,
-        crossflow_coefficient=scenario.get("vehicle.hull.crossflow_drag", CROSSFLOW_COEFFICIENT),
+        crossflow_coefficient=crossflow_coefficient(vehicle),
         axial_drag=drag,
         density=scenario.water.density,
     )

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from missionplan.arrays import Array, Scalars
-from missionplan.mission.schema.phases import TransitPhase
+from missionplan.mission.schema.identified import Propulsion
+from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.phases.hooks import Leg, TransitEffect
 from missionplan.physics.cruise import cruise_speed, distance_lost, shaft_power, shaft_rate_for, speed_error
 from missionplan.physics.propeller import Propeller, Resistance
 from missionplan.physics.vehicle_drag import VehicleDrag
-from missionplan.scenario.vehicle import Draws, surge_added_mass
+from missionplan.scenario.vehicle import surge_added_mass
 
 LONG_AGO = 1e9
 """A leg so long that setting off does not count [s]."""
@@ -34,35 +35,39 @@ class PropelledVehicle:
     Attributes
     ----------
     propeller : Propeller
+    vehicle : Vehicle
+    propulsion : Propulsion
+        The vehicle's.
     drag : VehicleDrag
         Drag [N] from speed [m/s].
-    draws : mapping
-        Quantities of the mission by key path.
     carried_mass : float or array, shape (n,)
         That moves with the vehicle, such as its anchor's [kg].
     """
 
     propeller: Propeller
+    vehicle: Vehicle[Scalars]
+    propulsion: Propulsion[Scalars]
     drag: VehicleDrag
-    draws: Draws
     carried_mass: Scalars = 0.0
 
-    def speed(self, phase: TransitPhase) -> Scalars:
-        """Speed through the water of a transit that gives a shaft rate [m/s]."""
-        return _scalar(cruise_speed(self.propeller, self.draws[f"{phase.name}.shaft_rate"], self.drag))
+    def speed(self, shaft_rate: Scalars) -> Scalars:
+        """Speed through the water at a shaft rate [rad/s], in m/s."""
+        return _scalar(cruise_speed(self.propeller, shaft_rate, self.drag))
 
     def length_lost(self, speed: Scalars) -> Scalars | None:
         """Distance by which a leg falls short while the vehicle gathers way [m]; None without the vehicle's mass."""
-        if "vehicle.mass" not in self.draws:
+        mass = self.moving_mass
+        if mass is None:
             return None
         force = self.drag(speed)
-        resistance = Resistance(mass=self.moving_mass, linear=0.0, quadratic=force / speed**2)
+        resistance = Resistance(mass=mass, linear=0.0, quadratic=force / speed**2)
         return _scalar(distance_lost(self.propeller, resistance, shaft_rate_for(self.propeller, force, speed)))
 
     @property
-    def moving_mass(self) -> Scalars:
-        """Mass and added mass of the vehicle in surge, with what it carries [kg]."""
-        return self.draws["vehicle.mass"] + self.carried_mass + surge_added_mass(self.drag.hull, self.draws)
+    def moving_mass(self) -> Scalars | None:
+        """Mass and added mass of the vehicle in surge, with what it carries [kg]; None without the vehicle's mass."""
+        mass = self.vehicle.mass
+        return None if mass is None else mass + self.carried_mass + surge_added_mass(self.drag.hull, self.vehicle, mass)
 
     def inferred_speed(self, speed: Scalars) -> tuple[InferredSpeed, ...]:
         """Return the error of a speed [m/s] that is inferred from the shaft rate; none where thrust and drag are right.
@@ -70,8 +75,7 @@ class PropelledVehicle:
         The vehicle assumes the speed that its file's propeller and drag give; the true ones are `thrust_factor` and
         `drag_factor` times as large. Gathering way is not in it: the vehicle's clock allows for that.
         """
-        path = "vehicle.propulsion"
-        thrust, drag = self.draws[f"{path}.thrust_factor"], self.draws[f"{path}.drag_factor"]
+        thrust, drag = self.propulsion.thrust_factor, self.propulsion.drag_factor
         if np.all(np.equal(thrust, 1.0)) and np.all(np.equal(drag, 1.0)):
             return ()
         force = self.drag(speed)
@@ -83,7 +87,7 @@ class PropelledVehicle:
     def power(self, speed: Scalars) -> Scalars:
         """Electrical power that holds a speed [m/s]: shaft power over the motor's efficiency [W]."""
         rate = shaft_rate_for(self.propeller, self.drag(speed), speed)
-        return shaft_power(self.propeller, rate, speed) / self.draws["vehicle.propulsion.motor_efficiency"]
+        return shaft_power(self.propeller, rate, speed) / self.propulsion.motor_efficiency
 
 
 def _scalar(value: Scalars) -> Scalars:

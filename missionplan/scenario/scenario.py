@@ -1,15 +1,14 @@
 """A mission at its means or with the draws of a block of trials: what its phases share, and its transits."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from missionplan.arrays import Scalars
+from missionplan.arrays import Array, Scalars
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import LegTableSection, TransitPhase
-from missionplan.montecarlo.distributions import mean_of
 from missionplan.montecarlo.draws import JointDistribution
 from missionplan.montecarlo.streams import BLOCK, BlockStreams, NormalSource
 from missionplan.phases.currents import Current, LayeredCurrent, layers
@@ -40,30 +39,27 @@ class Scenario(DrawnMission):
 
     Attributes
     ----------
+    mission, drawn : Mission
+        See `DrawnMission`.
     recorded : Current or None
         The site's current where the mission reads it from a file (`site_current.recorded_current`).
     expected : Scenario or None
         The mission at its means, if already made; see `means`.
     sailed : Current or None
         The recorded current with what was drawn of it, one a trial; None at the means.
+    member : array, shape (n,), or None
+        Number of the member of the current's ensemble that each trial sails in; None where it is none.
     """
 
     recorded: Current | None = None
     expected: "Scenario | None" = None
     sailed: Current | None = None
+    member: Array | None = None
 
     @classmethod
     def at_means(cls, mission: Mission, recorded: Current | None = None) -> "Scenario":
         """Return the mission with every distribution at its mean."""
-        means = {path: mean_of(value) for path, value in mission.quantities().items()}
-        return cls(mission, means, recorded)._with_shaft_speeds()
-
-    @classmethod
-    def drawn(
-        cls, mission: Mission, recorded: Current | None = None, *, seed: int, block: int, size: int = BLOCK
-    ) -> "Scenario":
-        """Draw a block of trials."""
-        return cls.at_means(mission, recorded).sampled(seed=seed, block=block, size=size)
+        return cls(mission, mission.at_means(), recorded)._with_shaft_speeds()
 
     def sampled(self, *, seed: int, block: int, size: int = BLOCK) -> "Scenario":
         """Draw a block of trials, `self` being at the means; what blocks share is computed once and kept in `self`."""
@@ -71,14 +67,14 @@ class Scenario(DrawnMission):
 
     def sampled_from(self, source: NormalSource, size: int) -> "Scenario":
         """Draw trials from a source of normals; as `sampled`."""
-        draws = {**self.draws, **self._joint.draw_from(source, size)}
-        drawn = replace(self, draws=draws, expected=self)._with_shaft_speeds()
+        values = self.drawn.at(self._joint.draw_from(source, size))
+        drawn = replace(self, drawn=values, expected=self)._with_shaft_speeds()
         if self.recorded is None:
             return drawn
         member = with_member(self.recorded, source, size)
         if isinstance(member, Ensemble) and member.chosen is not None:
-            drawn = replace(drawn, draws={**drawn.draws, MEMBER: member.chosen.astype(float)})
-        sailed = with_error(member, error_statistics(self.mission, draws), source, size)
+            drawn = replace(drawn, member=member.chosen.astype(float))
+        sailed = with_error(member, error_statistics(values), source, size)
         return replace(drawn, sailed=sailed)
 
     @cached_property
@@ -94,15 +90,15 @@ class Scenario(DrawnMission):
 
     def _with_shaft_speeds(self) -> "Scenario":
         """Add the speeds of the transits that give a shaft rate."""
-        if self.propelled is None or all(phase.shaft_rate is None for phase in self.mission.transits):
+        if self.propelled is None or all(phase.shaft_rate is None for phase in self.drawn.transits):
             return self
         bare = replace(self, expected=self.expected or self)  # what an anchor weighs depends on no speed of a transit
         given = {
-            f"{phase.name}.speed": propelled.speed(phase)
-            for phase in self.mission.transits
+            f"{phase.name}.speed": propelled.speed(phase.shaft_rate)
+            for phase in self.drawn.transits
             if phase.shaft_rate is not None and (propelled := bare._propelled(phase)) is not None
         }
-        return replace(self, draws={**self.draws, **given})
+        return replace(self, drawn=self.drawn.at(given))
 
     @cached_property
     def means(self) -> "Scenario":
@@ -110,90 +106,89 @@ class Scenario(DrawnMission):
         return self.expected or Scenario.at_means(self.mission, self.recorded)
 
     @property
-    def uncertain(self) -> Sequence[str]:
-        """The quantities that are distributions, by key path."""
-        member = [MEMBER] if MEMBER in self.draws else []
-        return (*self.means._joint.marginals, *member)
+    def draws(self) -> Mapping[str, Array]:
+        """What was drawn, by the names of the quantities that are distributions, shape (n,) each."""
+        values = self.drawn.quantities()
+        found = {name: np.asarray(values[name], dtype=float) for name in self.means._joint.marginals}
+        return found if self.member is None else {**found, MEMBER: self.member}
 
     @cached_property
     def current(self) -> Current | None:
         """The site's current; None in still water."""
         if self.recorded is not None:
             return self.sailed or self.recorded
-        written = self.mission.site.current if self.mission.site else ()
-        if not isinstance(written, tuple) or not written:
+        given = self.drawn.site.current if self.drawn.site else ()
+        if not isinstance(given, tuple) or not given:
             return None
-        paths = [f"site.current[{index}]" for index in range(len(written))]
-        return layers(*([self[f"{path}.{key}"] for path in paths] for key in ("down_to", "speed", "toward")))
+        return layers(*zip(*((layer.down_to, layer.speed, layer.toward) for layer in given), strict=True))
 
-    def transit_plan(self, phase: TransitPhase) -> TransitPlan:
+    def transit_plan(self, phase: TransitPhase[Scalars]) -> TransitPlan:
         """Return the parameters of one transit.
 
         Until the first mooring the vehicle carries the anchor on its nose, which lengthens the hull.
         """
-        name, table, propelled = phase.name, phase.d_max, self._propelled(phase)
-        speed, hotel = self[f"{name}.speed"], self.energy("hotel")
+        table, propelled, hotel = phase.d_max, self._propelled(phase), self.budget.hotel
         return TransitPlan(
-            goal=self.position(phase.to, f"{name}.to"),
-            speed=speed,
-            arrival_radius=self[f"{name}.arrival_radius"],
-            d_max=leg_table(table) if isinstance(table, LegTableSection) else self[f"{name}.d_max"],
+            goal=self.position(phase.to),
+            speed=phase.speed,
+            arrival_radius=phase.arrival_radius,
+            d_max=leg_table(table) if isinstance(table, LegTableSection) else table,
             surfacing_time=self.surfacing_time,
             velocity_error=self.velocity_error,
             fix_error=self.fix_error,
-            depth=self[f"{name}.depth"],
+            depth=phase.depth,
             max_legs=self.navigation.max_legs,
             power_under_way=hotel + self.propulsion_power(phase),
             power_at_surface=hotel,
-            surfacing_energy=self.energy("surfacing"),
+            surfacing_energy=self.budget.surfacing,
             latitude=self.latitude,
-            length_lost=None if propelled is None else propelled.length_lost(speed),
+            length_lost=None if propelled is None else propelled.length_lost(phase.speed),
         )
 
-    def environment(self, phase: TransitPhase) -> Environment:
+    def environment(self, phase: TransitPhase[Scalars]) -> Environment:
         """Return the current, the drift compensation and the effects of one transit."""
         return Environment(self.current, self.compensation(phase), self.effects_under_way(phase))
 
-    def effects_under_way(self, phase: TransitPhase) -> tuple[TransitEffect, ...]:
+    def effects_under_way(self, phase: TransitPhase[Scalars]) -> tuple[TransitEffect, ...]:
         """Return the effects on one transit: the mission's, and the error of a speed inferred from the shaft rate."""
         propelled = self._propelled(phase)
         if propelled is None:
             return self.transit_effects
-        return (*self.transit_effects, *propelled.inferred_speed(self[f"{phase.name}.speed"]))
+        return (*self.transit_effects, *propelled.inferred_speed(phase.speed))
 
-    def propulsion_power(self, phase: TransitPhase) -> Scalars:
+    def propulsion_power(self, phase: TransitPhase[Scalars]) -> Scalars:
         """Power of propulsion on a transit [W]; nan without the vehicle or the water that its drag depends on."""
-        speed, propelled = self[f"{phase.name}.speed"], self._propelled(phase)
+        speed, propelled = phase.speed, self._propelled(phase)
         if propelled is not None:
             return propelled.power(speed)
         if self.mission.vehicle is None or self.mission.site is None or self.mission.site.water is None:
             return float("nan")
         anchor = carried_anchor(self, phase)
         drag = self.vehicle_drag if anchor is None else anchor.lengthened(self.vehicle_drag)
-        return propulsive_power(drag(speed), speed, self.energy("propulsive_efficiency"))
+        return propulsive_power(drag(speed), speed, self.budget.propulsive_efficiency)
 
-    def _propelled(self, phase: TransitPhase) -> PropelledVehicle | None:
+    def _propelled(self, phase: TransitPhase[Scalars]) -> PropelledVehicle | None:
         """The vehicle with its propeller, as it is on a transit."""
         anchor = carried_anchor(self, phase) if self.propelled is not None else None
         if self.propelled is None or anchor is None:
             return self.propelled
         return replace(self.propelled, drag=anchor.lengthened(self.vehicle_drag), carried_mass=anchor.mass)
 
-    def compensation(self, phase: TransitPhase) -> Compensation | None:
+    def compensation(self, phase: TransitPhase[Scalars]) -> Compensation | None:
         """Return how the vehicle compensates for drift on one transit, which only the means determine."""
         return self.means._compensations[phase.name]
 
     @cached_property
     def _compensations(self) -> Mapping[str, Compensation | None]:
         """By transit; `self` being at the means."""
-        return {phase.name: self._compensation(phase) for phase in self.mission.transits}
+        return {phase.name: self._compensation(phase) for phase in self.drawn.transits}
 
-    def _compensation(self, phase: TransitPhase) -> Compensation | None:
+    def _compensation(self, phase: TransitPhase[Scalars]) -> Compensation | None:
         navigation = self.navigation
         forecast = Forecast(
             current=self.current,
-            mean_error=np.array([float(self[f"navigation.velocity_error.mean[{axis}]"]) for axis in (0, 1)]),
-            depth=float(self[f"{phase.name}.depth"]),
+            mean_error=np.array([float(value) for value in self.velocity_error.mean[:, 0]]),
+            depth=float(phase.depth),
             surfacing_time=float(self.surfacing_time),
         )
         way, covariance = navigation.drift_compensation, navigation.velocity_error.covariance
@@ -204,32 +199,36 @@ class Scenario(DrawnMission):
             )  # at the means one explanation holds
             fix_error = float(np.sqrt(np.mean(np.square(drawn.fix_sd))) if in_doubt else np.mean(self.fix_sd))
             model = drift_model(
-                drawn._drift_sample(phase), forecast, covariance=covariance, latitude=self.latitude, fix_error=fix_error
+                drawn._drift_sample(drawn.transit(phase.name)),
+                forecast,
+                covariance=covariance,
+                latitude=self.latitude,
+                fix_error=fix_error,
             )
             return DriftFilter(forecast, model)
         return compensation_named(way, forecast, covariance, self.fix_error)
 
-    def _drift_sample(self, phase: TransitPhase) -> DriftSample:
+    def _drift_sample(self, phase: TransitPhase[Scalars]) -> DriftSample:
         current = self.current
         return DriftSample(
             trials=self.trials,
             velocity_error=self.velocity_error.mean,
             current=current.forecast if isinstance(current, ErringCurrent) else current,
             is_recorded=self.recorded is not None and not isinstance(self.recorded, Ensemble),
-            depth=self[f"{phase.name}.depth"],
+            depth=phase.depth,
             surfacing_time=self.surfacing_time,
             effects=self.transit_effects,
             forecast_error=self._error_along(phase),
         )
 
-    def _error_along(self, phase: TransitPhase) -> tuple[Scalars, Scalars] | None:
+    def _error_along(self, phase: TransitPhase[Scalars]) -> tuple[Scalars, Scalars] | None:
         """Standard deviation and correlation time, along a track, of the forecast's error [m/s, s]."""
-        error = error_statistics(self.mission, self.draws) if self.recorded is not None else None
+        error = error_statistics(self.drawn) if self.recorded is not None else None
         if error is None:
             return None
         lost = 1.0 / np.asarray(error.time)
         if error.length is not None:
-            lost = lost + self[f"{phase.name}.speed"] / np.asarray(error.length)
+            lost = lost + phase.speed / np.asarray(error.length)
         return error.sigma, 1.0 / lost
 
 

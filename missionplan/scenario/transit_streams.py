@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import Phase, TransitPhase
 from missionplan.montecarlo.streams import LegSource, NormalSource
 from missionplan.phases.state import TrialState
@@ -10,7 +10,7 @@ from missionplan.phases.transit.plan import TransitNormals
 from missionplan.scenario.scenario import Scenario
 
 
-def transit_normals(scenario: Scenario, phase: TransitPhase, source: NormalSource) -> TransitNormals:
+def transit_normals(scenario: Scenario, phase: TransitPhase[Scalars], source: NormalSource) -> TransitNormals:
     """Open the streams of a transit's legs.
 
     They depend on the phase alone, so that every σ_v and every d_max has the same ones (common random numbers).
@@ -33,7 +33,9 @@ def transit_normals(scenario: Scenario, phase: TransitPhase, source: NormalSourc
     )
 
 
-def deployed(scenario: Scenario, phase: Phase, position: Array, source: NormalSource, trials: int) -> TrialState:
+def deployed(
+    scenario: Scenario, phase: "Phase[Scalars]", position: Array, source: NormalSource, trials: int
+) -> TrialState:
     """Deploy a block of trials at a position, shape (2,) or (2, n) [m], with a fix before the first dive of a phase."""
     sd = scenario.fix_sd
     noise = sd * fix_normals(f"{phase.name}.fix_at_start", source, trials) if np.any(sd) else 0.0

@@ -1,6 +1,4 @@
-"""Drag, moving mass and propeller of a vehicle, with the draws of a block; what was measured goes before estimates."""
-
-from collections.abc import Mapping
+"""Drag, moving mass and propeller of a vehicle; what was measured goes before estimates."""
 
 from missionplan.arrays import Scalars
 from missionplan.mission.schema.identified import Propulsion
@@ -13,65 +11,60 @@ from missionplan.physics.propeller import Propeller, from_open_water
 from missionplan.physics.vehicle_drag import Hull, Sail, VehicleDrag
 from missionplan.physics.water import Water
 
-Draws = Mapping[str, Scalars]
-"""Quantities by key path, each a float or an array of shape (n,)."""
 
-
-def vehicle_drag(vehicle: Vehicle, water: Water, draws: Draws) -> VehicleDrag:
+def vehicle_drag(vehicle: Vehicle[Scalars], water: Water) -> VehicleDrag:
     """Return the drag from the tank where the vehicle file has it, else Briggs et al., Eqs. 3 to 13."""
-    form, path = vehicle.hull.form_factor, "vehicle.hull"
-    constant = FORM_CONSTANTS[form] if isinstance(form, str) else draws[f"{path}.form_factor"]
-    hull = Hull(draws[f"{path}.length"], draws[f"{path}.diameter"], constant)
-    measured = vehicle.drag
+    form, measured = vehicle.hull.form_factor, vehicle.drag
+    constant = FORM_CONSTANTS[form] if isinstance(form, str) else form
+    hull = Hull(vehicle.hull.length, vehicle.hull.diameter, constant)
     if measured is None:
-        sail = Sail(*(draws[f"vehicle.sail.{key}"] for key in ("chord", "span", "thickness"))) if vehicle.sail else None
-        return VehicleDrag(hull, sail, draws["vehicle.appendage_factor"], water)
+        fin = vehicle.sail
+        sail = Sail(fin.chord, fin.span, fin.thickness) if fin else None
+        return VehicleDrag(hull, sail, vehicle.appendage_factor, water)
     return MeasuredVehicleDrag(
         hull=hull,
         sail=None,
         appendage_factor=1.0,
         water=water,
-        coefficient=draws["vehicle.drag.coefficient"],
+        coefficient=measured.coefficient,
         area=measured.area,
-        exponent=draws["vehicle.drag.exponent"],
+        exponent=measured.exponent,
         at_reynolds=measured.at_reynolds or 1.0,
         reference_length=measured.length or 1.0,
     )
 
 
-def surge_added_mass(hull: Hull, draws: Draws) -> Scalars:
-    """Added mass in surge [kg]: measured, else a fraction of the displaced mass, by default Lamb's spheroid."""
-    displaced = displaced_mass(draws["vehicle.mass"], draws["vehicle.net_buoyancy"])
-    fraction = draws.get("vehicle.hull.added_mass", lamb_axial_coefficient(hull.length / hull.diameter))
-    return draws.get("vehicle.added_mass.surge", fraction * displaced)
-
-
-def sway_added_mass(hull: Hull, draws: Draws) -> Scalars:
-    """Added mass across the axis [kg]: measured, else Lamb's spheroid."""
-    displaced = displaced_mass(draws["vehicle.mass"], draws["vehicle.net_buoyancy"])
-    fraction = lamb_lateral_coefficient(hull.length / hull.diameter)
-    return draws.get("vehicle.added_mass.sway", fraction * displaced)
-
-
-def propeller(written: Propulsion, density: float, draws: Draws) -> Propeller:
-    """Return the propeller of a vehicle file, its open-water lines of thrust and torque as drawn.
+def surge_added_mass(hull: Hull, vehicle: Vehicle[Scalars], mass: Scalars) -> Scalars:
+    """Added mass in surge [kg]: measured, else a fraction of the displaced mass, by default Lamb's spheroid.
 
     Parameters
     ----------
-    written : Propulsion
-        The vehicle file's section.
-    density : float
-        Of the water [kg/m³].
-    draws : mapping
+    hull : Hull
+        With the anchor where the vehicle carries it.
+    vehicle : Vehicle
+    mass : float or array, shape (n,)
+        Of the vehicle in air [kg].
     """
-    path = "vehicle.propulsion"
-    thrust, torque = (
-        (draws[f"{path}.{key}[0]"], draws[f"{path}.{key}[1]"]) for key in ("thrust_coefficient", "torque_coefficient")
-    )
+    if vehicle.added_mass is not None and vehicle.added_mass.surge is not None:
+        return vehicle.added_mass.surge
+    given = vehicle.hull.added_mass
+    fraction = lamb_axial_coefficient(hull.length / hull.diameter) if given is None else given
+    return fraction * displaced_mass(mass, vehicle.net_buoyancy)
+
+
+def sway_added_mass(hull: Hull, vehicle: Vehicle[Scalars], mass: Scalars) -> Scalars:
+    """Added mass across the axis [kg]: measured, else Lamb's spheroid; parameters as of `surge_added_mass`."""
+    if vehicle.added_mass is not None and vehicle.added_mass.sway is not None:
+        return vehicle.added_mass.sway
+    return lamb_lateral_coefficient(hull.length / hull.diameter) * displaced_mass(mass, vehicle.net_buoyancy)
+
+
+def propeller(written: Propulsion[Scalars], density: float) -> Propeller:
+    """Return the propeller of a vehicle file, in water of a density [kg/m³]."""
     return from_open_water(
         written.diameter,
-        thrust,
-        torque,
+        written.thrust_coefficient,
+        written.torque_coefficient,
         density=density,
         axial_flow_factor=written.axial_flow_factor,
         wake_fraction=written.wake_fraction,

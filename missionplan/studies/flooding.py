@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from missionplan.arrays import Scalars
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.forces import Dive
@@ -14,7 +15,7 @@ STATED = 5.0
 """Flooding time of the notice [s]."""
 
 
-def flooding_notice(means: Scenario, phase: MoorPhase, weight: float | None = None) -> str:
+def flooding_notice(means: Scenario, phase: MoorPhase[Scalars], weight: float | None = None) -> str:
     """Notice that the anchor is taken as flooded when it separates; empty where the vehicle file gives a time.
 
     Parameters
@@ -25,7 +26,7 @@ def flooding_notice(means: Scenario, phase: MoorPhase, weight: float | None = No
     weight : float, optional
         Wet weight of the anchor, by default the mission's [N].
     """
-    if "vehicle.anchor.flooding_time" in means.draws:
+    if means.mooring.anchor.flooding_time is not None:
         return ""
     dive = dive_of(means, phase, weight)
     at_once, flooding = (_nominal(means, phase, replace(dive, flooding_time=time)) for time in (0.0, STATED))
@@ -39,12 +40,12 @@ def flooding_notice(means: Scenario, phase: MoorPhase, weight: float | None = No
     )
 
 
-def _nominal(means: Scenario, phase: MoorPhase, dive: Dive) -> tuple[float, float]:
+def _nominal(means: Scenario, phase: MoorPhase[Scalars], dive: Dive) -> tuple[float, float]:
     """Time [s] and offset [m] of the dive at the means, from the origin at the mission's start; nan where it fails."""
     record = descend(
         dive,
         effects=means.descent_effects,
-        release_time=np.full(1, float(means[f"{phase.name}.release_time"])),
+        release_time=np.full(1, float(phase.release_time)),
         current=means.current or STILL_WATER,
         position=np.zeros((2, 1)),
         t_start=np.zeros(1),

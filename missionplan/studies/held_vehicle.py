@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from missionplan.arrays import Array, take_trials
+from missionplan.arrays import Array, Scalars, take_trials
 from missionplan.errors import InputError
 from missionplan.mission.schema.monte_carlo import Requirement
 from missionplan.mission.schema.phases import MoorPhase
@@ -16,7 +16,7 @@ from missionplan.physics.current_above import LayersAbove
 from missionplan.physics.line_statics import held_pose, line_shape
 from missionplan.results.mooring.held_vehicle import HeldState, HeldVehicle
 from missionplan.scenario.anchor_weight import anchor_length, design_current
-from missionplan.scenario.held_vehicle import CENTRES_GIVEN, HOLDING_GIVEN, hold_of
+from missionplan.scenario.held_vehicle import hold_of
 from missionplan.scenario.mooring import start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 
@@ -24,7 +24,7 @@ _FACTORS: Array = np.geomspace(0.05, 20.0, 401)
 """Factors on a quantity that are tried as remedies; 1 is among them."""
 
 
-def held_vehicle(means: Scenario, phase: MoorPhase, weight: float) -> HeldVehicle:
+def held_vehicle(means: Scenario, phase: MoorPhase[Scalars], weight: float) -> HeldVehicle:
     """Find how the vehicle of a mooring stands above an anchor of a wet weight.
 
     Parameters
@@ -35,7 +35,7 @@ def held_vehicle(means: Scenario, phase: MoorPhase, weight: float) -> HeldVehicl
     weight : float
         Of the anchor in water [N].
     """
-    hold, given = lifted(hold_of(means, phase, weight), means.descent_effects), means.draws
+    hold, given = lifted(hold_of(means, phase, weight), means.descent_effects), means.mooring
     currents = dict(_currents(means, phase, hold))
     worst = list(currents.values())[-1]
     return HeldVehicle(
@@ -47,14 +47,14 @@ def held_vehicle(means: Scenario, phase: MoorPhase, weight: float) -> HeldVehicl
         anchor_weight=weight,
         line_length=float(hold.line.length),
         friction=float(hold.anchor.friction),
-        friction_given=HOLDING_GIVEN in given,
-        centres_given=CENTRES_GIVEN in given,
+        friction_given=given.anchor.holding_factor is not None,
+        centres_given=given.vehicle.centres is not None,
         states=tuple(_state(hold, name, layers) for name, layers in currents.items()),
         remedies=tuple(_remedies(hold, means, worst, _faults(means.mission.requirements, phase))),
     )
 
 
-def _currents(means: Scenario, phase: MoorPhase, hold: Hold) -> Iterator[tuple[str, LayersAbove]]:
+def _currents(means: Scenario, phase: MoorPhase[Scalars], hold: Hold) -> Iterator[tuple[str, LayersAbove]]:
     """Layers above the anchor in the mean and in the worst current, by name.
 
     The worst is the design current in the layers' own directions, or the fastest of a record during the hold.
@@ -67,12 +67,12 @@ def _currents(means: Scenario, phase: MoorPhase, hold: Hold) -> Iterator[tuple[s
     if isinstance(current, LayeredCurrent):
         yield "worst current", layers_above(hold, _worst(means, phase, current), anchor, moment)
     else:
-        lasting = np.array([float(means[f"{phase.name}.hold"]) + float(means[f"{phase.name}.galvanic_release"])])
+        lasting = np.array([float(phase.hold) + float(phase.galvanic_release)])
         fastest, _ = extreme_moments(hold, current, anchor, moment, lasting)
         yield "fastest current of the hold", layers_above(hold, current, anchor, fastest)
 
 
-def _worst(means: Scenario, phase: MoorPhase, current: LayeredCurrent) -> Current:
+def _worst(means: Scenario, phase: MoorPhase[Scalars], current: LayeredCurrent) -> Current:
     """The design current in each layer's own direction; the mean one where there is no design current."""
     try:
         speeds, _ = design_current(means, phase)
@@ -82,8 +82,8 @@ def _worst(means: Scenario, phase: MoorPhase, current: LayeredCurrent) -> Curren
     mean = np.hypot(east, north)
     if speeds.size != mean.size:
         return current
-    paths = [f"site.current[{index}].toward" for index in range(speeds.size)]
-    toward = np.array([float(means.get(path, 0.0)) for path in paths])
+    given = means.mooring.site.current
+    toward = np.array([float(layer.toward) for layer in given]) if isinstance(given, tuple) else np.zeros(mean.size)
     sign = np.where(east * np.sin(toward) + north * np.cos(toward) < 0.0, -1.0, 1.0)
     return LayeredCurrent(current.down_to, sign * speeds * np.sin(toward), sign * speeds * np.cos(toward))
 
@@ -134,7 +134,7 @@ _PHRASES = {
 }
 
 
-def _faults(requirements: Sequence[Requirement], phase: MoorPhase) -> Iterator[_Fault]:
+def _faults(requirements: Sequence[Requirement], phase: MoorPhase[Scalars]) -> Iterator[_Fault]:
     """What may go wrong: dragging, grounding, and what the mission's requirements forbid."""
     yield _Fault("the anchor drags", lambda record: record.anchor_holds)
     yield _Fault("the hull touches the seafloor", lambda record: ~record.grounded)
@@ -167,7 +167,7 @@ class _Knob:
 
 def _knobs(hold: Hold, means: Scenario) -> tuple[_Knob, ...]:
     body, anchor, line = hold.body, hold.anchor, hold.line
-    is_built = "vehicle.anchor.construction.front.mass" in means.draws
+    is_built = means.mooring.anchor.construction is not None
 
     def heavier(weight: Array) -> Hold:
         length = np.maximum(anchor_length(means, weight), 0.5 * anchor.diameter) if is_built else anchor.length

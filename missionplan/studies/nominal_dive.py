@@ -31,7 +31,7 @@ def check_dives(means: Scenario) -> None:
     if not mission.moors or missing_for_moorings(mission):
         return
     problems = []
-    for phase in mission.moors:
+    for phase in means.drawn.moors:
         fastest = _terminal_velocity(dive_of(means, phase))
         if fastest > FASTEST:
             message = f"{phase.name} goes down at {fastest:.3g} m/s; expected at most {FASTEST:g} m/s"

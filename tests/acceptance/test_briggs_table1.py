@@ -35,7 +35,7 @@ def table():
 def prototype():
     """The example's anchor and vehicle, the vehicle's own buoyancy left out as in Eqs. 14–15."""
     means = Scenario.at_means(load(MISSIONS / "anchor-design.yaml"))
-    phase = means.mission.moors[0].model_copy(update={"lateral": "uncoupled"})
+    phase = means.moor().model_copy(update={"lateral": "uncoupled"})
     return replace(dive_of(means, phase, worst_case_weight(means, phase)), net_buoyancy=0.0)
 
 

@@ -36,7 +36,7 @@ def test_both_tests_arrived_as_nearly_all_trials_do(outcome):
 
 
 def test_legs_between_fixes_are_at_most_350_m(mission):
-    scenario = Scenario.drawn(mission, seed=1, block=0, size=500)
+    scenario = Scenario.at_means(mission).sampled(seed=1, block=0, size=500)
     track = run_block(scenario, 1, 0, 500, tracked=500).phases[0].track
     dived, surfaced = track[0:-1:2], track[1::2]
     over_ground = np.hypot(*np.moveaxis(surfaced - dived, 1, 0))
@@ -57,7 +57,7 @@ def test_it_moors_at_40_ft_for_20_minutes_and_more(mission):
     )
     assert held - columns["moor.galvanic_release"] == pytest.approx(1200.0 + 90.0)
     assert np.all(columns["moor.lowest_altitude_m"] > 0.3)
-    assert float(Scenario.at_means(mission)["site.depth"]) == pytest.approx(12.192)
+    assert Scenario.at_means(mission).mooring.depth == pytest.approx(12.192)
 
 
 def test_the_mission_meets_its_requirements(outcome):

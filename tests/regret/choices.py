@@ -65,11 +65,11 @@ class AnchorChoice:
     @classmethod
     def of(cls, mission: Mission, trials: int) -> "AnchorChoice":
         """Search the lightest anchor."""
-        moor = mission.moors[0]
-        study = AnchorTrials(mission, moor, None, trials, 3)
         means = Scenario.at_means(mission)
+        moor = means.moor()
+        study = AnchorTrials(mission, moor.name, None, trials, 3)
         start = worst_case_weight(means, moor)
-        line = float(means[f"{moor.name}.line_length"])
+        line = float(moor.line_length)
         found = lightest_anchor(study.probabilities, REQUIRED, start, line).weight
         if found is not None:
             return cls(found, True, study)

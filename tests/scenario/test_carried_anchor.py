@@ -56,8 +56,8 @@ def test_a_propeller_pushes_the_longer_hull_more_slowly():
         del phase["transit"]["speed"]
         phase["transit"]["shaft_rate"] = "1200 rpm"
     means = Scenario.at_means(Mission.from_data(written))
-    assert means["ingress.speed"] < 0.995 * means["egress.speed"]
-    plans = [means.transit_plan(phase) for phase in means.mission.transits]
+    assert means.transit("ingress").speed < 0.995 * means.transit("egress").speed
+    plans = [means.transit_plan(phase) for phase in means.drawn.transits]
     assert plans[0].length_lost > plans[1].length_lost
 
 
@@ -81,5 +81,5 @@ def test_a_drag_from_the_tank_is_taken_as_it_was_measured():
     written = data()
     written["vehicle"]["drag"] = {"coefficient": 0.3, "area": "0.0114 m^2"}
     means = Scenario.at_means(Mission.from_data(written))
-    ingress, egress = (means.propulsion_power(phase) for phase in means.mission.transits)
+    ingress, egress = (means.propulsion_power(phase) for phase in means.drawn.transits)
     assert ingress == egress

@@ -113,24 +113,24 @@ def test_without_any_explanation_the_mission_is_the_plain_one(data, causes):
 
 def test_explanations_hold_as_often_as_their_probabilities():
     mission = Mission.from_data(in_doubt(LEGS, CAUSES[:2], share=0.8))
-    drawn = Scenario.drawn(mission, seed=1, block=0)
-    shares = np.bincount(drawn["effects[1].one-of"].astype(int)) / drawn.trials
+    drawn = Scenario.at_means(mission).sampled(seed=1, block=0)
+    shares = np.bincount(drawn.draws["effects[1].one-of"].astype(int)) / drawn.trials
     assert shares == pytest.approx([0.4, 0.4, 0.2], abs=4 * np.sqrt(0.25 / drawn.trials))
 
 
 def test_a_further_doubt_leaves_every_other_draw_alone():
     plain, doubtful = (
-        Scenario.drawn(Mission.from_data(data), seed=1, block=2) for data in (LEGS, in_doubt(LEGS, CAUSES))
+        Scenario.at_means(Mission.from_data(data)).sampled(seed=1, block=2) for data in (LEGS, in_doubt(LEGS, CAUSES))
     )
-    assert all(np.array_equal(doubtful[name], plain[name]) for name in plain.uncertain)
+    assert all(np.array_equal(doubtful.draws[name], plain.draws[name]) for name in plain.draws)
 
 
 def test_parameters_of_an_explanation_are_correlated_as_it_says():
     data = in_doubt(LEGS, [[{"mean-current": {k: {"mean": "0 m/s", "sd": "0.1 m/s"} for k in ("east", "north")}}]])
     pair = {"between": ["mean-current.north", "mean-current.east"], "rho": -0.7}
     data["effects"][1]["one-of"][0]["correlations"] = [pair]
-    drawn = Scenario.drawn(Mission.from_data(data), seed=1, block=0)
-    east, north = (drawn[f"effects[1].one-of[0].mean-current.{key}"] for key in ("east", "north"))
+    drawn = Scenario.at_means(Mission.from_data(data)).sampled(seed=1, block=0)
+    east, north = (drawn.draws[f"effects[1].one-of[0].mean-current.{key}"] for key in ("east", "north"))
     assert np.corrcoef(east, north)[0, 1] == pytest.approx(-0.7, abs=0.04)
 
 
@@ -145,7 +145,7 @@ def test_the_filter_knows_the_drift_of_explanations_by_their_probabilities():
     data = in_doubt(LEGS, [[{"mean-current": {"east": "0.2 m/s"}}], [{"persistent-error": {"sigma": "0.1 m/s"}}]], 1.0)
     data["navigation"]["drift_compensation"] = "filter"
     scenario = Scenario.at_means(Mission.from_data(data))
-    model = scenario.compensation(scenario.mission.transits[0]).model
+    model = scenario.compensation(scenario.transit()).model
     assert model.mean[0] == pytest.approx(0.1, abs=0.01)  # half of the trials have 0.2 m/s
     assert model.prior[0, 0] == pytest.approx(0.1**2, rel=0.1)
     assert np.trace(model.prior) - model.prior[0, 0] == pytest.approx(2 * 0.5 * 0.1**2, rel=0.1)

@@ -39,10 +39,11 @@ def test_flooding_takes_time_and_leaves_other_draws_alone():
 
 
 def test_a_vehicle_file_without_a_time_is_told_what_it_would_cost():
-    words = {mission: flooding_notice(Scenario.at_means(mission), mission.moors[0]) for mission in (chesapeake(),)}
-    assert all("5 s of flooding" in notice and "1.4 s longer" in notice for notice in words.values())
-    told = chesapeake(flooding_time="0 s")
-    assert flooding_notice(Scenario.at_means(told), told.moors[0]) == ""
+    silent, told = (Scenario.at_means(mission) for mission in (chesapeake(), chesapeake(flooding_time="0 s")))
+    notice = flooding_notice(silent, silent.moor())
+    assert "5 s of flooding" in notice
+    assert "1.4 s longer" in notice
+    assert flooding_notice(told, told.moor()) == ""
 
 
 def test_an_anchor_that_floods_early_fails_the_trial_with_its_probability():

@@ -36,7 +36,7 @@ def changed(file="chesapeake.yaml", *, vehicle=None, anchor=None, moor=None, sit
 
 def hold(mission):
     scenario = Scenario.at_means(mission)
-    return hold_of(scenario, mission.moors[0], 11.8)
+    return hold_of(scenario, scenario.moor(), 11.8)
 
 
 def test_what_no_file_gives_is_assumed():

@@ -83,7 +83,7 @@ def duration(found):
 
 def test_speed_follows_from_the_shaft_rate(tmp_path):
     turning = mission(tmp_path, speed=None, shaft_rate=f"{RATE} rad/s")
-    assert float(Scenario.at_means(turning)["run.speed"]) == pytest.approx(1.0, rel=1e-9)
+    assert float(Scenario.at_means(turning).transit("run").speed) == pytest.approx(1.0, rel=1e-9)
     same = mission(tmp_path)
     assert duration(simulate(turning)) == pytest.approx(duration(simulate(same)), rel=1e-9)
     assert math.isnan(turning.transits[0].speed)
@@ -91,7 +91,7 @@ def test_speed_follows_from_the_shaft_rate(tmp_path):
 
 def test_an_uncertain_shaft_rate_is_an_uncertain_speed(tmp_path):
     uncertain = mission(tmp_path, speed=None, shaft_rate={"mean": f"{RATE} rad/s", "sd": f"{0.05 * RATE} rad/s"})
-    speed = np.asarray(Scenario.drawn(uncertain, seed=1, block=0, size=4000)["run.speed"])
+    speed = np.asarray(Scenario.at_means(uncertain).sampled(seed=1, block=0, size=4000).transit("run").speed)
     # drag and thrust are quadratic: speed is in proportion to the shaft rate
     assert speed.mean() == pytest.approx(1.0, abs=0.004)
     assert speed.std() == pytest.approx(0.05, rel=0.05)
@@ -99,7 +99,7 @@ def test_an_uncertain_shaft_rate_is_an_uncertain_speed(tmp_path):
 
 def test_turns_a_minute_are_turns(tmp_path):
     turning = mission(tmp_path, speed=None, shaft_rate=f"{RATE * 30.0 / math.pi} rpm")
-    assert float(Scenario.at_means(turning)["run.speed"]) == pytest.approx(1.0, rel=1e-9)
+    assert float(Scenario.at_means(turning).transit("run").speed) == pytest.approx(1.0, rel=1e-9)
 
 
 def test_each_leg_gathers_way(tmp_path):
@@ -121,19 +121,20 @@ def test_error_grows_with_the_time_that_gathering_way_takes(tmp_path):
 
 def test_a_speed_inferred_wrongly_moves_the_vehicle(tmp_path):
     weak = mission(tmp_path, PROPULSION | {"thrust_factor": 0.9, "drag_factor": 1.2}, arrival_radius="60 m")
-    (effect,) = Scenario.at_means(weak).effects_under_way(weak.transits[0])
+    at_weak, at_right = Scenario.at_means(weak), Scenario.at_means(mission(tmp_path))
+    (effect,) = at_weak.effects_under_way(at_weak.transit())
     expected = speed_error(UNIT, HULL, RATE, 1e9, thrust_factor=0.9, drag_factor=1.2)
     assert effect.fraction == pytest.approx(float(expected), rel=1e-6)
     error = simulate(weak).phases[0].quantities["arrival_error_m"].mean
     # four legs of d_max, each short by the same share of its time
     assert error == pytest.approx(-float(expected) * 4.0 * (250.0 + LOST), rel=1e-6)
-    right = mission(tmp_path)
-    assert Scenario.at_means(right).effects_under_way(right.transits[0]) == ()
+    assert at_right.effects_under_way(at_right.transit()) == ()
 
 
 def test_missions_without_a_propeller_are_as_they_were(tmp_path):
     plain = mission(tmp_path, propulsion=None)
-    plan = Scenario.at_means(plain).transit_plan(plain.transits[0])
+    means = Scenario.at_means(plain)
+    plan = means.transit_plan(means.transit())
     assert plan.length_lost is None
     distance = np.array([1234.5, 77.7])
     np.testing.assert_array_equal(plan.time_under_way(distance, np.array([5.0, 1.0])), distance / 1.0)

@@ -101,7 +101,7 @@ def test_fragments_of_thrusters_load(tmp_path):
 def test_propulsion_gives_the_power_of_a_transit(tmp_path):
     mission = mission_with(tmp_path, propulsion=PROPULSION)
     scenario = Scenario.at_means(mission)
-    power = scenario.transit_plan(mission.transits[0]).power_under_way - scenario.energy("hotel")
+    power = scenario.transit_plan(scenario.transit()).power_under_way - scenario.budget.hotel
     work = float(scenario.vehicle_drag(1.5)) * 1.5
     unit = p.from_open_water(0.1, (0.4243, -0.9435), (0.0626, -0.1212), density=float(scenario.water.density))
     assert power > work / 0.8

@@ -29,7 +29,7 @@ def with_weight(tmp_path, newtons):
 def heaviest():
     """Weight that drags anchor and vehicle down at exactly 10 m/s: the drag there, and the net buoyancy."""
     means = Scenario.at_means(load(MISSIONS / "anchor-design.yaml"))
-    dive = dive_of(means, means.mission.moors[0])
+    dive = dive_of(means, means.moor())
     return float(dive.vehicle_drag(FASTEST) + dive.anchor_drag(FASTEST) + dive.net_buoyancy)
 
 
@@ -42,7 +42,7 @@ def test_the_limit_is_where_drag_at_ten_metres_a_second_carries_the_weight(tmp_p
 def test_the_velocity_in_the_message_balances_weight_and_drag(tmp_path, heaviest):
     mission = with_weight(tmp_path, 4.0 * heaviest)
     means = Scenario.at_means(mission)
-    dive = dive_of(means, mission.moors[0])
+    dive = dive_of(means, means.moor())
     pull = float(np.max(dive.wet_weight - dive.net_buoyancy))
     speed = brentq(lambda v: float(dive.vehicle_drag(v) + dive.anchor_drag(v)) - pull, 1.0, 100.0)
     with pytest.raises(InputError) as refused:

@@ -29,7 +29,8 @@ def stands(file="chesapeake.yaml", weight=11.8, *, recorded=None, requirements=(
     data["site"] |= {"slope": slope} if slope else {}
     next(phase["moor"] for phase in data["phases"] if "moor" in phase).update(moor or {})
     mission = Mission.from_data(data)
-    return held_vehicle(Scenario.at_means(mission, recorded), mission.moors[0], weight)
+    means = Scenario.at_means(mission, recorded)
+    return held_vehicle(means, means.moor(), weight)
 
 
 def test_the_independent_estimate_for_both_missions():

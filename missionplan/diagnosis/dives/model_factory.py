@@ -61,13 +61,12 @@ def descent_builder(mission: Mission) -> Callable[[Array, Array], Dive]:
     InputError
         When the mission lacks what a descent needs.
     """
-    moor = MooringMission.of(mission, depth=False).mooring()
-    scenario = Scenario.at_means(mission)
+    MooringMission.of(mission, depth=False)
+    scenario = Scenario.at_means(mission).at_depth(0.0)
 
     def build(weights: Array, lines: Array) -> Dive:
-        own = {f"{moor.name}.anchor_wet_weight": weights, f"{moor.name}.line_length": lines}
-        here = Scenario(mission, {**scenario.draws, "site.depth": 0.0, **own})
-        return dive_of(here, moor.model_copy(update={"anchor_wet_weight": float(weights[0]), "lateral": "uncoupled"}))
+        phase = scenario.moor().model_copy(update={"line_length": lines, "lateral": "uncoupled"})
+        return dive_of(scenario, phase, weights)
 
     return build
 

@@ -44,13 +44,13 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     transits = TransitMission.of(mission)
     recorded = recorded_current(mission, np.hstack((data.start, data.end)))
     means = Scenario.at_means(mission, recorded)
-    drawn = Scenario.drawn(mission, recorded, seed=seed, block=0, size=DRAWS)
+    drawn = means.sampled(seed=seed, block=0, size=DRAWS)
     if means.current is not None:
-        check_cover(data, means.current, float(np.mean(means[f"{transits.transit().name}.depth"])), mission)
-    base, spread = _expected_velocity(data, means, drawn, transits.transit().name)
+        check_cover(data, means.current, float(np.mean(means.transit().depth)), mission)
+    base, spread = _expected_velocity(data, means, drawn)
     error = transits.navigation.velocity_error
     base = base + np.array([[mean_of(part)] for part in error.mean])
-    spread = np.hypot(spread, [np.std(np.asarray(drawn[f"navigation.velocity_error.mean[{k}]"])) for k in (0, 1)])
+    spread = np.hypot(spread, [np.std(side) for side in drawn.velocity_error.mean])
     fix_error = float(np.sqrt(max(mean_of(transits.navigation.fix_error) ** 2, 0.0)))
     given = given_priors(mission, effects_of("transit"))
     check_together(given, mission, "transit")
@@ -96,11 +96,11 @@ def check_cover(data: TransitData, current: Current, depth: float, mission: Miss
     raise InputError([Problem(problem, mission.file, key="site.current", hint=hint)])
 
 
-def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario, name: str) -> tuple[Array, Array]:
+def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario) -> tuple[Array, Array]:
     """Velocity error that the site's current gives each leg, shape (2, n), and its standard deviation (2,) [m/s]."""
     if means.current is None or drawn.current is None:
         return np.zeros((2, data.n)), np.zeros(2)
-    depth = float(np.mean(means[f"{name}.depth"]))
+    depth = float(np.mean(means.transit().depth))
     through = data.dead_reckoned - data.start
     velocity = means.current.mean_velocity(data.t_start, data.under_way, depth, data.start, through)
     surfaced = data.t_start + data.under_way

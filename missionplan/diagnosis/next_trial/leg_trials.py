@@ -10,7 +10,7 @@ from typing import cast
 import numpy as np
 from scipy.linalg import block_diag
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.datasets.leg_checks import MIN_LEGS
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.data_kind import DataKind
@@ -24,8 +24,7 @@ from missionplan.diagnosis.next_trial.designs import TrialKind
 from missionplan.diagnosis.next_trial.losses import Alternatives
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
-from missionplan.mission.schema.phases import TransitPhase
-from missionplan.mission.views import TransitMission
+from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 
@@ -76,15 +75,15 @@ class LegTrials(TrialKind):
         return Scenario.at_means(self.bound.mission, recorded_current(self.bound.mission))
 
     @cached_property
-    def _phase(self) -> TransitPhase:
-        return TransitMission.of(self.bound.mission).transit()
+    def _phase(self) -> TransitPhase[Scalars]:
+        return self._means.transit()
 
     @cached_property
     def _ends(self) -> tuple[Array, Array]:
         """Where the mission's first transit begins and ends, shape (2,) each [m]."""
-        name, phase = self._phase.name, self._phase
-        begin = np.zeros(2) if phase.start is None else self._means.position(phase.start, f"{name}.from")
-        return begin, self._means.position(phase.to, f"{name}.to")
+        phase = self._phase
+        begin = np.zeros(2) if phase.start is None else self._means.position(phase.start)
+        return begin, self._means.position(phase.to)
 
     @cached_property
     def _distance(self) -> float:
@@ -93,8 +92,9 @@ class LegTrials(TrialKind):
     @cached_property
     def _usual_length(self) -> float:
         """The mission's d_max, at most its distance [m]."""
-        length = self._means.get(f"{self._phase.name}.d_max", TABLE_SHARE * self._distance)
-        return min(float(np.mean(length)), self._distance)
+        length = self._phase.d_max
+        usual = TABLE_SHARE * self._distance if isinstance(length, LegTableSection) else float(length)
+        return min(usual, self._distance)
 
     @cached_property
     def _legs(self) -> tuple[_Legs, ...]:
@@ -146,7 +146,7 @@ class LegTrials(TrialKind):
     def _planned(self, legs: _Legs) -> TransitData:
         """A record of these legs alone, sailed without error a day after the one so far."""
         data, count = self.bound.data, len(legs.courses)
-        speed = float(np.mean(self._means[f"{self._phase.name}.speed"]))
+        speed = float(self._phase.speed)
         path = legs.length * np.stack([np.sin(legs.courses), np.cos(legs.courses)])
         ends = self._ends[0][:, None] + np.cumsum(path, axis=1)
         under_way = np.full(count, legs.length / speed)

@@ -114,8 +114,7 @@ def _trials(
         scenario = Scenario.at_means(mission, recorded_current(mission)).sampled(
             seed=seed, block=0, size=len(parameters)
         )
-        known = {path: values for path, values in own.items() if path in scenario.draws}
-        scenario = replace(scenario, draws={**scenario.draws, **known})
+        scenario = replace(scenario, drawn=scenario.drawn.at(own))
         trials = run_block(scenario, seed, 0, len(parameters), inputs=False)
         columns.append((trials.total["energy_wh"], trials.total["duration_s"], trials.success.astype(float)))
     energy, duration, success = (np.stack(values, axis=1) for values in zip(*columns, strict=True))

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array
 from missionplan.diagnosis.dives.forward import NO_BOTTOM, STEP, DiveHistories
 from missionplan.diagnosis.dives.model_factory import descent_model
 from missionplan.diagnosis.dives.noise import noise_grid
@@ -18,7 +18,6 @@ from missionplan.diagnosis.dives.preparation import DiveLog, PreparedDives
 from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
 from missionplan.diagnosis.scoring.explanations import explained
 from missionplan.mission import Mission
-from missionplan.mission.schema.phases import MoorPhase
 from missionplan.mission.views import MooringMission
 from missionplan.phases.hooks import DescentEffect
 from missionplan.phases.mooring.depth_sensor import sensor_history
@@ -44,17 +43,17 @@ def dive_ensemble(data: PreparedDives, mission: Mission, seed: int) -> Ensemble:
     InputError
         When the mission lacks what a descent needs.
     """
-    phase = MooringMission.of(mission, depth=False).mooring()
-    parts = tuple(_part(data, known, phase, share, seed) for share, known in explained(mission))
+    MooringMission.of(mission, depth=False)
+    parts = tuple(_part(data, known, share, seed) for share, known in explained(mission))
     groups = np.repeat(np.arange(len(data.dives)), [len(log.t) for log in data.dives])
     return Ensemble(np.concatenate([log.depth for log in data.dives]), groups, parts)
 
 
-def _part(data: PreparedDives, mission: Mission, phase: MoorPhase, share: float, seed: int) -> Part:
-    means = Scenario.at_means(mission)
+def _part(data: PreparedDives, mission: Mission, share: float, seed: int) -> Part:
+    means = Scenario.at_means(mission).at_depth(0.0)
     drawn = means.sampled(seed=seed, block=0, size=DRAWS)
-    trials = DRAWS if drawn.uncertain else 1
-    expected = np.concatenate([_readings(log, drawn, phase, trials) for log in data.dives]).T
+    trials = DRAWS if drawn.draws else 1
+    expected = np.concatenate([_readings(log, drawn, trials) for log in data.dives]).T
     model = descent_model(data, mission)
     spread = model.nuisance_sd(())  # nil for the mission's own effects: those are drawn
     noises = []
@@ -64,16 +63,11 @@ def _part(data: PreparedDives, mission: Mission, phase: MoorPhase, share: float,
     return Part(share, expected, tuple(noises))
 
 
-def _readings(log: DiveLog, scenario: Scenario, phase: MoorPhase, trials: int) -> Array:
+def _readings(log: DiveLog, scenario: Scenario, trials: int) -> Array:
     """Run one dive in each draw; its readings, shape (m, trials) [m]."""
-    given: dict[str, Scalars] = {
-        "site.depth": 0.0,
-        f"{phase.name}.anchor_wet_weight": np.full(trials, log.wet_weight),
-        f"{phase.name}.line_length": np.full(trials, log.line_length),
-    }
-    here = replace(scenario, draws={**scenario.draws, **given})
-    plain = phase.model_copy(update={"anchor_wet_weight": log.wet_weight, "lateral": "uncoupled"})
-    dive = replace(dive_of(here, plain), site_depth=NO_BOTTOM)
+    weight, line = np.full(trials, log.wet_weight), np.full(trials, log.line_length)
+    phase = scenario.moor().model_copy(update={"line_length": line, "lateral": "uncoupled"})
+    dive = replace(dive_of(scenario, phase, weight), site_depth=NO_BOTTOM)
     effects = [effect for effect in scenario.effects_on_readings_too if isinstance(effect, DescentEffect)]
     history = sensor_history(dive, trials, float(log.fine[-1]), effects=effects, step=STEP)
     return DiveHistories((log,), history).readings(0.0)

@@ -10,14 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ndtri
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.legs.model_factory import check_cover
 from missionplan.diagnosis.scoring.ensemble import Ensemble, Noise, Part
 from missionplan.diagnosis.scoring.explanations import explained
 from missionplan.mission import Mission
-from missionplan.mission.schema.phases import TransitPhase
-from missionplan.mission.views import TransitMission
 from missionplan.phases.hooks import TransitEffect
 from missionplan.phases.transit.ground_velocity import GroundVelocity
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan
@@ -64,11 +62,10 @@ class LoggedLegs:
     """A mission's first transit along the legs of a log."""
 
     data: TransitData
-    phase: TransitPhase
 
     def errors(self, scenario: Scenario, effects: Sequence[TransitEffect], sources: "_Sources", trials: int) -> Array:
         """Position error on surfacing of each leg by the phase, without errors of fixes, shape (n, 2, trials) [m]."""
-        data, plan = self.data, scenario.transit_plan(self.phase)
+        data, plan = self.data, scenario.transit_plan(scenario.transit())
         environment = Environment(scenario.current, None, tuple(effects))
         normals = TransitNormals(sources.velocity, effects=sources.effects)
         found = np.zeros((data.n, 2, trials))
@@ -124,15 +121,14 @@ def leg_ensemble(data: TransitData, mission: Mission, seed: int) -> Ensemble:
     InputError
         When the mission has no transit or no navigation, or the log leaves the record of its current.
     """
-    phase = TransitMission.of(mission).transit()
     recorded = recorded_current(mission)
     means = Scenario.at_means(mission, recorded)
     if means.current is not None:
-        check_cover(data, means.current, float(np.mean(means[f"{phase.name}.depth"])), mission)
-    legs, parts = LoggedLegs(data, phase), []
+        check_cover(data, means.current, float(np.mean(means.transit().depth)), mission)
+    legs, parts = LoggedLegs(data), []
     for share, known in explained(mission):
-        drawn = Scenario.drawn(known, recorded, seed=seed, block=0, size=DRAWS)
-        trials = DRAWS if drawn.uncertain else 1
+        drawn = Scenario.at_means(known, recorded).sampled(seed=seed, block=0, size=DRAWS)
+        trials = DRAWS if drawn.draws else 1
         parts.append(Part(share, _expected(legs, drawn, trials), tuple(_noises(legs, drawn, trials))))
     error = data.end - data.dead_reckoned
     return Ensemble(error.T.ravel(), np.repeat(np.arange(data.n), 2), tuple(parts))
@@ -140,7 +136,7 @@ def leg_ensemble(data: TransitData, mission: Mission, seed: int) -> Ensemble:
 
 def _expected(legs: LoggedLegs, drawn: Scenario, trials: int) -> Array:
     """Expected errors in each draw, without any random error, shape (trials, 2n) [m]."""
-    effects, still = _linear(drawn.effects_under_way(legs.phase)), SingleLegs(legs.data.n, trials, None)
+    effects, still = _linear(drawn.effects_under_way(drawn.transit())), SingleLegs(legs.data.n, trials, None)
     errors = legs.errors(drawn, effects, _Sources(still, (still,) * len(effects)), trials)
     return errors.reshape(-1, trials).T
 
@@ -168,16 +164,16 @@ def _noises(legs: LoggedLegs, drawn: Scenario, trials: int) -> list[Noise]:
 
 def single_draw(drawn: Scenario, index: int) -> Scenario:
     """Return the mission as in one of its draws."""
-    draws = {
-        path: float(value[index]) if isinstance(value, np.ndarray) and value.ndim else value
-        for path, value in drawn.draws.items()
-    }
-    return replace(drawn, draws=draws)
+
+    def single(_: str, value: Scalars) -> Scalars:
+        return float(value[index]) if isinstance(value, np.ndarray) and value.ndim else value
+
+    return replace(drawn, drawn=drawn.drawn.mapped(single))
 
 
 def _noise(legs: LoggedLegs, scenario: Scenario) -> Noise:
     """Covariance of the random errors of all legs, and of their fixes."""
-    data, every = legs.data, scenario.effects_under_way(legs.phase)
+    data, every = legs.data, scenario.effects_under_way(scenario.transit())
     effects = _linear(every)
     random = [index for index, effect in enumerate(effects) if effect.is_random]
     trials = 2 * data.n * (1 + len(random)) + 1  # the last: no error at all

@@ -5,7 +5,6 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
 from missionplan.mission import Mission
-from missionplan.mission.views import TransitMission
 from missionplan.phases.transit.compensation import CompletedLeg, PlannedLeg
 from missionplan.phases.transit.kalman_filter import DriftFilter
 from missionplan.scenario.scenario import Scenario
@@ -17,9 +16,8 @@ def expected_by_vehicle(data: TransitData, mission: Mission) -> list[Array] | No
 
     The displacement at the surface that it expects after a leg is not part of the leg's error, and is left out.
     """
-    phase = TransitMission.of(mission).transit()
     scenario = Scenario.at_means(mission, recorded_current(mission))
-    compensation = scenario.compensation(phase)
+    compensation = scenario.compensation(scenario.transit())
     if compensation is None:
         return None
     found, last_run, memory = [], -1, compensation.begin(1)

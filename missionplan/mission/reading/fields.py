@@ -5,6 +5,7 @@ from typing import get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
+from typing_extensions import Doc
 
 from missionplan.errors import KeyPath
 from missionplan.mission.schema.quantities import OrWord
@@ -41,6 +42,11 @@ def sections_in(annotation: object) -> Iterator[type[BaseModel]]:
         yield annotation
     for inner in getattr(annotation, "__args__", ()):
         yield from sections_in(inner)
+
+
+def meaning_of(field: FieldInfo) -> str:
+    """What the key of a field means, in a few words; empty where its section says so."""
+    return next((each.documentation for each in field.metadata if isinstance(each, Doc)), "")
 
 
 def parsers_of(field: FieldInfo) -> list[QuantityParser]:

@@ -1,10 +1,12 @@
 """Effects of a mission as they are read: those that always hold, and explanations of which one holds."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any, Generic, cast
 
 from missionplan.errors import KeyPath
-from missionplan.montecarlo.distributions import ROUNDING, Quantity, WhichHolds
+from missionplan.mission.schema.section import V
+from missionplan.montecarlo.distributions import ROUNDING, WhichHolds
 from missionplan.montecarlo.draws import Correlation
 
 ONE_OF = "one-of"
@@ -12,7 +14,7 @@ ONE_OF = "one-of"
 
 
 @dataclass(frozen=True)
-class EffectEntry:
+class EffectEntry(Generic[V]):
     """One effect of the mission.
 
     Attributes
@@ -20,7 +22,7 @@ class EffectEntry:
     effect : str
         Its id in the catalogue.
     parameters : dict
-        Floats or distributions [SI].
+        Floats or distributions; drawn, floats or arrays [SI].
     path : tuple of (str or int)
         Where it stands in the file.
     explanation : (str, int) or None
@@ -28,7 +30,7 @@ class EffectEntry:
     """
 
     effect: str
-    parameters: dict[str, Quantity]
+    parameters: dict[str, V]
     path: KeyPath = ()
     explanation: tuple[str, int] | None = None
 
@@ -39,13 +41,19 @@ class EffectEntry:
             return f"effects.{self.effect}"
         return f"{self.explanation[0]}[{self.explanation[1]}].{self.effect}"
 
-    def quantities(self) -> dict[str, Quantity]:
-        """Return the parameters by their key paths."""
-        return {f"{self.place}.{name}": value for name, value in self.parameters.items()}
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Key paths of the parameters."""
+        return tuple(f"{self.place}.{name}" for name in self.parameters)
+
+    def mapped(self, change: Callable[[str, Any], Any]) -> "EffectEntry[Any]":
+        """Return the effect with its parameters changed, given their names and values."""
+        parameters = {name: change(f"{self.place}.{name}", value) for name, value in self.parameters.items()}
+        return replace(self, parameters=parameters)
 
 
 @dataclass(frozen=True)
-class Explanation:
+class Explanation(Generic[V]):
     """Effects that hold together, with a probability.
 
     Attributes
@@ -57,7 +65,7 @@ class Explanation:
     """
 
     probability: float
-    effects: tuple[EffectEntry, ...]
+    effects: tuple[EffectEntry[V], ...]
     correlations: tuple[Correlation, ...] = ()
 
     @property
@@ -67,7 +75,7 @@ class Explanation:
 
 
 @dataclass(frozen=True)
-class OneOf:
+class OneOf(Generic[V]):
     """Explanations of which one holds, or none with what their probabilities leave to 1.
 
     Attributes
@@ -77,11 +85,22 @@ class OneOf:
     explanations : tuple of Explanation
     known : int or None
         Number of the explanation that is taken to hold, or of them all for none; None: it is drawn.
+    drawn : float or array, shape (n,), or None
+        Number of the explanation that holds, once it is drawn.
     """
 
     place: str
-    explanations: tuple[Explanation, ...]
+    explanations: tuple[Explanation[V], ...]
     known: int | None = None
+    drawn: V | None = None
+
+    @property
+    def which(self) -> V:
+        """The number of the explanation that holds."""
+        if self.drawn is not None:
+            return self.drawn
+        which = WhichHolds(tuple(explanation.probability for explanation in self.explanations))
+        return cast("V", which if self.known is None else float(self.known))
 
     @property
     def probabilities(self) -> tuple[float, ...]:
@@ -96,14 +115,14 @@ class OneOf:
         found = tuple(explanation.causes for explanation in self.explanations)
         return (*found, ()) if len(self.probabilities) > len(found) else found
 
-    def quantities(self) -> dict[str, Quantity]:
-        """Return which one holds, and the parameters of every one, by their key paths."""
-        which = WhichHolds(tuple(explanation.probability for explanation in self.explanations))
-        found: dict[str, Quantity] = {self.place: which if self.known is None else float(self.known)}
-        for explanation in self.explanations:
-            for entry in explanation.effects:
-                found |= entry.quantities()
-        return found
+    def mapped(self, change: Callable[[str, Any], Any]) -> "OneOf[Any]":
+        """Return the list with which one holds and the parameters of every one changed, given names and values."""
+        which = change(self.place, self.which)
+        explanations = tuple(
+            replace(explanation, effects=tuple(entry.mapped(change) for entry in explanation.effects))
+            for explanation in self.explanations
+        )
+        return replace(self, explanations=explanations, drawn=which)
 
     def correlations(self) -> Iterator[Correlation]:
         """Yield the correlations by whole key paths."""
@@ -114,7 +133,7 @@ class OneOf:
 
 
 @dataclass(frozen=True)
-class EffectList:
+class EffectList(Generic[V]):
     """The whole section.
 
     Attributes
@@ -123,12 +142,12 @@ class EffectList:
         In the order of the file.
     """
 
-    items: tuple[EffectEntry | OneOf, ...] = ()
+    items: tuple[EffectEntry[V] | OneOf[V], ...] = ()
 
     @property
-    def entries(self) -> tuple[EffectEntry, ...]:
+    def entries(self) -> tuple[EffectEntry[V], ...]:
         """Every effect, those of explanations too."""
-        found: list[EffectEntry] = []
+        found: list[EffectEntry[V]] = []
         for item in self.items:
             inside = (
                 [item] if isinstance(item, EffectEntry) else [e for each in item.explanations for e in each.effects]
@@ -137,13 +156,13 @@ class EffectList:
         return tuple(found)
 
     @property
-    def known(self) -> tuple[EffectEntry, ...]:
+    def known(self) -> tuple[EffectEntry[V], ...]:
         """The effects that are known to hold: without those of explanations that may not."""
         known = {(item.place, item.known) for item in self.doubts}
         return tuple(entry for entry in self.entries if entry.explanation is None or entry.explanation in known)
 
     @property
-    def doubts(self) -> tuple[OneOf, ...]:
+    def doubts(self) -> tuple[OneOf[V], ...]:
         """The explanations of which one holds."""
         return tuple(item for item in self.items if isinstance(item, OneOf))
 
@@ -159,17 +178,14 @@ class EffectList:
             found[entry.place] = entry.place if name in found.values() else name
         return found
 
-    def quantities(self) -> dict[str, Quantity]:
-        """Return every parameter, and which explanations hold, by key path."""
-        found: dict[str, Quantity] = {}
-        for item in self.items:
-            found |= item.quantities()
-        return found
+    def mapped(self, change: Callable[[str, Any], Any]) -> "EffectList[Any]":
+        """Return the list with every parameter, and which explanations hold, changed, given names and values."""
+        return EffectList(tuple(item.mapped(change) for item in self.items))
 
-    def knowing(self, place: str, number: int) -> "EffectList":
+    def knowing(self, place: str, number: int) -> "EffectList[V]":
         """Return the list with the explanation of a number known to hold, of the `one-of` at a key path."""
         items = (
-            replace(item, known=number) if isinstance(item, OneOf) and item.place == place else item
+            replace(item, known=number, drawn=None) if isinstance(item, OneOf) and item.place == place else item
             for item in self.items
         )
         return EffectList(tuple(items))

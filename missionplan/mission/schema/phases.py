@@ -2,16 +2,18 @@
 
 import itertools
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Generic, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
+from typing_extensions import Doc
 
+from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, PhaseSection, invalid
+from missionplan.mission.schema.section import FileSection, PhaseSection, V, invalid
 from missionplan.mission.schema.site import Position
 from missionplan.mission.schema.transition import TransitionPhase
-from missionplan.montecarlo.distributions import Quantity
 
 _FORCE = QuantityParser("N", low=0.0, open_low=True)
 
@@ -30,7 +32,7 @@ class LegTableSection(FileSection):
 
 
 DMax = Annotated[
-    Annotated[q.PositiveLength, Tag("<length>")] | Annotated[LegTableSection, Tag("<table>")],
+    Annotated[q.PositiveLength[V], Tag("<length>")] | Annotated[LegTableSection, Tag("<table>")],
     Discriminator(lambda value: "<table>" if isinstance(value, LegTableSection) or _has_table(value) else "<length>"),
 ]
 
@@ -39,21 +41,35 @@ def _has_table(value: object) -> bool:
     return isinstance(value, dict) and "table" in value
 
 
-class TransitPhase(PhaseSection):
+class TransitPhase(PhaseSection, Generic[V]):
     """A transit by dead reckoning with surfacings; `speed` is nan where `shaft_rate` is given instead."""
 
     kind: Literal["transit"] = Field(default="transit", exclude=True)
     name: str = "transit"
-    start: Position | None = Field(default=None, alias="from")
-    to: Position
-    depth: q.Distance = 0.0
-    speed: q.PositiveSpeed = math.nan
-    shaft_rate: q.ShaftRate | None = None
-    d_max: DMax
-    arrival_radius: q.PositiveLength
+    start: Annotated[Position[V] | None, Doc("where it begins; without it, where the transit before went")] = Field(
+        default=None, alias="from"
+    )
+    to: Annotated[Position[V], Doc("goal, east and north of the origin, or by latitude and longitude")]
+    depth: Annotated[q.Distance[V], Doc("depth of the transit"), limits.DEPTH] = q.default(0.0)
+    speed: Annotated[q.PositiveSpeed[V], Doc("speed through the water"), limits.SPEED] = q.default(math.nan)
+    shaft_rate: Annotated[
+        q.ShaftRate[V] | None,
+        Doc("turns of the propeller, in place of a speed"),
+        Limit((0.0, 1050.0), (1.0, 320.0), "AUV propellers turn at 60 to 3000 rpm"),
+    ] = None
+    d_max: Annotated[
+        DMax[V],
+        Doc("longest leg, or leg lengths against distance left"),
+        Limit((1.0, 1e6), (5.0, 2e5), "a leg is longer than a vehicle, and than what it drifts"),
+    ]
+    arrival_radius: Annotated[
+        q.PositiveLength[V],
+        Doc("distance from the goal at which the transit has arrived"),
+        Limit((0.01, 50_000.0), (1.0, 2000.0), "a fix is good to 3 to 10 m"),
+    ]
 
     @model_validator(mode="after")
-    def _one_of_speed_and_shaft_rate(self) -> "TransitPhase":
+    def _one_of_speed_and_shaft_rate(self) -> Self:
         given = self.model_fields_set & {"speed", "shaft_rate"}
         if len(given) != 1:
             raise invalid("expected exactly one of speed and shaft_rate" if given else "missing", ("speed",))
@@ -66,34 +82,79 @@ DesignCurrent = Annotated[
 ]
 
 
-class MoorPhase(PhaseSection):
+class MoorPhase(PhaseSection, Generic[V]):
     """Anchor release, descent, hold, galvanic release and ascent."""
 
     kind: Literal["moor"] = Field(default="moor", exclude=True)
     name: str = "moor"
-    radius: q.PositiveLength
-    design_current: DesignCurrent | None = None
-    anchor_wet_weight: Annotated[Quantity | Literal["sized"], q.or_word(_FORCE, "sized")] = "sized"
-    line_length: q.PositiveLength
-    line_diameter: q.Distance = 0.0
-    line_stiffness: q.Stiffness | None = None
-    line_strength: q.Force | None = None
-    release_time: q.Duration = 0.0
-    hold: q.Duration = 0.0
-    galvanic_release: q.Duration = 0.0
+    radius: Annotated[
+        q.PositiveLength[V],
+        Doc("distance from the fix on arrival within which the anchor is to lie"),
+        Limit((0.1, 50_000.0), (1.0, 1000.0), "Briggs et al.: 75 ft"),
+    ]
+    design_current: Annotated[
+        DesignCurrent | None,
+        Doc("worst current, of the water or of each layer, for which the anchor is sized"),
+        limits.CURRENT,
+    ] = None
+    anchor_wet_weight: Annotated[
+        V | Literal["sized"],
+        q.or_word(_FORCE, "sized"),
+        Doc("weight of the flooded anchor in water; `sized`: for the worst current"),
+        Limit((1e-3, 100_000.0), (0.5, 5000.0), "Briggs et al.: 11.8 N for a 10 kg vehicle"),
+    ] = "sized"
+    line_length: Annotated[
+        q.PositiveLength[V],
+        Doc("length of the line between anchor and vehicle"),
+        Limit((0.01, 11_000.0), (0.3, 1000.0), "Briggs et al.: 5 m"),
+    ]
+    line_diameter: Annotated[
+        q.Distance[V],
+        Doc("diameter of the line; 0 without drag"),
+        Limit((0.0, 0.5), (5e-4, 0.05), "fishing line has 0.5 mm, a ship's mooring 50 mm"),
+    ] = q.default(0.0)
+    line_stiffness: Annotated[
+        q.Stiffness[V] | None,
+        Doc("force for a metre of stretch, from which the snatch follows"),
+        Limit(
+            (0.1, 1e9),
+            (50.0, 1e6),
+            "5 m of 4 mm cord: 5 kN/m in nylon, 200 kN/m in Dyneema; of shock cord 50 N/m",
+        ),
+    ] = None
+    line_strength: Annotated[
+        q.Force[V] | None,
+        Doc("force at which the line parts"),
+        Limit((0.1, 1e8), (20.0, 1e6), "2 mm cord bears 0.5 to 4 kN, a galvanic link 0.1 to 3 kN"),
+    ] = None
+    release_time: Annotated[
+        q.Duration[V],
+        Doc("time from the last fix until the anchor separates"),
+        Limit((0.0, limits.DAY), (0.0, 1800.0), "Briggs et al.: seconds"),
+    ] = q.default(0.0)
+    hold: Annotated[
+        q.Duration[V],
+        Doc("time on the bottom until the release is commanded"),
+        Limit((0.0, 730.0 * limits.DAY), (0.0, 90.0 * limits.DAY), "moorings are kept for days to months"),
+    ] = q.default(0.0)
+    galvanic_release: Annotated[
+        q.Duration[V],
+        Doc("time from that command until the link has corroded"),
+        Limit((0.0, 365.0 * limits.DAY), (0.0, 45.0 * limits.DAY), "galvanic links are made for hours to weeks"),
+    ] = q.default(0.0)
     carry_net_buoyancy: bool = False
     lateral: Literal["coupled", "uncoupled"] = "coupled"
 
 
-class PhaseEntry(FileSection):
+class PhaseEntry(FileSection, Generic[V]):
     """One item of `phases`: a single key, the kind of the phase."""
 
-    transit: TransitPhase | None = None
-    moor: MoorPhase | None = None
-    transition: TransitionPhase | None = None
+    transit: TransitPhase[V] | None = None
+    moor: MoorPhase[V] | None = None
+    transition: TransitionPhase[V] | None = None
 
     @model_validator(mode="after")
-    def _exactly_one(self) -> "PhaseEntry":
+    def _exactly_one(self) -> Self:
         if len(self.model_fields_set) != 1:
             raise invalid(f"expected one of the phases {', '.join(type(self).model_fields)} in each item")
         (kind,) = self.model_fields_set
@@ -101,15 +162,20 @@ class PhaseEntry(FileSection):
             raise invalid("given nothing, expected the keys of this phase", (kind,))
         return self
 
-    def keyed(self, key: str) -> "PhaseEntry":
+    def keyed(self, key: str) -> Self:
         """Return the item with another name of its phase in key paths."""
         phase = self.phase
         return self if phase.name == key else self.model_copy(update={phase.kind: phase.keyed(key)})
 
     @property
-    def phase(self) -> "Phase":
+    def kind(self) -> str:
+        """The key of the item."""
+        return self.phase.kind
+
+    @property
+    def phase(self) -> "Phase[V]":
         """The phase itself."""
         return next(phase for phase in (self.transit, self.moor, self.transition) if phase is not None)
 
 
-Phase = TransitPhase | MoorPhase | TransitionPhase
+Phase = TransitPhase[V] | MoorPhase[V] | TransitionPhase[V]

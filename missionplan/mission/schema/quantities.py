@@ -1,44 +1,51 @@
-"""Types of the quantities in mission files: each a float in SI or a distribution."""
+"""Types of the quantities in mission files: each a float in SI or a distribution; drawn, a float or an array."""
 
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import ReadBy, all_invalid
+from missionplan.mission.schema.section import ReadBy, V, all_invalid
 from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.distributions import Quantity
 
-Length = Annotated[Quantity, ReadBy(QuantityParser("m"))]
-Distance = Annotated[Quantity, ReadBy(QuantityParser("m", low=0.0))]
-PositiveLength = Annotated[Quantity, ReadBy(QuantityParser("m", low=0.0, open_low=True))]
+Length = Annotated[V, ReadBy(QuantityParser("m"))]
+Distance = Annotated[V, ReadBy(QuantityParser("m", low=0.0))]
+PositiveLength = Annotated[V, ReadBy(QuantityParser("m", low=0.0, open_low=True))]
 FixedLength = Annotated[float, ReadBy(QuantityParser("m", low=0.0, open_low=True, fixed=True))]
 FixedDistance = Annotated[float, ReadBy(QuantityParser("m", low=0.0, fixed=True))]
-SignedSpeed = Annotated[Quantity, ReadBy(QuantityParser("m/s"))]
-Speed = Annotated[Quantity, ReadBy(QuantityParser("m/s", low=0.0))]
-PositiveSpeed = Annotated[Quantity, ReadBy(QuantityParser("m/s", low=0.0, open_low=True))]
-ShaftRate = Annotated[Quantity, ReadBy(QuantityParser("rad/s", low=0.0, open_low=True))]
+SignedSpeed = Annotated[V, ReadBy(QuantityParser("m/s"))]
+Speed = Annotated[V, ReadBy(QuantityParser("m/s", low=0.0))]
+PositiveSpeed = Annotated[V, ReadBy(QuantityParser("m/s", low=0.0, open_low=True))]
+ShaftRate = Annotated[V, ReadBy(QuantityParser("rad/s", low=0.0, open_low=True))]
 FixedSpeed = Annotated[float, ReadBy(QuantityParser("m/s", low=0.0, fixed=True))]
 FixedVariance = Annotated[float, ReadBy(QuantityParser("m^2/s^2", fixed=True))]
-Duration = Annotated[Quantity, ReadBy(QuantityParser("s", low=0.0))]
-Force = Annotated[Quantity, ReadBy(QuantityParser("N", low=0.0, open_low=True))]
-SignedForce = Annotated[Quantity, ReadBy(QuantityParser("N"))]
-Stiffness = Annotated[Quantity, ReadBy(QuantityParser("N/m", low=0.0, open_low=True))]
-Mass = Annotated[Quantity, ReadBy(QuantityParser("kg", low=0.0, open_low=True))]
-MassPerLength = Annotated[Quantity, ReadBy(QuantityParser("kg/m", low=0.0, open_low=True))]
-Volume = Annotated[Quantity, ReadBy(QuantityParser("m^3", low=0.0))]
-Density = Annotated[Quantity, ReadBy(QuantityParser("kg/m^3", low=0.0, open_low=True))]
-WaterDensity = Annotated[Quantity, ReadBy(QuantityParser("kg/m^3", low=900.0, high=1300.0))]
-Viscosity = Annotated[Quantity, ReadBy(QuantityParser("m^2/s", low=1e-7, high=1e-4))]
-Temperature = Annotated[Quantity, ReadBy(QuantityParser("degC", low=-2.5, high=45.0))]
-Salinity = Annotated[Quantity, ReadBy(QuantityParser("", low=0.0, high=50.0))]
-Angle = Annotated[Quantity, ReadBy(QuantityParser("rad"))]
+Duration = Annotated[V, ReadBy(QuantityParser("s", low=0.0))]
+Force = Annotated[V, ReadBy(QuantityParser("N", low=0.0, open_low=True))]
+SignedForce = Annotated[V, ReadBy(QuantityParser("N"))]
+Stiffness = Annotated[V, ReadBy(QuantityParser("N/m", low=0.0, open_low=True))]
+Mass = Annotated[V, ReadBy(QuantityParser("kg", low=0.0, open_low=True))]
+MassPerLength = Annotated[V, ReadBy(QuantityParser("kg/m", low=0.0, open_low=True))]
+Volume = Annotated[V, ReadBy(QuantityParser("m^3", low=0.0))]
+Density = Annotated[V, ReadBy(QuantityParser("kg/m^3", low=0.0, open_low=True))]
+WaterDensity = Annotated[V, ReadBy(QuantityParser("kg/m^3", low=900.0, high=1300.0))]
+Viscosity = Annotated[V, ReadBy(QuantityParser("m^2/s", low=1e-7, high=1e-4))]
+Temperature = Annotated[V, ReadBy(QuantityParser("degC", low=-2.5, high=45.0))]
+Salinity = Annotated[V, ReadBy(QuantityParser("", low=0.0, high=50.0))]
+Angle = Annotated[V, ReadBy(QuantityParser("rad"))]
 FixedAngle = Annotated[float, ReadBy(QuantityParser("rad", fixed=True))]
-Power = Annotated[Quantity, ReadBy(QuantityParser("W", low=0.0))]
-Energy = Annotated[Quantity, ReadBy(QuantityParser("J", low=0.0))]
-PositiveNumber = Annotated[Quantity, ReadBy(QuantityParser("", low=0.0, open_low=True))]
-Number = Annotated[Quantity, ReadBy(QuantityParser("", low=0.0))]
-Efficiency = Annotated[Quantity, ReadBy(QuantityParser("", low=0.0, high=1.0, open_low=True))]
+Power = Annotated[V, ReadBy(QuantityParser("W", low=0.0))]
+Energy = Annotated[V, ReadBy(QuantityParser("J", low=0.0))]
+PositiveNumber = Annotated[V, ReadBy(QuantityParser("", low=0.0, open_low=True))]
+Number = Annotated[V, ReadBy(QuantityParser("", low=0.0))]
+Efficiency = Annotated[V, ReadBy(QuantityParser("", low=0.0, high=1.0, open_low=True))]
 Probability = Annotated[float, ReadBy(QuantityParser("", low=0.0, high=1.0, fixed=True))]
+
+
+def default(value: float | tuple[float, ...]) -> Any:  # whatever the quantities of a section are
+    """Return the field of a quantity that a file may leave out."""
+    return Field(default=value)
 
 
 @dataclass(frozen=True)

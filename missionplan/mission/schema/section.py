@@ -8,14 +8,23 @@ from typing import Annotated, Self
 from pydantic import BaseModel, ConfigDict, PrivateAttr
 from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import no_info_plain_validator_function
+from typing_extensions import TypeVar
 
 from missionplan.errors import KeyPath, LocalProblem, shown
+from missionplan.montecarlo.distributions import Quantity
+
+V = TypeVar("V", covariant=True, default=Quantity)
+"""What the quantities of a section are: as the file has them numbers or distributions; drawn, numbers or arrays."""
 
 
 class FileSection(BaseModel):
     """A mapping of a mission file: frozen, and unknown keys are errors."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True, arbitrary_types_allowed=True)
+
+    def __class_getitem__(cls, _: object) -> type[Self]:
+        """Return the class itself: what its quantities are is told to the type checker alone."""
+        return cls
 
 
 class PhaseSection(FileSection):

@@ -1,50 +1,63 @@
 """Where the mission is: origin, depth, water and current."""
 
+import math
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Generic, Literal, Self
 
 from pydantic import Discriminator, Tag, model_validator
+from typing_extensions import Doc
 
+from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.moment import Moment
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, ReadBy, invalid
-from missionplan.montecarlo.distributions import Quantity
+from missionplan.mission.schema.section import FileSection, ReadBy, V, invalid
 
 _FixedSignedSpeed = Annotated[float, ReadBy(QuantityParser("m/s", low=-12.0, high=12.0, fixed=True))]
 _LATITUDE = QuantityParser("rad", low=-1.5707964, high=1.5707964, fixed=True)
 Latitude = Annotated[float, ReadBy(_LATITUDE)]
-PositiveDuration = Annotated[Quantity, ReadBy(QuantityParser("s", low=0.0, open_low=True))]
+PositiveDuration = Annotated[V, ReadBy(QuantityParser("s", low=0.0, open_low=True))]
 Weight = Annotated[float, ReadBy(QuantityParser("", low=0.0, fixed=True))]
-SlopeAngle = Annotated[Quantity, ReadBy(QuantityParser("rad", low=0.0, high=1.0))]
+SlopeAngle = Annotated[V, ReadBy(QuantityParser("rad", low=0.0, high=1.0))]
 """Steeper than 57° is a cliff, on which nothing lies."""
 
 
 class Geographic(FileSection):
     """A point by latitude and longitude, WGS 84 [rad]."""
 
-    latitude: Latitude
-    longitude: q.FixedAngle
+    latitude: Annotated[Latitude, Doc("latitude, WGS 84")]
+    longitude: Annotated[q.FixedAngle, Doc("longitude, WGS 84")]
 
 
-Planar = Annotated[tuple[q.Length, q.Length], Tag("<planar>")]
+Planar = Annotated[tuple[q.Length[V], q.Length[V]], Tag("<planar>")]
 Position = Annotated[
-    Planar | Annotated[Geographic, Tag("<geographic>")],
+    Planar[V] | Annotated[Geographic, Tag("<geographic>")],
     Discriminator(lambda value: "<geographic>" if isinstance(value, dict | Geographic) else "<planar>"),
 ]
 """East and north of the origin [m], or latitude and longitude."""
 
 
-class WaterSection(FileSection):
+class WaterSection(FileSection, Generic[V]):
     """Water, by temperature and practical salinity, or by density and viscosity."""
 
-    temperature: q.Temperature | None = None
-    salinity: q.Salinity | None = None
-    density: q.WaterDensity | None = None
-    viscosity: q.Viscosity | None = None
+    temperature: Annotated[q.Temperature[V] | None, Doc("temperature of the water")] = None
+    salinity: Annotated[
+        q.Salinity[V] | None, Doc("practical salinity"), Limit((0.0, math.inf), (0.0, 42.0), "the Red Sea has 41")
+    ] = None
+    density: Annotated[
+        q.WaterDensity[V] | None,
+        Doc("density of the water"),
+        Limit((0.0, math.inf), (990.0, 1060.0), "fresh 998, ocean 1020 to 1050 kg/m^3"),
+    ] = None
+    viscosity: Annotated[
+        q.Viscosity[V] | None,
+        Doc("kinematic viscosity of the water"),
+        Limit((0.0, math.inf), (5e-7, 2.2e-6), "1.8e-6 m^2/s at 0 degC, 0.6e-6 at 45"),
+    ] = None
 
     @model_validator(mode="after")
-    def _one_pair(self) -> "WaterSection":
+    def _one_pair(self) -> Self:
         by_state = self.temperature is not None and self.salinity is not None
         by_value = self.density is not None and self.viscosity is not None
         given = sum(value is not None for value in (self.temperature, self.salinity, self.density, self.viscosity))
@@ -53,23 +66,35 @@ class WaterSection(FileSection):
         return self
 
 
-class CurrentLayer(FileSection):
-    """A layer of the current, from the layer above down to `down_to`; `toward` is clockwise from north."""
+class CurrentLayer(FileSection, Generic[V]):
+    """A layer of the current, below the layer above."""
 
-    down_to: q.PositiveLength
-    speed: q.SignedSpeed
-    toward: q.Angle
-
-
-class ForecastError(FileSection):
-    """Error of a forecast on each axis: its standard deviation, and over what time and length it is forgotten."""
-
-    sigma: q.Speed
-    time: PositiveDuration
-    length: q.PositiveLength | None = None
+    down_to: Annotated[q.PositiveLength[V], Doc("lower end of the layer"), limits.DEPTH]
+    speed: Annotated[q.SignedSpeed[V], Doc("speed of the layer"), limits.CURRENT]
+    toward: Annotated[q.Angle[V], Doc("direction towards which it flows, clockwise from north")]
 
 
-class CurrentFile(FileSection):
+class ForecastError(FileSection, Generic[V]):
+    """Error of a forecast on each axis."""
+
+    sigma: Annotated[
+        q.Speed[V],
+        Doc("standard deviation of the forecast's error on each axis"),
+        Limit((0.0, 3.0), (0.005, 0.5), "forecasts err by 0.02 to 0.3 m/s on each axis"),
+    ]
+    time: Annotated[
+        PositiveDuration[V],
+        Doc("time over which the error is forgotten"),
+        Limit((60.0, 1e7), (600.0, 30.0 * limits.DAY), "eddies last hours to weeks"),
+    ]
+    length: Annotated[
+        q.PositiveLength[V] | None,
+        Doc("length over which the error is forgotten"),
+        Limit((10.0, 1e6), (200.0, 3e5), "eddies are 1 km to 200 km across"),
+    ] = None
+
+
+class CurrentFile(FileSection, Generic[V]):
     """A current read from files: a CSV record, or the NetCDF field of an ocean model.
 
     `file` is a path, a pattern (``forecast-*.nc``) or an OPeNDAP address. `projection` is that of a field whose
@@ -85,7 +110,7 @@ class CurrentFile(FileSection):
     start: Moment | None = None
     projection: str | None = None
     outside: Literal["error", "hold", "zero"] = "error"
-    error: ForecastError | None = None
+    error: ForecastError[V] | None = None
 
     @property
     def members(self) -> tuple[str, ...]:
@@ -93,7 +118,7 @@ class CurrentFile(FileSection):
         return (self.file,) if isinstance(self.file, str) else self.file
 
     @model_validator(mode="after")
-    def _weighted(self) -> "CurrentFile":
+    def _weighted(self) -> Self:
         if isinstance(self.file, tuple) and len(self.file) < 2:
             raise invalid("an ensemble has two members or more; a single file is no list", ("file",))
         if self.weights is not None:
@@ -105,24 +130,23 @@ class CurrentFile(FileSection):
 
 
 class TidalConstituent(FileSection):
-    """An ellipse: semi-axes, direction of the major one, and the lag behind the equilibrium tide at Greenwich.
-
-    A negative minor axis turns clockwise.
-    """
+    """The ellipse of a constituent."""
 
     name: str
-    major: q.FixedSpeed
-    minor: _FixedSignedSpeed = 0.0
-    toward: q.FixedAngle
-    phase: q.FixedAngle
+    major: Annotated[q.FixedSpeed, Doc("major semi-axis of the ellipse"), limits.CURRENT]
+    minor: Annotated[
+        _FixedSignedSpeed, Doc("minor semi-axis; negative where the current turns clockwise"), limits.CURRENT
+    ] = 0.0
+    toward: Annotated[q.FixedAngle, Doc("direction of the major axis, clockwise from north")]
+    phase: Annotated[q.FixedAngle, Doc("lag behind the equilibrium tide at Greenwich")]
 
 
 class TideAtDepth(FileSection):
     """The tide at one depth, and the mean current there."""
 
-    depth: q.FixedDistance
-    east: _FixedSignedSpeed = 0.0
-    north: _FixedSignedSpeed = 0.0
+    depth: Annotated[q.FixedDistance, Doc("depth of these tides"), limits.DEPTH]
+    east: Annotated[_FixedSignedSpeed, Doc("mean current towards the east there"), limits.CURRENT] = 0.0
+    north: Annotated[_FixedSignedSpeed, Doc("mean current towards the north there"), limits.CURRENT] = 0.0
     constituents: tuple[TidalConstituent, ...]
 
 
@@ -141,12 +165,12 @@ class TideSection(FileSection):
         return self
 
 
-class TidalCurrent(FileSection):
+class TidalCurrent(FileSection, Generic[V]):
     """A current forecast from tidal constituents; `outside`: above and below their depths; `error`: its error."""
 
     tide: TideSection
     outside: Literal["error", "hold", "zero"] = "error"
-    error: ForecastError | None = None
+    error: ForecastError[V] | None = None
 
 
 def _current_tag(value: object) -> str:
@@ -155,34 +179,43 @@ def _current_tag(value: object) -> str:
     return "<file>" if isinstance(value, dict | CurrentFile) else "<layers>"
 
 
-CurrentSource = Annotated[
-    Annotated[tuple[CurrentLayer, ...], Tag("<layers>")]
-    | Annotated[CurrentFile, Tag("<file>")]
-    | Annotated[TidalCurrent, Tag("<tide>")],
-    Discriminator(_current_tag),
-]
+class SlopeSection(FileSection, Generic[V]):
+    """Slope of the seafloor about the mooring."""
+
+    angle: Annotated[
+        SlopeAngle[V],
+        Doc("angle of the seafloor with the horizontal"),
+        Limit((0.0, 1.0), (0.0, 0.35), "sand lies no steeper than 0.6 rad (35 deg)"),
+    ]
+    toward: Annotated[q.Angle[V], Doc("direction towards which the seafloor falls, clockwise from north")]
 
 
-class SlopeSection(FileSection):
-    """Slope of the seafloor about the mooring; it falls `toward`, clockwise from north."""
-
-    angle: SlopeAngle
-    toward: q.Angle
-
-
-class Site(FileSection):
-    """Site of the mission; `roughness` is z₀ of the seafloor, `chart` a file drawn behind the map."""
+class Site(FileSection, Generic[V]):
+    """Site of the mission; `chart` is a file drawn behind the map."""
 
     origin: Geographic | None = None
-    depth: q.PositiveLength | None = None
-    water: WaterSection | None = None
-    current: CurrentSource = ()
-    slope: SlopeSection | None = None
-    roughness: q.PositiveLength | None = None
+    depth: Annotated[
+        q.PositiveLength[V] | None,
+        Doc("depth of the water at the mooring"),
+        Limit((0.1, 11_000.0), (1.0, 6000.0), limits.DEPTH.source),
+    ] = None
+    water: WaterSection[V] | None = None
+    current: Annotated[
+        Annotated[tuple[CurrentLayer[V], ...], Tag("<layers>")]
+        | Annotated[CurrentFile[V], Tag("<file>")]
+        | Annotated[TidalCurrent[V], Tag("<tide>")],
+        Discriminator(_current_tag),
+    ] = ()
+    slope: SlopeSection[V] | None = None
+    roughness: Annotated[
+        q.PositiveLength[V] | None,
+        Doc("z₀ of the seafloor, for the current near it"),
+        Limit((1e-7, 1.0), (1e-5, 0.03), "Soulsby 1997: 0.05 mm silt, 6 mm rippled sand"),
+    ] = None
     chart: str | None = None
 
     @model_validator(mode="after")
-    def _chart_has_a_place(self) -> "Site":
+    def _chart_has_a_place(self) -> Self:
         if self.chart is None:
             return self
         if not self.chart.lower().endswith((".json", ".geojson", ".tif", ".tiff")):

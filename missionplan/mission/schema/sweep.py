@@ -4,9 +4,12 @@ from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from typing_extensions import Doc
 
 from missionplan.arrays import Array
+from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import FileSection, invalid
 from missionplan.montecarlo.distributions import Quantity
@@ -42,8 +45,14 @@ SweepDMax = Annotated[
 class SweepSection(FileSection):
     """Values that `sweep-dmax` tries, and on which transit."""
 
-    d_max: SweepDMax = SweepGrid.model_validate({"from": 0.02, "to": 1.0, "points": 99, "of": "distance"})
-    sigma: tuple[q.FixedSpeed, ...] | None = None
+    d_max: Annotated[
+        SweepDMax,
+        Doc("leg lengths that are tried"),
+        Limit((1.0, 1e6), (1.0, 2e5), "500 km is the greatest distance from the origin"),
+    ] = SweepGrid.model_validate({"from": 0.02, "to": 1.0, "points": 99, "of": "distance"})
+    sigma: Annotated[
+        tuple[q.FixedSpeed, ...] | None, Doc("velocity errors, σ_v, of which each is swept"), limits.SIGMA
+    ] = None
     phase: str | None = None
 
     def d_max_values(self, distance: float) -> Array:

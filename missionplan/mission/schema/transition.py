@@ -1,13 +1,15 @@
 """The transition from survey speed to hover: derivatives, controls, tunnel thrusters, and the phase."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Generic, Literal
 
 from pydantic import Field, model_validator
+from typing_extensions import Doc
 
+from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantities as q
+from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, PhaseSection, ReadBy, invalid
-from missionplan.montecarlo.distributions import Quantity
+from missionplan.mission.schema.section import FileSection, PhaseSection, ReadBy, V, invalid
 
 
 def _fixed(unit: str, low: float | None = 0.0, *, open_low: bool = False, high: float | None = None) -> ReadBy:
@@ -67,10 +69,10 @@ class DerivativesSection(FileSection):
         return self
 
 
-class CentreOfGravity(FileSection):
+class CentreOfGravity(FileSection, Generic[V]):
     """Centre of gravity from the centre of buoyancy."""
 
-    ahead: q.Length = 0.0
+    ahead: q.Length[V] = q.default(0.0)
     below: Annotated[float, _fixed("m", open_low=True)]
 
 
@@ -97,11 +99,11 @@ class ThrusterController(FileSection):
     pair_lead: _Time = 0.0
 
 
-class Manoeuvring(FileSection):
+class Manoeuvring(FileSection, Generic[V]):
     """Dynamics in the vertical plane, and controls."""
 
     inertia: Annotated[float, _fixed("kg*m^2", open_low=True)]
-    centre_of_gravity: CentreOfGravity
+    centre_of_gravity: CentreOfGravity[V]
     derivatives: DerivativesSection
     propeller: tuple[_Plain, _Plain, _Plain]
     speed_gain: _Positive
@@ -109,16 +111,24 @@ class Manoeuvring(FileSection):
     thruster_control: ThrusterController
 
 
-class TunnelThrusterSection(FileSection):
-    """A tunnel thruster; `position` ahead of the centre of buoyancy."""
+class TunnelThrusterSection(FileSection, Generic[V]):
+    """A tunnel thruster."""
 
     name: str = "tunnel thruster"
-    diameter: q.FixedLength
-    thrust_constant: Annotated[Quantity, ReadBy(QuantityParser("N*s^2", low=0.0, open_low=True))]
-    decay: q.PositiveNumber
-    position: _Lever = 0.0
-    suction_gradient: Annotated[float, _fixed("")] = 0.0
-    suction_offset: _Lever = 0.0
+    diameter: Annotated[
+        q.FixedLength,
+        Doc("diameter of the tunnel"),
+        Limit((5e-3, 5.0), (0.02, 1.5), "tunnels are 0.05 m to 0.3 m across"),
+    ]
+    thrust_constant: Annotated[
+        V, ReadBy(QuantityParser("N*s^2", low=0.0, open_low=True)), Doc("thrust over shaft rate squared, without way")
+    ]
+    decay: Annotated[q.PositiveNumber[V], Doc("how fast thrust goes with the speed ahead")]
+    position: Annotated[_Lever, Doc("distance ahead of the centre of buoyancy")] = 0.0
+    suction_gradient: Annotated[
+        float, _fixed(""), Doc("k of Eq. 6: the centre of suction lies k D u/u_j aft of the thruster")
+    ] = 0.0
+    suction_offset: Annotated[_Lever, Doc("distance of the centre of suction aft of the thruster at any speed")] = 0.0
 
 
 class TransitionGrid(FileSection):
@@ -145,15 +155,30 @@ class TransitionGrid(FileSection):
         return self
 
 
-class TransitionPhase(PhaseSection):
+class TransitionPhase(PhaseSection, Generic[V]):
     """From survey speed to hover; `suction_moment`: whether the thrusters' suction pitches the vehicle."""
 
     kind: Literal["transition"] = Field(default="transition", exclude=True)
     name: str = "transition"
-    start_speed: Annotated[float, _fixed("m/s", open_low=True)]
-    deceleration: Annotated[Quantity, Deceleration]
-    mid_speed: q.PositiveSpeed
-    steepness: q.PositiveSpeed
+    start_speed: Annotated[
+        float, _fixed("m/s", open_low=True), Doc("speed at which the manoeuvre begins"), limits.SPEED
+    ]
+    deceleration: Annotated[
+        V,
+        Deceleration,
+        Doc("rate at which the speed is reduced"),
+        Limit((0.0, 10.0), (1e-4, 0.5), "Palmer et al.: 0.005 to 0.015 m/s^2"),
+    ]
+    mid_speed: Annotated[
+        q.PositiveSpeed[V],
+        Doc("speed at which the thrusters take over half of the control"),
+        Limit((0.0, 10.0), (0.05, 3.2), limits.SPEED.source),
+    ]
+    steepness: Annotated[q.PositiveSpeed[V], Doc("width in speed of that hand-over")]
     suction_moment: bool = True
-    settle: _PositiveTime = 200.0
+    settle: Annotated[
+        _PositiveTime,
+        Doc("time that is simulated after the speed has reached zero"),
+        Limit((0.0, limits.DAY), (1.0, 2 * limits.HOUR), "hover is reached in minutes"),
+    ] = 200.0
     sweep: TransitionGrid = TransitionGrid()

@@ -1,128 +1,223 @@
 """Vehicle files: hull, sail, mass and buoyancy, anchor, energy. Everything in SI once validated."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Generic, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
+from typing_extensions import Doc
 
+from missionplan.mission.schema import limits
 from missionplan.mission.schema import quantities as q
-from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, Thruster
+from missionplan.mission.schema.identified import MeasuredAddedMass, MeasuredDrag, Propulsion, StaticThruster
+from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
-from missionplan.mission.schema.section import FileSection, invalid
-from missionplan.mission.schema.transition import Manoeuvring
-from missionplan.montecarlo.distributions import Quantity
+from missionplan.mission.schema.section import FileSection, V, invalid
+from missionplan.mission.schema.transition import Manoeuvring, TunnelThrusterSection
 
 _FORM_FACTOR = QuantityParser("", low=0.0, open_low=True)
 
 
-class HullSection(FileSection):
+class HullSection(FileSection, Generic[V]):
     """The egress vehicle's body: a cylinder with hemispherical ends."""
 
-    length: q.PositiveLength
-    diameter: q.PositiveLength
-    form_factor: Annotated[Quantity | Literal["briggs", "hoerner"], q.or_word(_FORM_FACTOR, "briggs", "hoerner")] = (
-        "briggs"
-    )
-    added_mass: q.Number | None = None
-    crossflow_drag: q.PositiveNumber | None = None
+    length: Annotated[q.PositiveLength[V], Doc("length over all without the anchor"), limits.LENGTH]
+    diameter: Annotated[q.PositiveLength[V], Doc("largest diameter"), limits.DIAMETER]
+    form_factor: Annotated[
+        V | Literal["briggs", "hoerner"],
+        q.or_word(_FORM_FACTOR, "briggs", "hoerner"),
+        Doc("constant of the form drag, or whose it is"),
+        Limit((1e-3, 100.0), (0.2, 5.0), "Hoerner 1, Briggs et al. 2.64"),
+    ] = "briggs"
+    added_mass: Annotated[
+        q.Number[V] | None,
+        Doc("added mass in surge over the displaced mass"),
+        Limit((0.0, 10.0), (0.0, 1.0), "Lamb: 0.5 for a sphere, less for what is longer"),
+    ] = None
+    crossflow_drag: Annotated[
+        q.PositiveNumber[V] | None,
+        Doc("drag coefficient across the hull on length times diameter, fins included"),
+        Limit((0.05, 10.0), (0.3, 2.0), "Hoerner: 0.3 beyond the drag crisis, 1.2 below"),
+    ] = None
 
 
-class SailSection(FileSection):
+class SailSection(FileSection, Generic[V]):
     """The sail, a small airfoil."""
 
-    chord: q.PositiveLength
-    span: q.PositiveLength
-    thickness: q.PositiveLength
+    chord: Annotated[q.PositiveLength[V], Doc("chord of the sail"), limits.FIN]
+    span: Annotated[q.PositiveLength[V], Doc("span of the sail"), limits.FIN]
+    thickness: Annotated[
+        q.PositiveLength[V],
+        Doc("thickness of the sail"),
+        Limit((1e-4, 10.0), (1e-3, 1.0), "a sail is thinner than its chord"),
+    ]
 
 
-class Front(FileSection):
-    """Machined front of the anchor; `centre` from the anchor's tip."""
+class Front(FileSection, Generic[V]):
+    """Machined front of the anchor."""
 
-    mass: q.Mass
-    density: q.Density
-    centre: q.Distance
+    mass: Annotated[q.Mass[V], Doc("mass of the front"), limits.PART_MASS]
+    density: Annotated[q.Density[V], Doc("density of its material"), limits.DENSITY]
+    centre: Annotated[q.Distance[V], Doc("distance of its centre from the anchor's tip")]
 
 
-class Tube(FileSection):
+class Tube(FileSection, Generic[V]):
     """Tube between front and back; its length follows from the wet weight."""
 
-    mass_per_length: q.MassPerLength
-    density: q.Density
+    mass_per_length: Annotated[q.MassPerLength[V], Doc("mass of a metre of tube")]
+    density: Annotated[q.Density[V], Doc("density of the tube's material"), limits.DENSITY]
 
 
-class Back(FileSection):
-    """Machined back of the anchor; `centre_from_back` from the end of the tube."""
+class Back(FileSection, Generic[V]):
+    """Machined back of the anchor."""
 
-    mass: q.Mass
-    density: q.Density
-    centre_from_back: q.Distance
+    mass: Annotated[q.Mass[V], Doc("mass of the back"), limits.PART_MASS]
+    density: Annotated[q.Density[V], Doc("density of its material"), limits.DENSITY]
+    centre_from_back: Annotated[q.Distance[V], Doc("distance of its centre from the end of the tube")]
 
 
-class TrimSection(FileSection):
+class TrimSection(FileSection, Generic[V]):
     """Trim ring; its mass and position follow from the wet weight."""
 
-    density: q.Density
+    density: Annotated[
+        q.Density[V],
+        Doc("density of the trim ring"),
+        Limit(
+            (1100.0, 23_000.0),
+            (2000.0, 20_000.0),
+            "a ring lighter than water adds no wet weight; brass 8500",
+        ),
+    ]
 
 
-class ConstructionSection(FileSection):
+class ConstructionSection(FileSection, Generic[V]):
     """Parts and materials of the anchor."""
 
-    front: Front
-    tube: Tube
-    back: Back
-    trim: TrimSection
+    front: Front[V]
+    tube: Tube[V]
+    back: Back[V]
+    trim: TrimSection[V]
 
 
-class Anchor(FileSection):
+class Anchor(FileSection, Generic[V]):
     """The anchor, the vehicle's false nose until it is released."""
 
-    diameter: q.PositiveLength
-    drag_coefficient: q.PositiveNumber = 0.2
-    overlap_volume: q.Volume = 0.0
-    flooded_mass: q.Mass | None = None
-    added_mass: q.Mass | None = None
-    construction: ConstructionSection | None = None
-    holding_factor: q.PositiveNumber | None = None
-    flooding_time: q.Duration | None = None
-    premature_flooding: q.Probability = 0.0
+    diameter: Annotated[q.PositiveLength[V], Doc("diameter of the anchor"), limits.DIAMETER]
+    drag_coefficient: Annotated[
+        q.PositiveNumber[V],
+        Doc("drag coefficient on the frontal area"),
+        Limit((1e-3, 20.0), (0.05, 2.0), "Hoerner: 0.2 rounded, 1.2 flat"),
+    ] = q.default(0.2)
+    overlap_volume: Annotated[
+        q.Volume[V],
+        Doc("volume of the vehicle's nose inside the anchor"),
+        Limit((0.0, 10.0), (0.0, 0.5), "a part of the anchor's own volume"),
+    ] = q.default(0.0)
+    flooded_mass: Annotated[
+        q.Mass[V] | None,
+        Doc("mass with the water inside"),
+        Limit((1e-3, 20_000.0), (0.05, 2000.0), "Briggs et al.: 2.8 kg"),
+    ] = None
+    added_mass: Annotated[
+        q.Mass[V] | None,
+        Doc("added mass of the sinking anchor"),
+        Limit((1e-6, 20_000.0), (1e-3, 2000.0), "less than the water it displaces"),
+    ] = None
+    construction: ConstructionSection[V] | None = None
+    holding_factor: Annotated[
+        q.PositiveNumber[V] | None,
+        Doc("force that holds the anchor over that with which it presses on the seafloor"),
+        Limit(
+            (1e-3, 100.0),
+            (0.1, 1.5),
+            "DNV-RP-F109: 0.2 on clay, 0.6 on sand; one that digs in holds more than its weight",
+        ),
+    ] = None
+    flooding_time: Annotated[
+        q.Duration[V] | None,
+        Doc("time from the separation until the anchor is full of water"),
+        Limit((0.0, limits.HOUR), (0.0, 120.0), "1 L enters through a hole of 8 mm in 20 s"),
+    ] = None
+    premature_flooding: Annotated[
+        q.Probability, Doc("probability that it floods before its release and sinks the vehicle nose first")
+    ] = 0.0
 
 
-class Centre(FileSection):
-    """A centre of the egress vehicle: distance aft of the nose's tip, and below the axis."""
+class Centre(FileSection, Generic[V]):
+    """A centre of the egress vehicle."""
 
-    from_nose: q.Distance
-    below_axis: q.Length = 0.0
+    from_nose: Annotated[q.Distance[V], Doc("distance aft of the nose's tip"), limits.CENTRE]
+    below_axis: Annotated[q.Length[V], Doc("distance below the hull's axis"), limits.OFF_AXIS] = q.default(0.0)
 
 
-class EnergyBudget(FileSection):
+class EnergyBudget(FileSection, Generic[V]):
     """Hotel load over all time, propulsion under way, each surfacing, and the energy in the battery."""
 
-    hotel: q.Power = 0.0
-    propulsive_efficiency: q.Efficiency = 0.45
-    surfacing: q.Energy = 0.0
-    capacity: q.Energy | None = None
+    hotel: Annotated[
+        q.Power[V],
+        Doc("power at all times besides propulsion"),
+        Limit((0.0, 100_000.0), (0.0, 3000.0), "AUVs draw 1 W to 1 kW besides propulsion"),
+    ] = q.default(0.0)
+    propulsive_efficiency: Annotated[
+        q.Efficiency[V],
+        Doc("thrust times speed over the electrical power of propulsion"),
+        Limit((1e-3, 1.0), (0.05, 0.9), "small propellers reach 0.3 to 0.7"),
+    ] = q.default(0.45)
+    surfacing: Annotated[
+        q.Energy[V],
+        Doc("energy of a surfacing besides its time"),
+        Limit((0.0, 1e5), (0.0, 100.0), "a fix and a message take a fraction of a W h", unit="W*h"),
+    ] = q.default(0.0)
+    capacity: Annotated[
+        q.Energy[V] | None,
+        Doc("energy in the battery"),
+        Limit(
+            (0.0, 1e8), (1.0, 2e6), "batteries of AUVs hold 50 W h to 100 kW h, the largest 18 MW h of fuel", unit="W*h"
+        ),
+    ] = None
 
 
-class Vehicle(FileSection):
+def _kind(value: object) -> str:
+    tunnel = isinstance(value, TunnelThrusterSection) or (isinstance(value, dict) and "diameter" in value)
+    return "<tunnel>" if tunnel else "<static>"
+
+
+class Vehicle(FileSection, Generic[V]):
     """A vehicle file."""
 
     name: str = ""
-    hull: HullSection
-    sail: SailSection | None = None
-    appendage_factor: q.PositiveNumber = 1.0
-    mass: q.Mass | None = None
-    net_buoyancy: q.SignedForce = 0.0
-    centre_of_gravity: Centre | None = None
-    centre_of_buoyancy: Centre | None = None
-    anchor: Anchor | None = None
-    energy: EnergyBudget | None = Field(default=None)
-    manoeuvring: Manoeuvring | None = None
-    drag: MeasuredDrag | None = None
-    added_mass: MeasuredAddedMass | None = None
-    propulsion: Propulsion | None = None
-    thrusters: tuple[Thruster, ...] = ()
+    hull: HullSection[V]
+    sail: SailSection[V] | None = None
+    appendage_factor: Annotated[
+        q.PositiveNumber[V],
+        Doc("drag with all appendages over that of hull and sail"),
+        Limit((0.1, 20.0), (1.0, 3.0), "Briggs et al., Eq. 13: 1.25"),
+    ] = q.default(1.0)
+    mass: Annotated[q.Mass[V] | None, Doc("mass in air without the anchor"), limits.MASS] = None
+    net_buoyancy: Annotated[q.SignedForce[V], Doc("buoyancy less weight without the anchor")] = q.default(0.0)
+    centre_of_gravity: Centre[V] | None = None
+    centre_of_buoyancy: Centre[V] | None = None
+    anchor: Anchor[V] | None = None
+    energy: EnergyBudget[V] | None = Field(default=None)
+    manoeuvring: Manoeuvring[V] | None = None
+    drag: MeasuredDrag[V] | None = None
+    added_mass: MeasuredAddedMass[V] | None = None
+    propulsion: Propulsion[V] | None = None
+    thrusters: tuple[
+        Annotated[
+            Annotated[TunnelThrusterSection[V], Tag("<tunnel>")] | Annotated[StaticThruster[V], Tag("<static>")],
+            Discriminator(_kind),
+        ],
+        ...,
+    ] = ()
+
+    @property
+    def centres(self) -> tuple[Centre[V], Centre[V]] | None:
+        """Centres of gravity and of buoyancy; None where the file gives none."""
+        if self.centre_of_gravity is None or self.centre_of_buoyancy is None:
+            return None
+        return self.centre_of_gravity, self.centre_of_buoyancy
 
     @model_validator(mode="after")
-    def _both_centres(self) -> "Vehicle":
+    def _both_centres(self) -> Self:
         missing = [key for key in ("centre_of_gravity", "centre_of_buoyancy") if getattr(self, key) is None]
         if len(missing) == 1:
             raise invalid("missing; the centres of gravity and of buoyancy are given together", (missing[0],))

@@ -1,7 +1,5 @@
 """The current of a block of trials: a recorded one or a member of an ensemble, with the error expected of it."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from missionplan.arrays import Scalars
@@ -18,13 +16,10 @@ MEMBER = "site.current.member"
 """Name of which member of an ensemble a trial sails in, and of its stream."""
 
 
-def error_statistics(mission: Mission, draws: Mapping[str, Scalars]) -> Statistics | None:
+def error_statistics(mission: Mission[Scalars]) -> Statistics | None:
     """Return the statistics of a forecast's error, as drawn; None where the mission expects none."""
     error = forecast_error(mission)
-    if error is None:
-        return None
-    length = draws[f"{ERROR}.length"] if error.length is not None else None
-    return Statistics(draws[f"{ERROR}.sigma"], draws[f"{ERROR}.time"], length)
+    return None if error is None else Statistics(error.sigma, error.time, error.length)
 
 
 def with_member(recorded: Current, source: NormalSource, size: int) -> Current:

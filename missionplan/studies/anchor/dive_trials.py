@@ -6,7 +6,7 @@ from functools import partial, reduce
 import numpy as np
 
 from missionplan.mission import Mission
-from missionplan.mission.schema.phases import MoorPhase
+from missionplan.mission.views import MooringMission
 from missionplan.montecarlo.parallel.blocks import Backend, Progress, run_blocks
 from missionplan.montecarlo.statistics import Count, RunningStatistic
 from missionplan.montecarlo.streams import block_count, block_size, stream
@@ -15,7 +15,7 @@ from missionplan.phases.hooks import surface_velocity
 from missionplan.phases.mooring.descent import descend
 from missionplan.phases.mooring.hold import hold_vehicle, lifted
 from missionplan.results.mooring.sized_anchor import DiveProbabilities
-from missionplan.scenario.held_vehicle import HOLDING_GIVEN, hold_of
+from missionplan.scenario.held_vehicle import hold_of
 from missionplan.scenario.mooring import dive_of, is_too_shallow, start_of
 from missionplan.scenario.scenario import STILL_WATER, Scenario
 
@@ -64,7 +64,8 @@ class AnchorTrials:
     Attributes
     ----------
     mission : Mission
-    phase : MoorPhase
+    phase : str
+        The mooring's name.
     recorded : Current or None
         The site's current where the mission reads it from a file.
     trials, seed : int
@@ -72,7 +73,7 @@ class AnchorTrials:
     """
 
     mission: Mission
-    phase: MoorPhase
+    phase: str
     recorded: Current | None
     trials: int
     seed: int
@@ -81,7 +82,7 @@ class AnchorTrials:
     @property
     def counts_holding(self) -> bool:
         """Whether an anchor must also hold: where the vehicle file says how it does."""
-        return HOLDING_GIVEN in self.mission.quantities()
+        return MooringMission.of(self.mission).anchor.holding_factor is not None
 
     def probabilities(self, weight: float, line_length: float | None = None) -> DiveProbabilities:
         """Estimate the probabilities of an anchor of a wet weight [N], with another line [m] if one is given."""
@@ -106,12 +107,13 @@ class AnchorTrials:
 def _block(study: AnchorTrials, weight: float, line_length: float | None, block: int) -> _Totals:
     """Dive with one block of trials."""
     size = block_size(study.trials, block)
-    scenario = Scenario.drawn(study.mission, study.recorded, seed=study.seed, block=block, size=size)
-    dive = dive_of(scenario, study.phase, weight)
+    scenario = Scenario.at_means(study.mission, study.recorded).sampled(seed=study.seed, block=block, size=size)
+    phase = scenario.moor(study.phase)
+    dive = dive_of(scenario, phase, weight)
     if line_length is not None:
         dive = replace(dive, line_length=line_length)
-    release = np.broadcast_to(np.asarray(scenario[f"{study.phase.name}.release_time"], dtype=float), (size,))
-    place, t_start = start_of(scenario, study.phase)
+    release = np.broadcast_to(np.asarray(phase.release_time, dtype=float), (size,))
+    place, t_start = start_of(scenario, phase)
     position = np.broadcast_to(place.reshape(2, -1), (2, size))
     start = np.full(size, t_start)
     record = descend(
@@ -124,16 +126,16 @@ def _block(study: AnchorTrials, weight: float, line_length: float | None, block:
         surface_velocity=surface_velocity(scenario.transit_effects, start, release, position),
         step=STEP,
     )
-    fix_error = scenario.fix_error * stream(study.seed, f"{study.phase.name}.fix", block).standard_normal((2, size))
+    fix_error = scenario.fix_error * stream(study.seed, f"{study.phase}.fix", block).standard_normal((2, size))
     landed = record.touched_down & ~is_too_shallow(scenario, dive)
     offset = np.where(landed, np.hypot(*(record.offset - fix_error)), np.nan)
-    within = offset <= scenario[f"{study.phase.name}.radius"]
+    within = offset <= phase.radius
     struck, holds = record.struck & landed, landed
     if study.counts_holding:
-        hold = hold_of(scenario, study.phase, weight)
+        hold = hold_of(scenario, phase, weight)
         hold = lifted(replace(hold, line=replace(hold.line, length=dive.line_length)), scenario.descent_effects)
         touchdown = start + release + np.where(landed, record.descent_time, 0.0)
-        lasting = scenario[f"{study.phase.name}.hold"] + scenario[f"{study.phase.name}.galvanic_release"]
+        lasting = phase.hold + phase.galvanic_release
         current = scenario.current or STILL_WATER
         holds = landed & hold_vehicle(hold, current, position + record.offset, touchdown, lasting).anchor_holds
     return _Totals(

@@ -69,10 +69,13 @@ def size_anchor(
     recorded = recorded_current(mission)
     check_cover(mission, Scenario.at_means(mission, recorded))
     check_dives(Scenario.at_means(mission, recorded))
-    dives = AnchorTrials(mission, moor, recorded, trials, seed, ParallelOptions(jobs, backend, scheduler, progress))
-    sizer = AnchorSizer(moor, Scenario.at_means(mission, recorded), dives)
+    dives = AnchorTrials(
+        mission, moor.name, recorded, trials, seed, ParallelOptions(jobs, backend, scheduler, progress)
+    )
+    means = Scenario.at_means(mission, recorded)
+    sizer = AnchorSizer(means.moor(moor.name), means, dives)
     try:
-        weight = worst_case_weight(sizer.means, moor)
+        weight = worst_case_weight(sizer.means, sizer.moor)
         anchor = sizer.sized(weight)
         probable = sizer.probable(wanted, weight) if wanted is not None else None
     except ValueError as error:
@@ -145,7 +148,7 @@ def _anchor_sizing(
         provenance=provenance,
         phase=sizer.moor.name,
         radius=sizer.radius,
-        depth=float(sizer.means["site.depth"]),
+        depth=float(sizer.means.mooring.depth),
         line_length=sizer.line_length,
         layers=sizer.design_layers,
         required_velocity=sizer.required_velocity,
@@ -160,7 +163,7 @@ def _anchor_sizing(
         sizing,
         notes=sizer.notes(chosen),
         held=held_vehicle(sizer.means, sizer.moor, chosen.wet_weight),
-        trim=trim_states(sizer.means, sizer.moor, chosen.wet_weight, chosen.design),
+        trim=trim_states(sizer.means, chosen.wet_weight, chosen.design),
     )
 
 
@@ -172,9 +175,8 @@ def worst_case_anchor(mission: Mission) -> float:
     InputError
         When the mission lacks what a descent needs.
     """
-    moor = MooringMission.of(mission).mooring()
     means = Scenario.at_means(mission, recorded_current(mission))
     try:
-        return float(worst_case_weight(means, moor))
+        return float(worst_case_weight(means, means.moor()))
     except ValueError as error:
         raise InputError([Problem(str(error), mission.file, key="vehicle.anchor")]) from error

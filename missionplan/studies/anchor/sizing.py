@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from missionplan.arrays import Scalars
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.mooring.forces import DescentHooks, SteadyDescent
 from missionplan.phases.mooring.profile import simulate_profile
@@ -34,19 +35,19 @@ class AnchorSizer:
         Its dives.
     """
 
-    moor: MoorPhase
+    moor: MoorPhase[Scalars]
     means: Scenario
     trials: AnchorTrials
 
     @property
     def radius(self) -> float:
         """Radius of the mooring at its mean [m]."""
-        return float(self.means[f"{self.moor.name}.radius"])
+        return float(self.moor.radius)
 
     @property
     def line_length(self) -> float:
         """Length of the line at its mean [m]."""
-        return float(self.means[f"{self.moor.name}.line_length"])
+        return float(self.moor.line_length)
 
     @property
     def design_layers(self) -> tuple[DesignLayer, ...]:
@@ -64,10 +65,10 @@ class AnchorSizer:
     def vector_velocity(self) -> float | None:
         """The same with the layers' own directions; None where the design current has none [m/s]."""
         speeds, thicknesses = design_current(self.means, self.moor)
-        paths = [f"site.current[{index}].toward" for index in range(len(speeds))]
-        if any(path not in self.means.draws for path in paths):
+        given = self.means.mooring.site.current
+        if not isinstance(given, tuple) or not given:
             return None
-        toward = np.array([float(self.means[path]) for path in paths])
+        toward = np.array([float(layer.toward) for layer in given])
         return float(required_terminal_velocity_vector(speeds, toward, thicknesses, self.radius))
 
     @property
@@ -82,7 +83,7 @@ class AnchorSizer:
         profile = simulate_profile(
             dive,
             effects=self.means.descent_effects,
-            release_time=float(self.means[f"{self.moor.name}.release_time"]),
+            release_time=float(self.moor.release_time),
             current=self.means.current or STILL_WATER,
             position=position,
             t_start=t_start,
@@ -102,7 +103,7 @@ class AnchorSizer:
 
     def probable(self, required: float, worst_case: float) -> ProbableAnchor:
         """Lightest anchor that reaches a probability, searched from the worst-case weight [N]."""
-        start = worst_case + max(float(self.means["vehicle.net_buoyancy"]), 0.0)
+        start = worst_case + max(float(self.means.mooring.vehicle.net_buoyancy), 0.0)
         found = lightest_anchor(self.trials.probabilities, required, start, self.line_length)
         anchor = self.sized(found.weight) if found.weight is not None else None
         heavier = self._buildable(anchor, required) if anchor is not None else None
@@ -132,7 +133,7 @@ class AnchorSizer:
             notes = (*notes, f"The line parts in the nominal dive: the snatch loads it with {load:.0f} N.")
         if words := flooding_notice(self.means, self.moor, anchor.wet_weight):
             notes = (*notes, words)
-        buoyancy = float(self.means["vehicle.net_buoyancy"])
+        buoyancy = float(self.means.mooring.vehicle.net_buoyancy)
         if anchor.wet_weight > buoyancy:
             return notes
         note = (
@@ -142,28 +143,26 @@ class AnchorSizer:
         return (note, *notes)
 
     def _design(self, weight: float) -> AnchorDesign | None:
-        anchor = self.means.mission.vehicle.anchor if self.means.mission.vehicle else None
-        if anchor is None or anchor.construction is None:
+        if self.means.mooring.anchor.construction is None:
             return None
         return solve_anchor(anchor_problem(self.means), weight)
 
     def _drag(self, speed: float) -> DragBuildUp:
         """Drag by its sources at a speed through the water, with the effects' factor."""
-        descent = SteadyDescent.at(speed, self._hooks, float(self.means["site.depth"]))
+        descent = SteadyDescent.at(speed, self._hooks, float(self.means.mooring.depth))
         parts = self.means.vehicle_drag.build_up(speed, self._anchor_drag)
         factor = float(descent.drag_factor)
         return replace(parts, **{name: float(value) * factor for name, value in vars(parts).items()})
 
     def _balanced_speed(self, weight: float) -> float:
         """Speed through the water at which the drag balances the wet weight (Eq. 15, or with the buoyancy) [m/s]."""
-        descent = SteadyDescent.at(self.required_velocity, self._hooks, float(self.means["site.depth"]))
+        descent = SteadyDescent.at(self.required_velocity, self._hooks, float(self.means.mooring.depth))
         pull = weight * float(descent.weight_factor) - float(descent.lift)
-        pull -= float(self.means["vehicle.net_buoyancy"]) if self.moor.carry_net_buoyancy else 0.0
+        pull -= float(self.means.mooring.vehicle.net_buoyancy) if self.moor.carry_net_buoyancy else 0.0
         factor = float(descent.drag_factor)
         return float(terminal_velocity(lambda v: factor * (self.means.vehicle_drag(v) + self._anchor_drag(v)), pull))
 
     @property
     def _anchor_drag(self) -> QuadraticDrag:
-        path = "vehicle.anchor"
-        diameter, coefficient = self.means[f"{path}.diameter"], self.means[f"{path}.drag_coefficient"]
-        return anchor_drag(diameter, coefficient, self.means.water.density)
+        anchor = self.means.mooring.anchor
+        return anchor_drag(anchor.diameter, anchor.drag_coefficient, self.means.water.density)

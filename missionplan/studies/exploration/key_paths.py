@@ -55,7 +55,7 @@ def known_keys(mission: Mission) -> set[str]:
             for phase in mission.phases:
                 _collect(phase, phase.name, found)
         elif name == "effect_list":
-            found |= {path for entry in mission.effects for path in entry.quantities()}
+            found |= {path for entry in mission.effects for path in entry.names}
         elif name not in _OF_THE_RUN:
             _collect(value, name, found)
     return found | {".".join(map(str, each.path)) for each in mission.values_in_force()}

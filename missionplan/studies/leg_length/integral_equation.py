@@ -1,18 +1,20 @@
 """Expected costs of a sweep by the integral equation, and what of a mission it does not allow for."""
 
+import itertools
+
 from missionplan.montecarlo.distributions import Distribution, mean_of
 from missionplan.phases.transit.analytic.expectation import MAX_RATIO, TransitExpectation, expected_transit
 from missionplan.phases.transit.leg_table import LegTable
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario, start_of
 
 
 def analytic_obstacle(scenario: SweepScenario) -> str:
     """Return the first property of the mission that the analytic cost does not allow for; empty where there is none."""
-    mission, navigation, phase = scenario.mission, scenario.navigation, scenario.phase
+    mission, navigation = scenario.mission, scenario.navigation
+    (phase,) = (transit for transit in mission.transits if transit.name == scenario.phase.name)
     error = navigation.velocity_error
-    start = scenario.start[0] if isinstance(scenario.start[0], tuple) else ()
-    goal = phase.to if isinstance(phase.to, tuple) else ()
-    course = (phase.speed, phase.shaft_rate, phase.arrival_radius, *start, *goal)
+    places = [place for place in (start_of(mission, phase), phase.to) if isinstance(place, tuple)]
+    course = (phase.speed, phase.shaft_rate, phase.arrival_radius, *itertools.chain.from_iterable(places))
     uncertain = (*course, navigation.surfacing_time, *error.mean)
     own_error = () if mission.sweep.sigma else (error.sigma,)
     obstacles = {

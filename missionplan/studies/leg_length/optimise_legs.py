@@ -236,8 +236,7 @@ def _for_energy(transit: AnalyticTransit, pilot: _Pilot) -> OptimisedLegs:
 
 def _energy_rates(scenario: SweepScenario, speed: float) -> tuple[float, float]:
     """Energy of a second under way and of a surfacing, at a speed [W, J]."""
-    path = f"{scenario.phase.name}.speed"
-    plan = replace(scenario.means, draws={**scenario.means.draws, path: speed}).transit_plan(scenario.phase)
+    plan = scenario.means.transit_plan(scenario.phase.model_copy(update={"speed": speed}))
     under_way = float(np.mean(plan.power_under_way))
     surfacing = float(np.mean(plan.power_at_surface)) * scenario.surfacing_time + float(np.mean(plan.surfacing_energy))
     if not np.isfinite(under_way + surfacing):

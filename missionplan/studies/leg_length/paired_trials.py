@@ -21,7 +21,6 @@ from missionplan.phases.transit.compensation import Compensation
 from missionplan.phases.transit.leg_table import LegTable, LegTables
 from missionplan.phases.transit.plan import Environment, TransitNormals, TransitPlan, VelocityError
 from missionplan.phases.transit.transit import transit
-from missionplan.scenario.scenario import Scenario
 from missionplan.studies.leg_length.sweep_scenario import SweepScenario
 
 PILOT_BLOCK = 1 << 40
@@ -193,16 +192,14 @@ def iter_plans(
     wrap_compensation: Callable[[Compensation | None], Compensation] | None = None,
 ) -> Iterator[PlanTrials]:
     """Run every plan on the same trials of a block, a few plans at a time; parameters as of `run_plans`."""
-    drawn = Scenario.drawn(scenario.mission, scenario.means.recorded, seed=seed, block=block, size=size)
+    drawn = scenario.means.sampled(seed=seed, block=block, size=size)
     state = scenario.state(drawn, seed, block, size)
     normals, environment = scenario.normals(seed, block), case.applied_to_surface(scenario.environment(drawn))
     is_shared = not (environment.effects or tracked or wrap_compensation)
     if wrap_compensation is not None:
         environment = replace(environment, compensation=wrap_compensation(environment.compensation))
-    name = f"{scenario.phase.name}.speed"
     for factor, alike in itertools.groupby(plans, key=lambda legs: legs.speed_factor):
-        changed = replace(drawn, draws={**drawn.draws, name: drawn[name] * factor})
-        plan, lengths = case.applied_to(scenario.plan(0, changed)), [legs.d_max for legs in alike]
+        plan, lengths = case.applied_to(scenario.plan(0, drawn, factor)), [legs.d_max for legs in alike]
         together = max(TRIALS_TOGETHER // size, 1) if is_shared else 1
         for first in range(0, len(lengths), together):
             chosen = lengths[first : first + together]

@@ -137,11 +137,11 @@ def _judged(cases: tuple[LegCase, ...], task: PairedPlansTask, aim: LegAim, best
 def _leg_plan(
     provenance: Provenance, scenario: SweepScenario, aim: LegAim, best: OptimisedLegs, evaluation: _Evaluation
 ) -> LegPlan:
-    goal = scenario.means.position(scenario.phase.to, f"{scenario.phase.name}.to")
+    goal = scenario.means.position(scenario.phase.to)
     return LegPlan(
         provenance=provenance,
         phase=scenario.phase.name,
-        phase_index=scenario.mission.phases.index(scenario.phase),
+        phase_index=[phase.name for phase in scenario.mission.phases].index(scenario.phase.name),
         aim=aim.name,
         how_found=best.how_found,
         deadline=aim.deadline,

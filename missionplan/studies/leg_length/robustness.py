@@ -10,7 +10,7 @@ from missionplan.montecarlo.statistics import Moments, wilson
 from missionplan.montecarlo.streams import block_size
 from missionplan.results.leg_length.leg_cases import LegCase, SampledCost
 from missionplan.studies.leg_length.paired_trials import AS_PLANNED, ErrorScenario, LegsAtSpeed, PlanTrials, run_plans
-from missionplan.studies.leg_length.sweep_scenario import SweepScenario
+from missionplan.studies.leg_length.sweep_scenario import SweepScenario, start_of
 
 TRACKED_TRIALS = 6
 """Trials whose tracks are kept."""
@@ -34,8 +34,8 @@ def _mean_errors(scenario: SweepScenario) -> tuple[ErrorScenario, ErrorScenario]
             ErrorScenario("mean drift half as large", mean=_pair(-0.5 * drift), surface=_pair(-0.5 * surface)),
             ErrorScenario("mean drift twice as large", mean=_pair(drift), surface=_pair(surface)),
         )
-    course = scenario.means.position(scenario.phase.to, f"{scenario.phase.name}.to")
-    course = course - scenario.means.position(*scenario.start)
+    course = scenario.means.position(scenario.phase.to)
+    course = course - scenario.means.position(start_of(scenario.means.drawn, scenario.phase))
     across = np.array([-course[1], course[0]]) / np.hypot(*course)
     return (
         ErrorScenario("unexpected mean error of σ_v/2 across the course", mean=_pair(0.5 * sigma * across)),

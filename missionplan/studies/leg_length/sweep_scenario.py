@@ -1,14 +1,16 @@
 """The transit whose legs a mission asks about: its means, its grid of d_max, its velocity errors."""
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import LegTableSection, TransitPhase
+from missionplan.mission.schema.section import V
 from missionplan.mission.schema.site import Position
 from missionplan.mission.views import TransitMission
 from missionplan.montecarlo.distributions import mean_of
@@ -35,9 +37,8 @@ class SweepScenario:
     means : Scenario
         The mission at its means.
     phase : TransitPhase
+        At the means.
     navigation : Navigation
-    start : tuple
-        Where the transit begins, and the key path of that position.
     distance : float
         L, at the means [m].
     d_max : array, shape (k + 1,)
@@ -47,9 +48,8 @@ class SweepScenario:
     """
 
     means: Scenario
-    phase: TransitPhase
+    phase: TransitPhase[Scalars]
     navigation: Navigation
-    start: tuple[Position, str]
     distance: float
     d_max: Array
     sigmas: tuple[float | None, ...]
@@ -70,24 +70,23 @@ class SweepScenario:
             When it has no transit or navigation, or the transit no length, or the mean drift is as fast as the
             vehicle.
         """
-        checked = TransitMission.of(mission)
-        phase = checked.transit(mission.sweep.phase)
-        start = _start(checked, phase)
+        navigation = TransitMission.of(mission).navigation
         if means is None:
             means = Scenario.at_means(mission, recorded_current(mission))
             check_cover(mission, means)
-        origin, goal = means.position(*start), means.position(phase.to, f"{phase.name}.to")
+        phase = means.transit(mission.sweep.phase)
+        origin, goal = means.position(start_of(means.drawn, phase)), means.position(phase.to)
         distance = float(np.hypot(*(goal - origin)))
         if distance == 0.0:
             raise InputError([Problem("ends where it starts; a sweep needs a distance", mission.file, key=phase.name)])
-        drift, speed = float(np.hypot(*_mean_drift(means, phase, origin))), float(means[f"{phase.name}.speed"])
+        drift, speed = float(np.hypot(*_mean_drift(means, phase, origin))), float(phase.speed)
         if drift >= speed:
             message = f"the mean drift, {drift:.3g} m/s, is as fast as the vehicle, {speed:.3g} m/s: it cannot arrive"
             raise InputError([Problem(message, mission.file, key=f"{phase.name}.speed")])
         _check_energy(means, phase, distance, speed + drift)
         grid = np.asarray(mission.sweep.d_max_values(distance), dtype=float)
         sigmas = tuple(mission.sweep.sigma) if mission.sweep.sigma else (None,)
-        return cls(means, phase, checked.navigation, start, distance, np.append(grid, distance), sigmas)
+        return cls(means, phase, navigation, distance, np.append(grid, distance), sigmas)
 
     @property
     def mission(self) -> Mission:
@@ -97,12 +96,12 @@ class SweepScenario:
     @property
     def mean_drift(self) -> Array:
         """Mean velocity that carries the vehicle under way at the start, shape (2,) [m/s]."""
-        return _mean_drift(self.means, self.phase, self.means.position(*self.start))
+        return _mean_drift(self.means, self.phase, self.means.position(start_of(self.means.drawn, self.phase)))
 
     @property
     def mean_surface_drift(self) -> Array:
         """Mean velocity of the current at the surface at the start, shape (2,) [m/s]."""
-        return _mean_current(self.means, 0.0, self.means.position(*self.start))
+        return _mean_current(self.means, 0.0, self.means.position(start_of(self.means.drawn, self.phase)))
 
     @property
     def required_arrival(self) -> float:
@@ -119,7 +118,7 @@ class SweepScenario:
     @property
     def speed(self) -> float:
         """U at its mean [m/s]."""
-        return float(self.means[f"{self.phase.name}.speed"])
+        return float(self.phase.speed)
 
     @property
     def surfacing_time(self) -> float:
@@ -129,7 +128,7 @@ class SweepScenario:
     @property
     def arrival_radius(self) -> float:
         """r_x at its mean [m]."""
-        return mean_of(self.phase.arrival_radius)
+        return float(self.phase.arrival_radius)
 
     def sigma(self, index: int) -> float:
         """σ_v that labels a curve; of an anisotropic Σ_v the root mean of its variances [m/s]."""
@@ -137,16 +136,17 @@ class SweepScenario:
         given = self.sigmas[index]
         return float(np.sqrt(0.5 * np.trace(own))) if given is None else given
 
-    def plan(self, index: int, drawn: Scenario) -> TransitPlan:
-        """Build the plan of a curve from the draws of a block."""
-        plan, sigma = drawn.transit_plan(self.phase), self.sigmas[index]
+    def plan(self, index: int, drawn: Scenario, speed_factor: float = 1.0) -> TransitPlan:
+        """Build the plan of a curve from the draws of a block, at a factor times the transit's speed."""
+        phase, sigma = drawn.transit(self.phase.name), self.sigmas[index]
+        plan = drawn.transit_plan(phase.model_copy(update={"speed": phase.speed * speed_factor}))
         if sigma is None:
             return plan
         return replace(plan, velocity_error=VelocityError.isotropic(sigma, plan.velocity_error.mean))
 
     def environment(self, drawn: Scenario) -> Environment:
         """Build current, compensation and effects from the draws of a block."""
-        return drawn.environment(self.phase)
+        return drawn.environment(drawn.transit(self.phase.name))
 
     def normals(self, seed: int, block: int) -> TransitNormals:
         """Open the streams of the legs, the same for every σ_v and every d_max."""
@@ -154,22 +154,19 @@ class SweepScenario:
 
     def state(self, drawn: Scenario, seed: int, block: int, trials: int) -> TrialState:
         """Place a block of trials at the start, with the fix that each takes before its first dive."""
-        return deployed(drawn, self.phase, drawn.position(*self.start), BlockStreams(seed, block), trials)
+        phase = drawn.transit(self.phase.name)
+        return deployed(drawn, phase, drawn.position(start_of(drawn.drawn, phase)), BlockStreams(seed, block), trials)
 
 
-def _start(checked: TransitMission, phase: TransitPhase) -> tuple[Position, str]:
-    """Where a transit begins, with the key path: its own `from`, else where the transit before it went."""
-    if phase.start is not None:
-        return phase.start, f"{phase.name}.from"
-    number = checked.transits.index(phase)
-    if number == 0:
-        problem = Problem("missing; the first transit needs a start", checked.mission.file, key="from")
-        raise InputError([problem])
-    before = checked.transits[number - 1]
-    return before.to, f"{before.name}.to"
+def start_of(mission: Mission[V], phase: TransitPhase[V]) -> Position[V]:
+    """Where a transit begins: its own `from`, else where the transit before it went."""
+    before = [transit.to for transit in itertools.takewhile(lambda other: other.name != phase.name, mission.transits)]
+    if phase.start is None and not before:
+        raise InputError([Problem("missing; the first transit needs a start", mission.file, key="from")])
+    return before[-1] if phase.start is None else phase.start
 
 
-def _check_energy(means: Scenario, phase: TransitPhase, distance: float, fastest: float) -> None:
+def _check_energy(means: Scenario, phase: TransitPhase[Scalars], distance: float, fastest: float) -> None:
     """Refuse a transit whose straight course, with all of the current, takes more energy than there is."""
     needed = float(np.mean(means.transit_plan(phase).power_under_way)) * distance / fastest
     needed, capacity = needed / JOULES_PER_WATT_HOUR, float(np.max(means.capacity)) / JOULES_PER_WATT_HOUR
@@ -179,10 +176,10 @@ def _check_energy(means: Scenario, phase: TransitPhase, distance: float, fastest
         raise InputError([Problem(message, means.mission.file, key=phase.name)])
 
 
-def _mean_drift(means: Scenario, phase: TransitPhase, start: Array) -> Array:
+def _mean_drift(means: Scenario, phase: TransitPhase[Scalars], start: Array) -> Array:
     """Mean velocity that carries the vehicle under way at the start: v̄ and the current, shape (2,) [m/s]."""
     error = means.transit_plan(phase).velocity_error.mean[:, 0]
-    return np.asarray(error + _mean_current(means, mean_of(phase.depth), start))
+    return np.asarray(error + _mean_current(means, float(phase.depth), start))
 
 
 def _mean_current(means: Scenario, depth: float, start: Array) -> Array:

@@ -7,7 +7,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
 from missionplan.mission.geodesy import to_geographic
@@ -76,7 +76,7 @@ class _Builder:
         self.notes: list[str] = []
 
     def phases(self) -> Iterator[PlannedTransit | PlannedMooring]:
-        for phase in self._means.mission.phases:
+        for phase in self._means.drawn.phases:
             if isinstance(phase, TransitPhase):
                 yield self._transit(phase)
             elif isinstance(phase, MoorPhase):
@@ -84,28 +84,28 @@ class _Builder:
             else:
                 self.notes.append(f"{phase.label}, slowing down to hover, is no part of the course and is left out")
 
-    def _transit(self, phase: TransitPhase) -> PlannedTransit:
+    def _transit(self, phase: TransitPhase[Scalars]) -> PlannedTransit:
         means = self._means
         if phase.start is not None:
-            self._place = means.position(phase.start, f"{phase.name}.from")
+            self._place = means.position(phase.start)
         start, begins = self._place, self._elapsed
         durations = transit_durations(means, phase, start, begins, self._seed)
         waypoints = tuple(self._waypoints(phase, durations))
         self._elapsed += float(means.surfacing_time) if len(waypoints) > 1 else 0.0
         return PlannedTransit(
             name=phase.label,
-            depth=float(means[f"{phase.name}.depth"]),
-            speed=float(means[f"{phase.name}.speed"]),
-            arrival_radius=float(means[f"{phase.name}.arrival_radius"]),
+            depth=float(phase.depth),
+            speed=float(phase.speed),
+            arrival_radius=float(phase.arrival_radius),
             surfacing=self._rule(phase),
             waypoints=waypoints,
             duration_p99=durations.whole,
         )
 
-    def _waypoints(self, phase: TransitPhase, durations: TransitDurations) -> Iterator[Waypoint]:
+    def _waypoints(self, phase: TransitPhase[Scalars], durations: TransitDurations) -> Iterator[Waypoint]:
         """Yield the start and the ends of the nominal legs (Briggs et al., Eqs. 18–20); moves on in place and time."""
-        means, name = self._means, phase.name
-        goal, plan = means.position(phase.to, f"{name}.to"), means.transit_plan(phase)
+        means = self._means
+        goal, plan = means.position(phase.to), means.transit_plan(phase)
         vector = goal - self._place
         left = float(np.hypot(*vector))
         towards = vector / left if left > 0.0 else vector
@@ -113,7 +113,7 @@ class _Builder:
         for number in range(plan.max_legs):
             if left < SHORTEST_LEG:
                 break
-            length = _leg_length(phase, means, left)
+            length = _leg_length(phase, left)
             left = max(left - length, 0.0)
             nominal = float(plan.time_under_way(np.array(length), np.array(1.0)))
             self._place = goal - left * towards
@@ -144,12 +144,12 @@ class _Builder:
             elapsed=self._elapsed,
         )
 
-    def _rule(self, phase: TransitPhase) -> SurfacingRule:
+    def _rule(self, phase: TransitPhase[Scalars]) -> SurfacingRule:
         means, table = self._means, phase.d_max
         if isinstance(table, LegTableSection):
             single = self._single(phase, table)
         else:
-            single = SingleInterval(float(means[f"{phase.name}.d_max"]), 0.0, 0.0)
+            single = SingleInterval(float(table), 0.0, 0.0)
         plan, time = means.transit_plan(phase), means.navigation.surfacing_time
         return SurfacingRule(
             interval=single.length,
@@ -161,7 +161,7 @@ class _Builder:
             extra_time_error=single.standard_error,
         )
 
-    def _single(self, phase: TransitPhase, table: LegTableSection) -> SingleInterval:
+    def _single(self, phase: TransitPhase[Scalars], table: LegTableSection) -> SingleInterval:
         try:
             return single_interval(self._means, phase, leg_table(table), self._seed)
         except InputError as error:
@@ -169,12 +169,13 @@ class _Builder:
             self.notes.append(f"{phase.label}: no interval in place of the table could be compared with it ({reason})")
             return SingleInterval(max(length for _, length in table.table), math.nan, math.nan)
 
-    def _mooring(self, phase: MoorPhase) -> PlannedMooring:
-        means, site = self._means, self._means.mission.site
+    def _mooring(self, phase: MoorPhase[Scalars]) -> PlannedMooring:
+        means, site = self._means, self._means.drawn.site
         latitude, longitude = self._on_earth(self._place)
         weight = phase.anchor_wet_weight
         begun = self._elapsed
-        times = [float(means[f"{phase.name}.{key}"]) for key in ("release_time", "hold", "galvanic_release")]
+        (written,) = (moor for moor in means.mission.moors if moor.name == phase.name)
+        times = [float(each) for each in (phase.release_time, phase.hold, phase.galvanic_release)]
         self._elapsed += sum(times) + float(means.surfacing_time)
         return PlannedMooring(
             name=phase.label,
@@ -182,12 +183,12 @@ class _Builder:
             north=float(self._place[1]),
             latitude=latitude,
             longitude=longitude,
-            radius=float(means[f"{phase.name}.radius"]),
-            water_depth=float(means["site.depth"]) if site and site.depth is not None else math.nan,
-            line_length=float(means[f"{phase.name}.line_length"]),
-            anchor_wet_weight=math.nan if isinstance(weight, str) else mean_of(weight),
+            radius=float(phase.radius),
+            water_depth=math.nan if site is None or site.depth is None else float(site.depth),
+            line_length=float(phase.line_length),
+            anchor_wet_weight=math.nan if isinstance(weight, str) else float(weight),
             release_time=times[0],
-            release_time_p99=_quantile(phase.release_time),
+            release_time_p99=_quantile(written.release_time),
             hold=times[1],
             galvanic_release=times[2],
             elapsed=begun,
@@ -201,11 +202,11 @@ class _Builder:
         return float(latitude[0]), float(longitude[0])
 
 
-def _leg_length(phase: TransitPhase, means: Scenario, left: float) -> float:
+def _leg_length(phase: TransitPhase[Scalars], left: float) -> float:
     """Length of the nominal leg at a distance left (Eq. 19) [m]."""
     if isinstance(phase.d_max, LegTableSection):
         return float(leg_table(phase.d_max)(np.array(left)))
-    return min(left, float(means[f"{phase.name}.d_max"]))
+    return min(left, float(phase.d_max))
 
 
 def _quantile(quantity: Quantity) -> float:

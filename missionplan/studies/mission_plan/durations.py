@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import TransitPhase
 from missionplan.montecarlo.streams import BlockStreams
 from missionplan.phases.transit.transit import transit
@@ -41,7 +41,7 @@ class TransitDurations:
 
 
 def transit_durations(
-    means: Scenario, phase: TransitPhase, start: Array, begins: float, seed: int, trials: int = TRIALS
+    means: Scenario, phase: TransitPhase[Scalars], start: Array, begins: float, seed: int, trials: int = TRIALS
 ) -> TransitDurations:
     """Sail a transit alone, from its nominal start.
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import TransitPhase
 from missionplan.phases.transit.leg_table import LegTable
 from missionplan.scenario.scenario import Scenario
@@ -32,7 +32,7 @@ class SingleInterval:
     standard_error: float
 
 
-def single_interval(means: Scenario, phase: TransitPhase, legs: LegTable, seed: int) -> SingleInterval:
+def single_interval(means: Scenario, phase: TransitPhase[Scalars], legs: LegTable, seed: int) -> SingleInterval:
     """Find the d_max of the mission's grid that costs least, and what it costs beyond the transit's table.
 
     It is chosen by the rule of `sweep-dmax`: of those that arrive as often as the mission requires the one of least

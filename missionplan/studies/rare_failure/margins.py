@@ -48,7 +48,7 @@ def margins(event: RareEvent, trials: MissionTrials, scenario: Scenario) -> dict
         return {event.text: event.sign * (event.limit - values)}
     found: dict[str, Array] = {}
     spent: Scalars = 0.0
-    for phase, done in zip(scenario.mission.phases, trials.phases, strict=True):
+    for phase, done in zip(scenario.drawn.phases, trials.phases, strict=True):
         spent = spent + done.quantities["energy_wh"] if "energy_wh" in done.quantities else spent
         own = dict(_of_phase(phase, done, scenario, spent))
         ends_here = phase.name == event.phase
@@ -59,7 +59,9 @@ def margins(event: RareEvent, trials: MissionTrials, scenario: Scenario) -> dict
     return found
 
 
-def _of_phase(phase: Phase, done: PhaseTrials, scenario: Scenario, spent: Scalars) -> Iterator[tuple[str, Array]]:
+def _of_phase(
+    phase: "Phase[Scalars]", done: PhaseTrials, scenario: Scenario, spent: Scalars
+) -> Iterator[tuple[str, Array]]:
     """Margins of one phase; `spent` until its end [W h]."""
     if isinstance(phase, TransitPhase):
         yield from _of_transit(phase, done, scenario)
@@ -70,26 +72,27 @@ def _of_phase(phase: Phase, done: PhaseTrials, scenario: Scenario, spent: Scalar
         yield OUT_OF_ENERGY, _each(left, done)
 
 
-def _of_transit(phase: TransitPhase, done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
+def _of_transit(phase: TransitPhase[Scalars], done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
     """Legs left on arrival, less the share of the arrival radius used up: a trial just inside nearly needed another."""
     used = done.quantities["surfacings"] + np.minimum(done.quantities["arrival_error_m"] / done.radius, 1.0)
     yield _NOT_ARRIVED, scenario.navigation.max_legs + 1.0 - used
-    if "site.depth" in scenario.draws:
-        yield AGROUND, _each(scenario["site.depth"] - scenario[f"{phase.name}.depth"], done)
+    site = scenario.drawn.site
+    if site is not None and site.depth is not None:
+        yield AGROUND, _each(site.depth - phase.depth, done)
 
 
-def _of_mooring(phase: MoorPhase, done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
-    found, name = done.quantities, phase.name
-    above_line = scenario["site.depth"] - scenario[f"{name}.line_length"]
-    yield TOO_SHALLOW, _each(above_line - scenario["vehicle.hull.length"], done)
+def _of_mooring(phase: MoorPhase[Scalars], done: PhaseTrials, scenario: Scenario) -> Iterator[tuple[str, Array]]:
+    found = done.quantities
+    above_line = scenario.mooring.depth - phase.line_length
+    yield TOO_SHALLOW, _each(above_line - scenario.mooring.vehicle.hull.length, done)
     yield TOO_LIGHT, found["terminal_velocity_m_s"]
     yield _OUTSIDE, done.radius - found["offset_m"]
     yield _STRUCK, found["lowest_altitude_m"]
     yield _DRAGGED, found["holding_margin"]
     yield _GROUNDED, found["nose_altitude_m"]
-    if f"{name}.line_strength" in scenario.draws:
+    if phase.line_strength is not None:
         tension = np.fmax(found["line_tension_n"], found.get("snatch_tension_n", found["line_tension_n"]))
-        yield LINE_PARTED, scenario[f"{name}.line_strength"] - tension
+        yield LINE_PARTED, phase.line_strength - tension
 
 
 def _each(values: Scalars, done: PhaseTrials) -> Array:

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from missionplan.mission.reading.fields import keys_of
+from missionplan.mission.reading.fields import keys_of, meaning_of
 from missionplan.mission.schema.quantities import OrWord
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.section import ReadBy
@@ -70,7 +70,11 @@ class Sections:
 
     def _key(self, section: type[BaseModel], name: str, info: FieldInfo) -> Schema:
         replaced = self.replaced.get((section.__name__, name))
-        return dict(replaced) if replaced is not None else self._annotated(info.annotation, info.metadata)
+        schema = dict(replaced) if replaced is not None else self._annotated(info.annotation, info.metadata)
+        words = [each for each in (meaning_of(info), schema.get("description")) if each]
+        if words and "$ref" not in schema:
+            schema["description"] = ": ".join(map(str, words))
+        return schema
 
     def _annotated(self, annotation: object, metadata: list[object]) -> Schema:
         for item in metadata:

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from missionplan.arrays import Scalars
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
@@ -52,10 +53,10 @@ def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
         *mission.notices(),
         *_energy_notices(mission),
         *_drag_notices(mission, means),
-        *(words for phase in mission.transits if (words := _drift_notice(means, phase))),
+        *(words for phase in means.drawn.transits if (words := _drift_notice(means, phase))),
         *_effect_notices(mission),
         *_anchor_notices(mission),
-        *(words for phase in mission.moors if (words := flooding_notice(means, phase))),
+        *(words for phase in means.drawn.moors if (words := flooding_notice(means, phase))),
     )
 
 
@@ -74,16 +75,15 @@ def _drag_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
     """Notices where the model of the drag leaves its range."""
     if mission.vehicle is None or mission.site is None or mission.site.water is None or not mission.transits:
         return ()
-    return range_notes(means.vehicle_drag, min(float(means[f"{phase.name}.speed"]) for phase in mission.transits))
+    return range_notes(means.vehicle_drag, min(float(phase.speed) for phase in means.drawn.transits))
 
 
-def _drift_notice(means: Scenario, phase: TransitPhase) -> str:
+def _drift_notice(means: Scenario, phase: TransitPhase[Scalars]) -> str:
     """Notice of a mean drift at the start as fast as the vehicle, so that few trials can arrive; else empty."""
-    drift = np.array([float(means[f"navigation.velocity_error.mean[{axis}]"]) for axis in (0, 1)])
+    drift = means.velocity_error.mean[:, 0]
     if means.current is not None:
-        depth, place = means[f"{phase.name}.depth"], np.zeros((2, 1))
-        drift = drift + means.current.velocity(0.0, depth, place)[:, 0]
-    vehicle_speed, drift_speed = float(means[f"{phase.name}.speed"]), float(np.hypot(*drift))
+        drift = drift + means.current.velocity(0.0, phase.depth, np.zeros((2, 1)))[:, 0]
+    vehicle_speed, drift_speed = float(phase.speed), float(np.hypot(*drift))
     if drift_speed < vehicle_speed:
         return ""
     return f"{phase.name}: the mean drift, {drift_speed:.3g} m/s, is as fast as the vehicle, {vehicle_speed:.3g} m/s."
@@ -116,7 +116,7 @@ def _makes_anchors(mission: Mission) -> bool:
 def mooring_anchors(mission: Mission, means: Scenario) -> tuple[MooringAnchor, ...]:
     """Return the anchors that are sized by the mission's worst case, and those that their parts cannot make."""
     found = []
-    for phase in mission.moors:
+    for phase in means.drawn.moors:
         weight, is_sized = float(wet_weight_of(means, phase)), phase.anchor_wet_weight == "sized"
         failures = solve_anchor(anchor_problem(means), weight).failures if _makes_anchors(mission) else ()
         if is_sized or failures:
@@ -125,9 +125,9 @@ def mooring_anchors(mission: Mission, means: Scenario) -> tuple[MooringAnchor, .
     return tuple(found)
 
 
-def held_vehicles(mission: Mission, means: Scenario) -> tuple[HeldVehicle, ...]:
+def held_vehicles(means: Scenario) -> tuple[HeldVehicle, ...]:
     """How the vehicle of each mooring stands on its line."""
-    return tuple(held_vehicle(means, phase, float(wet_weight_of(means, phase))) for phase in mission.moors)
+    return tuple(held_vehicle(means, phase, float(wet_weight_of(means, phase))) for phase in means.drawn.moors)
 
 
 def run_notices(merged: "MergedBlocks", goal: "Precision | None") -> tuple[str, ...]:

@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import MoorPhase
 from missionplan.phases.currents import Current, Span
 from missionplan.phases.mooring.mooring import MoorPlan, MoorRecord, moor
 from missionplan.phases.state import TrialState
 from missionplan.physics.energy import JOULES_PER_WATT_HOUR
-from missionplan.scenario.held_vehicle import CENTRES_GIVEN, HOLDING_GIVEN
 from missionplan.scenario.mooring import is_too_shallow, moor_plan
 from missionplan.scenario.scenario import STILL_WATER
 from missionplan.scenario.transit_streams import fix_normals
@@ -33,7 +32,7 @@ from missionplan.studies.simulation.phase_trials import (
 
 
 def mooring_trials(
-    block: TrialBlock, phase: MoorPhase, state: TrialState, goal: Array
+    block: TrialBlock, phase: MoorPhase[Scalars], state: TrialState, goal: Array
 ) -> tuple[TrialState, PhaseTrials]:
     """Run the trials of a block through a mooring.
 
@@ -97,11 +96,11 @@ def mooring_trials(
     return continuing, found
 
 
-def _prevented(block: TrialBlock, phase: MoorPhase, plan: MoorPlan, begun: Flags) -> dict[str, Flags]:
+def _prevented(block: TrialBlock, phase: MoorPhase[Scalars], plan: MoorPlan, begun: Flags) -> dict[str, Flags]:
     """Trials in which the dive cannot be, by what prevents it."""
     prevented = {TOO_SHALLOW: begun & is_too_shallow(block.scenario, plan.dive)}
-    anchor = block.scenario.mission.vehicle.anchor if block.scenario.mission.vehicle else None
-    if anchor is not None and anchor.premature_flooding > 0.0:
+    anchor = block.scenario.mooring.anchor
+    if anchor.premature_flooding > 0.0:
         normals = block.source.once(f"{phase.name}.premature_flooding")[: begun.size]
         prevented[FLOODED_EARLY] = begun & (scipy.special.ndtr(normals) < anchor.premature_flooding)
     return prevented
@@ -119,20 +118,21 @@ def _snatch(plan: MoorPlan, record: MoorRecord, taut: Flags) -> dict[str, Array]
 
 
 def _line_events(
-    block: TrialBlock, phase: MoorPhase, record: MoorRecord, taut: Flags, moored: Flags
+    block: TrialBlock, phase: MoorPhase[Scalars], record: MoorRecord, taut: Flags, moored: Flags
 ) -> dict[str, Flags]:
     """Events of the line and of what hangs on it; that the line parts where the mission gives its strength."""
     events = {"anchor_holds": moored & record.hold.anchor_holds, "grounded": moored & record.hold.grounded}
-    if f"{phase.name}.line_strength" in block.scenario.draws:
+    if phase.line_strength is not None:
         events["line_parts"] = taut & record.line_parted
     return events
 
 
 def _hold_failures(block: TrialBlock, record: MoorRecord, moored: Flags) -> dict[str, Flags]:
     """Failures of the hold, where the vehicle file gives what they depend on."""
-    given, hold = block.scenario.draws, record.hold
-    failures = {"anchor dragged": moored & ~hold.anchor_holds} if HOLDING_GIVEN in given else {}
-    return failures | ({"grounded in the hold": moored & hold.grounded} if CENTRES_GIVEN in given else {})
+    given, hold = block.scenario.mooring, record.hold
+    is_known = given.anchor.holding_factor is not None
+    failures = {"anchor dragged": moored & ~hold.anchor_holds} if is_known else {}
+    return failures | ({"grounded in the hold": moored & hold.grounded} if given.vehicle.centres is not None else {})
 
 
 def _track(

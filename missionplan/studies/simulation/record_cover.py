@@ -156,7 +156,7 @@ def _outside_in_place(mission: Mission, means: Scenario, current: RecordedCurren
     if not isinstance(current, GriddedCurrent) or not current.is_binding:
         return
     low, high = current.grid.extent
-    for name, place in _places(mission, means):
+    for name, place in _places(means):
         where = np.asarray(place, dtype=float)[:, None]
         beyond = False
         for value, first, last, way in zip(place, low, high, ("east", "north"), strict=True):
@@ -169,8 +169,8 @@ def _outside_in_place(mission: Mission, means: Scenario, current: RecordedCurren
             yield Problem(message, mission.file, key=name, hint=REMEDY)
 
 
-def _places(mission: Mission, means: Scenario) -> Iterator[tuple[str, Array]]:
-    for phase in mission.transits:
+def _places(means: Scenario) -> Iterator[tuple[str, Array]]:
+    for phase in means.drawn.transits:
         for key, place in (("from", phase.start), ("to", phase.to)):
             if place is not None:
-                yield f"{phase.name}.{key}", means.position(place, f"{phase.name}.{key}")
+                yield f"{phase.name}.{key}", means.position(place)

@@ -116,7 +116,7 @@ def simulate(
         notices=(*notices, *run_notices(merged, goal)),
     )
     table = run.table.parquet() if run.table else None
-    anchors, held = mooring_anchors(mission, means), held_vehicles(mission, means)
+    anchors, held = mooring_anchors(mission, means), held_vehicles(means)
     builder = OutcomeBuilder(mission, merged.totals, tracks, merged.failures, table, anchors, held, task.members)
     built = builder.outcome(provenance)
     return replace(built, plan=plan_if_any(mission, means, seed), overdue=_overdue(task, merged.first))

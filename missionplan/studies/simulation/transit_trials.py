@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from missionplan.arrays import Array
+from missionplan.arrays import Array, Scalars
 from missionplan.mission.schema.phases import TransitPhase
 from missionplan.phases.state import TrialState
 from missionplan.phases.transit.ground_velocity import random_part
@@ -26,7 +26,9 @@ from missionplan.studies.simulation.phase_trials import (
 )
 
 
-def transit_trials(block: TrialBlock, phase: TransitPhase, state: TrialState) -> tuple[TrialState, PhaseTrials]:
+def transit_trials(
+    block: TrialBlock, phase: TransitPhase[Scalars], state: TrialState
+) -> tuple[TrialState, PhaseTrials]:
     """Run the trials of a block through a transit.
 
     Parameters
@@ -39,7 +41,9 @@ def transit_trials(block: TrialBlock, phase: TransitPhase, state: TrialState) ->
     scenario = block.scenario
     plan, normals = scenario.transit_plan(phase), transit_normals(scenario, phase, block.source)
     environment = scenario.environment(phase)
-    aground = state.alive & np.atleast_1d(plan.depth >= scenario.get("site.depth", np.inf))
+    site = scenario.drawn.site
+    depth = np.inf if site is None or site.depth is None else site.depth
+    aground = state.alive & np.atleast_1d(plan.depth >= depth)
     state = replace(state, alive=state.alive & ~aground)
     after, record = transit(plan, state, normals, environment, tracked=min(block.tracked, state.trials))
     continuing, exhausted = end_exhausted(after, scenario.capacity)

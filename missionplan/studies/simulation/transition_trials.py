@@ -20,7 +20,9 @@ from missionplan.studies.simulation.phase_trials import (
 )
 
 
-def transition_trials(block: TrialBlock, phase: TransitionPhase, state: TrialState) -> tuple[TrialState, PhaseTrials]:
+def transition_trials(
+    block: TrialBlock, phase: TransitionPhase[Scalars], state: TrialState
+) -> tuple[TrialState, PhaseTrials]:
     """Slow every trial of a block down to hover, where it is.
 
     Energy is that of the tunnel thrusters until the vehicle hovers, and of the hotel load where the mission has one;
@@ -34,8 +36,8 @@ def transition_trials(block: TrialBlock, phase: TransitionPhase, state: TrialSta
         Where the phase begins.
     """
     scenario = block.scenario
-    record = simulate_transition(transition_vehicle(scenario, phase), manoeuvre(scenario, phase))
-    hotel = scenario.energy("hotel")
+    record = simulate_transition(transition_vehicle(scenario, phase), manoeuvre(phase))
+    hotel = scenario.budget.hotel
     duration = _each(record.hover_time, state)
     spent = _each(record.energy_to_hover, state) + duration * (hotel if np.all(np.isfinite(hotel)) else 0.0)
     hovering = state.alive & np.isfinite(duration)

@@ -54,7 +54,7 @@ def _run(block: TrialBlock, trials: int) -> MissionTrials:
     state = _deployed(block, trials)
     goal = state.position
     done: list[PhaseTrials] = []
-    for phase in scenario.mission.phases:
+    for phase in scenario.drawn.phases:
         if isinstance(phase, TransitPhase):
             state, found = transit_trials(block, phase, state)
             goal = found.goal
@@ -71,15 +71,14 @@ def _run(block: TrialBlock, trials: int) -> MissionTrials:
         "duration_s": where_reached(state.alive, state.clock),
         "energy_wh": where_reached(state.alive, state.energy / JOULES_PER_WATT_HOUR),
     }
-    draws = {path: np.asarray(scenario[path]) for path in scenario.uncertain}
-    return MissionTrials(tuple(done), total, success, draws)
+    return MissionTrials(tuple(done), total, success, scenario.draws)
 
 
 def _deployed(block: TrialBlock, trials: int) -> TrialState:
     """Trials at the start of the first phase; at the origin where it has none."""
     scenario = block.scenario
-    first = scenario.mission.phases[0]
+    first = scenario.drawn.phases[0]
     position = np.zeros(2)
     if isinstance(first, TransitPhase) and first.start is not None:
-        position = scenario.position(first.start, f"{first.name}.from")
+        position = scenario.position(first.start)
     return deployed(scenario, first, position, block.source, trials)

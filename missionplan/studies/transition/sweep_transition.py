@@ -49,12 +49,12 @@ def sweep_transition(
     """
     started = time.perf_counter()
     mission = check_arguments(mission)
-    transition = TransitionMission.of(mission).transition(phase)
     scenario = Scenario.at_means(mission)
+    transition = TransitionMission.of(scenario.drawn).transition(phase)
     vehicle = replace(transition_vehicle(scenario, transition), suction_moment=False)
     if not vehicle.thrusters:
         raise InputError([Problem("missing; the sweep needs a tunnel thruster", mission.file, key="vehicle.thrusters")])
-    grid, planned = transition.sweep, manoeuvre(scenario, transition)
+    grid, planned = transition.sweep, manoeuvre(transition)
     variants = _variants(vehicle, grid.pair_spacing)
 
     def run_variant(name: str) -> GridRuns:

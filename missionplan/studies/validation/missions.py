@@ -4,7 +4,7 @@ from pathlib import Path
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
-from missionplan.mission.views import MooringMission, TransitionMission, TransitMission
+from missionplan.mission.views import TransitionMission, TransitMission
 from missionplan.scenario.anchor_weight import design_current
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
@@ -64,7 +64,7 @@ def _origin(mission: Mission) -> str:
 
 def _sizable(means: Scenario) -> None:
     """Refuse a mission whose anchors cannot be sized."""
-    for phase in MooringMission.of(means.mission).moors:
+    for phase in means.mooring.moors:
         design_current(means, phase)
 
 

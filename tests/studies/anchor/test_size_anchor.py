@@ -106,7 +106,7 @@ def test_a_probable_anchor_reaches_its_probability_and_a_lighter_one_does_not(mi
     sizing = size_anchor(mission, trials=2000, probability=0.95)
     found = sizing.probable.anchor
     assert found.probabilities.good.value >= 0.95
-    trials = AnchorTrials(mission, mission.moors[0], None, 2000, mission.monte_carlo.seed)
+    trials = AnchorTrials(mission, "moor", None, 2000, mission.monte_carlo.seed)
     assert trials.probabilities(found.wet_weight / 1.002).good.value < 0.95
     assert sizing.anchor.wet_weight < found.wet_weight
 
@@ -138,7 +138,7 @@ def test_a_short_line_needs_a_longer_one(tmp_path):
     assert probable.anchor is None
     assert "strike" in probable.reason
     assert probable.line_length > 3.35
-    trials = AnchorTrials(mission, mission.moors[0], None, 200, mission.monte_carlo.seed)
+    trials = AnchorTrials(mission, "moor", None, 200, mission.monte_carlo.seed)
     assert trials.probabilities(probable.line_anchor_weight, probable.line_length).good.value >= 0.99
 
 
@@ -171,8 +171,8 @@ def test_where_the_parts_cannot_make_the_lightest_anchor_the_lightest_that_they_
 
 def sizer_parts(trials):
     mission = load(MISSIONS / "chesapeake.yaml")
-    (moor,) = mission.moors
-    return moor, Scenario.at_means(mission), AnchorTrials(mission, moor, None, trials, 1)
+    means = Scenario.at_means(mission)
+    return means.moor(), means, AnchorTrials(mission, "moor", None, trials, 1)
 
 
 def test_dives_in_water_that_line_and_vehicle_do_not_fit_fail(tmp_path):
@@ -180,7 +180,7 @@ def test_dives_in_water_that_line_and_vehicle_do_not_fit_fail(tmp_path):
     length = 5.0 + load(MISSIONS / "anchor-design.yaml").vehicle.hull.length
     depth = f"depth: {{low: {length - 1.0} m, high: {length + 2.0} m}}"
     mission = altered(tmp_path, ("depth: 100 ft", depth), ("down_to: 50 ft", "down_to: 3 m"))
-    probabilities = AnchorTrials(mission, mission.moors[0], None, 2000, 1).probabilities(12.0)
+    probabilities = AnchorTrials(mission, "moor", None, 2000, 1).probabilities(12.0)
     assert probabilities.offset.count / 2000 == pytest.approx(2.0 / 3.0, abs=0.03)
     assert probabilities.good.value <= 0.7
 

@@ -44,7 +44,8 @@ def mission(tmp_path):
 
 
 def test_the_prior_is_the_mission_s_own_uncertainty(mission):
-    model = Scenario.at_means(mission).compensation(mission.transits[0]).model
+    means = Scenario.at_means(mission)
+    model = means.compensation(means.transit()).model
     sd = np.sqrt(np.diag(model.prior))
     few = 4.0 / np.sqrt(4096)
     assert sd[STEADY] == pytest.approx(np.hypot(0.03, 0.01), rel=few)

@@ -56,7 +56,7 @@ def test_energy_is_hotel_propulsion_and_surfacings(tmp_path):
     mission = chesapeake(tmp_path, {**EXACT, "vehicle.energy.surfacing": "100 J"})
     found = simulate(mission, trials=20)
     scenario = Scenario.at_means(mission)
-    carrying = carried_anchor(scenario, mission.transits[0]).lengthened(scenario.vehicle_drag)
+    carrying = carried_anchor(scenario, scenario.transit()).lengthened(scenario.vehicle_drag)
     for name, drag in (("ingress", carrying), ("egress", scenario.vehicle_drag)):
         phase, propulsion = means(found, name), float(drag(1.5)) * 1.5 / 0.45
         joules = 8.0 * phase["duration_s"] + propulsion * phase["distance_m"] / 1.5 + 100.0 * phase["surfacings"]
@@ -354,7 +354,7 @@ def test_a_sized_anchor_has_the_worst_case_weight(tmp_path):
     mission = chesapeake(tmp_path, {"phases.1.moor.anchor_wet_weight": "sized"})
     scenario = Scenario.at_means(mission)
     speed = (0.6 * 6.096 + 0.4 * 6.096) * 0.514444 / 22.86
-    dive = dive_of(scenario, mission.moors[0])
+    dive = dive_of(scenario, scenario.moor())
     assert dive.wet_weight == pytest.approx(float(dive.vehicle_drag(speed)) + float(dive.anchor_drag(speed)), rel=1e-5)
     carried = chesapeake(
         tmp_path, {"phases.1.moor.anchor_wet_weight": "sized", "phases.1.moor.carry_net_buoyancy": True}

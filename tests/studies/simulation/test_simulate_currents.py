@@ -210,7 +210,9 @@ def test_a_tide_turns_during_the_mission(tmp_path):
 
     times = range(0, 28801, 60)
     mission = chesapeake(tmp_path, STEADY | csv(tmp_path, tide, times=times))
-    block = run_block(Scenario.drawn(mission, recorded_current(mission), seed=1, block=0, size=1), 1, 0, 1, tracked=1)
+    block = run_block(
+        Scenario.at_means(mission, recorded_current(mission)).sampled(seed=1, block=0, size=1), 1, 0, 1, tracked=1
+    )
     ingress, moor = block.phases[:2]
     egress = block.phases[2]
 
@@ -318,5 +320,5 @@ def test_without_layers_the_anchor_is_sized_for_one_design_current(tmp_path):
     sized = chesapeake(tmp_path, STEADY | csv(tmp_path, steady) | changes)
     scenario = Scenario.at_means(sized, recorded_current(sized))
     speed = 0.5 * 0.514444 * 12.192 / 22.86
-    dive = dive_of(scenario, sized.moors[0])
+    dive = dive_of(scenario, scenario.moor())
     assert dive.wet_weight == pytest.approx(float(dive.vehicle_drag(speed)) + float(dive.anchor_drag(speed)), rel=1e-5)

@@ -1,21 +1,25 @@
-"""Every quantity of a mission against the table of what is possible and usual."""
+"""Every quantity of a mission against what its key declares possible and usual."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from missionplan.effects import CATALOGUE
 from missionplan.errors import KeyPath, LocalProblem
-from missionplan.mission.checks.limits.table import EFFECT_SCALES, IN_UNIT, LIMITS, Limit
+from missionplan.mission.reading.fields import parsers_of
 from missionplan.mission.schema.effect_list import EffectEntry
+from missionplan.mission.schema.limits import IN_UNIT, Limit
 from missionplan.mission.schema.phases import Phase
 from missionplan.montecarlo.distributions import Quantity
 from missionplan.montecarlo.normal_transform import NormalTransform
 
 _TAIL = 0.01
 """Share of the draws beyond each end."""
+EFFECT_SCALES = 6.0
+"""Plausible sizes of an effect's parameter, in its catalogue's standard deviations, beyond which it is unusual."""
 
 
 @dataclass(frozen=True)
@@ -54,9 +58,9 @@ def check_ranges(sections: Sequence[tuple[str, object]], phases: Sequence[Phase]
     """
     found = Findings()
     for name, section in sections:
-        found += _of(section, (name,), name)
+        found += _of(section, (name,))
     for index, phase in enumerate(phases):
-        found += _of(phase, ("phases", index, phase.kind), phase.kind)
+        found += _of(phase, ("phases", index, phase.kind))
     return found
 
 
@@ -67,39 +71,42 @@ def ends(quantity: Quantity) -> tuple[float, float]:
     return float(quantity), float(quantity)
 
 
-def _of(value: object, path: KeyPath, key: str) -> Findings:
+def _of(value: object, path: KeyPath) -> Findings:
     found = Findings()
-    for inner, name, quantity in _quantities(value, path, key):
-        limit = LIMITS.get(name) or LIMITS.get(name.removeprefix("vehicle."))
-        if limit is not None:
-            found += _compared(inner, quantity, limit)
+    for inner, quantity, limit in _limited(value, path, None):
+        found += _compared(inner, quantity, limit)
     return found
 
 
-def _quantities(value: object, path: KeyPath, key: str) -> Iterator[tuple[KeyPath, str, Quantity]]:
-    """Quantities inside a value, with their key paths in the file and in the table."""
+def _limited(value: object, path: KeyPath, limit: Limit | None) -> Iterator[tuple[KeyPath, Quantity, Limit]]:
+    """Quantities inside a value that have limits, with their key paths in the file."""
     if isinstance(value, float | NormalTransform):
-        yield path, key, value  # type: ignore[misc]  # every transform of a normal is one of the distributions
+        if limit is not None:
+            yield path, value, limit  # type: ignore[misc]  # every transform of a normal is one of the distributions
     elif isinstance(value, BaseModel):
         fields = type(value).model_fields
         for field, inner in value:
-            name = fields[field].alias or field
-            yield from _quantities(inner, (*path, name), f"{key}.{name}")
+            yield from _limited(inner, (*path, fields[field].alias or field), _limit_of(fields[field]))
     elif isinstance(value, tuple):
         for index, inner in enumerate(value):
-            yield from _quantities(inner, (*path, index), key)
+            yield from _limited(inner, (*path, index), limit)
+
+
+def _limit_of(field: FieldInfo) -> Limit | None:
+    """Return what a field may be, with the unit of the numbers."""
+    limit = next((each for each in field.metadata if isinstance(each, Limit)), None)
+    return limit if limit is None or limit.unit is not None else replace(limit, unit=parsers_of(field)[0].unit)
 
 
 def _compared(path: KeyPath, quantity: Quantity, limit: Limit) -> Findings:
-    scale = IN_UNIT.get(limit.unit, 1.0)
+    unit = limit.unit or ""
+    scale = IN_UNIT.get(unit, 1.0)
     low, high = (scale * end for end in ends(quantity))
     if limit.signed:
         low, high = (0.0 if low < 0.0 < high else min(abs(low), abs(high))), max(abs(low), abs(high))
-    given = (
-        f"{four_digits(low)} {limit.unit}" if low == high else f"{four_digits(low)} to {four_digits(high)} {limit.unit}"
-    )
+    given = f"{four_digits(low)} {unit}" if low == high else f"{four_digits(low)} to {four_digits(high)} {unit}"
     if low < limit.possible[0] or high > limit.possible[1]:
-        message = f"{given.strip()} is impossible: expected {_range(limit.possible, limit.unit)} ({limit.source})"
+        message = f"{given.strip()} is impossible: expected {_range(limit.possible, unit)} ({limit.source})"
         return Findings(problems=(LocalProblem(path, message),))
     if 0.0 < low < limit.usual[0] or high > limit.usual[1]:
         message = f"{given.strip()} is unusual: {limit.source}. Is the unit right?"

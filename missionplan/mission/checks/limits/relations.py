@@ -7,7 +7,6 @@ import numpy as np
 
 from missionplan.errors import KeyPath, LocalProblem
 from missionplan.mission.checks.limits.ranges import Findings, four_digits
-from missionplan.mission.checks.limits.table import FARTHEST
 from missionplan.mission.checks.phases import phase_path
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.navigation import Navigation
@@ -17,6 +16,8 @@ from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.physics.buoyancy import LEAD_DENSITY, STANDARD_GRAVITY, wet_weight
 
+FARTHEST = 500_000.0
+"""Farthest from the origin [m]: there the plane stretches distances across by (D/R)²/6 = 0.1 %."""
 _SEA_WATER = 1025.0
 """Density to compare a hull's volume with its mass [kg/m³]."""
 _FRESH_WATER = 1000.0

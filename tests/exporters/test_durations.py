@@ -1,0 +1,47 @@
+"""Every duration that a mission file gives a mooring is in the plan, and in what each format tells the vehicle."""
+
+from dataclasses import replace
+
+import pytest
+from planned_missions import chesapeake
+
+from missionplan.exporters.formats import FORMATS, format_named
+from missionplan.mission.reading.fields import keys_of, parsers_of
+from missionplan.mission.schema.phases import MoorPhase
+from missionplan.montecarlo.distributions import mean_of
+from missionplan.results.plan import PlannedMooring
+from missionplan.studies.mission_plan.build import mission_plan
+
+DURATIONS = tuple(
+    key for key, field in keys_of(MoorPhase).items() if any(parser.unit == "s" for parser in parsers_of(field))
+)
+LONGER = 7200.0
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return mission_plan(chesapeake(), seed=1)
+
+
+@pytest.mark.parametrize("key", DURATIONS)
+def test_what_follows_a_mooring_is_as_much_later_as_it_lasts_longer(plan, key):
+    mission = chesapeake()
+    lasts = mean_of(getattr(mission.moors[0], key)) + LONGER
+    later = mission_plan(mission.with_({f"moor.{key}": lasts}), seed=1)
+    ends = [each.phases[-1].waypoints[-1].elapsed for each in (plan, later)]
+    assert ends[1] - ends[0] == pytest.approx(LONGER)
+
+
+@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize("key", DURATIONS)
+def test_every_format_tells_each_duration_or_says_that_it_cannot(plan, key, to):
+    form = format_named(to)
+    longer = replace(
+        plan,
+        phases=tuple(
+            replace(phase, **{key: getattr(phase, key) + LONGER}) if isinstance(phase, PlannedMooring) else phase
+            for phase in plan.phases
+        ),
+    )
+    written, changed = (form.files(each, "plan") for each in (plan, longer))
+    assert written != changed or any("mooring" in words for words in form.lost(plan)), f"{to} leaves out {key}"
