@@ -10,7 +10,7 @@ from typing import IO
 
 import pandas as pd
 
-_ROWS = 200_000
+_ROWS = 50_000
 """Rows that are held as text at a time."""
 _PREFACE = 60
 """Lines among which the header is looked for."""
