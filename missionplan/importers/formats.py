@@ -7,7 +7,7 @@ from missionplan.errors import RunError
 from missionplan.importers.importer import Importer
 
 _GROUP = "missionplan.importers"
-_OWN = ("slocum", "seaglider", "pyglider", "seaexplorer", "imc", "moos", "rosbag", "ardupilot", "track")
+_OWN = ("slocum", "seaglider", "trajectory", "seaexplorer", "iver", "imc", "moos", "rosbag", "ardupilot", "track")
 """Modules of `readers`, in the order in which they are asked whether they recognise a file."""
 
 

@@ -152,6 +152,12 @@ def _track(files: Sequence[Path], store: ColumnStore, given: Fixes, options: Rea
     return _with_positions(track, store, names)
 
 
+def split_track(name: str, format_name: str, store: ColumnStore, names: Mapping[str, MappedName]) -> Track:
+    """Make a track of columns with the vehicle's one position: dead-reckoned under water, fixes at the surface."""
+    none = fixes(np.empty(0), np.empty(0), np.empty(0))
+    return replace(_track([Path(name)], store, none, ReadOptions(names)), name=name, format=format_name)
+
+
 def _with_positions(track: Track, store: ColumnStore, names: Mapping[str, MappedName]) -> Track:
     """Add fixes and dead-reckoned positions: of columns of their own, else of the one position that there is."""
     origin, given = origin_of(names.get("origin")), len(track.fixes) > 0

@@ -43,6 +43,14 @@ def text_chunks(path: Path, wanted: Sequence[str]) -> Iterator[pd.DataFrame]:
             yield pd.DataFrame({name: _joined(chunk, name) for name in wanted})
 
 
+def read_header(path: Path) -> list[str]:
+    """Names of the columns that the first line of a file has."""
+    with _opened(path) as stream:
+        line = stream.readline()
+    separator = max(_SEPARATORS, key=line.count)
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+
+
 def _parts(name: str) -> list[str]:
     return [part.strip() for part in name.split("+")]
 
