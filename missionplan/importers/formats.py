@@ -8,7 +8,7 @@ from missionplan.importers.importer import Importer
 from missionplan.packages import PluginError, load_plugin
 
 _GROUP = "missionplan.importers"
-_OWN = ("slocum", "seaglider", "pyglider", "seaexplorer", "imc", "moos", "rosbag", "track")
+_OWN = ("slocum", "seaglider", "trajectory", "seaexplorer", "iver", "imc", "moos", "rosbag", "ardupilot", "track")
 """Modules of `readers`, in the order in which they are asked whether they recognise a file."""
 
 

@@ -31,10 +31,13 @@ class ReadOptions:
         Quantities (`lat`, `time`, ...) and where the source has them.
     cache : Path or None
         Folder of the sensor lists of Slocum gliders.
+    vehicle : str or None
+        To be read where one file holds several.
     """
 
     names: Mapping[str, MappedName] = field(default_factory=dict)
     cache: Path | None = None
+    vehicle: str | None = None
 
 
 @dataclass(frozen=True)

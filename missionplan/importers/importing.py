@@ -87,7 +87,7 @@ def import_logs(
     found = find_sources(paths, importers, format, otherwise="track" if mapping else None)
     found, identity = of_one(found, vehicle, deployment)
     log = SourceLog(progress=progress, is_strict=is_strict)
-    options = ReadOptions(mapping, None if cache is None else as_path(cache, "cache"))
+    options = ReadOptions(mapping, None if cache is None else as_path(cache, "cache"), vehicle)
     track = found.importer.read([each.path for each in found.files], options, log)
     if not log.read:
         raise InputError([*log.passed_over, *found.passed_over])

@@ -52,7 +52,7 @@ def find_sources(
     format_name : str or None
         Format of all files; None to recognise it.
     otherwise : str or None
-        Format of files named one by one of which none is recognised.
+        Format of files of which none is recognised: tables whose columns the user names.
 
     Raises
     ------
@@ -66,8 +66,8 @@ def find_sources(
     if not paths:
         raise InputError([Problem("holds no files", str(each)) for each in given])
     chosen, passed_over = _recognised(paths, given, importers, format_name)
-    if not chosen and otherwise is not None and any(path in given for path in paths):
-        chosen, passed_over = _recognised(paths, given, importers, otherwise)
+    if not chosen and otherwise is not None and format_name in (None, otherwise):
+        chosen, passed_over = _recognised(paths, given, importers, otherwise, is_mapped=True)
     if not chosen:
         known = ", ".join(importers)
         message = f"no log of a known format ({known}) among {len(paths)} files"
@@ -166,16 +166,24 @@ def _below(folder: Path) -> Iterator[Path]:
 
 
 def _recognised(
-    paths: Sequence[Path], given: Sequence[Path], importers: Mapping[str, Importer], format_name: str | None
+    paths: Sequence[Path],
+    given: Sequence[Path],
+    importers: Mapping[str, Importer],
+    format_name: str | None,
+    *,
+    is_mapped: bool = False,
 ) -> tuple[dict[str, list[Path]], list[Problem]]:
-    """Sort files by format; with a format given, a file named by itself is read whatever it looks like."""
+    """Sort files by format; with a format given, a file named by itself is read whatever it looks like.
+
+    So is one in a folder where its columns are named (`is_mapped`).
+    """
     chosen: dict[str, list[Path]] = {}
     passed_over = []
     for path in paths:
         if path.suffix.lower() in _COMPANIONS or path.name in _OF_BAGS:
             continue
         name = _format_of(path, importers, format_name)
-        if name is None and format_name is not None and path in given:
+        if name is None and format_name is not None and (path in given or is_mapped):
             name = format_name
         if name is None:
             wanted = f"no {format_name} log" if format_name else "no log of a known format"

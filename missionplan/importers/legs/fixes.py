@@ -29,7 +29,8 @@ _CONFIRMS = 120.0
 """Time within which a good fix confirms another [s]."""
 _DRIFT = 1.5
 """Drift at the surface that it allows for [m/s]."""
-_FLAGGED = "not valid by its flag"
+_FLAGGED, _UNSEEN = "not valid by its flag", "no satellites"
+"""What no neighbour mends: there was no fix."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ def judge_fixes(fixes: Fixes) -> JudgedFixes:
     good = reasons == ""
     jumps = _jumps(fixes[good])
     reasons[np.flatnonzero(good)[jumps]] = f"farther from its neighbours than {FASTEST:g} m/s explains"
-    reasons[_confirmed(fixes, reasons == "") & (reasons != _FLAGGED)] = ""
+    reasons[_confirmed(fixes, reasons == "") & ~np.isin(reasons, (_FLAGGED, _UNSEEN))] = ""
     good = reasons == ""
     return JudgedFixes(fixes[good], fix_sd(fixes[good]), fixes[~good], tuple(str(each) for each in reasons[~good]))
 
@@ -81,6 +82,7 @@ def _reasons_of_quality(fixes: Fixes) -> NDArray[np.object_]:
         reasons[few & counted] = f"fewer than {FEWEST_SATELLITES} satellites"
         reasons[(fixes.hdop > WORST_HDOP) | (fixes.hdop <= 0.0)] = f"dilution of precision above {WORST_HDOP:g}"
         reasons[(fixes.accuracy > WORST_ACCURACY)] = f"stated accuracy worse than {WORST_ACCURACY:g} m"
+        reasons[(fixes.satellites == 0.0) & few & counted] = _UNSEEN
         reasons[fixes.valid == 0.0] = _FLAGGED
     return reasons
 

@@ -7,7 +7,7 @@ oceglider: 100 descending, 105 set up, 110 inflecting down, 115 surfacing, 116, 
 
 import gzip
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +36,10 @@ _HEAD = re.compile(rb"\s*\"?timestamp\"?\s*([;,\t|])\s*\"?nav_?state", re.IGNORE
 _NAME = re.compile(r"([A-Za-z]+\d+)\.(\d+)\.")
 _TIMES = ("%d/%m/%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S.%f", "%Y-%m-%d %H:%M:%S", "%Y-%m-%d %H:%M:%S.%f")
 _AT_SURFACE = 116.0
+_ROWS = 50_000
+"""Rows that are held as text at a time."""
+_MOST_FIXES = 0.5
+"""Share of rows with a new position up to which each is kept when rows are thinned."""
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -54,7 +58,8 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     store = ColumnStore()
     for path in log.each(sorted(files, key=_number)):
         with log.reading(path):
-            store.add(_columns(path))
+            for part in _parts(path):
+                store.add(part)
     t, latitude, longitude = store["t"], store["lat"], store["lon"]
     by_itself = store["reckoned"] == 1.0
     state = store["state"]
@@ -89,26 +94,31 @@ def _number(path: Path) -> tuple[str, int, str]:
     return str(path.parent), int(numbers[-1]) if numbers else 0, path.name
 
 
-def _columns(path: Path) -> dict[str, Array]:
+def _parts(path: Path) -> Iterator[dict[str, Array]]:
+    """Read some rows at a time."""
     with gzip.open(path, "rb") if path.suffix == ".gz" else path.open("rb") as stream:
         head = stream.readline()
         separator = next((each for each in (";", "\t", "|", ",") if each.encode() in head), ";")
         stream.seek(0)
-        table = pd.read_csv(
+        tables = pd.read_csv(
             stream, sep=separator, usecols=lambda name: _role(name) is not None, encoding="latin-1", dtype=str,
-            keep_default_na=False, on_bad_lines="skip",
+            keep_default_na=False, on_bad_lines="skip", chunksize=_ROWS,
         )  # fmt: skip
+        for table in tables:
+            yield _columns(table)
+
+
+def _columns(table: pd.DataFrame) -> dict[str, Array]:
     table = table.rename(columns={name: _role(str(name)) for name in table})
     missing = [name for name in _NEEDED if name not in table]
     if missing:
         raise ValueError(f"no column {', '.join(missing)}: not a gli log, or a damaged one")
     given = {str(name): plain_numbers(table[name]) for name in table if name not in ("time", "lat", "lon")}
-    return {
-        "t": _seconds(table["time"]),
-        "lat": angles(table["lat"], "ddmm"),
-        "lon": angles(table["lon"], "ddmm"),
-        **given,
-    }
+    latitude, longitude = (angles(table[name], "ddmm") for name in ("lat", "lon"))
+    moved = np.append(True, (np.diff(latitude) != 0.0) | (np.diff(longitude) != 0.0))[: len(latitude)]
+    is_fix = moved & ~(given.get("reckoned", np.zeros(len(moved))) == 1.0)
+    kept = {"keep": is_fix.astype(float)} if np.mean(is_fix) < _MOST_FIXES else {}
+    return {"t": _seconds(table["time"]), "lat": latitude, "lon": longitude, **given, **kept}
 
 
 def _role(name: str) -> str | None:
@@ -118,9 +128,11 @@ def _role(name: str) -> str | None:
 
 def _seconds(words: "pd.Series[str]") -> Array:
     """Times since 1970 [s], by the pattern that fits most of them."""
-    found = [pd.to_datetime(words.str.strip(), format=each, errors="coerce", utc=True) for each in _TIMES]
-    best = max(found, key=lambda each: int(each.notna().sum()))
-    return np.asarray((best - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy(), dtype=float)
+    words = words.str.strip()
+    few = words.iloc[:: max(len(words) // 50, 1)]
+    best = max(_TIMES, key=lambda each: int(pd.to_datetime(few, format=each, errors="coerce").notna().sum()))
+    stamps = pd.to_datetime(words, format=best, errors="coerce", utc=True)
+    return np.asarray((stamps - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy(), dtype=float)
 
 
 IMPORTERS = (

@@ -4,7 +4,7 @@
 one position alone has the vehicle's own: dead-reckoned under water, and fixes at the surface.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -57,7 +57,7 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
                 add_nmea(path, found)
             else:
                 _check_mapping(options.names, path)
-                for part in _parts(path, head, options.names):
+                for part in _parts(path, head, options.names):  # some rows at a time
                     store.add(part)
     given = fixes(found["t"], found["lat"], found["lon"], hdop=found["hdop"], satellites=found["satellites"],
                   valid=found["valid"])  # fmt: skip
@@ -71,13 +71,15 @@ def _check_mapping(names: Mapping[str, MappedName], path: Path) -> None:
         raise InputError([Problem("which columns have time and position, or depth?", str(path), hint=hint)])
 
 
-def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> list[dict[str, Array]]:
+def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> Iterator[dict[str, Array]]:
     columns = {quantity: each for quantity, each in names.items() if quantity not in _NO_COLUMNS}
     if head.startswith(MAGIC):
         with opened(path, "track") as data:
-            return _of_netcdf(Variables(data), columns)
+            yield from _of_netcdf(Variables(data), columns)
+        return
     wanted = [each.name for each in columns.values()]
-    return [_of_text(chunk, columns) for chunk in text_chunks(path, wanted)]
+    for chunk in text_chunks(path, wanted):
+        yield _of_text(chunk, columns)
 
 
 def _of_text(chunk: pd.DataFrame, columns: Mapping[str, MappedName]) -> dict[str, Array]:
@@ -148,6 +150,12 @@ def _track(files: Sequence[Path], store: ColumnStore, given: Fixes, options: Rea
         marks=_marks(t, store["mark"]) if "mark" in names else (),
     )
     return _with_positions(track, store, names)
+
+
+def split_track(name: str, format_name: str, store: ColumnStore, names: Mapping[str, MappedName]) -> Track:
+    """Make a track of columns with the vehicle's one position: dead-reckoned under water, fixes at the surface."""
+    none = fixes(np.empty(0), np.empty(0), np.empty(0))
+    return replace(_track([Path(name)], store, none, ReadOptions(names)), name=name, format=format_name)
 
 
 def _with_positions(track: Track, store: ColumnStore, names: Mapping[str, MappedName]) -> Track:

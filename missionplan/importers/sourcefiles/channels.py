@@ -1,12 +1,25 @@
 """Channels gathered from one file or message after another, each with times of its own, in little memory."""
 
+import math
+from array import array
 from collections import defaultdict
 from collections.abc import Iterable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.importers.track import Series, series
+
+MOST = 1_000_000
+"""Readings that are held of one channel: of more, one in half a second, in a second and so on is kept."""
+_FINEST = 0.5
+
+
+def spaced(t: Array, interval: float) -> NDArray[np.bool_]:
+    """Which readings to keep for one in each interval [s]: the first in it, in the order that they came."""
+    which = np.floor(np.asarray(t) / interval)
+    return np.append(True, which[1:] != which[:-1])[: len(which)]
 
 
 class ChannelStore:
@@ -14,11 +27,21 @@ class ChannelStore:
 
     def __init__(self) -> None:
         self._parts: dict[str, list[tuple[Array, Array]]] = defaultdict(list)
+        self._intervals: dict[str, float] = {}
 
     def add(self, name: str, t: Array, values: Array) -> None:
         """Add readings of a channel, from one file."""
-        if len(t):
-            self._parts[name].append((np.asarray(t, dtype=float), np.asarray(values)))
+        if not len(t):
+            return
+        t, values = np.asarray(t, dtype=float), np.asarray(values)
+        if name in self._intervals:
+            keep = spaced(t, self._intervals[name])
+            t, values = t[keep], values[keep]
+        self._parts[name].append((t, values))
+        while sum(len(part) for part, _ in self._parts[name]) > MOST:
+            self._intervals[name] = 2.0 * self._intervals.get(name, 0.5 * _FINEST)
+            kept = [(part, held, spaced(part, self._intervals[name])) for part, held in self._parts[name]]
+            self._parts[name] = [(part[keep], held[keep]) for part, held, keep in kept]
 
     def series(self, name: str, factor: float = 1.0) -> Series:
         """Return a channel's readings in the order of time, times a factor."""
@@ -47,18 +70,31 @@ class ChannelStore:
 
 
 class Samples:
-    """Readings that come one by one, such as messages."""
+    """Readings that come one by one, such as messages; the first column has the times [s]."""
 
     def __init__(self, names: Iterable[str]) -> None:
-        from array import array
-
         self._names = tuple(names)
         self._columns = {name: array("d") for name in self._names}
+        self._rows = list(self._columns.values())
+        self._interval, self._last = 0.0, math.nan
 
     def add(self, *values: float) -> None:
         """Add one value of each column."""
-        for name, value in zip(self._names, values, strict=True):
-            self._columns[name].append(value)
+        if self._interval:
+            which = values[0] // self._interval
+            if which == self._last:
+                return
+            self._last = which
+        for column, value in zip(self._rows, values, strict=True):
+            column.append(value)
+        if len(self._rows[0]) > MOST:
+            self._thin()
+
+    def _thin(self) -> None:
+        self._interval = 2.0 * (self._interval or 0.5 * _FINEST)
+        keep = spaced(self[self._names[0]], self._interval)
+        for name, column in self._columns.items():
+            column[:] = array("d", self[name][keep].tobytes())
 
     def __getitem__(self, name: str) -> Array:
         """Values of a column."""

@@ -3,9 +3,12 @@
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.importers.sourcefiles.channels import MOST, spaced
 from missionplan.importers.track import Break
 
 _EXACT = ("t", "lat", "lon", "dr_lat", "dr_lon", "x", "y", "dr_x", "dr_y")
+_FINEST, _COARSEST = 0.5, 64.0
+"""Intervals to which many rows are thinned [s]."""
 _BACKWARDS = 1.0
 """Step back of the times within a file that is a jump of the clock [s]."""
 
@@ -14,6 +17,7 @@ class ColumnStore:
     """Columns of many files; a column that a file lacks is missing there."""
 
     def __init__(self) -> None:
+        self._interval = 0.0
         self._parts: list[dict[str, Array]] = []
         self._joined: dict[str, Array] = {}
         self.breaks: tuple[Break, ...] = ()
@@ -24,8 +28,20 @@ class ColumnStore:
         timed = np.isfinite(t)
         part = {name: _small(name, values[timed]) for name, values in columns.items()}
         self.breaks += tuple(clock_jumps(part["t"]))
-        self._parts.append(part)
+        self._parts.append(self._thinned(part))
+        while sum(len(each["t"]) for each in self._parts) > MOST and self._interval < _COARSEST:
+            self._interval = 2.0 * self._interval if self._interval else _FINEST
+            self._parts = [self._thinned(each) for each in self._parts]
         self._joined = {}
+
+    def _thinned(self, part: dict[str, Array]) -> dict[str, Array]:
+        """Keep one row in each interval, and those that are marked to be kept."""
+        if not self._interval:
+            return part
+        keep = spaced(part["t"], self._interval)
+        if "keep" in part:
+            keep |= part["keep"] == 1.0
+        return {name: values[keep] for name, values in part.items()}
 
     def __getitem__(self, name: str) -> Array:
         """Values of a column in the order of time."""

@@ -114,7 +114,11 @@ def times(words: Words, unit: str) -> Array:
     """
     kind = unit.lower()
     if "%" in unit:
-        return _stamps(pd.to_datetime(words.str.strip(), format=unit, errors="coerce", utc=True))
+        found = _stamps(pd.to_datetime(words.str.strip(), format=unit, errors="coerce", utc=True))
+        if unit.endswith("%S") and np.isnan(found).any():  # seconds may have decimals
+            parts = _stamps(pd.to_datetime(words.str.strip(), format=f"{unit}.%f", errors="coerce", utc=True))
+            found = np.where(np.isnan(found), parts, found)
+        return found
     if kind in ("iso", "iso8601", "utc", ""):
         return _stamps(pd.to_datetime(words.str.strip(), format="ISO8601", errors="coerce", utc=True))
     if kind in _EPOCH:

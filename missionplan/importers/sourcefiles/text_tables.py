@@ -10,7 +10,7 @@ from typing import IO
 
 import pandas as pd
 
-_ROWS = 200_000
+_ROWS = 50_000
 """Rows that are held as text at a time."""
 _PREFACE = 60
 """Lines among which the header is looked for."""
@@ -43,6 +43,14 @@ def text_chunks(path: Path, wanted: Sequence[str]) -> Iterator[pd.DataFrame]:
         for chunk in table:
             chunk.columns = [str(name).strip() for name in chunk.columns]
             yield pd.DataFrame({name: _joined(chunk, name) for name in wanted})
+
+
+def read_header(path: Path) -> list[str]:
+    """Names of the columns that the first line of a file has."""
+    with _opened(path) as stream:
+        line = stream.readline()
+    separator = max(_SEPARATORS, key=line.count)
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
 
 
 def _parts(name: str) -> list[str]:
