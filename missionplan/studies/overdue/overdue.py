@@ -123,14 +123,19 @@ def _clouds(
         failed[way] = failed.get(way, np.zeros(flags.size, dtype=bool)) | flags
     clouds: list[Cloud] = []
     for way, (at, when) in _assumed(moving, generator).items():
-        own = failed.get(way, np.zeros(clock.size, dtype=bool)) & np.isfinite(clock)
+        own = failed.get(way, np.zeros(clock.size, dtype=bool)) & _known(place, clock)
         if np.count_nonzero(own) >= FEWEST_FAILED:
             chosen = np.flatnonzero(own)
             clouds.append(Cloud(way, chosen, place[:, chosen], clock[chosen], assumed=False))
-        elif np.count_nonzero(np.isfinite(when)) >= FEWEST_FAILED:
-            chosen = np.flatnonzero(np.isfinite(when))
+        elif np.count_nonzero(_known(at, when)) >= FEWEST_FAILED:
+            chosen = np.flatnonzero(_known(at, when))
             clouds.append(Cloud(way, chosen, at[:, chosen], when[chosen], assumed=True))
     return clouds
+
+
+def _known(place: Array, moment: Array) -> Flags:
+    """Trials that were at a place, such as that of an anchor which was laid, at a moment."""
+    return np.isfinite(moment) & np.isfinite(place).all(axis=0)
 
 
 def _last_known(moving: list[PhaseTrials]) -> tuple[Array, Array]:
