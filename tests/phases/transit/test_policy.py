@@ -171,6 +171,21 @@ def test_arguments_out_of_range(change):
         best_legs(**arguments | change)
 
 
+@pytest.mark.parametrize("change", [{"surfacing_time": 0.0}, {"distance": 50.0}])
+def test_legs_without_a_price_or_a_way_are_refused_in_words(change):
+    arguments = {"distance": 2000.0, "speed": 1.0, "arrival_radius": 50.0, "sigma": 0.05, "surfacing_time": 90.0}
+    with pytest.raises(ValueError, match="need a surfacing time and a start outside the arrival radius"):
+        best_legs(**arguments | change)
+
+
+def test_the_table_is_as_short_as_what_it_may_cost_allows():
+    """A tenth of the grid's knots, at no more than what is allowed for it."""
+    policy = best_legs(2000.0, 1.0, 50.0, 0.05, SURFACING)
+    left, _ = bellman.Bellman.on_grid(2000.0, 50.0, 0.05, SURFACING, 0.0).solve()
+    assert policy.legs.left.size < 0.4 * left.size
+    assert policy.bound <= policy.transit.cost <= policy.bound + TABLE_LOSS
+
+
 def test_simplification_keeps_ends_kinks_and_jumps():
     left = np.concatenate([np.linspace(50.0, 400.0, 36), np.linspace(401.0, 1000.0, 50)])
     leg = np.concatenate([np.linspace(10.0, 360.0, 36), np.full(50, 250.0)])

@@ -1,0 +1,30 @@
+"""Values of a mission file in words: no error bears more digits than it has itself, and a range keeps its own."""
+
+import pytest
+
+from missionplan.report.planned.values import value_in_words
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        ({"mean": "10 s", "sd": "3 s", "low": "0 s"}, "10 ± 3 s, at least 0 s"),
+        ({"mean": "10 s", "sd": "2.5 s"}, "10.0 ± 2.5 s"),
+        ({"mean": "0.25 m", "sd": "0.1 m"}, "0.25 m, sd 0.1 m"),
+        ({"mean": "1e3 m", "sd": "2.5 m"}, "1e3 ± 2.5 m"),
+        ({"mean": "20 min", "sd": "5 s"}, "20 min ± 5 s"),
+        ({"mean": "-4 deg", "sd": "0.5 deg"}, "-4.0 ± 0.5°"),
+        ({"mean": "-1 m", "sd": "0.5 m", "high": "2 m"}, "-1.0 ± 0.5 m, at most 2 m"),
+        ({"low": "1 m", "high": "2.25 m"}, "1 to 2.25 m"),
+        ({"low": "1.25 m", "high": "2 m"}, "1.25 to 2 m"),
+        ({"low": 0.5, "high": 2}, "0.5 to 2"),
+        ({"median": "0.05 m/s", "factor": 1.5}, "0.05 m/s, × or ÷ 1.5"),
+        ({"choices": ["1 m", "2 m"]}, "1 m or 2 m"),
+        ({"choices": list("abcdef")}, "a or b or c or d or e or f"),
+        ({"choices": list("abcdefg")}, "one of 7 values, from a to g"),
+        (["1 m", "2 m"], "(1 m, 2 m)"),
+        ([True, False], "(yes, no)"),
+    ],
+)
+def test_values_are_written_as_they_are_known(value, words):
+    assert value_in_words(value) == words
