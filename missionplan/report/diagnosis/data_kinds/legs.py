@@ -93,7 +93,7 @@ def _chart(diagnosis: Diagnosis, left: ResidualSeries) -> Figure:
         axes.set_aspect("equal")
     tips = [np.array([east, north]) + np.array(values) / scale for values in (left.before, left.after)]
     for tip in tips:  # arrows are no part of the limits by themselves
-        axes.update_datalim(tip.T)
+        axes.plot(*tip, " ")
     axes.autoscale_view()
     _not_too_narrow(axes)
     axes.quiverkey(
