@@ -252,7 +252,7 @@ class Mission(FileSection, Generic[V]):
         return (
             check_ranges(sections, self.phases)
             + check_effects(self.effects)
-            + check_relations(self.phases, self.site, self.vehicle, self.navigation)
+            + check_relations(self.phases, self.site, self.vehicle, self.navigation, self.energy)
         )
 
     @property

@@ -76,6 +76,11 @@ UNUSUAL = [
     ({MOOR + "radius": "0.5 m"}, "0.5 m is unusual"),
     ({"site.current.0.speed": {"mean": "4 kn", "sd": "2 kn"}}, "is unusual: .*Gulf Stream"),
     ({"vehicle.energy.capacity": "60 J"}, "0.01667 W.h is unusual"),
+    (
+        {"vehicle.energy.capacity": "60 kW*h"},
+        "vehicle.energy.capacity: 60.000 W h in a vehicle of 10.2 kg are 5882 W h/kg",
+    ),
+    ({"energy": {"capacity": "3 kW*h"}}, r"^[^ ]*energy.capacity: 3000 W h in a vehicle of 10.2 kg"),
     ({"vehicle.net_buoyancy": "11.5 N"}, "11.5 N is 11.5 % of the vehicle's weight"),
     ({"vehicle.mass": "20 kg"}, "displace .* of the hull's volume"),
     ({"vehicle.appendage_factor": 12.5}, "12.5 is unusual"),

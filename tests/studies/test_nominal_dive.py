@@ -59,5 +59,15 @@ def test_studies_of_dives_refuse_it(tmp_path, heaviest, study):
         study(with_weight(tmp_path, 2.0 * heaviest), trials=10)
 
 
+def test_an_anchor_that_is_sized_is_answered_with_what_it_does_and_not_asked_for_its_unit(tmp_path):
+    """A radius of 8 ft takes an anchor that would go down at 15 m/s, and that its parts cannot make a good one."""
+    (tmp_path / "vehicles").mkdir()
+    for name in ("anchor-design.yaml", "vehicles/vt475-self-mooring.yaml"):
+        (tmp_path / name).write_text((MISSIONS / name).read_text().replace("radius: 75 ft", "radius: 8 ft"))
+    mission = load(tmp_path / "anchor-design.yaml")
+    assert size_anchor(mission, trials=50).anchor.terminal_velocity > FASTEST
+    assert simulate(mission, trials=50).total.events["success"].value < 0.5
+
+
 def test_missions_without_dives_pass():
     check_dives(Scenario.at_means(load(MISSIONS / "fig8.yaml")))

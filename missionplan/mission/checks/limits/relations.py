@@ -12,9 +12,10 @@ from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.navigation import Navigation
 from missionplan.mission.schema.phases import LegTableSection, MoorPhase, Phase, TransitPhase
 from missionplan.mission.schema.site import Geographic, Position, Site
-from missionplan.mission.schema.vehicle import Vehicle
+from missionplan.mission.schema.vehicle import EnergyBudget, Vehicle
 from missionplan.montecarlo.distributions import mean_of
 from missionplan.physics.buoyancy import LEAD_DENSITY, STANDARD_GRAVITY, wet_weight
+from missionplan.physics.energy import JOULES_PER_WATT_HOUR
 
 FARTHEST = 500_000.0
 """Farthest from the origin [m]: there the plane stretches distances across by (D/R)²/6 = 0.1 %."""
@@ -26,6 +27,9 @@ _BUOYANT = (0.5, 0.1)
 """Net buoyancy over weight that is impossible, and that is unusual: AUVs are trimmed to 0.1 to 2 %."""
 _FILLED = ((0.1, 3.0), (0.4, 1.3))
 """Displaced mass over the hull's volume of water that is possible, and that is usual: free flooding, appendages."""
+_DENSEST = 250.0
+"""Energy over mass of lithium-ion cells [W h/kg] (Linden & Reddy, *Handbook of Batteries*): of a whole vehicle a fifth of
+it is much, and primary lithium cells hold two to three times as much."""
 _SHALLOWEST = 1.0
 """Water above a moored vehicle that is unusual: tide and waves are seldom less [m]."""
 
@@ -33,7 +37,11 @@ _Place = tuple[float, float]
 
 
 def check_relations(
-    phases: Sequence[Phase], site: Site | None, vehicle: Vehicle | None, navigation: Navigation | None
+    phases: Sequence[Phase],
+    site: Site | None,
+    vehicle: Vehicle | None,
+    navigation: Navigation | None,
+    energy: EnergyBudget | None = None,
 ) -> Findings:
     """List what is impossible or unusual between keys, by key path from the top of the mission."""
     depth = mean_of(site.depth) if site is not None and site.depth is not None else math.inf
@@ -53,6 +61,7 @@ def check_relations(
         wrong, odd = _vehicle(vehicle)
         problems += [problem.within(("vehicle",)) for problem in wrong]
         notices += [notice.within(("vehicle",)) for notice in odd]
+        notices += _battery(vehicle, energy)
     if navigation is not None:
         notices += _fixes(phases, navigation)
     return Findings(tuple(problems), tuple(notices))
@@ -185,6 +194,21 @@ def _vehicle(vehicle: Vehicle) -> tuple[list[LocalProblem], list[LocalProblem]]:
     elif not _FILLED[1][0] <= filled <= _FILLED[1][1]:
         notices.append(LocalProblem(("mass",), f"{message}, which is unusual. Is the unit right?"))
     return problems, notices
+
+
+def _battery(vehicle: Vehicle, energy: EnergyBudget | None) -> Iterator[LocalProblem]:
+    """Ask about a battery that would have to be lighter than any for the vehicle that it is in."""
+    mission_has_it = energy is not None and energy.capacity is not None
+    budget = energy if mission_has_it else vehicle.energy
+    if budget is None or budget.capacity is None or vehicle.mass is None:
+        return
+    capacity, mass = mean_of(budget.capacity) / JOULES_PER_WATT_HOUR, mean_of(vehicle.mass)
+    if capacity > _DENSEST * mass:
+        message = (
+            f"{four_digits(capacity)} W h in a vehicle of {mass:.4g} kg are {four_digits(capacity / mass)} W h/kg; "
+            f"lithium-ion cells by themselves hold at most {_DENSEST:g}. Is the unit right?"
+        )
+        yield LocalProblem(("energy", "capacity") if mission_has_it else ("vehicle", "energy", "capacity"), message)
 
 
 def _shape(vehicle: Vehicle) -> Iterator[LocalProblem]:
