@@ -112,6 +112,10 @@ class Scenario(DrawnMission):
         found = {name: np.asarray(values[name], dtype=float) for name in self.means._joint.marginals}
         return found if self.member is None else {**found, MEMBER: self.member}
 
+    def stream_of(self, name: str) -> str:
+        """Return the name of the stream that an uncertain quantity is drawn from."""
+        return self.means._joint.streams.get(name, name)
+
     @cached_property
     def current(self) -> Current | None:
         """The site's current; None in still water."""

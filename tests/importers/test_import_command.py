@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 from made_tracks import made
 
-from missionplan.errors import InputError, RunError
+from missionplan.errors import InputError
 from missionplan.importers import formats
 from missionplan.importers.declination import model_declination, with_declination
 from missionplan.importers.descents import separations_by_sinking
@@ -118,7 +118,7 @@ def test_options_that_cannot_be_are_said(arguments, words, tmp_path):
 def test_a_missing_library_says_what_to_install(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "imcpy", None)
     (tmp_path / "Data.lsf").write_bytes(b"")
-    with pytest.raises(InputError, match=r"pip install 'missionplan\[imc\]'"):
+    with pytest.raises(InputError, match="pip install 'imcpy>="):
         import_logs([tmp_path])
 
 
@@ -143,7 +143,7 @@ def test_an_installed_package_adds_an_importer(monkeypatch, tmp_path):
     own = replace(own, read=reading)
     assert import_logs([tmp_path]).counted == 9
     own = "no importer"
-    with pytest.raises(RunError, match="is no Importer"):
+    with pytest.raises(InputError, match="no log of a known format"):
         import_logs([tmp_path])
 
 

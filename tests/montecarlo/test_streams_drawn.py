@@ -67,17 +67,21 @@ class Legs:
         return self.normals.leg(number) * self.heard
 
 
+def uncertain(means):
+    return tuple(means.sampled(seed=1, block=0, size=1).draws)
+
+
 def ran(means, **how):
     source = Recorded(**how)
     return run_trials(means.sampled_from(source, TRIALS), source, TRIALS, inputs=False), source.names
 
 
 def test_every_quantity_has_a_stream_of_its_own_and_is_drawn_once(means):
-    _, names = ran(means)
+    trials, names = ran(means)
     own = ["moor.fix", "moor.premature_flooding", "ingress.fix_at_start"]
     legs = [f"{phase}.{each}" for phase in ("ingress", "egress") for each in (*OF_LEGS, "effects.persistent-error")]
-    assert sorted(names) == sorted([*means.uncertain, *own, *legs])
-    assert set(means.uncertain) > set(UNCERTAIN)
+    assert sorted(names) == sorted([*trials.draws, *own, *legs])
+    assert set(trials.draws) > set(UNCERTAIN)
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +111,7 @@ ALONE = [
 def test_a_stream_moves_what_is_its_own_and_what_comes_after(means, silent, name):
     """All others being silent: its own quantity and no other, nothing before its phase, and no anchor but by its own."""
     moved = changed(everything(ran(means, heard=(name,))[0]), silent)
-    assert moved & set(means.uncertain) == {name} & set(means.uncertain)
+    assert moved & set(uncertain(means)) == {name} & set(uncertain(means))
     phases = {"ingress": ("egress.", "moor.", "ingress."), "moor": ("egress.", "moor."), "egress": ("egress.",)}
     after = phases.get(name.split(".")[0], phases["ingress"])
     assert all(each.startswith((*after, "total.", name)) or each.split()[0] + "." in after for each in moved)
@@ -120,8 +124,7 @@ def test_a_stream_moves_what_is_its_own_and_what_comes_after(means, silent, name
 
 def test_draws_are_uncorrelated(means):
     """All pairs of drawn quantities; and which anchors flood, with every normal that is drawn besides."""
-    drawn = means.sampled_from(Recorded(), BLOCK)
-    values = np.stack([drawn[name] for name in means.uncertain])
+    values = np.stack(list(means.sampled_from(Recorded(), BLOCK).draws.values()))
     apart = np.corrcoef(values)[~np.eye(len(values), dtype=bool)]
     assert np.abs(apart).max() < 5.0 / np.sqrt(BLOCK)
     trials, names = ran(means)
@@ -129,7 +132,7 @@ def test_draws_are_uncorrelated(means):
     assert 0.04 < flooded.mean() < 0.18
     source = BlockStreams(1, 0)
     for name in set(names) - {"moor.premature_flooding"}:
-        normals = source.once(name)[:TRIALS] if name in means.uncertain else source.legs(name).leg(0)[0, :TRIALS]
+        normals = source.once(name)[:TRIALS] if name in uncertain(means) else source.legs(name).leg(0)[0, :TRIALS]
         assert abs(np.corrcoef(flooded, normals)[0, 1]) < 5.0 / np.sqrt(TRIALS), name
 
 

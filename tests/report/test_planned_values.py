@@ -1,7 +1,8 @@
 """Values of a mission file in words: no error bears more digits than it has itself, and a range keeps its own."""
 
 import pytest
-from missionplan.report.planned.values import value_in_words
+
+from missionplan.report.planned.section import value_in_words
 
 
 @pytest.mark.parametrize(

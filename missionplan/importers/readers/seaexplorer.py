@@ -130,7 +130,7 @@ def _seconds(words: "pd.Series[str]") -> Array:
     """Times since 1970 [s], by the pattern that fits most of them."""
     words = words.str.strip()
     few = words.iloc[:: max(len(words) // 50, 1)]
-    best = max(_TIMES, key=lambda each: int(pd.to_datetime(few, format=each, errors="coerce").notna().sum()))
+    best = max(_TIMES, key=lambda each: int(pd.to_datetime(few, format=each, errors="coerce", utc=True).notna().sum()))
     stamps = pd.to_datetime(words, format=best, errors="coerce", utc=True)
     return np.asarray((stamps - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy(), dtype=float)
 

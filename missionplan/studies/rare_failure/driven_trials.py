@@ -132,7 +132,9 @@ def discrete_values(mission: Mission, means: Scenario) -> dict[Key, Sequence[Dis
     """
     mixed = {name for pair in mission.correlated for name in pair.between}
     found: dict[Key, Sequence[DiscreteValue]] = {
-        (path, 0): [DiscreteValue(path, f"{value:g}", interval) for value, interval in quantity.intervals.items()]
+        (means.stream_of(path), 0): [
+            DiscreteValue(path, f"{value:g}", interval) for value, interval in quantity.intervals.items()
+        ]
         for path, quantity in mission.quantities().items()
         if isinstance(quantity, (Choices, WhichHolds)) and path not in mixed
     }

@@ -19,14 +19,14 @@ MISSION = Path(__file__).parents[3] / "missions" / "autosub-transition.yaml"
 
 @pytest.fixture(scope="module")
 def vehicle():
-    mission = missionplan.load(MISSION)
-    return transition_vehicle(Scenario.at_means(mission), mission.transitions[0])
+    means = Scenario.at_means(missionplan.load(MISSION))
+    return transition_vehicle(means, means.drawn.transitions[0])
 
 
 @pytest.fixture(scope="module")
 def slow_down():
-    mission = missionplan.load(MISSION)
-    return replace(manoeuvre(Scenario.at_means(mission), mission.transitions[0]), after=110.0)
+    means = Scenario.at_means(missionplan.load(MISSION))
+    return replace(manoeuvre(means.drawn.transitions[0]), after=110.0)
 
 
 @given(speed=st.floats(0, 3), mid=st.floats(0.3, 2), steepness=st.floats(0.01, 1))

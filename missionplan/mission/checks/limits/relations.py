@@ -28,8 +28,8 @@ _BUOYANT = (0.5, 0.1)
 _FILLED = ((0.1, 3.0), (0.4, 1.3))
 """Displaced mass over the hull's volume of water that is possible, and that is usual: free flooding, appendages."""
 _DENSEST = 250.0
-"""Energy over mass of lithium-ion cells [W h/kg] (Linden & Reddy, *Handbook of Batteries*): of a whole vehicle a fifth of
-it is much, and primary lithium cells hold two to three times as much."""
+"""Energy over mass of lithium-ion cells [W h/kg] (Linden & Reddy, *Handbook of Batteries*): a fifth of it is much for a
+whole vehicle, and primary lithium cells hold two to three times as much."""
 _SHALLOWEST = 1.0
 """Water above a moored vehicle that is unusual: tide and waves are seldom less [m]."""
 
