@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 
+from missionplan.datasets.runs import DEEPEST
 from missionplan.datasets.table import problems_at
 from missionplan.errors import Problem, counted
 
@@ -14,6 +15,8 @@ NEEDED = (
 )
 LATITUDES = ("lat_start", "lat_dr_end", "lat_end")
 LONGITUDES = ("lon_start", "lon_dr_end", "lon_end")
+HIGHEST = -2.0
+"""Mean depth that waves and an offset of the gauge leave a leg at the surface [m]."""
 OVERLAP = 1.0
 """Time by which a leg may start before the previous one has ended: rounding [s]."""
 
@@ -49,7 +52,10 @@ def _check_durations(legs: pd.DataFrame, file: str) -> list[Problem]:
     negative = legs.index[surface < 0.0]
     stated = legs["fix_sd_m"] if "fix_sd_m" in legs else pd.Series(1.0, index=legs.index)
     poor = legs.index[stated <= 0.0]
+    depth = legs["depth_m"] if "depth_m" in legs else pd.Series(0.0, index=legs.index)
+    nowhere = legs.index[(depth < HIGHEST) | (depth > DEEPEST)]
     return [
+        *_at(nowhere, f"expected the leg's mean depth in metres, {HIGHEST:g} to {DEEPEST:g}", file, "depth_m"),
         *_at(poor, "expected more than 0 m", file, "fix_sd_m"),
         *_at(short, "the leg ends before it has begun", file, "t_end_s"),
         *_at(negative, "is negative", file, "surface_s"),

@@ -44,7 +44,7 @@ TRANSIT = DatasetFormat(
     TransitSettings,
     Columns(
         tuple((*times, *places) for times in (TIMES, STAMPS) for places in (PLANAR, GEOGRAPHIC)),
-        optional=("leg", "run", "surface_s", "speed_m_s", "heading_deg", "fix_sd_m"),
+        optional=("leg", "run", "surface_s", "speed_m_s", "heading_deg", "fix_sd_m", "depth_m"),
         text=("leg", "run"),
         times=(*TIMES, *STAMPS),
     ),
@@ -104,6 +104,7 @@ def read_transit(folder: Path, mission: Mission) -> TransitData:
         tuple(notices),
         epoch,
         _leg_fix_sd(legs),
+        legs["depth_m"].to_numpy(dtype=float) if "depth_m" in legs and legs["depth_m"].notna().any() else None,
     )
     return _without_wrong_fixes(_counted_once(data))
 

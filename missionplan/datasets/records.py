@@ -42,6 +42,8 @@ class TransitData:
         Seconds since 1970 of the times' zero, where the log says.
     leg_fix_sd : array, shape (n,), or None
         Standard deviation of the fix after each leg, each axis, where the log states it [m].
+    depth : array, shape (n,), or None
+        Mean depth under way of each leg, nan where it is not known [m].
     """
 
     name: str
@@ -60,6 +62,7 @@ class TransitData:
     notices: tuple[str, ...]
     epoch: float | None = None
     leg_fix_sd: Array | None = None
+    depth: Array | None = None
 
     @property
     def n(self) -> int:
@@ -111,6 +114,7 @@ class TransitData:
             dead_reckoned=self.dead_reckoned[:, keep],
             end=self.end[:, keep],
             leg_fix_sd=None if self.leg_fix_sd is None else self.leg_fix_sd[keep],
+            depth=None if self.depth is None else self.depth[keep],
         )
 
 

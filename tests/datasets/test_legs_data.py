@@ -164,3 +164,16 @@ def test_a_time_that_is_none_is_said(folder, transit_mission, legs):
     table.loc[2, "t_start_s"] = "yesterday"
     with pytest.raises(InputError, match="given 'yesterday', expected seconds, or a time such as 2026-05-01T10:20:30Z"):
         read_transit(folder(KIND, table), transit_mission)
+
+
+def test_the_mean_depth_of_each_leg_is_read(folder, transit_mission, legs):
+    table = legs().assign(depth_m=12.5)
+    table.loc[4, "depth_m"] = np.nan
+    data = read_transit(folder(KIND, table), transit_mission)
+    assert np.nanmedian(data.depth) == 12.5
+    assert np.isnan(data.depth[4])
+    assert len(data.subset(np.arange(3)).depth) == 3
+    assert read_transit(folder(KIND, legs()), transit_mission).depth is None
+    table.loc[3, "depth_m"] = 20_000.0
+    with pytest.raises(InputError, match="depth_m"):
+        read_transit(folder(KIND, table), transit_mission)

@@ -40,15 +40,14 @@ def _append(data: TransitData, heading: Array, duration: Array, surface: Array) 
         start=np.concatenate([data.start, starts], axis=1),
         dead_reckoned=np.concatenate([data.dead_reckoned, ends], axis=1),
         end=np.concatenate([data.end, ends + 1e-3], axis=1),
-        leg_fix_sd=_with_typical(data, len(heading)),
+        leg_fix_sd=_with_typical(data.leg_fix_sd, len(heading)),
+        depth=_with_typical(data.depth, len(heading)),
     )
 
 
-def _with_typical(data: TransitData, new: int) -> Array | None:
-    """Stated standard deviations of the fixes, with typical ones for further legs; None where none are stated [m]."""
-    if data.leg_fix_sd is None:
-        return None
-    return np.append(data.leg_fix_sd, np.full(new, np.median(data.leg_fix_sd)))
+def _with_typical(values: Array | None, new: int) -> Array | None:
+    """What is known leg by leg, with the median of it for further legs; None where nothing is."""
+    return None if values is None else np.append(values, np.full(new, np.nanmedian(values)))
 
 
 def _headings(data: TransitData) -> Array:

@@ -164,6 +164,7 @@ class LegTrials(TrialKind):
             dead_reckoned=ends,
             end=ends + 1e-3,  # each leg has fixes of its own, on surfacing and on diving
             leg_fix_sd=None if data.leg_fix_sd is None else np.full(count, np.median(data.leg_fix_sd)),
+            depth=None if data.depth is None else np.full(count, np.nanmedian(data.depth)),
         )
 
     def trial(self, design: int) -> Mapping[str, object]:
