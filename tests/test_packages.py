@@ -12,7 +12,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.effects.catalogue import with_plugins
 from missionplan.effects.entry_checks import entry_problems
 from missionplan.errors import InputError, RunError
-from missionplan.importers import formats
+from missionplan.importers import importer
 
 HOOK = "def hook(speed):\n    return 1 / speed\n"
 
@@ -23,7 +23,7 @@ def _plugin(monkeypatch, tmp_path, text, group="missionplan.effects") -> importl
     name = f"plugin_{tmp_path.name.replace('-', '_')}"
     (tmp_path / f"{name}.py").write_text(text)
     entry = importlib.metadata.EntryPoint("barnacles", f"{name}:INFO", group)
-    for module in (packages, formats):
+    for module in (packages, importer):
         monkeypatch.setattr(module, "entry_points", lambda group: [entry] if group == entry.group else [])
     return entry
 
@@ -70,7 +70,7 @@ def test_an_effect_has_a_name_that_can_stand_in_a_key_path(name):
 
 def test_a_broken_importer_stops_no_other(monkeypatch, tmp_path):
     _plugin(monkeypatch, tmp_path, "raise SystemExit(7)\n", "missionplan.importers")
-    found, (problem,) = formats.known_importers()
+    found, (problem,) = importer.known_importers()
     assert "track" in found
     assert str(problem).startswith("the importer barnacles (plugin_")
     log = tmp_path / "log.csv"

@@ -88,8 +88,8 @@ def import_(
     quiet: o.Quiet = False,
 ) -> None:
     """Make a data set of a vehicle's own logs, with a report of what was made of them and a starter mission."""
+    from missionplan.importers.dives import LegRules
     from missionplan.importers.importing import import_logs
-    from missionplan.importers.legs.rules import LegRules
     from missionplan.importers.mapping import ASSIGNMENT
 
     # `--map lat=A lon=B` leaves the second to the sources

@@ -1,7 +1,7 @@
-"""From a vehicle's own logs to a data set: `import`.
+"""A vehicle's own logs to a data set.
 
-A reader (`readers`, one a format, with what they share in `sourcefiles`) turns files into a `track`. `legs` cuts a
-track into legs between fixes and judges which count, `descents` makes dives of a depth record. `importing` has the
-public function: it finds the sources, chooses the reader, and makes the result that is written as a data set with its
-report and a starter mission.
+A reader (`readers`, one a make; `mapping`, `netcdf` and `stores` are what they share) turns files into a `track`.
+`fixes` says which fixes count, `dives` where legs may be, `cutting` makes legs of them, `judging` says which count, and
+`reckoning` serves vehicles that freeze their position under water, or carry it with a current of their own.
+`importing` puts it together.
 """

@@ -9,7 +9,7 @@ import pandas as pd
 from missionplan.arrays import Array
 from missionplan.datasets.times import epoch_of
 from missionplan.errors import InputError, Problem, shown
-from missionplan.importers.building import Reading
+from missionplan.importers.sources import Reading
 from missionplan.importers.track import Series
 from missionplan.results.imported import ImportedData, TrackLines
 

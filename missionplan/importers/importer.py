@@ -1,17 +1,18 @@
-"""What a reader of logs is: it recognises files of its format and makes a track of them."""
+"""What a reader of logs is: it recognises files of its format and makes a track of them; and which there are."""
 
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import import_module
+from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, Problem, shown
 from missionplan.importers.mapping import MappedName
 from missionplan.importers.track import Track
-from missionplan.packages import how_to_install
+from missionplan.packages import PluginError, how_to_install, load_plugin
 
 DAMAGED = (OSError, ValueError, LookupError, EOFError, RuntimeError, ArithmeticError, TypeError, zlib.error)
 """Errors by which libraries say that a file is damaged."""
@@ -155,3 +156,28 @@ def needed_module(name: str, extra: str, format_name: str) -> ModuleType:
         hint = how_to_install(extra)
         message = f"the format {format_name} needs the package {name.partition('.')[0]}, which is not installed"
         raise InputError([Problem(message, hint=hint)]) from None
+
+
+_GROUP = "missionplan.importers"
+_OWN = ("slocum", "seaglider", "trajectory", "textlogs", "imc", "moos", "rosbag", "ardupilot", "track")
+"""Modules of `readers`, in the order in which they are asked whether they recognise a file."""
+
+
+def known_importers() -> tuple[dict[str, Importer], list[Problem]]:
+    """Return the importers by name, and why any that an installed package adds is left out."""
+    modules = [import_module(f"missionplan.importers.readers.{name}") for name in _OWN]
+    found: dict[str, Importer] = {each.name: each for module in modules for each in module.IMPORTERS}
+    left_out: list[Problem] = []
+    for entry in entry_points(group=_GROUP):
+        try:
+            importer = load_plugin(entry)
+            reason = "" if isinstance(importer, Importer) else "is no Importer"
+        except PluginError as error:
+            importer, reason = None, f"cannot be loaded: {error}"
+        if isinstance(importer, Importer) and importer.name in found:
+            reason = f"has the name of another, {shown(importer.name)}"
+        if reason or not isinstance(importer, Importer):
+            left_out.append(Problem(f"the importer {entry.name} ({entry.value}) is left out: it {reason}"))
+        else:
+            found = {importer.name: importer, **found}  # asked first: it knows its own files better
+    return found, left_out

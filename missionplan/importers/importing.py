@@ -7,18 +7,23 @@ from datetime import UTC, datetime
 from pathlib import Path, PurePath
 from typing import Literal
 
+import numpy as np
+import pandas as pd
+
+from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, did_you_mean, shown
-from missionplan.importers.building import Reading, transit_data
-from missionplan.importers.declination import with_declination
+from missionplan.importers.cutting import LEG_COLUMNS, CutTrack, cut
 from missionplan.importers.descents import descent_data, read_marks
-from missionplan.importers.formats import known_importers
-from missionplan.importers.importer import Identity, ReadOptions, SourceLog
-from missionplan.importers.legs.rules import LegRules
+from missionplan.importers.dives import LegRules
+from missionplan.importers.geodesy import shifted, with_declination
+from missionplan.importers.importer import Identity, ReadOptions, SourceLog, known_importers
 from missionplan.importers.mapping import read_mapping
-from missionplan.importers.shifting import shifted
-from missionplan.importers.sources import find_sources, of_one
-from missionplan.importers.track import Track
-from missionplan.results.imported import ImportedData, SourceEntry
+from missionplan.importers.sources import Reading, find_sources, of_one
+from missionplan.importers.starter import LegNumbers, mission_text, numbers_of, prospects
+from missionplan.importers.track import Fixes, Positions, Track
+from missionplan.mission.geodesy import to_plane
+from missionplan.mission.schema.site import Geographic
+from missionplan.results.imported import ImportedData, SourceEntry, TrackLines
 from missionplan.store.paths import as_path
 
 KINDS = ("transit", "descent")
@@ -140,3 +145,152 @@ def _options(
 ) -> dict[str, object]:
     """Options as the report tells them; the made-up origin is no secret, the true one is not told."""
     return {"format": track.format, "kind": kind, "map": list(names), "shift_origin": shift_origin, **asdict(rules)}
+
+
+_DRAWN = 4000
+"""Readings of depth that the report draws."""
+
+
+def transit_data(reading: Reading, rules: LegRules) -> ImportedData:
+    """Make a data set of legs.
+
+    Raises
+    ------
+    InputError
+        When the track has no dive between fixes, or none with a dead-reckoned end.
+    """
+    parts = cut(reading.track, rules)
+    _check_found(reading.track, parts)
+    found = numbers_of(parts.legs)
+    text = mission_text(reading.name, found)
+    mission_file = "mission.yaml"
+    return ImportedData(
+        provenance=reading.provenance(text, (*_of_current(parts, rules), *parts.notices)),
+        kind="transit",
+        name=reading.name,
+        format=reading.track.format,
+        dataset={
+            "kind": "transit",
+            "name": reading.name,
+            "file": "legs.csv",
+            "noise": {"fix": f"{found.fix_sd:.3g} m"},
+            "source": reading.source,
+        },
+        table=_rounded(parts.legs[list(LEG_COLUMNS)]),
+        dives=_rounded(parts.dives),
+        sources=reading.sources,
+        passed_over=reading.passed_over,
+        reckoning=parts.reckoning,
+        rejected_fixes=_rejected(parts),
+        mission_text=text,
+        can_show=prospects(parts.legs, found),
+        next_commands=(f"missionplan diagnose {mission_file} .", f"missionplan simulate {mission_file}"),
+        figures=_figures(parts, found),
+        lines=_lines(parts, found),
+    )
+
+
+def _check_found(track: Track, parts: CutTrack) -> None:
+    good, rejected = len(parts.fixes.good), len(parts.fixes.rejected)
+    if good < 2:
+        message = f"{good} fixes that count ({rejected} do not): a leg needs one before and one after a dive"
+        hint = parts.fixes.reasons[0] if parts.fixes.reasons else "are there fixes in these files?"
+        raise InputError([Problem(message, hint=hint)])
+    if not len(parts.dives):
+        deepest = float(track.depth.values.max()) if len(track.depth) else float("nan")
+        message = f"no dive between {good} fixes; the greatest depth is {deepest:.1f} m"
+        raise InputError([Problem(message, hint="--dive-depth says how deep a dive goes")])
+    if not len(parts.legs):
+        reason = str(parts.dives["reason"].iloc[0])
+        message = f"{len(parts.dives)} dives, but none has a dead-reckoned end: {track.reckoning} ({reason})"
+        hint = "dead reckoning can be made from heading with speed, or with pitch and depth"
+        raise InputError([Problem(message, hint=hint)])
+
+
+def _of_current(parts: CutTrack, rules: LegRules) -> tuple[str, ...]:
+    """Say whether the vehicle's dead reckoning is carried with a current of its own, and what was done about it."""
+    current = parts.current
+    if current is None:
+        return ()
+    if not np.isfinite(current.share):
+        return ("the vehicle logs an estimate of the current; the legs do not show whether its dead reckoning has it",)
+    measured = f"{current.share:.2f} ± {current.sd:.2f} of the current that the vehicle estimates"
+    if not current.is_in:
+        return (f"the dead reckoning holds {measured}: it is taken to hold none of it",)
+    done = (
+        "it was taken out"
+        if rules.take_out_current
+        else "it was left in: a leg's error is what that estimate did not foresee (--take-out-current removes it)"
+    )
+    return (f"the vehicle's dead reckoning holds {measured}: {done}",)
+
+
+def _rounded(table: pd.DataFrame) -> pd.DataFrame:
+    """Round to what logs hold: centimetres, milliseconds, and 1 cm of latitude."""
+    digits = {name: 7 if name.startswith(("lat_", "lon_")) else 3 for name in table.columns}
+    return table.round(
+        {
+            **digits,
+            "heading_deg": 1,
+            "depth_m": 2,
+            "dr_sd_m": 1,
+            "max_depth_m": 2,
+            "surface_s": 1,
+            "lag_dr_end_s": 1,
+            "rpm": 1,
+        }
+    )
+
+
+def _rejected(parts: CutTrack) -> pd.DataFrame:
+    fixes = parts.fixes.rejected
+    columns = {"t_s": fixes.t, "lat": fixes.latitude, "lon": fixes.longitude, "hdop": fixes.hdop}
+    return pd.DataFrame({**columns, "satellites": fixes.satellites, "reason": list(parts.fixes.reasons)})
+
+
+def _figures(parts: CutTrack, found: LegNumbers) -> dict[str, float]:
+    return {
+        "fixes": len(parts.fixes.good),
+        "velocity_error_sigma_m_s": found.sigma,
+        "velocity_error_mean_east_m_s": found.mean_error[0],
+        "velocity_error_mean_north_m_s": found.mean_error[1],
+        "leg_length_m": found.length,
+        "leg_duration_s": found.duration,
+        "speed_m_s": found.speed,
+        "surfacing_time_s": found.surfacing,
+        "fix_sd_m": found.fix_sd,
+        "record_s": found.record,
+        "max_depth_m": found.depth,
+        "made_reckoning_sd_m": float(parts.legs["dr_sd_m"].median()) if parts.is_made else float("nan"),
+        "current_in_reckoning": parts.current.share if parts.current else float("nan"),
+    }
+
+
+def _lines(parts: CutTrack, found: LegNumbers) -> TrackLines:
+    latitude, longitude = float(np.radians(found.latitude)), float(np.radians(found.longitude))
+    origin = Geographic.model_construct(latitude=latitude, longitude=longitude)
+
+    def plane(places: Fixes | Positions) -> Array:
+        if not len(places):
+            return np.empty((2, 0))
+        return np.stack(to_plane(np.radians(places.latitude), np.radians(places.longitude), origin))
+
+    def of_dives(name: str) -> Array:
+        latitude, longitude = (
+            np.radians(parts.dives[f"{axis}_{name}"].to_numpy(dtype=float)) for axis in ("lat", "lon")
+        )
+        there = np.isfinite(latitude)
+        places = np.full((2, len(latitude)), np.nan)
+        places[:, there] = to_plane(latitude[there], longitude[there], origin)
+        return places
+
+    step = max(len(parts.depth) // _DRAWN, 1)
+    return TrackLines(
+        fixes=plane(parts.fixes.good),
+        rejected=plane(parts.fixes.rejected),
+        reckoned=tuple(plane(line) for line in parts.reckoned),
+        leg_starts=of_dives("start"),
+        leg_ends=np.stack([of_dives("dr_end"), of_dives("end")]),
+        depth_t=parts.depth.t[::step],
+        depth=parts.depth.values[::step],
+    )

@@ -1,12 +1,21 @@
-"""What the user says of a source's names: `lat=Latitude[deg]`, on the command line or in a YAML file."""
+"""What the user says of a source's names, `lat=Latitude[deg]`, and degrees, times and units as logs write them."""
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
 
+import numpy as np
+import pandas as pd
+
+from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.reading.documents import load_document
+from missionplan.mission.units import QuantityError, parse_number_with_unit
 
 QUANTITIES = {
     "time": "iso",
@@ -101,3 +110,126 @@ def _problem(quantity: str, name: object) -> Problem | None:
     if name is None or str(name).strip() == "":
         return Problem(f"given {shown(quantity)} without a name, expected {quantity}=NAME[unit]", key="map")
     return None
+
+
+if TYPE_CHECKING:
+    Words: TypeAlias = pd.Series[str]
+    Moments: TypeAlias = pd.Series[pd.Timestamp]
+else:
+    Words = Moments = pd.Series
+
+_EPOCH = {"epoch": 1.0, "unix": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "days": 86400.0}
+_MATLAB_1970 = 719529.0
+"""Matlab's day number of 1970-01-01."""
+
+
+def ddmm_to_degrees(value: Array) -> Array:
+    """Degrees from degrees and minutes written as one number: 4839.12 is 48° 39.12′, negative south and west."""
+    size = np.abs(value)
+    degrees = np.floor(size / 100.0)
+    return np.asarray(np.sign(value) * (degrees + (size - 100.0 * degrees) / 60.0))
+
+
+_DIRECTIONS = {"N": 1.0, "S": -1.0, "E": 1.0, "W": -1.0, "O": 1.0}
+_WORDED = re.compile(
+    r"\s*([NSEWO])?\s*([-+]?\d+(?:\.\d+)?)\s*[°ºd: ]?\s*(?:(\d+(?:\.\d+)?)\s*['′m: ]?\s*)?"
+    r"(?:(\d+(?:\.\d+)?)\s*[\"″s]?\s*)?([NSEWO])?\s*",
+    re.IGNORECASE,
+)
+
+
+def degrees_of(word: str) -> float:
+    """Read degrees as people write them: ``48.652``, ``48 39.12 N``, ``123°28'28.4"W``; nan where it is none."""
+    found = _WORDED.fullmatch(word.replace(",", "."))
+    if found is None:
+        return math.nan
+    degrees, minutes, seconds = (float(each or 0.0) for each in found.group(2, 3, 4))
+    letter = (found[1] or found[5] or "").upper()
+    sign = math.copysign(1.0, degrees) * _DIRECTIONS.get(letter, 1.0)
+    return sign * (abs(degrees) + minutes / 60.0 + seconds / 3600.0)
+
+
+def angles(words: Words, unit: str) -> Array:
+    """Latitudes or longitudes [deg]: in ``deg`` in any writing, ``ddmm`` (4839.12) or ``rad``."""
+    if unit.lower() in ("ddmm", "ddmm.mmm", "dm"):
+        letters = words.str.extract(r"([NSEWnsew])", expand=False).str.upper().map(_DIRECTIONS).fillna(1.0)
+        return np.asarray(ddmm_to_degrees(plain_numbers(words.str.replace(r"[NSEWnsew ]", "", regex=True))) * letters)
+    numbers = plain_numbers(words)
+    if unit.lower() in ("rad", "radian", "radians"):
+        return np.degrees(numbers)
+    worded = np.flatnonzero(np.isnan(numbers) & (words.str.strip() != "").to_numpy())
+    numbers[worded] = [degrees_of(str(words.iloc[k])) for k in worded]
+    return numbers
+
+
+def plain_numbers(words: Words) -> Array:
+    """Numbers, with a decimal point or comma; nan where a cell holds none."""
+    return np.array(pd.to_numeric(words.str.strip().str.replace(",", "."), errors="coerce"), dtype=float)
+
+
+def quantities(words: Words, unit: str, wanted: str) -> Array:
+    """Numbers in a unit that pint knows, in the wanted one.
+
+    Raises
+    ------
+    InputError
+        When the unit is unknown, or of another kind.
+    """
+    numbers = plain_numbers(words)
+    return numbers if unit == wanted or not wanted else numbers * unit_factor(unit, wanted)
+
+
+@lru_cache(maxsize=64)
+def unit_factor(unit: str, wanted: str) -> float:
+    """Return what a number in a unit is multiplied by to be in the wanted one.
+
+    Raises
+    ------
+    InputError
+        When the unit is unknown, or of another kind.
+    """
+    try:
+        return parse_number_with_unit(f"1 {unit}", wanted)
+    except QuantityError as error:
+        raise InputError(
+            [Problem(problem.message, key="map", hint=problem.hint) for problem in error.problems]
+        ) from None
+
+
+def times(words: Words, unit: str) -> Array:
+    """Times as seconds since 1970; nan where a cell holds none.
+
+    Parameters
+    ----------
+    words : Series of str
+    unit : str
+        ``iso``; ``epoch`` or ``s``, ``ms``, ``us``, ``ns`` since 1970; ``days`` since 1970; ``doy:2026`` (day of that
+        year, 1.0 at its first midnight); ``matlab`` (days since year 0); or a pattern such as ``%d.%m.%Y %H:%M:%S``.
+
+    Raises
+    ------
+    InputError
+        When it is none of these.
+    """
+    kind = unit.lower()
+    if "%" in unit:
+        found = _stamps(pd.to_datetime(words.str.strip(), format=unit, errors="coerce", utc=True))
+        if unit.endswith("%S") and np.isnan(found).any():  # seconds may have decimals
+            parts = _stamps(pd.to_datetime(words.str.strip(), format=f"{unit}.%f", errors="coerce", utc=True))
+            found = np.where(np.isnan(found), parts, found)
+        return found
+    if kind in ("iso", "iso8601", "utc", ""):
+        return _stamps(pd.to_datetime(words.str.strip(), format="ISO8601", errors="coerce", utc=True))
+    if kind in _EPOCH:
+        return plain_numbers(words) * _EPOCH[kind]
+    if re.fullmatch(r"doy:\d{4}", kind):
+        begun = datetime(int(kind[4:]), 1, 1, tzinfo=UTC).timestamp()
+        return begun + (plain_numbers(words) - 1.0) * 86400.0
+    if kind == "matlab":
+        return (plain_numbers(words) - _MATLAB_1970) * 86400.0
+    expected = "iso, epoch, ms, us, ns, days, doy:2026, matlab or a pattern such as %d.%m.%Y %H:%M:%S"
+    raise InputError([Problem(f"time in {shown(unit)}, expected {expected}", key="map")])
+
+
+def _stamps(moments: Moments) -> Array:
+    return np.array((moments - pd.Timestamp(0, tz="UTC")).dt.total_seconds(), dtype=float)

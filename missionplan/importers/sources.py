@@ -3,20 +3,27 @@
 import gzip
 import hashlib
 import os
+import time
 import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import yaml
+
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.importers.importer import DAMAGED, Identity, Importer
+from missionplan.importers.track import Track
+from missionplan.results.base import Provenance
+from missionplan.results.imported import SourceEntry
 from missionplan.store.paths import check_name, is_file, is_folder
 
 _HEAD = 4096
 """Bytes of a file by which it is recognised."""
 _COMPANIONS = (".cac",)
 """Files that others need and that are no logs themselves."""
+_UTC = "times without a zone are taken as UTC"
 _OF_BAGS = ("metadata.yaml",)
 """Names of such files."""
 
@@ -36,6 +43,48 @@ class Sources:
     importer: Importer
     files: tuple[SourceFile, ...]
     passed_over: tuple[Problem, ...]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A track as read, and where it comes from.
+
+    Attributes
+    ----------
+    track : Track
+    name : str
+        Of the data set.
+    sources : tuple of SourceEntry
+    passed_over : tuple of str
+        Files that were not read, with the reason.
+    options : Mapping
+        As the report tells them.
+    began : float
+        When the import began, by the performance counter [s].
+    """
+
+    track: Track
+    name: str
+    sources: tuple[SourceEntry, ...]
+    passed_over: tuple[str, ...]
+    options: Mapping[str, object]
+    began: float
+
+    def provenance(self, mission: str, notices: tuple[str, ...]) -> Provenance:
+        """Return the provenance of the result, with the starter mission's data."""
+        elapsed = time.perf_counter() - self.began
+        counted = len(self.passed_over)
+        left = (f"{counted} file{'s were' if counted > 1 else ' was'} passed over",) if counted else ()
+        told = (*self.track.notices, *notices, *left, _UTC)
+        data = yaml.safe_load(mission) if mission else {}
+        inputs = {"logs": {each.name: each.sha256 for each in self.sources}}
+        return Provenance("import", self.name, "", 0, 0, self.options, elapsed, data, told, inputs)
+
+    @property
+    def source(self) -> str:
+        """Where the data come from, for ``dataset.yaml``."""
+        files = len(self.sources)
+        return f"Imported from {files} {self.track.format} log{'s' if files > 1 else ''} by missionplan import."
 
 
 def find_sources(

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from missionplan.errors import InputError
 from missionplan.importers.importing import import_logs
-from missionplan.importers.sourcefiles.conversions import angles, ddmm_to_degrees, degrees_of, times
+from missionplan.importers.mapping import angles, ddmm_to_degrees, degrees_of, times
 
 MADE = (Path(__file__).parent / "made.gli").read_bytes()
 MOOS = b"%% LOGSTART 1700000000\n" + b"".join(

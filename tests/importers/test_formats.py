@@ -9,10 +9,10 @@ import pytest
 from made_tracks import made
 
 from missionplan.errors import InputError
+from missionplan.importers.cutting import cut
+from missionplan.importers.dives import LegRules
 from missionplan.importers.importing import import_logs
-from missionplan.importers.legs.cutting import cut
-from missionplan.importers.legs.rules import LegRules
-from missionplan.importers.sourcefiles.conversions import angles, ddmm_to_degrees, degrees_of, times
+from missionplan.importers.mapping import angles, ddmm_to_degrees, degrees_of, times
 
 LEGS = 4
 

@@ -13,9 +13,9 @@ import pytest
 from made_tracks import made
 
 from missionplan.errors import InputError
-from missionplan.importers import formats
-from missionplan.importers.declination import model_declination, with_declination
+from missionplan.importers import importer
 from missionplan.importers.descents import separations_by_sinking
+from missionplan.importers.geodesy import model_declination, with_declination
 from missionplan.importers.importer import Importer
 from missionplan.importers.importing import import_logs
 from missionplan.importers.track import Series, Track
@@ -132,7 +132,7 @@ def test_an_installed_package_adds_an_importer(monkeypatch, tmp_path):
         def load(self):
             return own
 
-    monkeypatch.setattr(formats, "entry_points", lambda group: [Entry()] if group == "missionplan.importers" else [])
+    monkeypatch.setattr(importer, "entry_points", lambda group: [Entry()] if group == "missionplan.importers" else [])
     (tmp_path / "log.own").write_bytes(b"x")
 
     def reading(files, options, log):

@@ -19,9 +19,9 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
+from missionplan.importers.geodesy import plane_positions
 from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module
-from missionplan.importers.sourcefiles.channels import Samples
-from missionplan.importers.sourcefiles.plane import plane_positions
+from missionplan.importers.stores import Samples
 from missionplan.importers.track import Break, Positions, Track, fixes, positions, series
 
 _MAGIC = b"\xa3\x95\x80"

@@ -18,8 +18,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.importers.geodesy import moved
 from missionplan.importers.importer import Importer, PartlyReadError, ReadOptions, SourceLog, needed_module
-from missionplan.importers.sourcefiles.channels import Samples
-from missionplan.importers.sourcefiles.columns import clock_jumps
+from missionplan.importers.stores import Samples, clock_jumps
 from missionplan.importers.track import Break, Fixes, Positions, Series, Track, fixes, positions, series
 
 _SYNC, _SWAPPED = 0xFE54, 0x54FE

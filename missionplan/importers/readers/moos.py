@@ -13,11 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.importers.geodesy import origin_of, plane_positions
 from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog
-from missionplan.importers.mapping import QUANTITIES, MappedName, mapped
-from missionplan.importers.sourcefiles.channels import ChannelStore, Samples
-from missionplan.importers.sourcefiles.conversions import unit_factor
-from missionplan.importers.sourcefiles.plane import origin_of, plane_positions
+from missionplan.importers.mapping import QUANTITIES, MappedName, mapped, unit_factor
+from missionplan.importers.stores import ChannelStore, Samples
 from missionplan.importers.track import Break, Fixes, Positions, Track, fixes, positions
 
 _USUAL = {

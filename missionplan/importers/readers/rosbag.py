@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 
+from missionplan.importers.geodesy import origin_of, plane_positions
 from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module
 from missionplan.importers.mapping import MappedName
-from missionplan.importers.sourcefiles.channels import Samples
-from missionplan.importers.sourcefiles.plane import origin_of, plane_positions
+from missionplan.importers.stores import Samples
 from missionplan.importers.track import Series, Track, fixes, series
 
 if TYPE_CHECKING:

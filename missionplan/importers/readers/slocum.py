@@ -16,7 +16,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
 from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog, needed_module
-from missionplan.importers.sourcefiles.channels import ChannelStore
+from missionplan.importers.stores import ChannelStore
 from missionplan.importers.track import Break, Fixes, Positions, Track, fixes, positions
 
 _FLIGHT = ("dbd", "mbd", "sbd", "dcd", "mcd", "scd")

@@ -1,29 +1,34 @@
-"""Any track: a table of text or a NetCDF whose columns `--map` names, GPX and NMEA files of fixes.
+"""Any track: tables of text and NetCDF whose columns `--map` names, GPX tracks and NMEA 0183 sentences.
 
 `lat`, `lon` are fixes where `dr_lat`, `dr_lon` (or `dr_x`, `dr_y`) have the dead-reckoned position. A table with
-one position alone has the vehicle's own: dead-reckoned under water, and fixes at the surface.
+one position alone has the vehicle's own: dead-reckoned under water, and fixes at the surface. Tables have any
+separator, a preface or none, and decimal points or commas.
 """
 
+import csv
+import gzip
+import io
+import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from datetime import datetime, time
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
-from missionplan.importers.geodesy import displacement
-from missionplan.importers.importer import Importer, ReadOptions, SourceLog
-from missionplan.importers.legs.rules import LegRules, depths_of
-from missionplan.importers.mapping import QUANTITIES, MappedName
-from missionplan.importers.sourcefiles.columns import ColumnStore
-from missionplan.importers.sourcefiles.conversions import angles, quantities, times, unit_factor
-from missionplan.importers.sourcefiles.netcdf import MAGIC, Variables, opened
-from missionplan.importers.sourcefiles.plane import origin_of, plane_positions
-from missionplan.importers.sourcefiles.position_files import add_gpx, add_nmea, empty_fixes, is_gpx, is_nmea
-from missionplan.importers.sourcefiles.text_tables import text_chunks
+from missionplan.importers.dives import LegRules, depths_of
+from missionplan.importers.geodesy import displacement, origin_of, plane_positions
+from missionplan.importers.importer import Importer, ReadOptions, SourceLog, needed_module
+from missionplan.importers.mapping import QUANTITIES, MappedName, angles, quantities, times, unit_factor
+from missionplan.importers.netcdf import MAGIC, Variables, opened
+from missionplan.importers.stores import ColumnStore, Samples
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
+from missionplan.moments import utc
 
 _ANGLES = ("lat", "lon", "dr_lat", "dr_lon")
 _NO_COLUMNS = ("origin", "gps", "odometry")
@@ -227,6 +232,161 @@ def _split(track: Track, own: Positions) -> Track:
         reckoning="the table's positions under water",
         notices=(*track.notices, notice),
     )
+
+
+_ROWS = 50_000
+"""Rows that are held as text at a time."""
+_PREFACE = 60
+"""Lines among which the header is looked for."""
+_LONGEST = 60
+"""Characters of a name that a message shows."""
+_SEPARATORS = (",", ";", "\t", "|")
+
+
+def text_chunks(path: Path, wanted: Sequence[str]) -> Iterator[pd.DataFrame]:
+    """Read columns as text, some rows at a time.
+
+    Parameters
+    ----------
+    path : Path
+    wanted : sequence of str
+        Names of columns; one of the form `Date+Time` is several, joined by a space.
+
+    Raises
+    ------
+    ValueError
+        When no line has all these names.
+    """
+    columns = list(dict.fromkeys(part for name in wanted for part in _names_in(name)))
+    line, separator = _header(path, columns)
+    with _opened(path) as stream:
+        table = pd.read_csv(
+            stream, sep=separator, skiprows=line, usecols=lambda name: name.strip() in columns, dtype=str,
+            keep_default_na=False, skipinitialspace=True, chunksize=_ROWS, on_bad_lines="skip", engine="c",
+        )  # fmt: skip
+        for chunk in table:
+            chunk.columns = [str(name).strip() for name in chunk.columns]
+            yield pd.DataFrame({name: _joined(chunk, name) for name in wanted})
+
+
+def read_header(path: Path) -> list[str]:
+    """Names of the columns that the first line of a file has."""
+    with _opened(path) as stream:
+        line = stream.readline()
+    separator = max(_SEPARATORS, key=line.count)
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+
+
+def _names_in(name: str) -> list[str]:
+    return [part.strip() for part in name.split("+")]
+
+
+def _joined(chunk: pd.DataFrame, name: str) -> "pd.Series[str]":
+    first, *others = _names_in(name)
+    words = chunk[first].astype(str)
+    for other in others:
+        words = words + " " + chunk[other].astype(str)
+    return words
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[IO[str]]:
+    with (
+        gzip.open(path, "rb") if path.suffix == ".gz" else path.open("rb") as raw,
+        io.TextIOWrapper(raw, encoding="utf-8-sig", errors="replace", newline="") as stream,
+    ):
+        yield stream
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    """Split a line; one with a cell longer than any name is none of names."""
+    try:
+        return line.split() if separator == r"\s+" else next(csv.reader([line], delimiter=separator), [])
+    except csv.Error:
+        return []
+
+
+def _header(path: Path, columns: Sequence[str]) -> tuple[int, str]:
+    """Line of the header, from 0, and the separator that shows all columns there."""
+    seen: list[str] = []
+    with _opened(path) as stream:
+        for number, line in zip(range(_PREFACE), stream, strict=False):
+            for separator in (*_SEPARATORS, r"\s+"):
+                names = [cell.strip() for cell in _cells(line, separator)]
+                if set(columns) <= set(names):
+                    return number, separator
+                seen = max(seen, names, key=len)
+    missing = [name for name in columns if name not in seen]
+    raise ValueError(f"no column {', '.join(missing)}; it has {', '.join(name[:_LONGEST] for name in seen[:20])}")
+
+
+FIX_COLUMNS = ("t", "lat", "lon", "hdop", "satellites", "valid")
+
+
+def is_gpx(path: Path, head: bytes) -> bool:
+    """Whether a file is a GPX track."""
+    return path.suffix.lower() == ".gpx" or b"<gpx" in head[:2000]
+
+
+def is_nmea(path: Path, head: bytes) -> bool:
+    """Whether a file holds NMEA sentences."""
+    return path.suffix.lower() in (".nmea", ".nme") or (head[:1] == b"$" and b"RMC," in head[:4000])
+
+
+def add_gpx(path: Path, found: Samples) -> None:
+    """Add the points of a GPX track."""
+    gpxpy = needed_module("gpxpy", "track", "track (GPX)")
+    with path.open(encoding="utf-8-sig") as stream:
+        try:
+            track = gpxpy.parse(stream)
+        except gpxpy.gpx.GPXException as error:
+            raise ValueError(str(error)) from None
+    for point in track.walk(only_points=True):
+        if point.time is not None:
+            hdop = point.horizontal_dilution
+            found.add(
+                utc(point.time).timestamp(),
+                point.latitude,
+                point.longitude,
+                _number(hdop),
+                _number(point.satellites),
+                1.0,
+            )
+
+
+def add_nmea(path: Path, found: Samples) -> None:
+    """Add the fixes of NMEA sentences: RMC has the date, GGA the quality."""
+    library = needed_module("pynmea2", "track", "track (NMEA)")
+    quality: dict[time, tuple[float, float]] = {}
+    with path.open(encoding="ascii", errors="replace") as stream:
+        for line in stream:
+            start = line.find("$")
+            if start < 0:
+                continue
+            try:
+                sentence = library.parse(line[start:].strip(), check=True)
+            except library.ParseError:
+                continue
+            kind = getattr(sentence, "sentence_type", "")
+            if kind == "GGA" and sentence.timestamp:
+                quality = {sentence.timestamp: (_number(sentence.horizontal_dil), _number(sentence.num_sats))}
+            elif kind == "RMC" and sentence.timestamp and sentence.datestamp and sentence.lat and sentence.lon:
+                hdop, satellites = quality.get(sentence.timestamp, (math.nan, math.nan))
+                t = utc(datetime.combine(sentence.datestamp, sentence.timestamp)).timestamp()
+                valid = 1.0 if sentence.status == "A" else 0.0
+                found.add(t, sentence.latitude, sentence.longitude, hdop, satellites, valid)
+
+
+def _number(value: object) -> float:
+    try:
+        return float(str(value))
+    except ValueError:
+        return math.nan
+
+
+def empty_fixes() -> Samples:
+    """Return a store for fixes."""
+    return Samples(FIX_COLUMNS)
 
 
 IMPORTERS = (Importer("track", "tables and NetCDF with --map, GPX, NMEA", recognises, read),)

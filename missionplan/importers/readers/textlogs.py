@@ -1,13 +1,20 @@
-"""SeaExplorer gliders: `gli` logs, text with separators, plain or packed by gzip.
+"""Text logs that vehicles write in columns of their own.
 
-The position stands still under water, or is dead-reckoned where the column `DeadReckoning` is 1. A fix is a row with a
-new position that is not. `NavState` 116 is "at the surface, acquiring GPS and transmitting" (codes as in the package
-oceglider: 100 descending, 105 set up, 110 inflecting down, 115 surfacing, 116, 117 ascending, 118 inflecting up).
+SeaExplorer: `gli` logs, plain or packed by gzip. The position stands still under water, or is dead-reckoned where the
+column `DeadReckoning` is 1. A fix is a row with a new position that is not. `NavState` 116 is "at the surface,
+acquiring GPS and transmitting" (codes as in the package oceglider: 100 descending, 105 set up, 110 inflecting down,
+115 surfacing, 116, 117 ascending, 118 inflecting up).
+
+Iver and EcoMapper: logs of the vehicle's computer, separated by semicolons. One position: the receiver's at the
+surface, dead-reckoned under water. Columns as in the log files that the makers' VectorMap writes and public tools for
+EcoMapper and Iver2 logs read: Latitude, Longitude, Time, Date (month first, UTC), Number of Sats, HDOP, C True Heading,
+Pitch Angle, DFS Depth (m), Vehicle Speed (kn).
 """
 
 import gzip
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +22,10 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.importers.importer import Identity, Importer, ReadOptions, SourceLog
-from missionplan.importers.sourcefiles.columns import ColumnStore
-from missionplan.importers.sourcefiles.conversions import angles, plain_numbers
+from missionplan.importers.mapping import angles, mapped, plain_numbers
+from missionplan.importers.readers import track
+from missionplan.importers.readers.track import read_header
+from missionplan.importers.stores import ColumnStore
 from missionplan.importers.track import Positions, Series, Track, fixes, positions, series
 
 _COLUMNS = {
@@ -135,6 +144,47 @@ def _seconds(words: "pd.Series[str]") -> Array:
     return np.asarray((stamps - pd.Timestamp(0, tz="UTC")).dt.total_seconds().to_numpy(), dtype=float)
 
 
+_IVER_COLUMNS = {
+    "time": "Date+Time[%m/%d/%Y %H:%M:%S]",
+    "lat": "Latitude[deg]",
+    "lon": "Longitude[deg]",
+    "depth": "DFS Depth (m)[m]",
+    "heading_true": "C True Heading[deg]",
+    "pitch": "Pitch Angle[deg]",
+    "speed": "Vehicle Speed (kn)[knot]",
+    "hdop": "HDOP",
+    "satellites": "Number of Sats",
+}
+_IVER_NEEDED = ("latitude", "longitude", "time", "date", "dfs depth (m)")
+_IVER_NAME = re.compile(r"(iver\d*-\d+|ecomapper[-_]?\d+)", re.IGNORECASE)
+
+
+def recognises_iver(path: Path, head: bytes) -> bool:
+    """Whether a file's first line has the columns of such a log."""
+    words = [word.strip().strip('"').lower() for word in head.split(b"\n")[0].decode("utf-8-sig", "replace").split(";")]
+    return all(name in words for name in _IVER_NEEDED)
+
+
+def identity_iver(path: Path) -> Identity:
+    """Vehicle that the name of a file ends with, such as ``20170627_193227_UTC_0_mission1_IVER2-135.log``."""
+    found = _IVER_NAME.search(path.name)
+    return Identity(found[1].upper() if found else "")
+
+
+def read_iver(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
+    """Read logs as one track."""
+    there = {name.lower(): name for name in read_header(files[0])}
+    usual = {quantity: mapped(quantity, name) for quantity, name in _IVER_COLUMNS.items()}
+    names = {}
+    for quantity, each in usual.items():
+        own = [there.get(part.lower()) for part in each.name.split("+")]
+        if all(own):
+            names[quantity] = replace(each, name="+".join(str(part) for part in own))
+    found = track.read(files, replace(options, names={**names, **options.names}), log)
+    return replace(found, name="Iver", format="iver", reckoning="the vehicle's own position under water")
+
+
 IMPORTERS = (
     Importer("seaexplorer", "SeaExplorer gli logs, plain or packed by gzip", recognises, read, identify=identity),
+    Importer("iver", "Iver and EcoMapper text logs", recognises_iver, read_iver, identify=identity_iver),
 )

@@ -13,7 +13,7 @@ import numpy as np
 from missionplan.arrays import Array
 from missionplan.errors import InputError
 from missionplan.importers.importer import needed_module
-from missionplan.importers.sourcefiles.conversions import unit_factor
+from missionplan.importers.mapping import unit_factor
 from missionplan.importers.track import Series, series
 from missionplan.moments import since
 

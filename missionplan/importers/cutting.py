@@ -8,13 +8,18 @@ import pandas as pd
 from scipy.integrate import trapezoid
 
 from missionplan.arrays import Array
+from missionplan.importers.dives import Candidate, LegRules, depths_of, find_candidates, from_surface, longest_gap
+from missionplan.importers.fixes import UNSTATED_SD, JudgedFixes, judge_fixes
 from missionplan.importers.geodesy import displacement, moved
-from missionplan.importers.legs.candidates import Candidate, find_candidates, from_surface
-from missionplan.importers.legs.fixes import UNSTATED_SD, JudgedFixes, judge_fixes
-from missionplan.importers.legs.judging import judge
-from missionplan.importers.legs.made_reckoning import can_be_made, made_doubt, made_reckoning, true_from_logged
-from missionplan.importers.legs.rules import LegRules, depths_of, longest_gap
-from missionplan.importers.legs.vehicle_current import VehicleCurrent, current_in_reckoning
+from missionplan.importers.judging import judge
+from missionplan.importers.reckoning import (
+    VehicleCurrent,
+    can_be_made,
+    current_in_reckoning,
+    made_doubt,
+    made_reckoning,
+    true_from_logged,
+)
 from missionplan.importers.track import Positions, Series, Track
 
 _STANDS_STILL = 1.0

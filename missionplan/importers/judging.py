@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
+from missionplan.importers.dives import Depths, LegRules
 from missionplan.importers.geodesy import displacement
-from missionplan.importers.legs.rules import Depths, LegRules
 from missionplan.importers.track import Positions, Track
 
 FASTEST_UNDER_WATER = 6.0
