@@ -1,10 +1,10 @@
-"""Tables of the comparisons: as text, and between markers in `docs/performance.md`."""
+"""Tables of the comparisons: as text, and between markers in `docs/validation.md`."""
 
 import re
 
 from benchmarks.common import ROOT, Row, Section
 
-PAGE = ROOT / "docs" / "performance.md"
+PAGE = ROOT / "docs" / "validation.md"
 HEADINGS = ("", "missionplan", "reference", "ratio", "target", "met")
 MET = {None: "", True: "yes", False: "**no**"}
 

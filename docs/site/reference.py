@@ -8,6 +8,7 @@ from pathlib import Path
 
 import typer
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 import missionplan
 from missionplan.cli import app
@@ -18,6 +19,7 @@ from missionplan.datasets.tank import TANK_FORMATS
 from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.mission.reading.fields import keys_of, meaning_of, parsers_of, sections_in
+from missionplan.mission.schema.limits import Limit
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.vehicle import Vehicle
 from missionplan.report.effect_catalogue import effect_text
@@ -67,7 +69,8 @@ def _keys() -> str:
     parts = [
         "# Keys\n",
         "Every key of the files that are read, from the schema that checks them. Where a quantity stands, a "
-        "distribution may stand too, unless the key is fixed ([mission files](../mission-files.md)).\n",
+        "distribution may stand too, unless the key is fixed ([mission files](../mission-files.md)). Beyond "
+        "the possible is an error, beyond the usual a notice.\n",
     ]
     for title, model in (("Mission", Mission), ("Vehicle", Vehicle)):
         parts += [f"## {title}\n", *_table(model)]
@@ -84,26 +87,39 @@ def _keys() -> str:
 
 def _table(model: type[BaseModel]) -> list[str]:
     rows = [f"| `{path}` | {' | '.join(map(_cell, words))} |" for path, *words in _fields(model, "")]
-    return ["| key | meaning | expected | default |", "|---|---|---|---|", *rows, ""]
+    return ["| key | meaning | expected | possible; usual | default |", "|---|---|---|---|---|", *rows, ""]
 
 
-def _fields(model: type[BaseModel], path: str) -> Iterator[tuple[str, str, str, str]]:
+def _fields(model: type[BaseModel], path: str) -> Iterator[tuple[str, str, str, str, str]]:
     for name, field in keys_of(model).items():
         here = f"{path}.{name}" if path else name
         inner = list(sections_in(field.annotation))
         if name == "effects":
-            yield here, "", "a list of effects ([Effects](effects.md))", ""
+            yield here, "", "a list of effects ([Effects](effects.md))", "", ""
             continue
         quantities = dict.fromkeys(_expected(parser) for parser in parsers_of(field))
         if name == "vehicle":
-            yield here, "", "a vehicle, or the name of its file", ""
+            yield here, "", "a vehicle, or the name of its file", "", ""
             continue
         words = ", or ".join([*quantities, *(["a section"] if inner else [])]) or _kind(field.annotation)
         plain = not field.is_required() and field.default not in (None, (), "") and not inner
-        yield here, meaning_of(field), words, f"`{field.default}`" if plain else ""
+        yield here, meaning_of(field), words, _limits(field), f"`{field.default}`" if plain else ""
         listed = "[]" if "tuple" in str(field.annotation) else ""
         for section in inner:
             yield from _fields(section, here + listed)
+
+
+def _limits(field: FieldInfo) -> str:
+    """What is possible and what is usual, in the field's unit or the limit's own, and who says so."""
+    limit = next((each for each in field.metadata if isinstance(each, Limit)), None)
+    if limit is None:
+        return ""
+    unit = limit.unit if limit.unit is not None else parsers_of(field)[0].unit
+    possible, usual = (
+        f"{low:g} to {high:g}".replace(" to inf", " or more") for low, high in (limit.possible, limit.usual)
+    )
+    size = " either way" if limit.signed else ""
+    return f"{possible}; {usual} {unit}{size} ({limit.source})"
 
 
 def _expected(parser: QuantityParser) -> str:

@@ -1,4 +1,4 @@
-"""The table of what cannot be: every row says what the tool says."""
+"""The tables of `what_cannot_be.md`: every row says what the tool says."""
 
 import importlib.util
 import re
@@ -22,13 +22,15 @@ _SPEC.loader.exec_module(silly_datasets)
 
 def rows(heading):
     """Cells of the rows of the table under a heading."""
-    part = re.split(r"^## ", (ROOT / "docs" / "limits.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    part = re.split(
+        r"^## ", Path(__file__).with_name("what_cannot_be.md").read_text(encoding="utf-8"), flags=re.MULTILINE
+    )
     text = next(section for section in part if section.startswith(heading))
     found = [re.split(r"(?<!\\) ?\| ?", line)[1:-1] for line in text.splitlines() if line.startswith("| ")]
     return [[cell.replace("\\|", "|") for cell in row] for row in found[1:]]
 
 
-MISSIONS_OF_THE_PAGE, DATA_SETS = rows("# What cannot be"), rows("Data sets")
+MISSIONS_OF_THE_PAGE, DATA_SETS = rows("Missions"), rows("Data sets")
 FIELDS = rows("Fields of the current")
 
 
@@ -43,8 +45,8 @@ def test_a_mission_of_the_page_is_said_what_stands_there(row):
     for change in row[0].split("<br>"):
         path, _, value = change.strip("`").partition(": ")
         changes[path] = yaml.safe_load(value)
-    now = row[2].removeprefix("notice: ")
-    if row[2] == now:
+    now = row[1].removeprefix("notice: ")
+    if row[1] == now:
         with pytest.raises(InputError) as refused:
             Mission.from_data(altered(changes))
         assert str(refused.value).splitlines()[0] == now
@@ -71,5 +73,5 @@ def test_a_field_of_the_page_is_said_what_stands_there(row, tmp_path):
 def test_a_data_set_of_the_page_is_said_what_stands_there(row, tmp_path):
     folder = silly_datasets.write(tmp_path / "data", row[0])
     problems = validated_dataset(folder, ()).problems
-    assert "; ".join(str(problem).replace(f"{folder}/", "") for problem in problems) == row[2]
+    assert "; ".join(str(problem).replace(f"{folder}/", "") for problem in problems) == row[1]
     assert problems
