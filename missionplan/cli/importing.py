@@ -60,6 +60,9 @@ _Deployment = Annotated[
     str | None, typer.Option(help="Deployment, where the files are of several: its name or date.", show_default=False)
 ]
 _Strict = Annotated[bool, typer.Option("--strict", help="Stop at a damaged file instead of passing it over.")]
+_Explain = Annotated[
+    list[int] | None, typer.Option(metavar="LEG", help="Tell and draw what a leg rests on; may be repeated.")
+]
 _Force = Annotated[bool, typer.Option("--force", help="Overwrite files in a folder that is not empty.")]
 _Json = Annotated[
     bool, typer.Option("--json", help="Print the summary as JSON on standard output, and nothing else there.")
@@ -83,6 +86,7 @@ def import_(
     vehicle: _Vehicle = None,
     deployment: _Deployment = None,
     strict: _Strict = False,
+    explain: _Explain = None,
     force: _Force = False,
     as_json: _Json = False,
     quiet: o.Quiet = False,
@@ -119,6 +123,7 @@ def import_(
                 vehicle=vehicle,
                 deployment=deployment,
                 is_strict=strict,
+                explain=explain or (),
                 progress=progress,
             )
         deliver(result, folder, output)

@@ -11,7 +11,7 @@ from missionplan.arrays import Array
 from missionplan.importers.dives import Candidate, LegRules, depths_of, find_candidates, from_surface, longest_gap
 from missionplan.importers.fixes import UNSTATED_SD, JudgedFixes, judge_fixes
 from missionplan.importers.geodesy import displacement, moved
-from missionplan.importers.judging import judge
+from missionplan.importers.judging import Limits, judge, shortest_of
 from missionplan.importers.reckoning import (
     VehicleCurrent,
     can_be_made,
@@ -21,6 +21,7 @@ from missionplan.importers.reckoning import (
     true_from_logged,
 )
 from missionplan.importers.track import Positions, Series, Track
+from missionplan.results.imported import Basis
 
 _STANDS_STILL = 1.0
 """Way that a position which stands still makes at most [m]."""
@@ -35,6 +36,11 @@ LEG_COLUMNS = (
     "declination_deg", "rpm", "ok", "reason",
 )  # fmt: skip
 """Of the table of legs; those from `lat_dr_end` on are blank where a dive has no dead-reckoned end."""
+BASIS_COLUMNS = (
+    "depth_at_fix_m", "fix_before_by", "fix_before_sd_m", "fix_after_by", "fix_after_sd_m", "dr_by", "dr_positions",
+    "depth_readings", "heading_readings", "speed_readings",
+)  # fmt: skip
+"""What each dive rests on; standard deviations are blank where none is stated."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +62,8 @@ class CutTrack:
         Whether the dead reckoning was made here, and is not the vehicle's own.
     reckoning : str
         Where the dead-reckoned positions come from, in words.
+    basis : Basis
+        What all legs rest on.
     notices : tuple of str
     """
 
@@ -66,6 +74,7 @@ class CutTrack:
     current: VehicleCurrent | None
     is_made: bool
     reckoning: str
+    basis: Basis
     notices: tuple[str, ...]
 
     @property
@@ -78,39 +87,43 @@ def cut(track: Track, rules: LegRules) -> CutTrack:
     """Cut a track into legs, and say of every dive whether it counts and why not."""
     fixes = judge_fixes(track.fixes)
     told = len(track.notices)
-    track = from_surface(track, fixes.good)
+    track, zero, zero_by = from_surface(track, fixes.good)
     depths, gap = depths_of(track.depth, rules), longest_gap(track.depth, rules)
     candidates = find_candidates(fixes.good, track.depth, depths, gap)
-    is_made, reckoned, how, notices = _reckoned(track, fixes, candidates)
+    by, reckoned, how, notices = _reckoned(track, fixes, candidates)
     current = current_in_reckoning(track, fixes.good, candidates, reckoned)
     if current is not None and rules.take_out_current:
         reckoned = [current.taken_out(line) for line in reckoned]
         how += ", with the vehicle's estimate of the current taken out"
-    rows = [_row(track, fixes, *each, is_made) for each in zip(candidates, reckoned, strict=True)]
-    dives = pd.DataFrame(rows, columns=[*LEG_COLUMNS[1:-2], "depth_at_fix_m"])
+    rows = [_row(track, fixes, *each, by) for each in zip(candidates, reckoned, strict=True)]
+    dives = pd.DataFrame(rows, columns=[*LEG_COLUMNS[1:-2], *BASIS_COLUMNS])
     dives.insert(0, "leg", np.arange(1, len(dives) + 1))
-    dives["reason"] = judge(dives, track, reckoned, rules, gap, depths)
+    shortest = shortest_of(rules, track, (dives["t_end_s"] - dives["t_start_s"]).to_numpy())
+    dives = pd.concat([dives, judge(dives, track, reckoned, Limits(shortest, gap, depths.surface))], axis=1)
     dives["ok"] = (dives["reason"] == "").astype(int)
     notices = [*track.notices[told:], *notices, *_of_late_fixes(dives, depths.surface), *_of_old_ends(dives)]
-    return CutTrack(dives, track.depth, fixes, tuple(reckoned), current, is_made, how, tuple(notices))
+    speed = "logged" if len(track.speed) else "pitch and depth rate" if by == "made" else "dead-reckoned way"
+    north = "magnetic, declination added" if track.heading_from == "magnetic" and len(track.declination) else ""
+    basis = Basis(depths.dive, depths.surface, zero, zero_by, north or track.heading_from, speed, shortest, gap)
+    return CutTrack(dives, track.depth, fixes, tuple(reckoned), current, by == "made", how, basis, tuple(notices))
 
 
 def _reckoned(
     track: Track, fixes: JudgedFixes, candidates: list[Candidate]
-) -> tuple[bool, list[Positions], str, list[str]]:
-    """Dead-reckoned positions of each dive, where they come from, and what is to be said of them."""
+) -> tuple[str, list[Positions], str, list[str]]:
+    """Dead-reckoned positions of each dive: `logged`, `moved` or `made`, where they come from, and notices."""
     own = [track.reckoned.within(*_span(fixes, each)) for each in candidates]
     still = [_stands_still(line) for line in own]
     if can_be_made(track) and (not len(track.reckoned) or np.mean(still or [True]) > _MOST):
         by = "with speed" if len(track.speed) else "with pitch and depth rate"
         why = track.reckoning if not len(track.reckoned) else "the vehicle's position stands still under water"
         made = [_made(track, fixes, each) for each in candidates]
-        return True, made, f"made from heading, {by}", [f"{why}: dead reckoning was made from heading, {by}"]
+        return "made", made, f"made from heading, {by}", [f"{why}: dead reckoning was made from heading, {by}"]
     shifted = _offset_where_fixes_are_ignored(own, fixes, candidates)
     if shifted is None:
-        return False, own, track.reckoning, []
+        return "logged", own, track.reckoning, []
     notice = "the vehicle's position goes on across its fixes: each leg's is moved to start at the fix"
-    return False, shifted, f"{track.reckoning}, each leg moved to start at its fix", [notice]
+    return "moved", shifted, f"{track.reckoning}, each leg moved to start at its fix", [notice]
 
 
 def _span(fixes: JudgedFixes, candidate: Candidate) -> tuple[float, float]:
@@ -164,7 +177,7 @@ def _moved_by(line: Positions, east: float, north: float) -> dict[str, Array]:
     return {"latitude": latitude, "longitude": longitude}
 
 
-def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions, is_made: bool) -> tuple[object, ...]:
+def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions, by: str) -> tuple[object, ...]:
     good = fixes.good
     start, end = float(good.t[dive.before]), float(good.t[dive.after])
     has_end = len(line) > 0
@@ -175,11 +188,13 @@ def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions, is_
         line.latitude[-1] if has_end else np.nan, line.longitude[-1] if has_end else np.nan,
         good.latitude[dive.after], good.longitude[dive.after], end - dive.surfaced,
         _mean_speed(track, line, start, dive.surfaced, under_way), _mean_heading(track, start, dive.surfaced),
-        sd if np.isfinite(sd) else UNSTATED_SD, made_doubt(track, line, end) if is_made else np.nan,
+        sd if np.isfinite(sd) else UNSTATED_SD, made_doubt(track, line, end) if by == "made" else np.nan,
         _mean_depth(track, start, dive.surfaced), dive.max_depth, end - line.t[-1] if has_end else np.nan,
         float(true_from_logged(track, np.array([start]))[0]) if len(track.declination) else np.nan,
         _mean_rpm(track, start, dive.surfaced),
-        dive.depth_at_fix,
+        dive.depth_at_fix, fixes.by[dive.before], fixes.sd[dive.before], fixes.by[dive.after], sd,
+        by if has_end else "none", len(line),
+        *(len(each.within(start, dive.surfaced)) for each in (track.depth, track.heading, track.speed)),
     )  # fmt: skip
 
 

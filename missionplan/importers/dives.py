@@ -96,40 +96,43 @@ class Candidate:
     reckoned_to: float
 
 
-def from_surface(track: Track, good: Fixes) -> Track:
+def from_surface(track: Track, good: Fixes) -> tuple[Track, float, str]:
     """Count depths downwards from what the gauge reads at the surface, and say so where that is not near 0.
 
-    The surface is known by the vehicle's own state, else by its fixes, which it takes there.
+    The surface is known by the vehicle's own ``state``, else by its ``fixes``, which it takes there, or is
+    ``assumed``; returned are the track, what the gauge reads there [m], and by which it is known.
     """
     depth = track.depth
     if not len(depth):
-        return track
+        return track, 0.0, "assumed"
     notices = []
     if float(np.quantile(depth.values, 0.05)) < -max(2.0, 2.0 * float(np.quantile(depth.values, 0.95))):
         depth = replace(depth, values=-depth.values)
         notices.append("depths are logged as heights, less than 0 under water: their sign was turned")
-    zero = _surface_reading(depth, track.at_surface, good)
+    zero, by = _surface_reading(depth, track.at_surface, good)
     if abs(zero) > _ABOVE:
         depth = replace(depth, values=depth.values - zero)
         notices.append(f"the depth gauge reads {zero:.1f} m at the surface: depths count from there")
-    return replace(track, depth=depth, notices=(*track.notices, *notices))
+    else:
+        zero = 0.0
+    return replace(track, depth=depth, notices=(*track.notices, *notices)), zero, by
 
 
-def _surface_reading(depth: Series, at_surface: Series, good: Fixes) -> float:
-    """What the gauge reads at the surface [m]; 0 where that is not known.
+def _surface_reading(depth: Series, at_surface: Series, good: Fixes) -> tuple[float, str]:
+    """What the gauge reads at the surface [m], and by which that is known; 0 where it is not.
 
     A fix may be logged late, when the vehicle is deep: the lower quartile of the readings at fixes counts, if
     nearly none lie above it.
     """
     by_state = depth.values[at_surface.held(depth.t) == 1.0] if len(at_surface) else np.empty(0)
     if len(by_state) >= _FEWEST:
-        return float(np.median(by_state))
+        return float(np.median(by_state)), "state"
     at_fix = _depth_near(depth, good.t, _AT_FIX)
     known = at_fix[np.isfinite(at_fix)]
     if len(known) < _FEWEST:
-        return 0.0
+        return 0.0, "assumed"
     zero = float(np.quantile(known, 0.25))
-    return zero if np.mean(depth.values < zero - _ABOVE) < _SHARE_ABOVE else 0.0
+    return (zero, "fixes") if np.mean(depth.values < zero - _ABOVE) < _SHARE_ABOVE else (0.0, "assumed")
 
 
 def find_candidates(fixes: Fixes, depth: Series, depths: Depths, longest_gap: float) -> list[Candidate]:

@@ -45,12 +45,16 @@ class JudgedFixes:
     rejected : Fixes
     reasons : tuple of str
         Of each rejected one.
+    by : array of str, shape (n,)
+        What speaks for each good one: its ``flag``, its ``quality``, its ``neighbours`` against a bad quality, or
+        ``place``: nothing is stated of it, and it does not jump.
     """
 
     good: Fixes
     sd: Array
     rejected: Fixes
     reasons: tuple[str, ...]
+    by: NDArray[np.object_]
 
 
 def judge_fixes(fixes: Fixes) -> JudgedFixes:
@@ -59,9 +63,13 @@ def judge_fixes(fixes: Fixes) -> JudgedFixes:
     good = reasons == ""
     jumps = _jumps(fixes[good])
     reasons[np.flatnonzero(good)[jumps]] = f"farther from its neighbours than {FASTEST:g} m/s explains"
-    reasons[_confirmed(fixes, reasons == "") & ~np.isin(reasons, (_FLAGGED, _UNSEEN))] = ""
+    mended = (reasons != "") & _confirmed(fixes, reasons == "") & ~np.isin(reasons, (_FLAGGED, _UNSEEN))
+    reasons[mended] = ""
     good = reasons == ""
-    return JudgedFixes(fixes[good], fix_sd(fixes[good]), fixes[~good], tuple(str(each) for each in reasons[~good]))
+    stated = np.isfinite(fixes.hdop) | np.isfinite(fixes.accuracy) | (fixes.satellites >= FEWEST_SATELLITES)
+    by = np.select([mended, fixes.valid == 1.0, stated], ["neighbours", "flag", "quality"], "place").astype(object)
+    rejected = tuple(str(each) for each in reasons[~good])
+    return JudgedFixes(fixes[good], fix_sd(fixes[good]), fixes[~good], rejected, by[good])
 
 
 def fix_sd(fixes: Fixes) -> Array:

@@ -9,13 +9,14 @@ from typing import Literal
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.importers.cutting import LEG_COLUMNS, CutTrack, cut
 from missionplan.importers.descents import descent_data, read_marks
 from missionplan.importers.dives import LegRules
-from missionplan.importers.geodesy import shifted, with_declination
+from missionplan.importers.geodesy import displacement, shifted, with_declination
 from missionplan.importers.importer import Identity, ReadOptions, SourceLog, known_importers
 from missionplan.importers.mapping import read_mapping
 from missionplan.importers.sources import Reading, find_sources, of_one
@@ -23,10 +24,12 @@ from missionplan.importers.starter import LegNumbers, mission_text, numbers_of, 
 from missionplan.importers.track import Fixes, Positions, Track
 from missionplan.mission.geodesy import to_plane
 from missionplan.mission.schema.site import Geographic
-from missionplan.results.imported import ImportedData, SourceEntry, TrackLines
+from missionplan.results.imported import ImportedData, LegPicture, SourceEntry, TrackLines
 from missionplan.store.paths import as_path
 
 KINDS = ("transit", "descent")
+_ABOUT = 900.0
+"""Time before and after a leg of which its picture shows fixes and depths [s]."""
 
 
 def import_logs(
@@ -43,6 +46,7 @@ def import_logs(
     vehicle: str | None = None,
     deployment: str | None = None,
     is_strict: bool = False,
+    explain: Sequence[int] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> ImportedData:
     """Make a data set of a vehicle's logs.
@@ -71,6 +75,8 @@ def import_logs(
         Which to read, where the files are of several; a deployment may be the date it began, 2026-05-01.
     is_strict : bool
         Whether a damaged file ends the import; else it is named and passed over.
+    explain : sequence of int
+        Numbers of legs of which is told, and drawn, what they rest on.
     progress : callable, optional
         Called with the number of files done and of all.
 
@@ -109,7 +115,7 @@ def import_logs(
         options=_options(track, kind, rules, names, shift_origin),
         began=began,
     )
-    return transit_data(reading, rules) if kind == "transit" else descent_data(reading, read_marks(marks))
+    return transit_data(reading, rules, explain) if kind == "transit" else descent_data(reading, read_marks(marks))
 
 
 def _of_one_deployment(track: Track, begun: str | None) -> Track:
@@ -151,16 +157,17 @@ _DRAWN = 4000
 """Readings of depth that the report draws."""
 
 
-def transit_data(reading: Reading, rules: LegRules) -> ImportedData:
-    """Make a data set of legs.
+def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ()) -> ImportedData:
+    """Make a data set of legs, and pictures of those to be explained.
 
     Raises
     ------
     InputError
-        When the track has no dive between fixes, or none with a dead-reckoned end.
+        When the track has no dive between fixes, none with a dead-reckoned end, or a leg to explain is none.
     """
     parts = cut(reading.track, rules)
     _check_found(reading.track, parts)
+    _check_numbers(explain, len(parts.dives))
     found = numbers_of(parts.legs)
     text = mission_text(reading.name, found)
     mission_file = "mission.yaml"
@@ -187,6 +194,8 @@ def transit_data(reading: Reading, rules: LegRules) -> ImportedData:
         next_commands=(f"missionplan diagnose {mission_file} .", f"missionplan simulate {mission_file}"),
         figures=_figures(parts, found),
         lines=_lines(parts, found),
+        basis=parts.basis,
+        pictures=tuple(_picture(parts, number - 1) for number in dict.fromkeys(explain)),
     )
 
 
@@ -293,4 +302,42 @@ def _lines(parts: CutTrack, found: LegNumbers) -> TrackLines:
         leg_ends=np.stack([of_dives("dr_end"), of_dives("end")]),
         depth_t=parts.depth.t[::step],
         depth=parts.depth.values[::step],
+    )
+
+
+def _check_numbers(explain: Sequence[int], dives: int) -> None:
+    problems = [
+        Problem(f"given {shown(number)}, expected the number of a leg, 1 to {dives}", key="explain")
+        for number in explain
+        if not 1 <= number <= dives
+    ]
+    if problems:
+        raise InputError(problems)
+
+
+def _picture(parts: CutTrack, row: int) -> LegPicture:
+    """Gather what was logged about a leg."""
+    dive = parts.dives.iloc[row]
+    start, end, begin = float(dive["t_start_s"]), float(dive["t_end_s"]), (dive["lat_start"], dive["lon_start"])
+
+    def near(t: Array) -> NDArray[np.bool_]:
+        return np.asarray((t >= start - _ABOUT) & (t <= end + _ABOUT))
+
+    def places(of: Fixes | Positions) -> Array:
+        return np.stack(displacement(*begin, of.latitude, of.longitude)) if len(of) else np.empty((2, 0))
+
+    is_near = near(parts.fixes.rejected.t)
+    good, rejected = parts.fixes.good[near(parts.fixes.good.t)], parts.fixes.rejected[is_near]
+    line, depth = parts.reckoned[row], parts.depth.within(start - _ABOUT, end + _ABOUT)
+    return LegPicture(
+        row,
+        good.t - start,
+        places(good),
+        rejected.t - start,
+        places(rejected),
+        tuple(reason for reason, kept in zip(parts.fixes.reasons, is_near, strict=True) if kept),
+        line.t - start,
+        places(line),
+        depth.t - start,
+        depth.values,
     )

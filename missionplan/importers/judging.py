@@ -1,12 +1,13 @@
 """Which dives count as legs, and the reason where one does not."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.importers.dives import Depths, LegRules
+from missionplan.importers.dives import LegRules
 from missionplan.importers.geodesy import displacement
 from missionplan.importers.track import Positions, Track
 
@@ -24,15 +25,25 @@ IMPOSSIBLE = 3.0
 """Velocity error that neither water nor vehicle explains [m/s]."""
 
 
-def judge(
-    dives: pd.DataFrame,
-    track: Track,
-    reckoned: Sequence[Positions],
-    rules: LegRules,
-    longest_gap: float,
-    depths: Depths,
-) -> list[str]:
-    """Return the reason why each dive does not count; empty where it does.
+@dataclass(frozen=True)
+class Limits:
+    """What a leg has to keep to count.
+
+    Attributes
+    ----------
+    shortest, longest_gap : float
+        Time from fix to fix, and without a reading under water [s].
+    surface : float
+        Depth of the surface [m].
+    """
+
+    shortest: float
+    longest_gap: float
+    surface: float
+
+
+def judge(dives: pd.DataFrame, track: Track, reckoned: Sequence[Positions], limits: Limits) -> pd.DataFrame:
+    """Judge each dive.
 
     Parameters
     ----------
@@ -41,35 +52,39 @@ def judge(
     track : Track
     reckoned : sequence of Positions
         Of each dive.
-    rules : LegRules
-    longest_gap : float
-        Longest time without a reading [s].
-    depths : Depths
-        Of the surface.
+    limits : Limits
+
+    Returns
+    -------
+    DataFrame
+        Of each dive `gap_s`, the longest time without a reading under water, `covered`, the share of its time that
+        dead reckoning covers, `error_m_s`, and the `reason` why it does not count; empty where it does.
     """
-    reasons = []
+    rows = []
     starts, ends, pauses = (dives[name].to_numpy() for name in ("t_start_s", "t_end_s", "surface_s"))
     errors = _errors(dives)
-    shortest = _shortest_of(rules, track, ends - starts)
     for k, line in enumerate(reckoned):
         start, end = float(starts[k]), float(ends[k])
-        missing = _missing_end(start, end, line)
+        surfaced = end - float(pauses[k])
+        covered = (float(line.t[-1]) - start) / (end - start) if len(line) else 0.0
+        missing = _missing_end(covered, start, end, line)
         if missing:
-            dives.loc[k, ["lat_dr_end", "lon_dr_end", "speed_m_s"]] = np.nan
+            dives.loc[k, ["lat_dr_end", "lon_dr_end", "speed_m_s"]] = errors[k] = np.nan
+        gap = _gap(track, line, start, surfaced, limits.surface)
         checks = (
             missing,
-            _interrupted(track, start, end, depths.surface),
-            _gap(track, line, start, end - float(pauses[k]), longest_gap, depths.surface),
-            _gap_at_surface(track, end - float(pauses[k]), end),
+            _interrupted(track, start, end, limits.surface),
+            f"a gap in the log ({gap:.0f} s)" if gap > limits.longest_gap else "",
+            _gap_at_surface(track, surfaced, end),
             _jump(line),
-            _short(end - start, shortest),
-            "" if missing else _impossible(float(errors[k])),
+            _short(end - start, limits.shortest),
+            f"an impossible error, a wrong fix or position ({errors[k]:.1f} m/s)" if errors[k] > IMPOSSIBLE else "",
         )
-        reasons.append("; ".join(filter(None, checks)))
-    return reasons
+        rows.append((gap, covered, errors[k], "; ".join(filter(None, checks))))
+    return pd.DataFrame(rows, columns=["gap_s", "covered", "error_m_s", "reason"])
 
 
-def _shortest_of(rules: LegRules, track: Track, durations: Array) -> float:
+def shortest_of(rules: LegRules, track: Track, durations: Array) -> float:
     """Shortest leg that counts [s]: as given, else the reader's own, else half of a leg as planned, or as usual."""
     if rules.shortest is not None:
         return rules.shortest
@@ -80,11 +95,10 @@ def _shortest_of(rules: LegRules, track: Track, durations: Array) -> float:
     return min(LONG_ENOUGH, 0.5 * float(np.median(durations))) if len(durations) else LONG_ENOUGH
 
 
-def _missing_end(start: float, end: float, line: Positions) -> str:
+def _missing_end(covered: float, start: float, end: float, line: Positions) -> str:
     if not len(line):
         return "no dead-reckoned position between the fixes"
-    covered = float(line.t[-1]) - start
-    if covered < LEAST_SHARE * (end - start):
+    if covered < LEAST_SHARE:
         return f"dead reckoning ends long before the fix ({end - line.t[-1]:.0f} of {end - start:.0f} s)"
     return ""
 
@@ -99,16 +113,15 @@ def _interrupted(track: Track, start: float, end: float, surface: float) -> str:
     return "; ".join(dict.fromkeys(under))
 
 
-def _gap(track: Track, line: Positions, start: float, surfaced: float, longest: float, surface: float) -> str:
-    """Where neither depth nor position was logged for long under water."""
+def _gap(track: Track, line: Positions, start: float, surfaced: float, surface: float) -> float:
+    """Longest time under water in which neither depth nor position was logged [s]."""
     if len(track.depth):
         during = track.depth.within(start, surfaced)
         under = np.flatnonzero(during.values > surface)
         read = during.t[under[0] :] if len(under) else during.t
     else:
         read = np.append(start, line.t)
-    gap = float(np.diff(np.append(read, surfaced)).max(initial=0.0))
-    return f"a gap in the log ({gap:.0f} s)" if gap > longest else ""
+    return float(np.diff(np.append(read, surfaced)).max(initial=0.0))
 
 
 def _gap_at_surface(track: Track, surfaced: float, end: float) -> str:
@@ -137,7 +150,3 @@ def _errors(dives: pd.DataFrame) -> Array:
     ends = (dives[name].to_numpy(dtype=float) for name in ("lat_dr_end", "lon_dr_end", "lat_end", "lon_end"))
     duration = (dives["t_end_s"] - dives["t_start_s"]).to_numpy()
     return np.asarray(np.hypot(*displacement(*ends)) / np.maximum(duration, 1.0))
-
-
-def _impossible(error: float) -> str:
-    return f"an impossible error, a wrong fix or position ({error:.1f} m/s)" if error > IMPOSSIBLE else ""

@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
+from missionplan.report.leg_basis import COLUMNS, basis_rows, common_words, explained_rows, explained_section
 from missionplan.report.page import (
     BLUE,
     GREY,
@@ -195,6 +196,7 @@ def page(result: ImportedData) -> Page:
         _what_they_show(result),
         PageSection("What to type next", _next_blocks(result)),
         PageSection(_dives_heading(result), [*([depth] if depth else []), _dives_table(result)]),
+        *(explained_section(result, each) for each in result.pictures),
         _sources(result),
     ]
     if is_transit and result.counted:
@@ -212,10 +214,17 @@ def page(result: ImportedData) -> Page:
 
 def terminal(result: ImportedData) -> Terminal:
     """Build the terminal's view of an import."""
-    rows = [("dives that count", str(result.counted))]
-    rows += [(reason, str(count)) for reason, count in result.reasons.items()]
+    verdict = "" if result.counted else "bad"
     sentence = f"{answer(result)} Next, in that folder: {result.next_commands[0]}"
-    return Terminal(sentence, ("", "dives"), rows, "" if result.counted else "bad")
+    if result.pictures:
+        told = [row for each in result.pictures for row in (("leg", str(result.dives["leg"].iloc[each.row])),
+                                                           *explained_rows(result, each))]  # fmt: skip
+        return Terminal(sentence, ("what a leg rests on", ""), told, verdict)
+    if result.basis is not None:
+        rows = basis_rows(result.dives.head(_LISTED), result.basis)
+        return Terminal(f"{sentence} {common_words(result.basis)}", COLUMNS, rows, verdict)
+    counts = [("dives that count", str(result.counted)), *((why, str(n)) for why, n in result.reasons.items())]
+    return Terminal(sentence, ("", "dives"), counts, verdict)
 
 
 def answer(result: ImportedData) -> str:
@@ -270,6 +279,10 @@ def _dives_heading(result: ImportedData) -> str:
 
 def _dives_table(result: ImportedData) -> Table:
     shown = result.dives.head(_LISTED)
+    more = f"The first {_LISTED} of {len(result.dives)}. " if len(result.dives) > _LISTED else ""
+    if result.basis is not None:
+        caption = f"{more}What each rests on. {common_words(result.basis)} All of it is in all-dives.csv."
+        return Table(COLUMNS, basis_rows(shown, result.basis), caption, text_columns=len(COLUMNS))
     begins = shown["t_start"] if "t_start" in shown else pd.Series("", index=shown.index)
     reasons = shown["reason"].where(shown["ok"] == 0, "yes")
     unit = reader_unit("m", float(shown["max_depth_m"].max()))
@@ -278,7 +291,6 @@ def _dives_table(result: ImportedData) -> Table:
         (str(name), str(begin).replace("T", "\u00a0")[:19], str(reason), f"{minutes:.1f}", unit.cell(depth, ".1f"))
         for name, begin, minutes, depth, reason in zip(*columns, strict=True)
     ]
-    more = f"The first {_LISTED} of {len(result.dives)}. " if len(result.dives) > _LISTED else ""
     caption = f"{more}Times are UTC. All of it is in all-dives.csv."
     return Table(("dive", "begins", "counts?", "minutes", f"greatest depth{unit.axis}"), rows, caption, text_columns=3)
 

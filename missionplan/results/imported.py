@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import ClassVar
 
 import pandas as pd
@@ -48,6 +48,66 @@ class TrackLines:
 
 
 @dataclass(frozen=True)
+class Basis:
+    """What all legs rest on.
+
+    Attributes
+    ----------
+    dive_depth, surface_depth : float
+        What counts as a dive, and what as the surface, below what the gauge reads there [m].
+    gauge_zero : float
+        What the gauge reads at the surface [m].
+    gauge_zero_by : str
+        ``state`` of the vehicle, ``fixes``, or ``assumed``.
+    heading, speed : str
+        North that headings are from, and where speeds come from, in words.
+    shortest, longest_gap : float
+        Time from fix to fix, and without a reading, that a leg needs to keep [s].
+    """
+
+    dive_depth: float
+    surface_depth: float
+    gauge_zero: float
+    gauge_zero_by: str
+    heading: str
+    speed: str
+    shortest: float
+    longest_gap: float
+
+
+@dataclass(frozen=True)
+class LegPicture:
+    """What was logged about one leg, drawn on request; places east and north of the fix before it [m].
+
+    Attributes
+    ----------
+    row : int
+        Of the dives.
+    fix_t, fixes : array, shape (n,), (2, n)
+        Fixes that count, from a while before the leg to a while after it: times since its start [s], and places.
+    rejected_t, rejected : array, shape (k,), (2, k)
+        Those that do not.
+    reasons : tuple of str
+        Why not.
+    reckoned_t, reckoned : array, shape (m,), (2, m)
+        Dead-reckoned positions.
+    depth_t, depth : array, shape (d,)
+        Readings of depth [s, m].
+    """
+
+    row: int
+    fix_t: Array
+    fixes: Array
+    rejected_t: Array
+    rejected: Array
+    reasons: tuple[str, ...]
+    reckoned_t: Array
+    reckoned: Array
+    depth_t: Array
+    depth: Array
+
+
+@dataclass(frozen=True)
 class ImportedData(Result):
     """Result of `import`.
 
@@ -78,6 +138,10 @@ class ImportedData(Result):
     lines : TrackLines
     extra_files : Mapping
         Further files, by name: the starter's vehicle.
+    basis : Basis or None
+        What legs rest on; what each does is in `dives`. None for dives of a depth record.
+    pictures : tuple of LegPicture
+        Of the legs that were to be explained.
     """
 
     report: ClassVar[str] = "missionplan.report.imported"
@@ -98,6 +162,8 @@ class ImportedData(Result):
     figures: Mapping[str, float]
     lines: TrackLines = field(repr=False)
     extra_files: Mapping[str, str] = field(default_factory=dict, repr=False)
+    basis: Basis | None = None
+    pictures: tuple[LegPicture, ...] = ()
 
     @property
     def counted(self) -> int:
@@ -132,6 +198,7 @@ class ImportedData(Result):
             "counted": self.counted,
             "left_out": self.reasons,
             "rejected_fixes": self.rejected_reasons,
+            **({"legs_rest_on": asdict(self.basis)} if self.basis else {}),
             "passed_over": list(self.passed_over),
             **self.figures,
             "can_show": [{"what": what, "verdict": verdict} for what, verdict in self.can_show],

@@ -20,6 +20,7 @@ from missionplan.importers.importer import Importer
 from missionplan.importers.importing import import_logs
 from missionplan.importers.track import Series, Track
 from missionplan.mission import load
+from missionplan.report.leg_basis import COLUMNS, basis_rows, explained_rows
 
 MADE = Path(__file__).parent / "made.gli"
 NAMES = "time=t[epoch] lat=lat lon=lon dr_lat=a dr_lon=b depth=depth heading_true=heading"
@@ -224,3 +225,31 @@ def test_a_track_due_north_is_drawn(tmp_path):
     done = run("import", "log.csv", "--out", "data", "--map", *names.split(), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "data" / "figures" / "track.svg").is_file()
+
+
+def test_one_table_says_what_each_leg_rests_on(raw_folder):
+    files = [raw_folder / "one.csv", raw_folder / "two.csv"]
+    result = import_logs(files, names=[NAMES], explain=[3])
+    dives = result.dives
+    assert (dives["fix_before_by"] == "place").all()  # the table states nothing of its fixes
+    assert (dives["dr_by"] == "logged").all()
+    assert dives["covered"].between(0.9, 1.0).all()
+    assert (dives["gap_s"] <= result.basis.longest_gap).all()
+    assert result.basis.heading == "true"
+    rows = basis_rows(dives, result.basis)
+    assert len(rows) == 24
+    assert all(len(row) == len(COLUMNS) for row in rows)
+    told = dict(explained_rows(result, result.pictures[0]))
+    assert told["counts?"] == "yes"
+    assert told["fix before"].startswith(dives["t_start"].iloc[2])
+    with pytest.raises(InputError, match="given 25, expected the number of a leg, 1 to 24"):
+        import_logs(files, names=[NAMES], explain=[25])
+
+
+def test_explaining_a_leg_draws_it_and_tells_it(raw_folder, tmp_path):
+    files = [raw_folder / "one.csv", raw_folder / "two.csv"]
+    told = run("import", *files, "--out", "data", "--explain", 3, "--map", NAMES, cwd=tmp_path)
+    assert told.returncode == 0, told.stderr
+    assert "longest gap under water" in told.stdout
+    assert (tmp_path / "data" / "figures" / "leg-3.svg").is_file()
+    assert "Leg 3: what it rests on" in (tmp_path / "data" / "report.html").read_text()
